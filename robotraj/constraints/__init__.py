@@ -1,0 +1,35 @@
+"""Constraints: small frozen values, each written once and read by transcription, witness and printing."""
+
+from robotraj.constraints.base import AtEnd, AtStart, BoundConstraint, Constraint, Row, Where
+from robotraj.constraints.between import Between, Bounds, as_bounds, between
+from robotraj.constraints.clearance import GroundClearance
+from robotraj.constraints.frame_pose import FramePose, FramePosition
+from robotraj.constraints.ground import Flat, Ground, HeightFunction, Slope
+from robotraj.constraints.joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity, own_limits
+from robotraj.constraints.path import PathConstraint
+
+__all__ = [
+    "AtEnd",
+    "AtStart",
+    "Between",
+    "BoundConstraint",
+    "Bounds",
+    "Constraint",
+    "Flat",
+    "FramePose",
+    "FramePosition",
+    "Ground",
+    "GroundClearance",
+    "HeightFunction",
+    "JointAcceleration",
+    "JointEffort",
+    "JointPosition",
+    "JointVelocity",
+    "PathConstraint",
+    "Row",
+    "Slope",
+    "Where",
+    "as_bounds",
+    "between",
+    "own_limits",
+]

@@ -1,0 +1,110 @@
+"""Limits on joint positions, velocities, accelerations and efforts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from robotraj.constraints.base import BoundConstraint, Constraint, Row, robot_of
+from robotraj.constraints.between import Between, as_bounds
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+    from robotraj.robot import Limits
+
+UNITS = {
+    "q": {"rad": "rad", "m": "m"},
+    "v": {"rad": "rad/s", "m": "m/s"},
+    "a": {"rad": "rad/s^2", "m": "m/s^2"},
+    "tau": {"rad": "N m", "m": "N"},
+}
+
+
+@dataclass(frozen=True)
+class JointLimit(Constraint):
+    """Bounds on one joint quantity, lower <= s_j <= upper for each joint j.
+
+    Parameters
+    ----------
+    bounds : Between, number, sequence or mapping by joint
+        ``rt.between(-1, 1)`` for all joints, ``{"elbow": rt.between(0, 2)}`` for some.
+    """
+
+    bounds: Any
+
+    prefix: ClassVar[str]
+    quantity: ClassVar[str]
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Write one row for each joint that is bounded on a side."""
+        robot = robot_of(dynamics, type(self).__name__)
+        joints = list(robot.actuated if self.prefix == "tau" else robot.joint_names)
+        lower, upper = as_bounds(self.bounds, joints, self.quantity)
+        unit_of = dict(zip(robot.joint_names, robot.units, strict=True))
+        known = {v.name for v in (*dynamics.states, *dynamics.algebraic, *dynamics.controls)}
+        rows = []
+        for joint, low, high in zip(joints, lower, upper, strict=True):
+            if np.isinf(low) and np.isinf(high):
+                continue
+            name = f"{self.prefix}.{joint}"
+            unit = UNITS[self.prefix][unit_of[joint]]
+            variable = name if name in known else None
+            rows.append(Row(self.quantity, unit, float(low), float(high), joint, variable))
+        indices = [joints.index(str(row.joint)) for row in rows]
+        prefix = self.prefix
+
+        def expression(point: Any) -> list[Any]:
+            values = getattr(point, prefix)
+            return [values[i] for i in indices]
+
+        return BoundConstraint(self.quantity, tuple(rows), expression)
+
+
+@dataclass(frozen=True)
+class JointPosition(JointLimit):
+    """Bounds on joint positions q [rad, m]."""
+
+    prefix: ClassVar[str] = "q"
+    quantity: ClassVar[str] = "position limit"
+
+
+@dataclass(frozen=True)
+class JointVelocity(JointLimit):
+    """Bounds on joint velocities v [rad/s, m/s]."""
+
+    prefix: ClassVar[str] = "v"
+    quantity: ClassVar[str] = "velocity limit"
+
+
+@dataclass(frozen=True)
+class JointAcceleration(JointLimit):
+    """Bounds on joint accelerations a [rad/s^2, m/s^2]."""
+
+    prefix: ClassVar[str] = "a"
+    quantity: ClassVar[str] = "acceleration limit"
+
+
+@dataclass(frozen=True)
+class JointEffort(JointLimit):
+    """Bounds on the torques and forces tau of the actuated joints [N m, N]."""
+
+    prefix: ClassVar[str] = "tau"
+    quantity: ClassVar[str] = "effort limit"
+
+
+def own_limits(limits: Limits, actuated: Sequence[str]) -> tuple[JointLimit, ...]:
+    """Write a robot's limits as constraints: position, velocity, acceleration, effort."""
+    indices = [list(limits.joints).index(joint) for joint in actuated]
+
+    def symmetric(values: Any) -> Between:
+        return Between(-np.asarray(values), np.asarray(values))
+
+    return (
+        JointPosition(Between(limits.position_lower, limits.position_upper)),
+        JointVelocity(symmetric(limits.velocity)),
+        JointAcceleration(symmetric(limits.acceleration)),
+        JointEffort(symmetric(limits.effort[indices])),
+    )

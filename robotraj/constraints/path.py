@@ -1,0 +1,82 @@
+"""Any expression of a Point, bounded along the phase."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj.constraints.base import BoundConstraint, Constraint, Row, symbols_of
+from robotraj.dynamics.system import as_rows
+from robotraj.errors import InputError
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class PathConstraint(Constraint):
+    """lower <= expression(point) <= upper at every collocation point.
+
+    Parameters
+    ----------
+    expression : callable
+        ``expression(point)`` returns a scalar or a vector.
+    lower, upper : float or sequence, optional
+        Bounds in the unit of the expression; None leaves the side open.
+    name, unit : str
+        For reports.
+
+    Raises
+    ------
+    InputError
+        On binding: bounds of a wrong length, NaN, crossed or both open; an expression that fails on a point.
+    """
+
+    expression: Callable[[Any], Any]
+    lower: Any = None
+    upper: Any = None
+    name: str = "path constraint"
+    unit: str = ""
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Try the expression on symbols, count its rows and pair them with bounds."""
+        what = f"expression of {self.name!r}"
+        count = len(as_rows(self.expression(symbols_of(dynamics, parameters)), what))
+        lower = self._side(self.lower, -np.inf, count)
+        upper = self._side(self.upper, np.inf, count)
+        for i in range(count):
+            if not lower[i] <= upper[i]:
+                raise InputError(
+                    f"{self.name!r}: row {i} has lower bound {lower[i]:g} above its upper bound {upper[i]:g}."
+                )
+            if np.isinf(lower[i]) and np.isinf(upper[i]):
+                raise InputError(f"{self.name!r} bounds nothing: give lower= or upper=.")
+        names = [self.name] if count == 1 else [f"{self.name}[{i}]" for i in range(count)]
+        rows = tuple(Row(n, self.unit, lo, up) for n, lo, up in zip(names, lower, upper, strict=True))
+        user = self.expression
+
+        def expression(point: Any) -> list[Any]:
+            return flat(user(point))
+
+        return BoundConstraint(self.name, rows, expression)
+
+    def _side(self, value: Any, default: float, count: int) -> list[float]:
+        array = np.asarray(default if value is None else value, dtype=float).ravel()
+        if array.size not in (1, count):
+            raise InputError(f"{self.name!r} has {count} rows but a bound of {array.size} values.")
+        if np.isnan(array).any():
+            raise InputError(f"{self.name!r} has a bound that is NaN; use None for an open side.")
+        return [float(b) for b in np.broadcast_to(array, (count,))]
+
+
+def flat(values: Any) -> list[Any]:
+    """Entries of a scalar, list or column, symbolic or numeric, left as they are."""
+    if hasattr(values, "numel"):
+        return [values[i] for i in range(values.numel())]
+    if isinstance(values, Sequence) or (hasattr(values, "ravel") and np.ndim(values) > 0):
+        parts = values.ravel() if hasattr(values, "ravel") else values
+        return [entry for part in parts for entry in flat(part)]
+    return [values]

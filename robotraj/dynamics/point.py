@@ -1,0 +1,133 @@
+"""The Point: everything known at one instant, as every user expression sees it.
+
+In the NLP a point holds CasADi symbols (this file), in the witness it holds numbers from plain Pinocchio
+(``robotraj.witness``). An expression written once is evaluated by both.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+
+from robotraj.dynamics.variable import Named
+from robotraj.errors import InputError
+
+if TYPE_CHECKING:
+    from robotraj.robot import Robot
+
+
+class Point:
+    """What is known at one instant of a phase.
+
+    Attributes
+    ----------
+    t : scalar
+        Time [s].
+    x, z, u, p : Named
+        States, algebraic variables, controls and parameters by name. At the ends of a phase (Mayer terms and
+        links) only ``t``, ``x`` and ``p`` exist.
+    """
+
+    def __init__(self, t: Any, x: Named, z: Named, u: Named, p: Named) -> None:
+        self.t = t
+        self.x = x
+        self.z = z
+        self.u = u
+        self.p = p
+
+
+class RobotPoint(Point):
+    """A point of a robot: adds joint vectors, frames and the centre of mass.
+
+    Attributes
+    ----------
+    q, v, a : column (nv,)
+        Joint positions [rad, m], velocities and accelerations.
+    tau : column (nu,)
+        Torques of the actuated joints [N m, N].
+    forces : Named
+        Contact forces by contact name [N].
+    """
+
+    def __init__(
+        self, t: Any, x: Named, z: Named, u: Named, p: Named, robot: Robot, q: Any, v: Any, a: Any, tau: Any
+    ) -> None:
+        super().__init__(t, x, z, u, p)
+        self._robot = robot
+        self._a = a
+        self._tau = tau
+        self._frames: dict[str, FrameView] = {}
+        self.q = q
+        self.v = v
+        self.forces = Named("contact", (), ())
+
+    @property
+    def a(self) -> Any:
+        """Joint accelerations (nv,) [rad/s^2, m/s^2]."""
+        if self._a is None:
+            raise InputError("Accelerations are not known at the end points of a phase; use a path constraint there.")
+        return self._a
+
+    @property
+    def tau(self) -> Any:
+        """Torques of the actuated joints (nu,) [N m, N]."""
+        if self._tau is None:
+            raise InputError("Torques are not known at the end points of a phase; use a path constraint there.")
+        return self._tau
+
+    def frame(self, name: str) -> FrameView:
+        """Pose and motion of a frame of the robot, in world axes."""
+        self._robot.frame(name)
+        if name not in self._frames:
+            self._frames[name] = FrameView(self, name)
+        return self._frames[name]
+
+    @cached_property
+    def _center_of_mass(self) -> Any:
+        still = ca.SX.zeros(self._robot.nv)
+        return self._robot.symbolic.center_of_mass(self.q, self.v, still if self._a is None else self._a)
+
+    @property
+    def com(self) -> Any:
+        """Centre of mass (3,) [m] in the world."""
+        return self._center_of_mass[0]
+
+    @cached_property
+    def momentum(self) -> Any:
+        """Centroidal momentum (6,): linear [kg m/s], angular [kg m^2/s]."""
+        return self._robot.symbolic.centroidal_momentum(self.q, self.v)
+
+
+class FrameView:
+    """Pose and motion of one frame, symbolic; every property is built when first read."""
+
+    def __init__(self, point: RobotPoint, name: str) -> None:
+        self._point = point
+        self._name = name
+        self._symbolic = point._robot.symbolic
+
+    @cached_property
+    def _placement(self) -> Any:
+        return self._symbolic.frame_placement(self._name)(self._point.q)
+
+    @property
+    def position(self) -> Any:
+        """Origin of the frame in the world (3,) [m]."""
+        return self._placement[0]
+
+    @property
+    def rotation(self) -> Any:
+        """Rotation matrix from frame to world (3, 3)."""
+        return self._placement[1]
+
+    @cached_property
+    def velocity(self) -> Any:
+        """Linear then angular velocity (6,) [m/s, rad/s], local-world-aligned."""
+        return self._symbolic.frame_velocity(self._name)(self._point.q, self._point.v)
+
+    @cached_property
+    def acceleration(self) -> Any:
+        """Classical acceleration (6,) [m/s^2, rad/s^2], local-world-aligned."""
+        return self._symbolic.frame_acceleration(self._name)(self._point.q, self._point.v, self._point.a)

@@ -1,0 +1,167 @@
+"""Any ODE or semi-explicit DAE written with CasADi."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+
+from robotraj.dynamics.point import Point
+from robotraj.dynamics.variable import Named, Variable
+from robotraj.errors import InputError, unknown_name
+
+Expression = Callable[[Any], Any]
+
+
+@dataclass(frozen=True, init=False)
+class System:
+    """A system given by its equations: xdot = f, 0 = g.
+
+    Parameters
+    ----------
+    states, controls, algebraic : sequence of str
+        Names of the scalars; ``point.x[name]``, ``point.u[name]``, ``point.z[name]`` read them.
+    dynamics : callable
+        ``dynamics(point)`` returns the rates of the states, in their order.
+    residual : callable, optional
+        ``residual(point)`` returns one row per algebraic variable; the rows are held at zero (index 1: solvable
+        for z).
+    units : mapping of str to str, optional
+        SI units by name, for reports and plots.
+    name : str
+
+    Raises
+    ------
+    InputError
+        Names that repeat, a wrong number of rates or rows, an algebraic variable without a residual.
+
+    Examples
+    --------
+    >>> block = System(states=["x", "v"], controls=["u"], dynamics=lambda point: [point.x["v"], point.u["u"]])
+    """
+
+    states: tuple[Variable, ...]
+    controls: tuple[Variable, ...]
+    algebraic: tuple[Variable, ...]
+    dynamics: Expression = field(repr=False)
+    residual: Expression | None = field(repr=False)
+    name: str
+
+    def __init__(
+        self,
+        states: Sequence[str],
+        controls: Sequence[str] = (),
+        dynamics: Expression | None = None,
+        *,
+        algebraic: Sequence[str] = (),
+        residual: Expression | None = None,
+        units: Mapping[str, str] | None = None,
+        name: str = "system",
+    ) -> None:
+        if dynamics is None:
+            raise InputError(f"System {name!r} needs dynamics=: a function of a point that returns the state rates.")
+        for kind, given in (("states", states), ("controls", controls), ("algebraic", algebraic)):
+            if isinstance(given, str):
+                raise InputError(f"System {name!r}: {kind} must be a list of names, got the string {given!r}.")
+        every = [*states, *controls, *algebraic]
+        if not states:
+            raise InputError(f"System {name!r} has no states.")
+        twice = [n for n, count in Counter(every).items() if count > 1]
+        if twice:
+            raise InputError(f"System {name!r}: the name {twice[0]!r} is used twice; every variable needs its own.")
+        if bool(algebraic) != (residual is not None):
+            raise InputError(
+                f"System {name!r}: algebraic variables and residual= come together "
+                f"({len(algebraic)} variables, residual {'given' if residual else 'missing'})."
+            )
+        units = dict(units or {})
+        for key in units:
+            if key not in every:
+                raise unknown_name("variable", key, every, "units= names states, controls and algebraic variables.")
+
+        def make(names: Sequence[str], quantity: str) -> tuple[Variable, ...]:
+            return tuple(Variable(n, units.get(n, ""), quantity) for n in names)
+
+        object.__setattr__(self, "states", make(states, "state"))
+        object.__setattr__(self, "controls", make(controls, "control"))
+        object.__setattr__(self, "algebraic", make(algebraic, "algebraic variable"))
+        object.__setattr__(self, "dynamics", dynamics)
+        object.__setattr__(self, "residual", residual)
+        object.__setattr__(self, "name", name)
+
+
+@dataclass(frozen=True)
+class SystemDynamics:
+    """A System seen through the DAE protocol."""
+
+    system: System
+
+    @property
+    def states(self) -> tuple[Variable, ...]:
+        """The entries of x."""
+        return self.system.states
+
+    @property
+    def algebraic(self) -> tuple[Variable, ...]:
+        """The entries of z."""
+        return self.system.algebraic
+
+    @property
+    def controls(self) -> tuple[Variable, ...]:
+        """The entries of u."""
+        return self.system.controls
+
+    @property
+    def residuals(self) -> tuple[Variable, ...]:
+        """The rows of g, one per algebraic variable."""
+        return tuple(Variable(f"residual {i}", "", "residual") for i in range(len(self.system.algebraic)))
+
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
+        """Wrap columns of symbols as a Point."""
+        return Point(
+            t,
+            Named("state", [s.name for s in self.system.states], x),
+            Named("algebraic variable", [s.name for s in self.system.algebraic] if z is not None else [], z),
+            Named("control", [s.name for s in self.system.controls] if u is not None else [], u),
+            Named("parameter", names, p),
+        )
+
+    def rates(self, point: Any) -> ca.SX:
+        """Evaluate the state rates f."""
+        return _column(self.system.dynamics(point), len(self.system.states), f"dynamics of {self.system.name!r}", "state")
+
+    def residual(self, point: Any) -> ca.SX:
+        """Evaluate the algebraic rows g."""
+        rows = self.system.residual
+        if rows is None:
+            return ca.SX(0, 1)
+        return _column(
+            rows(point), len(self.system.algebraic), f"residual of {self.system.name!r}", "algebraic variable"
+        )
+
+
+def _column(values: Any, length: int, what: str, per: str) -> ca.SX:
+    """Turn what a user returned into an SX column of the right length, or say what is wrong."""
+    rows = as_rows(values, what)
+    if len(rows) != length:
+        raise InputError(f"The {what} returned {len(rows)} values; it must return {length}, one per {per}.")
+    return ca.vertcat(*rows) if rows else ca.SX(0, 1)
+
+
+def as_rows(values: Any, what: str) -> list[ca.SX]:
+    """Flatten a scalar, a list or a CasADi/NumPy column that a user expression returned into a list of SX."""
+    try:
+        if isinstance(values, ca.SX | ca.DM | ca.MX):
+            column = ca.SX(values)
+            return [column[i] for i in range(column.numel())]
+        if isinstance(values, Sequence) or hasattr(values, "ravel"):
+            parts = values.ravel() if hasattr(values, "ravel") else values
+            return [row for part in parts for row in as_rows(part, what)]
+        return [ca.SX(values)]
+    except (TypeError, RuntimeError) as error:
+        raise InputError(
+            f"The {what} must return numbers or CasADi SX expressions of the point, got {type(values).__name__}."
+        ) from error

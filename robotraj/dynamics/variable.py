@@ -1,0 +1,69 @@
+"""A named scalar of the optimal control problem, and the named vectors that users index."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from robotraj.errors import unknown_name
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One scalar state, algebraic variable, control or residual row.
+
+    Attributes
+    ----------
+    name : str
+        Unique within its vector, for example ``"q.elbow"``.
+    unit : str
+        SI unit, ``""`` when unknown.
+    quantity : str
+        What a person calls it: ``"position"``, ``"velocity"``, ``"effort"``, ``"state"`` ...
+    joint : str or None
+        The joint it belongs to, if it belongs to one.
+    """
+
+    name: str
+    unit: str = ""
+    quantity: str = "variable"
+    joint: str | None = None
+
+    @property
+    def label(self) -> str:
+        """The joint's name where there is one, else the variable's."""
+        return self.joint if self.joint is not None else self.name
+
+
+class Named(Mapping[str, Any]):
+    """A vector read by name: ``point.x["v"]``; an unknown name is refused with the valid ones.
+
+    Parameters
+    ----------
+    kind : str
+        What the entries are, for the error message: ``"state"``, ``"control"`` ...
+    names : sequence of str
+        One name an entry.
+    values : indexable of len(names)
+        A CasADi column or a NumPy array.
+    """
+
+    def __init__(self, kind: str, names: Sequence[str], values: Any) -> None:
+        self._kind = kind
+        self._index = {name: i for i, name in enumerate(names)}
+        self._values = values
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._index:
+            raise unknown_name(self._kind, name, self._index)
+        return self._values[self._index[name]]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._index
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._index)
+
+    def __len__(self) -> int:
+        return len(self._index)

@@ -1,0 +1,89 @@
+"""Objectives: sums of weighted Lagrange terms (integrals) and Mayer terms (of the end points)."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj.errors import InputError
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+class Objective(ABC):
+    """What a phase minimises. Objectives add up and scale: ``rt.Effort() + 0.1 * rt.Duration()``."""
+
+    @property
+    @abstractmethod
+    def terms(self) -> tuple[tuple[float, Integral | EndCost], ...]:
+        """Weights and the elementary terms they multiply."""
+
+    def __add__(self, other: Objective) -> Objective:
+        if not isinstance(other, Objective):
+            return NotImplemented
+        return Sum((*self.terms, *other.terms))
+
+    def __radd__(self, other: Any) -> Objective:
+        # sum([...]) starts from the integer 0.
+        return self if other == 0 else NotImplemented
+
+    def __mul__(self, weight: float) -> Objective:
+        if not np.isscalar(weight) or not np.isfinite(weight):  # type: ignore[call-overload]
+            raise InputError(f"An objective can be multiplied by a finite number, not by {weight!r}.")
+        return Sum(tuple((float(weight) * w, term) for w, term in self.terms))
+
+    __rmul__ = __mul__
+
+
+@dataclass(frozen=True)
+class Sum(Objective):
+    """A weighted sum of elementary terms."""
+
+    parts: tuple[tuple[float, Integral | EndCost], ...] = ()
+
+    @property
+    def terms(self) -> tuple[tuple[float, Integral | EndCost], ...]:
+        """Weights and terms."""
+        return self.parts
+
+    def __str__(self) -> str:
+        return " + ".join(f"{weight:g} {term}" if weight != 1 else str(term) for weight, term in self.parts)
+
+
+class Integral(Objective):
+    """An elementary Lagrange term: the integral of a rate over the phase."""
+
+    @property
+    def terms(self) -> tuple[tuple[float, Integral | EndCost], ...]:
+        """Itself, once."""
+        return ((1.0, self),)
+
+    @abstractmethod
+    def rate(self, point: Any) -> Any:
+        """Integrand at a point, a scalar."""
+
+    @abstractmethod
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Raise InputError where the term names what the dynamics do not have."""
+
+
+class EndCost(Objective):
+    """An elementary Mayer term: a function of the phase's two end points."""
+
+    @property
+    def terms(self) -> tuple[tuple[float, Integral | EndCost], ...]:
+        """Itself, once."""
+        return ((1.0, self),)
+
+    @abstractmethod
+    def value(self, start: Any, end: Any) -> Any:
+        """Cost of the two end points, a scalar."""
+
+    @abstractmethod
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Raise InputError where the term names what the dynamics do not have."""

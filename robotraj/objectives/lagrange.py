@@ -1,0 +1,32 @@
+"""Any expression of a Point, integrated over the phase."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from robotraj.constraints.base import symbols_of
+from robotraj.dynamics.system import as_rows
+from robotraj.errors import InputError
+from robotraj.objectives.base import Integral
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class Lagrange(Integral):
+    """Integral of ``expression(point)`` over the phase: ``rt.Lagrange(lambda point: point.u["u"] ** 2)``."""
+
+    expression: Callable[[Any], Any]
+
+    def rate(self, point: Any) -> Any:
+        """Integrand at a point."""
+        return self.expression(point)
+
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Try the expression on symbols."""
+        rows = as_rows(self.expression(symbols_of(dynamics, parameters)), "Lagrange expression")
+        if len(rows) != 1:
+            raise InputError(f"A Lagrange expression must return one scalar; it returned {len(rows)}.")

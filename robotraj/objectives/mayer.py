@@ -1,0 +1,36 @@
+"""Any expression of a phase's two end points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from robotraj.constraints.base import ends_of
+from robotraj.dynamics.system import as_rows
+from robotraj.errors import InputError
+from robotraj.objectives.base import EndCost
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class Mayer(EndCost):
+    """Cost of the end points: ``rt.Mayer(lambda start, end: end.x["m"])``.
+
+    The end points know ``t``, ``x``, ``p`` and, for robots, ``q``, ``v``, frames and the centre of mass.
+    """
+
+    expression: Callable[[Any, Any], Any]
+
+    def value(self, start: Any, end: Any) -> Any:
+        """Cost of the end points."""
+        return self.expression(start, end)
+
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Try the expression on symbols."""
+        start, end = ends_of(dynamics, parameters)
+        rows = as_rows(self.expression(start, end), "Mayer expression")
+        if len(rows) != 1:
+            raise InputError(f"A Mayer expression must return one scalar; it returned {len(rows)}.")
