@@ -1,0 +1,13 @@
+"""Pinocchio's algorithms as CasADi functions, for any ``pinocchio.Model``.
+
+It stands by itself: whoever wants ``pinocchio.casadi`` from wheels can use only this.
+
+>>> import pinocchio, robotraj.symbolic
+>>> symbolic = robotraj.symbolic.SymbolicModel(pinocchio.buildSampleModelManipulator())
+>>> symbolic.inverse_dynamics
+Function(inverse_dynamics:(q[6],v[6],a[6],fext[6x7])->(tau[6]) SXFunction)
+"""
+
+from robotraj.symbolic.model import SymbolicModel
+
+__all__ = ["SymbolicModel"]

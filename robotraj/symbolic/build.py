@@ -1,0 +1,72 @@
+"""Loading the compiled module, and refusing one that does not fit what is installed."""
+
+from __future__ import annotations
+
+from importlib import metadata
+from types import ModuleType
+
+import casadi
+import pinocchio
+
+from robotraj.errors import BuildMismatch
+
+_REMEDY = "Rebuild robotraj in this environment: pip install --force-reinstall --no-deps robotraj (or '.' in its folder)."
+
+
+def check_versions(graphs: ModuleType) -> None:
+    """Compare what the compiled module was built against with what is installed.
+
+    The libraries' names carry no usable version: a module built against another version of libpinocchio
+    loads all the same, and then reads its memory wrongly. So the versions must be equal, not just near.
+
+    Parameters
+    ----------
+    graphs : module
+        The compiled module, or anything with its ``PINOCCHIO_VERSION`` and ``CASADI_VERSION``.
+
+    Raises
+    ------
+    BuildMismatch
+        When pinocchio, libpinocchio or casadi is of another version.
+    """
+    installed = {"pinocchio": pinocchio.__version__, "casadi": casadi.__version__}
+    built = {"pinocchio": graphs.PINOCCHIO_VERSION, "casadi": graphs.CASADI_VERSION}
+    try:
+        installed["libpinocchio"] = metadata.version("libpinocchio")
+        built["libpinocchio"] = graphs.PINOCCHIO_VERSION
+    except metadata.PackageNotFoundError:
+        pass  # pinocchio came from elsewhere than its wheels; its own version was compared
+    for name, version in installed.items():
+        if version != built[name]:
+            raise BuildMismatch(
+                f"robotraj's compiled module was built against {name} {built[name]}, "
+                f"but {name} {version} is installed. {_REMEDY}"
+            )
+
+
+def load_graphs() -> ModuleType:
+    """Import the compiled module and check it.
+
+    Returns
+    -------
+    module
+        ``robotraj.symbolic._graphs``.
+
+    Raises
+    ------
+    BuildMismatch
+        When the module is missing, cannot be loaded, or was built against other versions.
+
+    Notes
+    -----
+    casadi and pinocchio are imported above, so their libraries are in the process already and the module
+    binds to those, wherever they are installed.
+    """
+    try:
+        from robotraj.symbolic import _graphs
+    except ImportError as error:
+        raise BuildMismatch(
+            f"robotraj's compiled module could not be loaded ({error}). {_REMEDY}"
+        ) from error
+    check_versions(_graphs)
+    return _graphs

@@ -1,0 +1,257 @@
+"""SymbolicModel: one lazily built ``casadi.Function`` per algorithm of Pinocchio."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj.errors import InputError, unknown_name
+from robotraj.symbolic.build import load_graphs
+
+_graphs = load_graphs()
+
+LOCAL_WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+
+@lru_cache(maxsize=8)
+def _compiled_model(text: str, parametric: bool) -> Any:
+    return _graphs.Graphs(text, parametric)
+
+
+@lru_cache(maxsize=512)
+def _function(text: str, parametric: bool, algorithm: str, *arguments: int) -> ca.Function:
+    """Build one function; kept per process, since a Function is immutable and equal models share it."""
+    serialized = getattr(_compiled_model(text, parametric), algorithm)(*arguments)
+    return ca.Function.deserialize(serialized.decode("latin-1"))
+
+
+class SymbolicModel:
+    """The dynamics and kinematics of one model as ``casadi.Function`` objects with named inputs and outputs.
+
+    Every function is a graph of scalar operations (``SXFunction``), built when first asked for and kept. The
+    numbers of the model are constants of the graph, so multiplications by zero are gone; an input passed as
+    zeros to a call with ``SX`` arguments (``fext`` above all) vanishes from the result as well.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        Any model without active mimic joints. It is copied; later changes to it have no effect.
+    parametric : bool
+        When true, every function takes two more inputs at the end, for planning together with design:
+        ``inertias`` (10 x njoints; per joint ``model.inertias[i].toDynamicParameters()``: mass [kg], mass times
+        centre [kg m], inertia about the joint's origin Ixx, Ixy, Iyy, Ixz, Iyz, Izz [kg m^2]) and
+        ``translations`` (3 x njoints; per joint ``model.jointPlacements[i].translation`` [m]). Column 0, the
+        universe, is not used. The model's own values are ``model_inertias`` and ``model_translations``.
+
+    Raises
+    ------
+    InputError
+        When the model has active mimic joints, for which Pinocchio has no forward dynamics.
+
+    Notes
+    -----
+    Shapes and units: ``q`` nq [rad, m, or cos, sin and quaternions as the joint has them], ``v`` and ``a`` nv
+    [rad/s, m/s; /s^2], ``tau`` nv [N m, N], ``fext`` 6 x njoints: wrenches on the joints' bodies in the joints'
+    frames, force first [N, N m]. Column 0 (the universe) of ``fext`` is not used. Spatial vectors are linear
+    part first. Armature enters as Pinocchio does it; damping, friction and rotor inertia do not. A quaternion
+    in ``q`` is (x, y, z, w) and must have length 1.
+
+    Source: Pinocchio's algorithms (Featherstone, Rigid Body Dynamics Algorithms, 2008), on ``casadi::SX``.
+
+    Examples
+    --------
+    >>> model = pin.buildSampleModelManipulator()
+    >>> symbolic = SymbolicModel(model)
+    >>> tau = symbolic.inverse_dynamics(pin.neutral(model), [0.0] * 6, [0.0] * 6, 0)
+    """
+
+    def __init__(self, model: pin.Model, *, parametric: bool = False) -> None:
+        mimic = [n for n, j in zip(model.names, model.joints, strict=True) if j.shortname() == "JointModelMimic"]
+        if mimic:
+            raise InputError(
+                f"The model has active mimic joints ({', '.join(mimic)}), for which Pinocchio has no forward "
+                "dynamics; build the model with mimic=False, or lock them with pinocchio.buildReducedModel."
+            )
+        self._model = model.copy()
+        self._text: str = self._model.saveToString()
+        self._parametric = bool(parametric)
+
+    def __repr__(self) -> str:
+        kind = ", parametric=True" if self._parametric else ""
+        return f"SymbolicModel({self._model.name!r}, nq={self._model.nq}, nv={self._model.nv}{kind})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as the model alone; functions are built again where they are wanted."""
+        return _restore, (self._model, self._parametric)
+
+    @property
+    def model(self) -> pin.Model:
+        """A copy of the model the functions were made from."""
+        return self._model.copy()
+
+    @property
+    def parametric(self) -> bool:
+        """Whether the functions take ``inertias`` and ``translations`` as inputs."""
+        return self._parametric
+
+    @property
+    def model_inertias(self) -> npt.NDArray[np.float64]:
+        """The model's own value of the input ``inertias``, 10 x njoints (see the class)."""
+        return np.column_stack([inertia.toDynamicParameters() for inertia in self._model.inertias])
+
+    @property
+    def model_translations(self) -> npt.NDArray[np.float64]:
+        """The model's own value of the input ``translations``, 3 x njoints [m]."""
+        return np.column_stack([placement.translation for placement in self._model.jointPlacements])
+
+    # -- dynamics ---------------------------------------------------------------------------------------------
+
+    @property
+    def forward_dynamics(self) -> ca.Function:
+        """``(q, v, tau, fext) -> (a)``: the accelerations under joint torques and external wrenches.
+
+        M(q) a = tau - nle(q, v) + sum_i J_i(q)' fext_i, by the articulated-body algorithm (ABA), order nv.
+        """
+        return self._of_model("forward_dynamics")
+
+    @property
+    def inverse_dynamics(self) -> ca.Function:
+        """``(q, v, a, fext) -> (tau)``: the torques that give the accelerations.
+
+        tau = M(q) a + nle(q, v) - sum_i J_i(q)' fext_i, by the recursive Newton-Euler algorithm (RNEA).
+        """
+        return self._of_model("inverse_dynamics")
+
+    @property
+    def mass_matrix(self) -> ca.Function:
+        """``(q) -> (M)``: the joint-space inertia matrix, nv x nv, symmetric and dense, by CRBA."""
+        return self._of_model("mass_matrix")
+
+    @property
+    def nonlinear_effects(self) -> ca.Function:
+        """``(q, v) -> (nle)``: Coriolis, centrifugal and gravity torques, nv."""
+        return self._of_model("nonlinear_effects")
+
+    @property
+    def gravity(self) -> ca.Function:
+        """``(q) -> (g)``: the gradient of the potential energy in the tangent space, nv."""
+        return self._of_model("gravity")
+
+    # -- energy, centre of mass, momentum ---------------------------------------------------------------------
+
+    @property
+    def kinetic_energy(self) -> ca.Function:
+        """``(q, v) -> (energy)``: v' M(q) v / 2 [J], armature included."""
+        return self._of_model("kinetic_energy")
+
+    @property
+    def potential_energy(self) -> ca.Function:
+        """``(q) -> (energy)``: minus the sum of m_i g' c_i(q) [J], zero for centres at the world's origin."""
+        return self._of_model("potential_energy")
+
+    @property
+    def center_of_mass(self) -> ca.Function:
+        """``(q, v, a) -> (position, velocity, acceleration)`` of the centre of mass, 3 each, in the world."""
+        return self._of_model("center_of_mass")
+
+    @property
+    def centroidal_momentum(self) -> ca.Function:
+        """``(q, v) -> (h)``: linear and angular momentum about the centre of mass, 6, world axes."""
+        return self._of_model("centroidal_momentum")
+
+    # -- configuration space ----------------------------------------------------------------------------------
+
+    @property
+    def integrate(self) -> ca.Function:
+        """``(q, dv) -> (q1)``: q moved by the tangent vector dv (nv) for unit time."""
+        return self._of_model("integrate")
+
+    @property
+    def difference(self) -> ca.Function:
+        """``(q0, q1) -> (dv)``: the tangent vector (nv) that takes q0 to q1; the inverse of ``integrate``."""
+        return self._of_model("difference")
+
+    @property
+    def configuration_rate(self) -> ca.Function:
+        """``(q, v) -> (qdot)``: the time derivative of q, of dimension nq, when the velocity is v.
+
+        qdot = v where a joint's position is a vector; (-s, c) v for (c, s) of a continuous joint; half the
+        quaternion product of the orientation with (omega, 0), omega in the body frame.
+        """
+        return self._of_model("configuration_rate")
+
+    # -- frames -----------------------------------------------------------------------------------------------
+
+    def frame_placement(self, frame: str) -> ca.Function:
+        """``(q) -> (position, rotation)``: where the frame is in the world: 3 [m] and 3 x 3.
+
+        Parameters
+        ----------
+        frame : str
+            Name of a frame of the model.
+
+        Raises
+        ------
+        UnknownName
+            When the model has no frame of that name.
+        """
+        return self._function("frame_placement", self._frame(frame))
+
+    def frame_velocity(self, frame: str, reference: pin.ReferenceFrame = LOCAL_WORLD_ALIGNED) -> ca.Function:
+        """``(q, v) -> (velocity)``: linear [m/s] and angular [rad/s] velocity of the frame, 6.
+
+        Parameters
+        ----------
+        frame : str
+            Name of a frame of the model.
+        reference : pinocchio.ReferenceFrame
+            Axes to express it in: at the frame's origin along the world's axes (the default), or the frame's own.
+
+        Raises
+        ------
+        UnknownName, InputError
+            When the model has no frame of that name, or the reference is no ``pinocchio.ReferenceFrame``.
+        """
+        return self._function("frame_velocity", self._frame(frame), _reference(reference))
+
+    def frame_acceleration(self, frame: str, reference: pin.ReferenceFrame = LOCAL_WORLD_ALIGNED) -> ca.Function:
+        """``(q, v, a) -> (acceleration)``: classical acceleration of the frame, 6 [m/s^2, rad/s^2].
+
+        Classical: the linear part is the second derivative of the origin's position, which the spatial
+        acceleration is not (they differ by omega x velocity). Parameters and errors as ``frame_velocity``.
+        """
+        return self._function("frame_acceleration", self._frame(frame), _reference(reference))
+
+    def frame_jacobian(self, frame: str, reference: pin.ReferenceFrame = LOCAL_WORLD_ALIGNED) -> ca.Function:
+        """``(q) -> (J)``: 6 x nv, with velocity = J(q) v. Parameters and errors as ``frame_velocity``."""
+        return self._function("frame_jacobian", self._frame(frame), _reference(reference))
+
+    # -- helpers ----------------------------------------------------------------------------------------------
+
+    def _of_model(self, algorithm: str) -> ca.Function:
+        return self._function(algorithm)
+
+    def _function(self, algorithm: str, *arguments: int) -> ca.Function:
+        return _function(self._text, self._parametric, algorithm, *arguments)
+
+    def _frame(self, name: str) -> int:
+        if not isinstance(name, str) or not self._model.existFrame(name):
+            raise unknown_name("frame", name, [frame.name for frame in self._model.frames])
+        return int(self._model.getFrameId(name))
+
+
+def _reference(reference: pin.ReferenceFrame) -> int:
+    if not isinstance(reference, pin.ReferenceFrame):
+        raise InputError(
+            f"reference is {reference!r}; give pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED or .LOCAL."
+        )
+    return int(reference)
+
+
+def _restore(model: pin.Model, parametric: bool) -> SymbolicModel:
+    return SymbolicModel(model, parametric=parametric)

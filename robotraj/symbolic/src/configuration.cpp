@@ -1,0 +1,91 @@
+// Moving on the configuration space, which is no vector space when a joint turns freely.
+#include "algorithms.hpp"
+#include "graph.hpp"
+
+#include <pinocchio/algorithm/joint-configuration.hpp>
+
+#include <boost/variant/get.hpp>
+
+#include <stdexcept>
+
+namespace robotraj {
+namespace {
+
+using Joint = pinocchio::JointModelTpl<SX>;
+using CompositeJoint = pinocchio::JointModelCompositeTpl<SX>;
+
+/// Rate of a unit quaternion (x, y, z, w) under the body's angular velocity: half of the product with (w, 0).
+Eigen::Matrix<SX, 4, 1> quaternion_rate(const Vector& quaternion, const Vector& omega) {
+  const SX &x = quaternion[0], &y = quaternion[1], &z = quaternion[2], &w = quaternion[3];
+  Eigen::Matrix<SX, 4, 1> rate;
+  rate << w * omega[0] + y * omega[2] - z * omega[1], w * omega[1] + z * omega[0] - x * omega[2],
+      w * omega[2] + x * omega[1] - y * omega[0], -(x * omega[0] + y * omega[1] + z * omega[2]);
+  return rate * SX(0.5);
+}
+
+/// Rotation matrix of a unit quaternion applied to a vector, without Eigen's products of the two halves.
+Eigen::Matrix<SX, 3, 1> rotated(const Vector& quaternion, const Vector& vector) {
+  const Eigen::Matrix<SX, 3, 1> axis = quaternion.head<3>(), velocity = vector;
+  const Eigen::Matrix<SX, 3, 1> cross = axis.cross(velocity) * SX(2);
+  return velocity + cross * quaternion[3] + axis.cross(cross);
+}
+
+void write_rate(const Joint& joint, const Vector& q, const Vector& v, Vector& rate) {
+  if (joint.shortname() == CompositeJoint::classname()) {
+    const auto& parts = boost::get<CompositeJoint>(joint.toVariant()).joints;
+    for (const auto& part : parts) write_rate(part, q, v, rate);
+    return;
+  }
+  const int nq = joint.nq(), nv = joint.nv();
+  const Vector here = q.segment(joint.idx_q(), nq), velocity = v.segment(joint.idx_v(), nv);
+  auto out = rate.segment(joint.idx_q(), nq);
+  const bool planar = joint.shortname() == pinocchio::JointModelPlanarTpl<SX>::classname();
+  if (nq == nv) {
+    out = velocity;
+  } else if (nq == 2 && nv == 1) {  // (cos, sin)
+    out << -here[1] * velocity[0], here[0] * velocity[0];
+  } else if (planar) {  // (x, y, cos, sin), velocity in the body frame
+    out << here[2] * velocity[0] - here[3] * velocity[1], here[3] * velocity[0] + here[2] * velocity[1],
+        -here[3] * velocity[2], here[2] * velocity[2];
+  } else if (nq == 4 && nv == 3) {  // quaternion
+    out = quaternion_rate(here, velocity);
+  } else if (nq == 7 && nv == 6) {  // position and quaternion, velocity in the body frame
+    out.head(3) = rotated(here.tail(4), velocity.head(3));
+    out.tail(4) = quaternion_rate(here.tail(4), velocity.tail(3));
+  } else {
+    throw std::invalid_argument("the rate of a joint of type " + joint.shortname() + " is not known");
+  }
+}
+
+}  // namespace
+
+std::string integrate(const SymbolicModel& symbolic) {
+  const Model& model = symbolic.model;
+  Graph graph(symbolic);
+  const Vector q = graph.input("q", model.nq);
+  const Vector dv = graph.input("dv", model.nv);
+  graph.output("q1", pinocchio::integrate(model, q, dv));
+  return graph.serialize("integrate");
+}
+
+std::string difference(const SymbolicModel& symbolic) {
+  const Model& model = symbolic.model;
+  Graph graph(symbolic);
+  const Vector q0 = graph.input("q0", model.nq);
+  const Vector q1 = graph.input("q1", model.nq);
+  graph.output("dv", pinocchio::difference(model, q0, q1));
+  return graph.serialize("difference");
+}
+
+std::string configuration_rate(const SymbolicModel& symbolic) {
+  const Model& model = symbolic.model;
+  Graph graph(symbolic);
+  const Vector q = graph.input("q", model.nq);
+  const Vector v = graph.input("v", model.nv);
+  Vector rate(model.nq);
+  for (std::size_t joint = 1; joint < model.joints.size(); ++joint) write_rate(model.joints[joint], q, v, rate);
+  graph.output("qdot", rate);
+  return graph.serialize("configuration_rate");
+}
+
+}  // namespace robotraj

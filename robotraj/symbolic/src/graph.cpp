@@ -1,0 +1,60 @@
+#include "graph.hpp"
+
+namespace robotraj {
+
+Matrix to_eigen(const SX& source) {
+  Matrix result(source.size1(), source.size2());
+  for (Eigen::Index j = 0; j < result.cols(); ++j)
+    for (Eigen::Index i = 0; i < result.rows(); ++i) result(i, j) = source(i, j);
+  return result;
+}
+
+SymbolicModel::SymbolicModel(const std::string& text, bool parametric_)
+    : model(read_model(text)), parametric(parametric_) {
+  if (!parametric) return;
+  const auto njoints = static_cast<casadi_int>(model.njoints);
+  inertias = SX::sym("inertias", 10, njoints);
+  translations = SX::sym("translations", 3, njoints);
+  const Matrix parameters = to_eigen(inertias);
+  for (std::size_t joint = 1; joint < static_cast<std::size_t>(model.njoints); ++joint) {
+    const auto column = parameters.col(static_cast<Eigen::Index>(joint));
+    const SX mass = column[0];
+    // A body of mass 0 has no centre; dividing by 1 instead keeps it and its derivatives finite.
+    const SX divisor = mass + (mass == 0);
+    const Eigen::Matrix<SX, 3, 1> lever(column[1] / divisor, column[2] / divisor, column[3] / divisor);
+    // I_origin = I_centre - m [c]x [c]x, in the order Ixx, Ixy, Iyy, Ixz, Iyz, Izz.
+    const SX x = lever[0], y = lever[1], z = lever[2];
+    Eigen::Matrix<SX, 6, 1> about_centre;
+    about_centre << column[4] - mass * (y * y + z * z), column[5] + mass * x * y,
+        column[6] - mass * (x * x + z * z), column[7] + mass * x * z, column[8] + mass * y * z,
+        column[9] - mass * (x * x + y * y);
+    model.inertias[joint] = Model::Inertia(mass, lever, Model::Inertia::Symmetric3(about_centre));
+    model.jointPlacements[joint].translation() =
+        to_eigen(translations(casadi::Slice(), static_cast<casadi_int>(joint)));
+  }
+}
+
+Matrix Graph::input(const std::string& name, Eigen::Index rows, Eigen::Index columns) {
+  inputs_.push_back(SX::sym(name, rows, columns));
+  input_names_.push_back(name);
+  return to_eigen(inputs_.back());
+}
+
+Vector Graph::input(const std::string& name, Eigen::Index rows) { return input(name, rows, 1).col(0); }
+
+void Graph::output(const std::string& name, const SX& expression) {
+  outputs_.push_back(SX::densify(expression));
+  output_names_.push_back(name);
+}
+
+std::string Graph::serialize(const std::string& name) const {
+  std::vector<SX> inputs = inputs_;
+  std::vector<std::string> input_names = input_names_;
+  if (symbolic_.parametric) {
+    inputs.insert(inputs.end(), {symbolic_.inertias, symbolic_.translations});
+    input_names.insert(input_names.end(), {"inertias", "translations"});
+  }
+  return casadi::Function(name, inputs, outputs_, input_names, output_names_).serialize();
+}
+
+}  // namespace robotraj

@@ -1,0 +1,74 @@
+// The common ground of all algorithms: Pinocchio's types on casadi::SX, and the making of a Function.
+#pragma once
+
+#include <pinocchio/autodiff/casadi.hpp>
+#include <pinocchio/multibody.hpp>
+
+#include <string>
+#include <vector>
+
+namespace robotraj {
+
+using casadi::SX;
+using Model = pinocchio::ModelTpl<SX>;
+using Data = pinocchio::DataTpl<SX>;
+using Force = pinocchio::ForceTpl<SX>;
+using Vector = Eigen::Matrix<SX, Eigen::Dynamic, 1>;
+using Matrix = Eigen::Matrix<SX, Eigen::Dynamic, Eigen::Dynamic>;
+
+/// Column-major dense copy; structural zeros become the constant 0, so every output has a fixed layout.
+template <typename Derived>
+SX to_casadi(const Eigen::MatrixBase<Derived>& source) {
+  SX result = SX::zeros(source.rows(), source.cols());
+  auto& elements = result.nonzeros();
+  for (Eigen::Index j = 0; j < source.cols(); ++j)
+    for (Eigen::Index i = 0; i < source.rows(); ++i)
+      elements[i + j * source.rows()] = source(i, j).scalar();
+  return result;
+}
+
+Matrix to_eigen(const SX& source);
+
+/// A model whose numbers are constants of the graph, or partly symbols of it.
+///
+/// With `parametric`, the inertial parameters (10 x njoints, Pinocchio's dynamic parameters
+/// m, m c, I about the joint origin) and the translations of the joint placements (3 x njoints)
+/// are symbols; column 0 belongs to the universe and is not used.
+struct SymbolicModel {
+  SymbolicModel(const std::string& text, bool parametric);
+
+  Model model;
+  bool parametric;
+  SX inertias;
+  SX translations;
+};
+
+/// The double-precision model read from Model::saveToString(), cast to SX (numbers become constants).
+Model read_model(const std::string& text);
+
+/// One function being built: its inputs are symbols in the order asked for, its outputs any expressions of them.
+class Graph {
+ public:
+  explicit Graph(const SymbolicModel& symbolic) : symbolic_(symbolic) {}
+
+  Vector input(const std::string& name, Eigen::Index rows);
+  Matrix input(const std::string& name, Eigen::Index rows, Eigen::Index columns);
+
+  template <typename Derived>
+  void output(const std::string& name, const Eigen::MatrixBase<Derived>& expression) {
+    output(name, to_casadi(expression));
+  }
+  void output(const std::string& name, const SX& expression);
+
+  /// The casadi::Function as casadi serialises it; symbolic parameters come last among the inputs.
+  std::string serialize(const std::string& name) const;
+
+ private:
+  const SymbolicModel& symbolic_;
+  std::vector<SX> inputs_;
+  std::vector<SX> outputs_;
+  std::vector<std::string> input_names_;
+  std::vector<std::string> output_names_;
+};
+
+}  // namespace robotraj
