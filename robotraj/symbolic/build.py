@@ -10,7 +10,9 @@ import pinocchio
 
 from robotraj.errors import BuildMismatch
 
-_REMEDY = "Rebuild robotraj in this environment: pip install --force-reinstall --no-deps robotraj (or '.' in its folder)."
+_REMEDY = (
+    "Build robotraj again in this environment: 'pip install --force-reinstall --no-deps .' in its folder."
+)
 
 
 def check_versions(graphs: ModuleType) -> None:
@@ -65,8 +67,6 @@ def load_graphs() -> ModuleType:
     try:
         from robotraj.symbolic import _graphs
     except ImportError as error:
-        raise BuildMismatch(
-            f"robotraj's compiled module could not be loaded ({error}). {_REMEDY}"
-        ) from error
+        raise BuildMismatch(f"robotraj's compiled module could not be loaded ({error}). {_REMEDY}") from error
     check_versions(_graphs)
     return _graphs

@@ -43,8 +43,8 @@ class SymbolicModel:
         Any model without active mimic joints. It is copied; later changes to it have no effect.
     parametric : bool
         When true, every function takes two more inputs at the end, for planning together with design:
-        ``inertias`` (10 x njoints; per joint ``model.inertias[i].toDynamicParameters()``: mass [kg], mass times
-        centre [kg m], inertia about the joint's origin Ixx, Ixy, Iyy, Ixz, Iyz, Izz [kg m^2]) and
+        ``inertias`` (10 x njoints; per joint ``model.inertias[i].toDynamicParameters()``: mass [kg], mass
+        times centre [kg m], inertia about the joint's origin Ixx, Ixy, Iyy, Ixz, Iyz, Izz [kg m^2]) and
         ``translations`` (3 x njoints; per joint ``model.jointPlacements[i].translation`` [m]). Column 0, the
         universe, is not used. The model's own values are ``model_inertias`` and ``model_translations``.
 
@@ -55,11 +55,11 @@ class SymbolicModel:
 
     Notes
     -----
-    Shapes and units: ``q`` nq [rad, m, or cos, sin and quaternions as the joint has them], ``v`` and ``a`` nv
-    [rad/s, m/s; /s^2], ``tau`` nv [N m, N], ``fext`` 6 x njoints: wrenches on the joints' bodies in the joints'
-    frames, force first [N, N m]. Column 0 (the universe) of ``fext`` is not used. Spatial vectors are linear
-    part first. Armature enters as Pinocchio does it; damping, friction and rotor inertia do not. A quaternion
-    in ``q`` is (x, y, z, w) and must have length 1.
+    Shapes and units: ``q`` nq [rad, m, or cos, sin and quaternions as the joint has them], ``v`` nv [rad/s,
+    m/s], ``a`` nv [rad/s^2, m/s^2], ``tau`` nv [N m, N], ``fext`` 6 x njoints: wrenches on the joints' bodies
+    in the joints' frames, force first [N, N m]; its column 0, the universe, is not used. Spatial vectors have
+    the linear part first. Armature enters as Pinocchio does it; damping, friction and rotor inertia do not.
+    A quaternion in ``q`` is (x, y, z, w) and must have length 1.
 
     Source: Pinocchio's algorithms (Featherstone, Rigid Body Dynamics Algorithms, 2008), on ``casadi::SX``.
 
@@ -71,7 +71,7 @@ class SymbolicModel:
     """
 
     def __init__(self, model: pin.Model, *, parametric: bool = False) -> None:
-        mimic = [n for n, j in zip(model.names, model.joints, strict=True) if j.shortname() == "JointModelMimic"]
+        mimic = [model.names[joint] for joint in model.mimicking_joints]
         if mimic:
             raise InputError(
                 f"The model has active mimic joints ({', '.join(mimic)}), for which Pinocchio has no forward "
@@ -109,7 +109,7 @@ class SymbolicModel:
         """The model's own value of the input ``translations``, 3 x njoints [m]."""
         return np.column_stack([placement.translation for placement in self._model.jointPlacements])
 
-    # -- dynamics ---------------------------------------------------------------------------------------------
+    # -- dynamics -------------------------------------------------------------------------------------------
 
     @property
     def forward_dynamics(self) -> ca.Function:
@@ -117,7 +117,7 @@ class SymbolicModel:
 
         M(q) a = tau - nle(q, v) + sum_i J_i(q)' fext_i, by the articulated-body algorithm (ABA), order nv.
         """
-        return self._of_model("forward_dynamics")
+        return self._function("forward_dynamics")
 
     @property
     def inverse_dynamics(self) -> ca.Function:
@@ -125,56 +125,56 @@ class SymbolicModel:
 
         tau = M(q) a + nle(q, v) - sum_i J_i(q)' fext_i, by the recursive Newton-Euler algorithm (RNEA).
         """
-        return self._of_model("inverse_dynamics")
+        return self._function("inverse_dynamics")
 
     @property
     def mass_matrix(self) -> ca.Function:
         """``(q) -> (M)``: the joint-space inertia matrix, nv x nv, symmetric and dense, by CRBA."""
-        return self._of_model("mass_matrix")
+        return self._function("mass_matrix")
 
     @property
     def nonlinear_effects(self) -> ca.Function:
         """``(q, v) -> (nle)``: Coriolis, centrifugal and gravity torques, nv."""
-        return self._of_model("nonlinear_effects")
+        return self._function("nonlinear_effects")
 
     @property
     def gravity(self) -> ca.Function:
         """``(q) -> (g)``: the gradient of the potential energy in the tangent space, nv."""
-        return self._of_model("gravity")
+        return self._function("gravity")
 
-    # -- energy, centre of mass, momentum ---------------------------------------------------------------------
+    # -- energy, centre of mass, momentum -------------------------------------------------------------------
 
     @property
     def kinetic_energy(self) -> ca.Function:
         """``(q, v) -> (energy)``: v' M(q) v / 2 [J], armature included."""
-        return self._of_model("kinetic_energy")
+        return self._function("kinetic_energy")
 
     @property
     def potential_energy(self) -> ca.Function:
         """``(q) -> (energy)``: minus the sum of m_i g' c_i(q) [J], zero for centres at the world's origin."""
-        return self._of_model("potential_energy")
+        return self._function("potential_energy")
 
     @property
     def center_of_mass(self) -> ca.Function:
         """``(q, v, a) -> (position, velocity, acceleration)`` of the centre of mass, 3 each, in the world."""
-        return self._of_model("center_of_mass")
+        return self._function("center_of_mass")
 
     @property
     def centroidal_momentum(self) -> ca.Function:
         """``(q, v) -> (h)``: linear and angular momentum about the centre of mass, 6, world axes."""
-        return self._of_model("centroidal_momentum")
+        return self._function("centroidal_momentum")
 
-    # -- configuration space ----------------------------------------------------------------------------------
+    # -- configuration space --------------------------------------------------------------------------------
 
     @property
     def integrate(self) -> ca.Function:
         """``(q, dv) -> (q1)``: q moved by the tangent vector dv (nv) for unit time."""
-        return self._of_model("integrate")
+        return self._function("integrate")
 
     @property
     def difference(self) -> ca.Function:
         """``(q0, q1) -> (dv)``: the tangent vector (nv) that takes q0 to q1; the inverse of ``integrate``."""
-        return self._of_model("difference")
+        return self._function("difference")
 
     @property
     def configuration_rate(self) -> ca.Function:
@@ -183,9 +183,9 @@ class SymbolicModel:
         qdot = v where a joint's position is a vector; (-s, c) v for (c, s) of a continuous joint; half the
         quaternion product of the orientation with (omega, 0), omega in the body frame.
         """
-        return self._of_model("configuration_rate")
+        return self._function("configuration_rate")
 
-    # -- frames -----------------------------------------------------------------------------------------------
+    # -- frames ---------------------------------------------------------------------------------------------
 
     def frame_placement(self, frame: str) -> ca.Function:
         """``(q) -> (position, rotation)``: where the frame is in the world: 3 [m] and 3 x 3.
@@ -210,7 +210,7 @@ class SymbolicModel:
         frame : str
             Name of a frame of the model.
         reference : pinocchio.ReferenceFrame
-            Axes to express it in: at the frame's origin along the world's axes (the default), or the frame's own.
+            Axes to express it in: the world's axes at the frame's origin (the default), or the frame's own.
 
         Raises
         ------
@@ -219,7 +219,9 @@ class SymbolicModel:
         """
         return self._function("frame_velocity", self._frame(frame), _reference(reference))
 
-    def frame_acceleration(self, frame: str, reference: pin.ReferenceFrame = LOCAL_WORLD_ALIGNED) -> ca.Function:
+    def frame_acceleration(
+        self, frame: str, reference: pin.ReferenceFrame = LOCAL_WORLD_ALIGNED
+    ) -> ca.Function:
         """``(q, v, a) -> (acceleration)``: classical acceleration of the frame, 6 [m/s^2, rad/s^2].
 
         Classical: the linear part is the second derivative of the origin's position, which the spatial
@@ -231,10 +233,7 @@ class SymbolicModel:
         """``(q) -> (J)``: 6 x nv, with velocity = J(q) v. Parameters and errors as ``frame_velocity``."""
         return self._function("frame_jacobian", self._frame(frame), _reference(reference))
 
-    # -- helpers ----------------------------------------------------------------------------------------------
-
-    def _of_model(self, algorithm: str) -> ca.Function:
-        return self._function(algorithm)
+    # -- helpers --------------------------------------------------------------------------------------------
 
     def _function(self, algorithm: str, *arguments: int) -> ca.Function:
         return _function(self._text, self._parametric, algorithm, *arguments)
