@@ -1,0 +1,138 @@
+"""The curves beside the 3D view: every joint's position, velocity and torque, or a system's variables, with limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+RATE = {"rad": "rad/s", "m": "m/s"}
+EFFORT = {"rad": "N m", "m": "N"}
+SAMPLES = 900
+"""About so many samples per phase, shared among its intervals; each interval shows at least 3, its ends included."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """One curve: its label, unit and name among the variables (``q.elbow``)."""
+
+    label: str
+    unit: str
+    variable: str
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One chart: its title, the symbol that heads its column of values, and its curves."""
+
+    title: str
+    symbol: str
+    series: tuple[Series, ...]
+    read: Callable[[Any], Array] = field(repr=False)
+    """From a sample at m times to values (m, number of series)."""
+
+
+def robot_panels(robot: Any) -> list[Panel]:
+    """Position, velocity and torque charts of a robot's joints; torque of the actuated ones only."""
+    units = dict(zip(robot.joint_names, robot.units, strict=True))
+
+    def series(prefix: str, joints: Sequence[str], unit: dict[str, str]) -> tuple[Series, ...]:
+        return tuple(Series(j, unit[units[j]], f"{prefix}.{j}") for j in joints)
+
+    same = {"rad": "rad", "m": "m"}
+    panels = [
+        Panel("Joint position", "q", series("q", robot.joint_names, same), lambda s: _rows(s.q)),
+        Panel("Joint velocity", "v", series("v", robot.joint_names, RATE), lambda s: _rows(s.v)),
+    ]
+    if len(robot.actuated):
+        kinds = {units[j] for j in robot.actuated}
+        title = {frozenset({"m"}): "Actuator force", frozenset({"rad"}): "Joint torque"}.get(frozenset(kinds), "Effort")
+        panels.append(Panel(title, "τ", series("tau", robot.actuated, EFFORT), lambda s: _rows(s.tau)))
+    return panels
+
+
+def system_panels(system: Any) -> list[Panel]:
+    """States, controls and algebraic variables of an ``rt.System``."""
+
+    def panel(title: str, symbol: str, group: Sequence[Any]) -> Panel:
+        names = [variable.name for variable in group]
+
+        def read(sample: Any) -> Array:
+            values = getattr(sample, symbol)
+            return np.column_stack([np.asarray(values[name], dtype=float).ravel() for name in names])
+
+        return Panel(title, symbol, tuple(Series(v.name, v.unit, v.name) for v in group), read)
+
+    groups = (("States", "x", system.states), ("Controls", "u", system.controls))
+    groups += (("Algebraic variables", "z", system.algebraic),)
+    return [panel(title, symbol, group) for title, symbol, group in groups if len(group)]
+
+
+def curves(solution: Any) -> list[dict[str, Any]]:
+    """Sample every chart of a solution, ready for JSON.
+
+    Each interval between knots is read with its own polynomial, so a jump at a knot shows as one. Limits are the
+    tightest of the phase's rows that bound one variable throughout.
+
+    Returns
+    -------
+    list of dict
+        ``title``, ``symbol``, ``series`` (label, unit) and ``pieces``: for each phase and panel ``t`` (m,) [s],
+        ``y`` (series by m), ``lower`` and ``upper`` (by series, None where open).
+    """
+    drawn: dict[str, dict[str, Any]] = {}
+    for result in solution.phases:
+        phase = result.phase
+        panels = robot_panels(phase.robot) if phase.robot is not None else system_panels(phase.system)
+        limits = _limits(phase)
+        times, samples = _sample(result)
+        for panel in panels:
+            labels = [{"label": s.label, "unit": s.unit} for s in panel.series]
+            chart = drawn.setdefault(panel.title, {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []})
+            chart["series"] += [label for label in labels if label not in chart["series"]]
+            values = np.concatenate([panel.read(sample) for sample in samples])
+            bounds = [limits.get(s.variable, (-np.inf, np.inf)) for s in panel.series]
+            chart["pieces"].append(
+                {
+                    "t": _rounded(times, 9),
+                    "of": [chart["series"].index(label) for label in labels],
+                    "y": [_rounded(column, 6) for column in values.T],
+                    "lower": [low if np.isfinite(low) else None for low, _ in bounds],
+                    "upper": [high if np.isfinite(high) else None for _, high in bounds],
+                }
+            )
+    return list(drawn.values())
+
+
+def _sample(result: Any) -> tuple[Array, list[Any]]:
+    """Read a phase interval by interval; both sides of every knot are there."""
+    knots = np.asarray(result.knots, dtype=float).ravel()
+    count = max(3, int(np.ceil(SAMPLES / max(len(knots) - 1, 1))) + 1)
+    grids = [np.linspace(a, b, count) for a, b in zip(knots[:-1], knots[1:], strict=True)]
+    return np.concatenate(grids), [result.at(grid, interval=k) for k, grid in enumerate(grids)]
+
+
+def _limits(phase: Any) -> dict[str, tuple[float, float]]:
+    """Bounds by variable name, from the rows that hold throughout the phase."""
+    limits: dict[str, tuple[float, float]] = {}
+    for bound in phase.bound_constraints:
+        if bound.where.value != "throughout":
+            continue
+        for row in bound.rows:
+            if row.variable is not None:
+                low, high = limits.get(row.variable, (-np.inf, np.inf))
+                limits[row.variable] = (max(low, float(row.lower)), min(high, float(row.upper)))
+    return limits
+
+
+def _rows(values: Any) -> Array:
+    return np.atleast_2d(np.asarray(values, dtype=float))
+
+
+def _rounded(values: Array, digits: int) -> list[float | None]:
+    """Round to significant digits; JSON has no NaN, so what is not finite becomes None and leaves a gap."""
+    return [float(f"{value:.{digits}g}") if np.isfinite(value) else None for value in values]

@@ -1,0 +1,124 @@
+"""``replay``: write a solution as one standalone HTML file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robotraj.errors import InputError
+from robotraj.replay.curves import curves
+from robotraj.replay.page import Heading, page
+from robotraj.replay.scene import scene_of
+
+
+def replay(
+    solution: Any,
+    path: str | os.PathLike[str],
+    *,
+    speed: float = 1.0,
+    fps: int = 30,
+    traces: Sequence[str] | str | None = None,
+    title: str | None = None,
+) -> Path:
+    """Write a page that shows the robot in motion beside its position, velocity and torque curves.
+
+    The file stands alone: meshcat's viewer, meshes, motion and curves are inside. It needs no network, and writing it
+    starts no server, process or browser. Phases follow one another on one time line. In the browser's console,
+    ``robotraj.seek(t)`` moves to a time [s], ``robotraj.time()`` reads it, ``robotraj.poses()`` gives the world
+    position [m] and quaternion (x, y, z, w) of every joint as drawn.
+
+    A solution of an ``rt.System`` has no robot to show: its page holds the curves alone.
+
+    Parameters
+    ----------
+    solution : Solution
+        Solved or not; the page says which.
+    path : path
+        Ends in ``.html``; its directory must exist. An older file is replaced.
+    speed : float
+        Playback speed the page starts with; 1 is real time.
+    fps : int
+        Animation keys per second of motion, 1 to 240. Up to eight times as many are kept where the motion bends, so
+        that joints stay within about 1e-5 rad and m of the solution between keys.
+    traces : sequence of str, optional
+        Frames whose path is drawn; by default the tip of the longest chain. ``()`` draws none.
+    title : str, optional
+        Heading of the page; the robot's or system's name by default.
+
+    Returns
+    -------
+    pathlib.Path
+        The file, absolute.
+
+    Raises
+    ------
+    InputError
+        A suffix other than ``.html``, a missing directory, a speed or fps out of range, phases that move different
+        robots, ``traces`` for a system. An unknown frame raises UnknownName.
+    """
+    target = _checked_path(path)
+    if not (np.isfinite(speed) and speed > 0.0):
+        raise InputError(f"replay: speed is {speed!r}; give a factor above 0, such as 0.5 for half speed.")
+    if isinstance(fps, bool) or int(fps) != fps or not 1 <= fps <= 240:
+        raise InputError(f"replay: fps is {fps!r}; give a whole number of frames per second from 1 to 240.")
+    robot = _one_robot(solution)
+    names = [traces] if isinstance(traces, str) else traces
+    if robot is None and names:
+        raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; leave it out.")
+    scene = scene_of(robot, solution, int(fps), names) if robot is not None else None
+    phases = [{"name": p.phase.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in solution.phases]
+    description = {
+        "speed": float(speed),
+        "phases": phases,
+        "charts": curves(solution),
+        "scene": scene.description if scene is not None else None,
+    }
+    text = page(_heading(solution, robot, title), description, scene.commands if scene is not None else None)
+    target.write_text(text, encoding="utf-8")
+    return target
+
+
+def _checked_path(path: str | os.PathLike[str]) -> Path:
+    target = Path(path).expanduser().absolute()
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"replay writes HTML, but the path is {str(path)!r}; let it end in .html.")
+    if not target.parent.is_dir():
+        raise InputError(f"replay: the directory {str(target.parent)!r} does not exist; create it first.")
+    if target.is_dir():
+        raise InputError(f"replay: {str(path)!r} is a directory; name a file.")
+    return target
+
+
+def _one_robot(solution: Any) -> Any:
+    """Return the robot that all phases move, or None if all are systems."""
+    robots = [result.phase.robot for result in solution.phases]
+    if not robots:
+        raise InputError("replay: the solution has no phase, so there is nothing to show.")
+    first = robots[0]
+    for result, robot in zip(solution.phases, robots, strict=True):
+        if robot is first or (robot is not None and first is not None and robot.model == first.model):
+            continue
+        raise InputError(
+            f"replay shows one robot, but phase {result.phase.name!r} moves {_name(result.phase)!r} and the first moves "
+            f"{_name(solution.phases[0].phase)!r}; replay them separately."
+        )
+    return first
+
+
+def _name(phase: Any) -> str:
+    return str((phase.robot or phase.system).name)
+
+
+def _heading(solution: Any, robot: Any, title: str | None) -> Heading:
+    first = solution.phases[0].phase
+    names = [result.phase.name for result in solution.phases]
+    shown = " → ".join(names[:6]) + (f" → … ({len(names)} phases)" if len(names) > 6 else "")
+    facts = [("Duration", f"{solution.duration:.4g} s"), ("Objective", f"{solution.objective:.6g}")]
+    if getattr(solution, "iterations", None) is not None:
+        facts.append(("Iterations", str(solution.iterations)))
+    status = str(getattr(solution.status, "name", solution.status)).replace("_", " ")
+    return Heading(title or _name(first), shown, status, bool(solution.success), tuple(facts))
