@@ -1,0 +1,29 @@
+"""The witness: plain Pinocchio and SciPy check a plan that they did not make."""
+
+from robotraj.witness.drift import Drift, DriftRow
+from robotraj.witness.energy import Energy
+from robotraj.witness.peak import Peak
+from robotraj.witness.point import NumericPoint
+from robotraj.witness.report import Report, Tolerances
+from robotraj.witness.residual import Residual
+from robotraj.witness.simulation import Simulation, simulate
+from robotraj.witness.tracking import Tracking, track
+from robotraj.witness.validation import validate
+from robotraj.witness.violations import Violation
+
+__all__ = [
+    "Drift",
+    "DriftRow",
+    "Energy",
+    "NumericPoint",
+    "Peak",
+    "Report",
+    "Residual",
+    "Simulation",
+    "Tolerances",
+    "Tracking",
+    "Violation",
+    "simulate",
+    "track",
+    "validate",
+]

@@ -1,0 +1,112 @@
+"""How far the simulated motion leaves the plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from robotraj.witness.integration import Motion
+from robotraj.witness.plant import Plant
+from robotraj.witness.protocols import Array
+
+
+@dataclass(frozen=True)
+class DriftRow:
+    """The drift of one state.
+
+    Attributes
+    ----------
+    name : str
+        ``q.<joint>``, ``v.<joint>``, or the state's name.
+    unit : str
+    final : float
+        |simulated - planned| at the end; infinite if the simulation did not get there.
+    largest : float
+        Largest |simulated - planned|; infinite if the simulation did not reach the end.
+    time : float
+        When it was largest, or when the simulation stopped [s].
+    phase : str
+        The phase it was largest in.
+    scale : float
+        What a tolerance is multiplied by: 1 for joint positions, max(1, largest planned value) for velocities
+        and the states of Systems.
+    """
+
+    name: str
+    unit: str
+    final: float
+    largest: float
+    time: float
+    phase: str
+    scale: float
+
+    @property
+    def relative(self) -> float:
+        """``largest`` / ``scale``, what a tolerance is compared with."""
+        return self.largest / self.scale
+
+
+@dataclass(frozen=True)
+class Drift(Mapping[str, DriftRow]):
+    """Drift by state name: ``drift["q.elbow"].largest``."""
+
+    rows: tuple[DriftRow, ...]
+
+    def __getitem__(self, name: str) -> DriftRow:
+        for row in self.rows:
+            if row.name == name:
+                return row
+        raise KeyError(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return (row.name for row in self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @property
+    def worst(self) -> DriftRow:
+        """The row that is largest relative to its scale."""
+        return max(self.rows, key=lambda row: row.relative)
+
+    def largest(self, prefix: str = "") -> float:
+        """Largest drift of the states whose names start with ``prefix``, such as ``"q."`` [rad, m]."""
+        return max((row.largest for row in self.rows if row.name.startswith(prefix)), default=0.0)
+
+
+def drift_of(plant: Plant, motion: Motion, phase: str) -> tuple[DriftRow, ...]:
+    """Compare a simulated phase with its plan, state by state."""
+    planned = np.empty_like(motion.states)
+    for k in np.unique(motion.intervals):
+        chosen = motion.intervals == k
+        planned[chosen] = plant.states(motion.times[chosen], int(k))
+    gaps = np.nan_to_num(np.abs(motion.states - planned), nan=np.inf)
+    peaks = np.nan_to_num(np.abs(planned), nan=0.0).max(axis=0)
+    return tuple(
+        _row(name, unit, gaps[:, i], motion, phase, 1.0 if position else max(1.0, float(peaks[i])))
+        for i, (name, unit, position) in enumerate(
+            zip(plant.names, plant.units, plant.positions, strict=True)
+        )
+    )
+
+
+def _row(name: str, unit: str, gaps: Array, motion: Motion, phase: str, scale: float) -> DriftRow:
+    if motion.failure is not None:
+        return DriftRow(name, unit, np.inf, np.inf, motion.stopped, phase, scale)
+    worst = int(np.argmax(gaps))
+    return DriftRow(name, unit, float(gaps[-1]), float(gaps[worst]), float(motion.times[worst]), phase, scale)
+
+
+def merge(phases: list[tuple[DriftRow, ...]]) -> Drift:
+    """Join the drift of consecutive phases: the largest of all, the final of the last that has the state."""
+    merged: dict[str, DriftRow] = {}
+    for rows in phases:
+        for row in rows:
+            earlier = merged.get(row.name)
+            worst = row if earlier is None or row.relative >= earlier.relative else earlier
+            merged[row.name] = DriftRow(
+                row.name, row.unit, row.final, worst.largest, worst.time, worst.phase, worst.scale
+            )
+    return Drift(tuple(merged.values()))

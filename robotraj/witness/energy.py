@@ -1,0 +1,97 @@
+"""The energy balance of a plan: what the actuators put in must be there in the end, or be dissipated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
+from robotraj.witness.sampling import stretches
+
+QUADRATURE_POINTS = 16
+"""Gauss-Legendre points of an interval: exact for power of degree 31 in time, far above any plan's."""
+
+
+@dataclass(frozen=True)
+class Energy:
+    """The energy balance along the planned polynomials.
+
+    Attributes
+    ----------
+    work : float
+        Work of the actuators, integral of (B tau)'v [J].
+    dissipated : float
+        Energy lost to damping and friction, integral of d(v)'v [J].
+    change : float
+        Change of kinetic plus potential energy over the intervals [J].
+    scale : float
+        The energy that moved: the largest of the integral of |(B tau)'v|, ``dissipated`` and the range of the
+        kinetic energy [J].
+    worst : float
+        Largest imbalance of one interval [J].
+    time : float
+        Beginning of that interval [s].
+    """
+
+    work: float
+    dissipated: float
+    change: float
+    scale: float
+    worst: float
+    time: float
+
+    @property
+    def imbalance(self) -> float:
+        """Work minus dissipated energy minus change of energy [J]; zero along an exact motion."""
+        return self.work - self.dissipated - self.change
+
+    @property
+    def relative(self) -> float:
+        """|imbalance| / scale."""
+        return abs(self.imbalance) / self.scale if self.scale > 0 else 0.0
+
+
+def energy_of(planned: PhaseSolutionLike, samples: int = QUADRATURE_POINTS) -> Energy:
+    """Integrate power over every interval of a robot's phase and compare with the change of energy."""
+    robot: RobotLike = planned.phase.robot
+    actuation = np.asarray(robot.actuation, dtype=float)
+    nodes, weights = np.polynomial.legendre.leggauss(samples)
+    data = robot.model.createData()
+    work = dissipated = change = moved = 0.0
+    worst, time = 0.0, float(planned.knots[0])
+    kinetic: list[float] = []
+    for stretch in stretches(planned, 2):
+        half = 0.5 * (stretch.end - stretch.begin)
+        sample = planned.at(stretch.begin + half * (nodes + 1.0), interval=stretch.index)
+        power = np.einsum("mi,mi->m", sample.tau @ actuation.T, sample.v)
+        loss = np.array([robot.dissipation(v) @ v for v in sample.v])
+        inside = zip(sample.q, sample.v, strict=True)
+        kinetic += [pin.computeKineticEnergy(robot.model, data, q, v) for q, v in inside]
+        ends = planned.at(stretch.times, interval=stretch.index)
+        before, after = (_total(robot, data, q, v) for q, v in zip(ends.q, ends.v, strict=True))
+        terms = half * (weights @ power), half * (weights @ loss), after - before
+        work, dissipated, change = work + terms[0], dissipated + terms[1], change + terms[2]
+        moved += half * (weights @ np.abs(power))
+        imbalance = abs(terms[0] - terms[1] - terms[2])
+        if not imbalance <= worst:
+            worst, time = imbalance, stretch.begin
+    scale = max(moved, abs(dissipated), max(kinetic, default=0.0) - min(kinetic, default=0.0))
+    return Energy(float(work), float(dissipated), float(change), float(scale), float(worst), time)
+
+
+def add(parts: Sequence[Energy]) -> Energy | None:
+    """Sum the balances of several phases; None for none."""
+    if not parts:
+        return None
+    worst = max(parts, key=lambda part: part.worst)
+    sums = (sum(getattr(part, name) for part in parts) for name in ("work", "dissipated", "change", "scale"))
+    return Energy(*sums, worst.worst, worst.time)
+
+
+def _total(robot: RobotLike, data: object, q: Array, v: Array) -> float:
+    """Kinetic (armature included) plus potential energy [J]."""
+    kinetic = pin.computeKineticEnergy(robot.model, data, q, v)
+    return float(kinetic + pin.computePotentialEnergy(robot.model, data, q))

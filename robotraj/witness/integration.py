@@ -1,0 +1,137 @@
+"""Initial value problems whose right-hand side is smooth between knots only.
+
+DOP853 is restarted at every knot: its error estimate never looks across a corner of the planned control.
+Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from robotraj.witness.protocols import Array
+
+Rates = Callable[[float, Array, int], Array]
+
+MOST_EVALUATIONS = 200_000
+"""Evaluations of the rates one interval may take before the motion counts as too stiff or divergent."""
+
+
+class _Stopped(Exception):
+    """The integration cannot go on; carries the time and the reason."""
+
+    def __init__(self, time: float, reason: str) -> None:
+        super().__init__(reason)
+        self.time = time
+        self.reason = reason
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A simulated motion.
+
+    Attributes
+    ----------
+    times : ndarray (m,)
+        Sample times [s], every knot among them.
+    states : ndarray (m, n)
+    intervals : ndarray (m,)
+        Interval of each sample; a knot belongs to the interval on its right.
+    failure : str or None
+        Why the integration stopped early, None if it reached the end.
+    stopped : float
+        Time reached [s].
+    """
+
+    times: Array
+    states: Array
+    intervals: NDArray[np.int_]
+    failure: str | None
+    stopped: float
+
+
+def integrate(
+    rates: Rates,
+    x0: Array,
+    knots: Array,
+    *,
+    rtol: float = 1e-10,
+    atol: float = 1e-12,
+    samples_per_interval: int = 20,
+) -> Motion:
+    """Integrate xdot = rates(t, x, k) over the intervals k between knots.
+
+    A state or rate that is not finite, a step below round-off and more than ``MOST_EVALUATIONS`` evaluations in
+    one interval end the motion early; they are reported in ``failure``, not raised.
+
+    Parameters
+    ----------
+    rates : callable
+        ``rates(t, x, k)`` gives (n,), smooth in interval k.
+    x0 : ndarray (n,)
+    knots : ndarray (K + 1,)
+        Ascending times [s]; intervals of no length are skipped.
+    rtol, atol : float
+        Tolerances of each step.
+    samples_per_interval : int
+        Samples kept of an interval.
+    """
+    times: list[Array] = []
+    states: list[Array] = []
+    intervals: list[int] = []
+    x = np.array(x0, dtype=float)
+    failure, stopped = None, float(knots[0])
+    for k, (begin, end) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
+        if end <= begin:
+            continue
+        sampled = np.linspace(begin, end, samples_per_interval + 1)
+        try:
+            kept, x_kept, x, failure = _interval(rates, x, sampled, k, rtol, atol)
+        except _Stopped as stop:
+            failure, stopped = stop.reason, stop.time
+            break
+        times.append(kept)
+        states.append(x_kept)
+        intervals += [k] * len(kept)
+        stopped = float(kept[-1]) if failure else float(end)
+        if failure:
+            break
+    if failure is None:
+        times.append(np.array([stopped]))
+        states.append(x[None, :])
+        intervals.append(max(len(knots) - 2, 0))
+    flat_times = np.concatenate(times) if times else np.array([stopped])
+    flat_states = np.concatenate(states) if states else x[None, :]
+    return Motion(flat_times, flat_states, np.array(intervals or [0]), failure, stopped)
+
+
+def _interval(
+    rates: Rates, x: Array, sampled: Array, k: int, rtol: float, atol: float
+) -> tuple[Array, Array, Array, str | None]:
+    """Return the samples of one interval but its end, the state there, and why it stopped early if it did."""
+    count = 0
+
+    def counted(t: float, state: Array) -> Array:
+        nonlocal count
+        count += 1
+        if count > MOST_EVALUATIONS:
+            reason = f"more than {MOST_EVALUATIONS} evaluations in one interval: too stiff or divergent"
+            raise _Stopped(t, reason)
+        return rates(t, state, k)
+
+    begin, end = float(sampled[0]), float(sampled[-1])
+    with np.errstate(all="ignore"):
+        # A first step chosen from NaN would never end; later ones only shrink it until it underflows.
+        if not np.isfinite(x).all() or not np.isfinite(rates(begin, x, k)).all():
+            raise _Stopped(begin, "the state or its rates are not finite")
+        done = solve_ivp(counted, (begin, end), x, method="DOP853", t_eval=sampled, rtol=rtol, atol=atol)
+    found = done.y.T
+    if not done.success:
+        reached = max(len(found), 1)
+        start = found if len(found) else x[None, :]
+        return sampled[:reached], start, start[-1], "the step size fell below round-off: the motion diverges"
+    return sampled[:-1], found[:-1], found[-1], None

@@ -1,0 +1,53 @@
+"""The largest value of a named quantity and when it occurred."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robotraj.witness.protocols import Array
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest magnitude of one quantity.
+
+    Attributes
+    ----------
+    name, unit : str
+    value : float
+        Largest magnitude.
+    time : float
+        When it occurred [s].
+    phase : str
+    """
+
+    name: str
+    unit: str
+    value: float
+    time: float
+    phase: str
+
+
+def peaks(
+    names: Sequence[str], units: Sequence[str], times: Array, values: Array, phase: str
+) -> dict[str, Peak]:
+    """Largest magnitude of each column of values (m, n) at times (m,); NaN counts as infinite."""
+    sizes = np.nan_to_num(np.abs(values), nan=np.inf)
+    found = {}
+    for i, (name, unit) in enumerate(zip(names, units, strict=True)):
+        worst = int(np.argmax(sizes[:, i]))
+        found[name] = Peak(name, unit, float(sizes[worst, i]), float(times[worst]), phase)
+    return found
+
+
+def largest(parts: Iterable[dict[str, Peak]]) -> dict[str, Peak]:
+    """Merge peaks of several phases by name, the larger kept."""
+    merged: dict[str, Peak] = {}
+    for part in parts:
+        for name, peak in part.items():
+            if name not in merged or peak.value > merged[name].value:
+                merged[name] = peak
+    return merged

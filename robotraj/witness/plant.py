@@ -1,0 +1,129 @@
+"""What moves in a phase, alike for robots and Systems: named states, planned states, rates under the plan."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from scipy.optimize import root
+
+from robotraj.witness.integration import Rates
+from robotraj.witness.numbers import as_numbers
+from robotraj.witness.point import system_point
+from robotraj.witness.protocols import Array, PhaseSolutionLike, SystemLike
+from robotraj.witness.simulation import robot_rates
+
+RATE_UNITS = {"rad": "rad/s", "m": "m/s"}
+
+ALGEBRAIC_TOLERANCE = 1e-9
+"""Largest entry of 0 = g that counts as solved, in units of 1 + the largest planned |z|."""
+
+
+class Plant(Protocol):
+    """The states of a phase and how they move under the planned controls.
+
+    Attributes
+    ----------
+    names, units : tuple of str
+        Of the states x, (n,).
+    positions : tuple of bool
+        Which states are joint positions.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    positions: tuple[bool, ...]
+
+    def states(self, times: Array, interval: int | None = None) -> Array:
+        """Planned states (m, n) at times (m,)."""
+        ...
+
+    @property
+    def rates(self) -> Rates:
+        """``rates(t, x, k)`` under the controls planned in interval k."""
+        ...
+
+
+def plant_of(planned: PhaseSolutionLike) -> Plant:
+    """Choose what moves in a phase: its robot, or its System."""
+    return RobotPlant(planned) if planned.phase.robot is not None else SystemPlant(planned)
+
+
+class RobotPlant:
+    """A robot under its planned torques: x = (q, v)."""
+
+    def __init__(self, planned: PhaseSolutionLike) -> None:
+        robot = planned.phase.robot
+        self.names = tuple(f"q.{j}" for j in robot.joint_names) + tuple(f"v.{j}" for j in robot.joint_names)
+        self.units = tuple(robot.units) + tuple(RATE_UNITS[unit] for unit in robot.units)
+        self.positions = (True,) * robot.nv + (False,) * robot.nv
+        self._planned = planned
+
+    def states(self, times: Array, interval: int | None = None) -> Array:
+        """Planned (q, v), (m, 2 nv)."""
+        sample = self._planned.at(times, interval=interval)
+        return np.hstack([sample.q, sample.v])
+
+    @property
+    def rates(self) -> Rates:
+        """Rates by ABA."""
+        planned = self._planned
+
+        def torque(t: float, k: int, q: Array, v: Array) -> Any:
+            return planned.at(t, interval=k).tau
+
+        return robot_rates(planned.phase.robot, torque)
+
+
+class SystemPlant:
+    """A System under its planned controls; algebraic variables are solved for wherever rates are needed."""
+
+    def __init__(self, planned: PhaseSolutionLike) -> None:
+        self._system: SystemLike = planned.phase.system
+        self.names = tuple(s.name for s in self._system.states)
+        self.units = tuple(s.unit for s in self._system.states)
+        self.positions = (False,) * len(self.names)
+        self._planned = planned
+
+    def states(self, times: Array, interval: int | None = None) -> Array:
+        """Planned states (m, n)."""
+        return columns(self._planned.at(times, interval=interval).x, self.names, len(times))
+
+    @property
+    def rates(self) -> Rates:
+        """Rates by the user's own equations, evaluated on numbers."""
+        planned, system = self._planned, self._system
+        controls = [c.name for c in system.controls]
+        algebraic = [z.name for z in system.algebraic]
+
+        def rates(t: float, x: Array, k: int) -> Array:
+            sample = planned.at(t, interval=k)
+            u = np.array([sample.u[name] for name in controls], dtype=float)
+            z = np.array([sample.z[name] for name in algebraic], dtype=float)
+            if algebraic:
+                z = _solve_algebraic(system, t, x, z, u, planned.parameters)
+            point = system_point(system, t, x, z, u, planned.parameters)
+            return as_numbers(system.dynamics(point), "dynamics")
+
+        return rates
+
+
+def columns(named: Any, names: tuple[str, ...], count: int) -> Array:
+    """Stack the entries of a sample into (count, len(names))."""
+    if not names:
+        return np.empty((count, 0))
+    return np.column_stack([np.asarray(named[name], dtype=float) for name in names])
+
+
+def _solve_algebraic(system: SystemLike, t: float, x: Array, z: Array, u: Array, parameters: Any) -> Array:
+    """Solve 0 = g(x, z, u, p, t) for z from the planned z; NaN where there is no root near it."""
+    residual = system.residual
+    assert residual is not None
+
+    def rows(trial: Array) -> Array:
+        return as_numbers(residual(system_point(system, t, x, trial, u, parameters)), "residual")
+
+    # MINPACK stops "without progress" once at round-off, so the rows themselves judge.
+    found = root(rows, z, method="hybr", tol=1e-14)
+    solved = np.max(np.abs(found.fun)) <= ALGEBRAIC_TOLERANCE * (1.0 + np.max(np.abs(z)))
+    return found.x if solved else np.full_like(z, np.nan)

@@ -1,0 +1,171 @@
+"""The Point with numbers in it: frames, centre of mass and momentum from plain double-precision Pinocchio."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+
+from robotraj.dynamics.point import Point
+from robotraj.dynamics.variable import Named
+from robotraj.witness.protocols import Array, RobotLike, SystemLike
+
+
+class NumericPoint(Point):
+    """What is known of a robot at one instant, in numbers.
+
+    Reads like the symbolic point of the NLP, attribute by attribute; nothing is computed before it is read.
+
+    Parameters
+    ----------
+    robot : Robot
+    t : float
+        Time [s].
+    q, v, a : array_like (nv,)
+        Joint positions [rad, m], velocities and accelerations.
+    tau : array_like (nu,)
+        Torques of the actuated joints [N m, N].
+    parameters : mapping of str to float, optional
+    forces : mapping of str to array_like, optional
+        Contact forces [N] by contact name.
+    columns : bool
+        Give vectors as CasADi columns (n, 1) instead of NumPy arrays (n,). An expression written for the symbols
+        of the NLP, ``ca.mtimes(point.q.T, point.q)`` for one, then means the same on numbers.
+
+    Attributes
+    ----------
+    t, x, z, u, p
+        As in the symbolic point; x is named ``q.<joint>``, ``v.<joint>``, z ``a.<joint>``, u ``tau.<joint>``.
+    q, v, a, tau, forces
+    """
+
+    def __init__(
+        self,
+        robot: RobotLike,
+        t: float,
+        q: Any,
+        v: Any,
+        a: Any,
+        tau: Any,
+        *,
+        parameters: Mapping[str, float] | None = None,
+        forces: Mapping[str, Any] | None = None,
+        columns: bool = False,
+    ) -> None:
+        self._robot = robot
+        self._q, self._v, self._a = (np.array(s, dtype=float) for s in (q, v, a))
+        self._vector = ca.DM if columns else np.asarray
+        tau = np.array(tau, dtype=float)
+        joints = robot.joint_names
+        parameters = parameters or {}
+        forces = forces or {}
+        super().__init__(
+            float(t),
+            Named(
+                "state",
+                [f"q.{j}" for j in joints] + [f"v.{j}" for j in joints],
+                [*self._q, *self._v],
+            ),
+            Named("algebraic variable", [f"a.{j}" for j in joints], list(self._a)),
+            Named("control", [f"tau.{j}" for j in robot.actuated], list(tau)),
+            Named("parameter", list(parameters), [float(p) for p in parameters.values()]),
+        )
+        self.q = self._vector(self._q)
+        self.v = self._vector(self._v)
+        self.a = self._vector(self._a)
+        self.tau = self._vector(tau)
+        pushes = [self._vector(np.array(force, dtype=float)) for force in forces.values()]
+        self.forces = Named("contact", list(forces), pushes)
+        self._frames: dict[str, NumericFrame] = {}
+
+    @cached_property
+    def _data(self) -> Any:
+        """Kinematics of every frame; forwardKinematics alone would leave the frames where they were."""
+        data = self._robot.model.createData()
+        pin.forwardKinematics(self._robot.model, data, self._q, self._v, self._a)
+        pin.updateFramePlacements(self._robot.model, data)
+        return data
+
+    def frame(self, name: str) -> NumericFrame:
+        """Pose and motion of a frame of the robot, in world axes.
+
+        Raises
+        ------
+        UnknownName
+            The robot has no frame of that name.
+        """
+        if name not in self._frames:
+            self._frames[name] = NumericFrame(self, self._robot.frame(name))
+        return self._frames[name]
+
+    @cached_property
+    def com(self) -> Any:
+        """Centre of mass (3,) [m] in the world."""
+        model = self._robot.model
+        return self._vector(pin.centerOfMass(model, model.createData(), self._q).copy())
+
+    @cached_property
+    def momentum(self) -> Any:
+        """Centroidal momentum (6,): linear [kg m/s], angular [kg m^2/s]."""
+        model = self._robot.model
+        momentum = pin.computeCentroidalMomentum(model, model.createData(), self._q, self._v)
+        return self._vector(momentum.vector.copy())
+
+
+class NumericFrame:
+    """Pose and motion of one frame, in numbers."""
+
+    def __init__(self, point: NumericPoint, index: int) -> None:
+        self._point = point
+        self._index = index
+
+    @property
+    def position(self) -> Any:
+        """Origin of the frame in the world (3,) [m]."""
+        return self._point._vector(self._point._data.oMf[self._index].translation.copy())
+
+    @property
+    def rotation(self) -> Any:
+        """Rotation matrix from frame to world (3, 3)."""
+        return self._point._vector(self._point._data.oMf[self._index].rotation.copy())
+
+    @property
+    def velocity(self) -> Any:
+        """Linear then angular velocity (6,) [m/s, rad/s], local-world-aligned."""
+        return self._motion(pin.getFrameVelocity)
+
+    @property
+    def acceleration(self) -> Any:
+        """Classical acceleration (6,) [m/s^2, rad/s^2], local-world-aligned."""
+        return self._motion(pin.getFrameClassicalAcceleration)
+
+    def _motion(self, read: Any) -> Any:
+        point = self._point
+        motion = read(point._robot.model, point._data, self._index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        return point._vector(motion.vector.copy())
+
+
+def system_point(
+    system: SystemLike, t: float, x: Array, z: Array, u: Array, parameters: Mapping[str, float]
+) -> Point:
+    """Wrap numbers as the point a System's equations read.
+
+    Entries stay NumPy scalars: a square root of a negative trial value gives NaN, which shrinks the step, where
+    a Python float would turn complex or raise.
+
+    Parameters
+    ----------
+    x, z, u : ndarray
+        States, algebraic variables and controls, in the system's order.
+    """
+    return Point(
+        float(t),
+        Named("state", [s.name for s in system.states], list(x)),
+        Named("algebraic variable", [s.name for s in system.algebraic], list(z)),
+        Named("control", [s.name for s in system.controls], list(u)),
+        Named("parameter", list(parameters), [float(p) for p in parameters.values()]),
+    )

@@ -1,0 +1,108 @@
+"""What the witness reads of a solution: it knows plans by these attributes alone, never by their classes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class RobotLike(Protocol):
+    """A robot: Pinocchio's model, the names of its joints and what drives and brakes them."""
+
+    @property
+    def model(self) -> Any:
+        """Pinocchio's model, one position and one velocity per joint."""
+
+    @property
+    def nv(self) -> int:
+        """Number of joints that move."""
+
+    @property
+    def joint_names(self) -> Sequence[str]:
+        """Joints in the order of v."""
+
+    @property
+    def actuated(self) -> Sequence[str]:
+        """Joints in the order of tau."""
+
+    @property
+    def actuation(self) -> Any:
+        """Selection B (nv, nu) of the actuated joints."""
+
+    @property
+    def units(self) -> Sequence[str]:
+        """``"rad"`` or ``"m"`` by joint."""
+
+    def dissipation(self, v: Any) -> Any:
+        """Torque d(v) (nv,) of damping and friction [N m, N]."""
+
+    def frame(self, name: str) -> int:
+        """Index of a frame, or an error that names the valid ones."""
+
+
+class VariableLike(Protocol):
+    """A named scalar with a unit."""
+
+    @property
+    def name(self) -> str:
+        """Unique within its vector."""
+
+    @property
+    def unit(self) -> str:
+        """SI unit, empty when unknown."""
+
+
+class SystemLike(Protocol):
+    """A user's semi-explicit DAE: xdot = dynamics(point), 0 = residual(point)."""
+
+    @property
+    def states(self) -> Sequence[VariableLike]:
+        """Entries of x."""
+
+    @property
+    def controls(self) -> Sequence[VariableLike]:
+        """Entries of u."""
+
+    @property
+    def algebraic(self) -> Sequence[VariableLike]:
+        """Entries of z."""
+
+    @property
+    def dynamics(self) -> Callable[[Any], Any]:
+        """Rates of the states."""
+
+    @property
+    def residual(self) -> Callable[[Any], Any] | None:
+        """Rows that hold z, None where there is no z."""
+
+
+class PhaseSolutionLike(Protocol):
+    """The planned trajectory of a phase."""
+
+    @property
+    def phase(self) -> Any:
+        """The phase: name, robot or system, limits, bound_constraints, start_bounds, end_bounds."""
+
+    @property
+    def knots(self) -> Any:
+        """Ends of the intervals (K + 1,) [s]."""
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """Values of the phase's parameters."""
+
+    def at(self, t: Any, interval: int | None = None) -> Any:
+        """Evaluate the polynomials of an interval: a sample with q, v, a, tau, forces or x, u, z."""
+
+
+class SolutionLike(Protocol):
+    """A planned motion."""
+
+    @property
+    def phases(self) -> Sequence[Any]:
+        """Phases in the order they are moved through."""

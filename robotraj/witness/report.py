@@ -1,0 +1,149 @@
+"""What the witness found, as a value that prints as a table and can refuse."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robotraj.errors import ValidationFailed
+from robotraj.witness.drift import Drift
+from robotraj.witness.energy import Energy
+from robotraj.witness.peak import Peak
+from robotraj.witness.residual import Residual
+from robotraj.witness.table import render
+from robotraj.witness.violations import Violation
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Thresholds of ``Report.passed``; None reports a figure without judging it.
+
+    Attributes
+    ----------
+    drift : float
+        Largest open-loop drift: joint positions [rad, m] as it is, velocities and the states of Systems times
+        max(1, largest planned value).
+    limits : float
+        Largest violation of a limit or constraint, in the SI unit of its row.
+    energy : float or None
+        |imbalance| of the energy balance relative to the energy that moved.
+    residual : float or None
+        Residual of the dynamics between collocation points [N m, N, or the unit of the row].
+    """
+
+    drift: float = 1e-3
+    limits: float = 1e-3
+    energy: float | None = None
+    residual: float | None = None
+
+
+@dataclass(frozen=True)
+class Report:
+    """The proof of a plan, or what is wrong with it.
+
+    Attributes
+    ----------
+    drift : Drift
+        By state: final and largest distance between the simulated and the planned motion.
+    violations : tuple of Violation
+        Bounds broken by more than a solver's tolerance, the worst first.
+    energy : Energy or None
+        None for Systems, whose energy is not known.
+    residual : Residual
+    failure : str or None
+        Why and when the simulation stopped before the end; None if it did not.
+    tolerances : Tolerances
+        The thresholds of ``passed``.
+    duration : float
+        Of the plan [s].
+    intervals : int
+        Of all phases.
+    phases : tuple of str
+        Names of the phases.
+    rtol, atol : float
+        Tolerances of the simulation's steps.
+    """
+
+    drift: Drift
+    violations: tuple[Violation, ...]
+    energy: Energy | None
+    residual: Residual
+    failure: str | None
+    tolerances: Tolerances
+    duration: float
+    intervals: int
+    phases: tuple[str, ...]
+    rtol: float
+    atol: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the simulation ended and everything lies within ``tolerances``."""
+        return not self.complaints(self.tolerances)
+
+    def complaints(self, tolerances: Tolerances) -> tuple[str, ...]:
+        """One sentence for each kind of figure that exceeds its tolerance, naming the worst offender."""
+        found = []
+        if self.failure is not None:
+            found.append(f"The simulation stopped early: {self.failure}.")
+        elif (row := self.drift.worst).relative > tolerances.drift:
+            found.append(
+                f"The simulated motion drifts from the plan: {row.name} by {row.largest:.3g} {row.unit}".rstrip()
+                + f" at t = {row.time:.4g} s in phase {row.phase!r}, {tolerances.drift * row.scale:.3g} is "
+                + "allowed; use a finer mesh or a scheme of higher order."
+            )
+        if self.violations and (worst := self.violations[0]).amount > tolerances.limits:
+            more = sum(v.amount > tolerances.limits for v in self.violations) - 1
+            others = f", and {more} more" if more else ""
+            found.append(f"A bound is broken: {worst}{others}; {tolerances.limits:.3g} is allowed.")
+        energy = self.energy
+        if tolerances.energy is not None and energy is not None and energy.relative > tolerances.energy:
+            found.append(
+                f"The energy balance is off by {energy.imbalance:.3g} J, {energy.relative:.3g} of the energy "
+                f"that moved, worst in the interval from t = {energy.time:.4g} s; "
+                f"{tolerances.energy:.3g} is allowed."
+            )
+        peak = _largest(self.residual)
+        if tolerances.residual is not None and peak is not None and peak.value > tolerances.residual:
+            found.append(
+                f"The dynamics do not hold between the collocation points: {peak.name} by {peak.value:.3g} "
+                f"{peak.unit} at t = {peak.time:.4g} s in phase {peak.phase!r}; {tolerances.residual:.3g} is allowed."
+            )
+        return tuple(found)
+
+    def check(
+        self,
+        drift: float | None = None,
+        limits: float | None = None,
+        energy: float | None = None,
+        residual: float | None = None,
+    ) -> None:
+        """Raise unless the plan holds.
+
+        Parameters
+        ----------
+        drift, limits, energy, residual : float, optional
+            Thresholds as in ``Tolerances``; the report's own where None.
+
+        Raises
+        ------
+        ValidationFailed
+            Names the worst offender of each kind, with its joint and time; carries this report.
+        """
+        own = self.tolerances
+        asked = Tolerances(
+            own.drift if drift is None else drift,
+            own.limits if limits is None else limits,
+            own.energy if energy is None else energy,
+            own.residual if residual is None else residual,
+        )
+        complaints = self.complaints(asked)
+        if complaints:
+            raise ValidationFailed(" ".join(complaints), self)
+
+    def __str__(self) -> str:
+        return render(self)
+
+
+def _largest(residual: Residual) -> Peak | None:
+    every = [*residual.dynamics.values(), *residual.rate.values()]
+    return max(every, key=lambda peak: peak.value) if every else None

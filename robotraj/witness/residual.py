@@ -1,0 +1,103 @@
+"""The defect of the dynamics between the collocation points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj.witness.numbers import as_numbers
+from robotraj.witness.peak import Peak, peaks
+from robotraj.witness.plant import RATE_UNITS, columns
+from robotraj.witness.point import system_point
+from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.sampling import stretches, time_derivative
+
+TORQUE_UNITS = {"rad": "N m", "m": "N"}
+
+FEWEST_SAMPLES = 24
+"""Samples of an interval below which its derivative could miss the degree of the plan's polynomial."""
+
+
+@dataclass(frozen=True)
+class Residual:
+    """How far the planned polynomials are from solving the differential equations.
+
+    Both vanish at the collocation points up to the solver's tolerance; between them they measure the
+    discretisation.
+
+    Attributes
+    ----------
+    dynamics : mapping of str to Peak
+        Robots, by joint: max over t of |RNEA(q, v, dv/dt) + d(v) - B tau| [N m, N].
+        Systems, by algebraic row: |g|.
+    rate : mapping of str to Peak
+        Robots, by joint: max over t of |dq/dt - v| [rad/s, m/s].
+        Systems, by state: |dx/dt - f(x, z, u, p, t)|.
+
+    dq/dt, dv/dt and dx/dt are derivatives of the planned polynomials, not values the plan states.
+    """
+
+    dynamics: Mapping[str, Peak]
+    rate: Mapping[str, Peak]
+
+
+def residual_of(planned: PhaseSolutionLike, samples: int) -> Residual:
+    """Evaluate both residuals at ``samples`` points of every interval, ``FEWEST_SAMPLES`` at least."""
+    samples = max(samples, FEWEST_SAMPLES)
+    return _robot(planned, samples) if planned.phase.robot is not None else _system(planned, samples)
+
+
+def _robot(planned: PhaseSolutionLike, samples: int) -> Residual:
+    robot = planned.phase.robot
+    data = robot.model.createData()
+    actuation = np.asarray(robot.actuation, dtype=float)
+    times: list[Array] = []
+    torque: list[Array] = []
+    rate: list[Array] = []
+    for stretch in stretches(planned, samples):
+        sample = planned.at(stretch.times, interval=stretch.index)
+        acceleration = time_derivative(sample.v, stretch)
+        for q, v, a, tau in zip(sample.q, sample.v, acceleration, sample.tau, strict=True):
+            needed = pin.rnea(robot.model, data, q, v, a) + robot.dissipation(v)
+            torque.append(needed - actuation @ tau)
+        rate.append(time_derivative(sample.q, stretch) - sample.v)
+        times.append(stretch.times)
+    t, name = np.concatenate(times), planned.phase.name
+    joints = robot.joint_names
+    return Residual(
+        peaks(joints, [TORQUE_UNITS[u] for u in robot.units], t, np.array(torque), name),
+        peaks(joints, [RATE_UNITS[u] for u in robot.units], t, np.concatenate(rate), name),
+    )
+
+
+def _system(planned: PhaseSolutionLike, samples: int) -> Residual:
+    system = planned.phase.system
+    states, controls, algebraic = (
+        tuple(v.name for v in kind) for kind in (system.states, system.controls, system.algebraic)
+    )
+    times: list[Array] = []
+    rows: list[Array] = []
+    rate: list[Array] = []
+    for stretch in stretches(planned, samples):
+        sample = planned.at(stretch.times, interval=stretch.index)
+        x, u, z = (
+            columns(named, names, len(stretch.times))
+            for named, names in ((sample.x, states), (sample.u, controls), (sample.z, algebraic))
+        )
+        slope = time_derivative(x, stretch)
+        for i, t in enumerate(stretch.times):
+            point = system_point(system, t, x[i], z[i], u[i], planned.parameters)
+            rate.append(slope[i] - as_numbers(system.dynamics(point), "dynamics"))
+            if system.residual is not None:
+                rows.append(as_numbers(system.residual(point), "residual"))
+        times.append(stretch.times)
+    t, name = np.concatenate(times), planned.phase.name
+    units = [f"{s.unit}/s" if s.unit else "" for s in system.states]
+    dynamics = {}
+    if rows:
+        named_rows = [f"residual {i}" for i in range(len(rows[0]))]
+        dynamics = peaks(named_rows, [""] * len(named_rows), t, np.array(rows), name)
+    return Residual(dynamics, peaks(states, units, t, np.array(rate), name))

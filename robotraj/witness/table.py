@@ -1,0 +1,113 @@
+"""A report as text that a person reads."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from robotraj.witness.peak import Peak
+
+if TYPE_CHECKING:
+    from robotraj.witness.report import Report
+
+WIDTH = 110
+
+
+def render(report: Report) -> str:
+    """Lay out the verdict, the drift, the broken bounds, the residuals and the energy balance."""
+    stream = io.StringIO()
+    console = Console(file=stream, width=WIDTH, color_system=None, highlight=False, markup=False)
+    verdict = "PASSED" if report.passed else "FAILED"
+    phases = ", ".join(repr(name) for name in report.phases)
+    console.print(
+        f"Forward simulation of {phases}: {verdict}\n"
+        f"  {report.duration:.6g} s, {report.intervals} intervals, open loop under the planned controls "
+        f"(DOP853, rtol {report.rtol:.0e}, atol {report.atol:.0e}, restarted at knots)"
+    )
+    for complaint in report.complaints(report.tolerances):
+        console.print(f"  ! {complaint}")
+    console.print(_drift(report))
+    console.print(_violations(report) or "  limits and constraints: none broken, at or between the knots\n")
+    console.print(_residual(report))
+    console.print(_closing(report))
+    return "\n".join(line.rstrip() for line in stream.getvalue().rstrip().splitlines())
+
+
+def _table(title: str, *headers: str) -> Table:
+    table = Table(
+        title=title, title_justify="left", title_style="none", box=box.SIMPLE_HEAD, header_style="none"
+    )
+    for i, header in enumerate(headers):
+        table.add_column(header, justify="left" if i == 0 else "right", no_wrap=True)
+    return table
+
+
+def _drift(report: Report) -> Table:
+    table = _table(
+        "  drift: |simulated - planned|", "state", "final", "largest", "at t [s]", "allowed", "unit"
+    )
+    for row in report.drift.rows:
+        allowed = report.tolerances.drift * row.scale
+        mark = " !" if row.largest > allowed else ""
+        table.add_row(
+            row.name + mark,
+            f"{row.final:.2e}",
+            f"{row.largest:.2e}",
+            f"{row.time:.4f}",
+            f"{allowed:.1e}",
+            row.unit,
+        )
+    return table
+
+
+def _violations(report: Report) -> Table | None:
+    if not report.violations:
+        return None
+    title = f"  limits and constraints broken, {report.tolerances.limits:.1e} allowed"
+    table = _table(title, "row", "by", "limit", "unit", "at t [s]", "phase")
+    for v in report.violations:
+        mark = " !" if v.amount > report.tolerances.limits else ""
+        about = f"{v.name}, {v.joint}" if v.joint else v.name
+        table.add_row(about + mark, f"{v.amount:.2e}", f"{v.limit:.6g}", v.unit, f"{v.time:.4f}", v.phase)
+    return table
+
+
+def _residual(report: Report) -> Table:
+    table = _table(
+        "  defect of the equations along the planned polynomials, largest",
+        "of",
+        "dynamics",
+        "unit",
+        "at t [s]",
+        "rate",
+        "unit",
+        "at t [s]",
+    )
+    dynamics, rate = report.residual.dynamics, report.residual.rate
+    for name in dict.fromkeys([*dynamics, *rate]):
+        table.add_row(name, *_cells(dynamics.get(name)), *_cells(rate.get(name)))
+    return table
+
+
+def _cells(peak: Peak | None) -> tuple[str, str, str]:
+    return ("", "", "") if peak is None else (f"{peak.value:.2e}", peak.unit, f"{peak.time:.4f}")
+
+
+def _closing(report: Report) -> str:
+    lines = []
+    energy = report.energy
+    if energy is not None:
+        lines.append(
+            f"  energy: work in {energy.work:.6g} J - dissipated {energy.dissipated:.6g} J - change "
+            f"{energy.change:.6g} J = {energy.imbalance:.2e} J ({energy.relative:.1e} of the energy that moved)"
+        )
+    tolerances = report.tolerances
+    judged = [f"drift {tolerances.drift:.1e}", f"limits {tolerances.limits:.1e}"]
+    judged += [f"energy {tolerances.energy:.1e}"] if tolerances.energy is not None else []
+    judged += [f"residual {tolerances.residual:.1e}"] if tolerances.residual is not None else []
+    lines.append(f"  judged by: {', '.join(judged)}")
+    return "\n".join(lines)

@@ -1,0 +1,145 @@
+"""Closed-loop simulation: joint feedback around a plan, as a controller on the machine would add it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robotraj.errors import InputError
+from robotraj.witness import drift as drifts
+from robotraj.witness.drift import Drift, DriftRow, drift_of
+from robotraj.witness.integration import integrate
+from robotraj.witness.peak import Peak, largest, peaks
+from robotraj.witness.plant import RobotPlant
+from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.residual import TORQUE_UNITS
+from robotraj.witness.simulation import Simulation, robot_rates, split
+
+
+@dataclass(frozen=True)
+class Tracking:
+    """How well feedback holds a robot on its plan.
+
+    Attributes
+    ----------
+    error : Drift
+        By state: final and largest distance between the simulated and the planned motion.
+    feedback : mapping of str to Peak
+        By actuated joint: largest torque that the feedback added [N m, N].
+    simulations : tuple of Simulation
+        The motion of each phase.
+    failure : str or None
+        Why and when the simulation stopped early; None if it did not.
+    """
+
+    error: Drift
+    feedback: dict[str, Peak]
+    simulations: tuple[Simulation, ...]
+    failure: str | None
+
+
+def track(
+    solution: SolutionLike,
+    kp: float | Sequence[float],
+    kd: float | Sequence[float],
+    *,
+    offset: Any = 0.0,
+    rtol: float = 1e-8,
+    atol: float = 1e-10,
+    samples_per_interval: int = 10,
+) -> Tracking:
+    """Simulate tau = tau_plan + kp (q_plan - q) + kd (v_plan - v) of the actuated joints.
+
+    Open-loop drift of an unstable motion grows whatever the mesh; this asks whether feedback keeps it.
+
+    Parameters
+    ----------
+    solution : Solution
+        Of a robot.
+    kp, kd : float or sequence (nu,)
+        Gains [N m/rad, N/m] and [N m s/rad, N s/m], at least 0.
+    offset : float or array_like (2 nv,)
+        Added to the plan's first state (q, v), a disturbance to recover from.
+    rtol, atol, samples_per_interval
+        As for ``simulate``.
+
+    Raises
+    ------
+    InputError
+        The solution moves a System, or the gains do not fit the actuated joints.
+    """
+    if not solution.phases or any(planned.phase.robot is None for planned in solution.phases):
+        raise InputError(
+            "track() adds joint feedback: it needs a plan of a robot; use validate() for Systems."
+        )
+    rows: list[tuple[DriftRow, ...]] = []
+    added: list[dict[str, Peak]] = []
+    motions: list[Simulation] = []
+    x: Array | None = None
+    failure = None
+    for planned in solution.phases:
+        robot, plant = planned.phase.robot, RobotPlant(planned)
+        gains = _gains(kp, "kp", robot.actuated), _gains(kd, "kd", robot.actuated)
+        knots = np.asarray(planned.knots, dtype=float)
+        if x is None:
+            x = plant.states(knots[:1], 0)[0] + np.asarray(offset, dtype=float)
+        feedback = _Feedback(planned, np.asarray(robot.actuation, dtype=float), *gains)
+
+        motion = integrate(
+            robot_rates(robot, feedback.torque),
+            x,
+            knots,
+            rtol=rtol,
+            atol=atol,
+            samples_per_interval=samples_per_interval,
+        )
+        simulation = split(motion, robot.nv)
+        torques = np.array(
+            [
+                feedback.added(planned.at(t, interval=int(k)), q, v)
+                for t, k, q, v in zip(motion.times, motion.intervals, simulation.q, simulation.v, strict=True)
+            ]
+        )
+        unit = dict(zip(robot.joint_names, robot.units, strict=True))
+        units = [TORQUE_UNITS[unit[joint]] for joint in robot.actuated]
+        added.append(peaks(robot.actuated, units, motion.times, torques, planned.phase.name))
+        rows.append(drift_of(plant, motion, planned.phase.name))
+        motions.append(simulation)
+        x = motion.states[-1]
+        if motion.failure is not None:
+            failure = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"
+            break
+    return Tracking(drifts.merge(rows), largest(added), tuple(motions), failure)
+
+
+@dataclass(frozen=True)
+class _Feedback:
+    """Planned torque plus proportional and derivative feedback of the actuated joints."""
+
+    planned: Any
+    actuation: Array
+    kp: Array
+    kd: Array
+
+    def added(self, sample: Any, q: Array, v: Array) -> Array:
+        """Torque (nu,) that the feedback adds to the plan's."""
+        return self.kp * (self.actuation.T @ (sample.q - q)) + self.kd * (self.actuation.T @ (sample.v - v))
+
+    def torque(self, t: float, k: int, q: Array, v: Array) -> Array:
+        """Torque (nu,) of plan and feedback."""
+        sample = self.planned.at(t, interval=k)
+        return np.asarray(sample.tau + self.added(sample, q, v))
+
+
+def _gains(value: Any, what: str, joints: Sequence[str]) -> Array:
+    array = np.asarray(value, dtype=float).ravel()
+    if array.size not in (1, len(joints)):
+        raise InputError(
+            f"{what} has {array.size} values; give one, or one for each of: {', '.join(joints)}."
+        )
+    if not (np.isfinite(array).all() and (array >= 0).all()):
+        raise InputError(f"{what} = {value!r} must be finite and at least 0.")
+    return np.broadcast_to(array, (len(joints),)).copy()

@@ -1,0 +1,104 @@
+"""The proof of a plan: simulate it with code that did not make it, and look between its knots."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotraj.errors import InputError
+from robotraj.witness import drift as drifts
+from robotraj.witness import energy as energies
+from robotraj.witness.drift import Drift, DriftRow, drift_of
+from robotraj.witness.integration import integrate
+from robotraj.witness.peak import largest
+from robotraj.witness.plant import plant_of
+from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.report import Report, Tolerances
+from robotraj.witness.residual import Residual, residual_of
+from robotraj.witness.violations import violations_of
+
+
+def validate(
+    solution: SolutionLike,
+    *,
+    rtol: float = 1e-10,
+    atol: float = 1e-12,
+    samples_per_interval: int = 24,
+    drift: float = 1e-3,
+    limits: float = 1e-3,
+    energy: float | None = None,
+    residual: float | None = None,
+) -> Report:
+    """Simulate a plan open loop and check it between its knots.
+
+    A robot moves by plain double-precision Pinocchio, M(q) a + h(q, v) = B tau(t) - d(v), a System by its own
+    equations on numbers (algebraic variables solved for at every evaluation), from the plan's first state through
+    all phases, under the planned controls alone. DOP853 integrates, restarted at every knot.
+
+    Parameters
+    ----------
+    solution : Solution
+        A failed one can be validated too.
+    rtol, atol : float
+        Tolerances of the simulation's steps.
+    samples_per_interval : int
+        Points of every interval at which drift, limits, constraints and residuals are looked at.
+    drift, limits, energy, residual : float or None
+        Thresholds of ``Report.passed``, see ``Tolerances``; None reports without judging.
+
+    Returns
+    -------
+    Report
+        A simulation that blows up is reported in it, not raised.
+
+    Raises
+    ------
+    InputError
+        The solution has no phases, ``samples_per_interval`` is below 2, or a constraint does not give numbers.
+    """
+    if not solution.phases:
+        raise InputError("There is nothing to validate: the solution has no phases.")
+    if samples_per_interval < 2:
+        raise InputError(
+            f"samples_per_interval is {samples_per_interval}; look at 2 points of an interval or more."
+        )
+    drifted, failure = _simulate(solution, rtol, atol, samples_per_interval)
+    residuals = [residual_of(planned, samples_per_interval) for planned in solution.phases]
+    balances = [energies.energy_of(planned) for planned in solution.phases if planned.phase.robot is not None]
+    broken = [v for planned in solution.phases for v in violations_of(planned, samples_per_interval)]
+    knots = [np.asarray(planned.knots, dtype=float) for planned in solution.phases]
+    return Report(
+        drift=drifted,
+        violations=tuple(sorted(broken, key=lambda v: -v.amount)),
+        energy=energies.add(balances),
+        residual=Residual(largest(r.dynamics for r in residuals), largest(r.rate for r in residuals)),
+        failure=failure,
+        tolerances=Tolerances(drift, limits, energy, residual),
+        duration=float(sum(k[-1] - k[0] for k in knots)),
+        intervals=sum(len(k) - 1 for k in knots),
+        phases=tuple(planned.phase.name for planned in solution.phases),
+        rtol=rtol,
+        atol=atol,
+    )
+
+
+def _simulate(solution: SolutionLike, rtol: float, atol: float, samples: int) -> tuple[Drift, str | None]:
+    """Drift through all phases, and why the simulation stopped early if it did.
+
+    The simulated state is handed on where the next phase has the same states, so that a jump of the plan
+    between phases shows as drift; a phase with other states starts from its own plan.
+    """
+    rows: list[tuple[DriftRow, ...]] = []
+    x: Array | None = None
+    names: tuple[str, ...] = ()
+    for planned in solution.phases:
+        plant = plant_of(planned)
+        knots = np.asarray(planned.knots, dtype=float)
+        if x is None or plant.names != names:
+            x = plant.states(knots[:1], 0)[0]
+        motion = integrate(plant.rates, x, knots, rtol=rtol, atol=atol, samples_per_interval=samples)
+        rows.append(drift_of(plant, motion, planned.phase.name))
+        if motion.failure is not None:
+            where = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s"
+            return drifts.merge(rows), f"{where}: {motion.failure}"
+        x, names = motion.states[-1], plant.names
+    return drifts.merge(rows), None

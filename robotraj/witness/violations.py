@@ -1,0 +1,210 @@
+"""Bounds of a phase that its planned polynomials break, between the collocation points as well as at them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from robotraj.constraints.base import Row, Where
+from robotraj.errors import InputError
+from robotraj.witness.numbers import as_numbers
+from robotraj.witness.plant import RATE_UNITS, columns
+from robotraj.witness.point import NumericPoint, system_point
+from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.residual import TORQUE_UNITS
+from robotraj.witness.sampling import stretches
+
+SOLVER_NOISE = 1e-6
+"""Amounts below this, relative to max(1, |limit|), are a solver's tolerance and are not listed."""
+
+ACCELERATION_UNITS = {"rad": "rad/s^2", "m": "m/s^2"}
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One bound that is broken, where it is broken most.
+
+    Attributes
+    ----------
+    name : str
+        The row: ``"effort limit"``, ``"ground clearance"`` ...
+    joint : str or None
+        The joint, frame or variable it is about.
+    phase : str
+    time : float
+        When the bound is broken most [s].
+    amount : float
+        How far the value lies outside [unit].
+    unit : str
+    limit : float
+        The bound that is broken [unit].
+    upper : bool
+        Whether it is the upper bound.
+    """
+
+    name: str
+    joint: str | None
+    phase: str
+    time: float
+    amount: float
+    unit: str
+    limit: float
+    upper: bool
+
+    def __str__(self) -> str:
+        about = f"{self.name}, {self.joint}" if self.joint else self.name
+        side = "over" if self.upper else "under"
+        amount, limit = (f"{value:.4g} {self.unit}".rstrip() for value in (self.amount, self.limit))
+        return f"{about}, t = {self.time:.4g} s: {amount} {side} the limit of {limit} (phase {self.phase!r})"
+
+
+@dataclass
+class _Watch:
+    """A row and the values it was seen to take."""
+
+    row: Row
+    times: list[Array] = field(default_factory=list)
+    values: list[Array] = field(default_factory=list)
+
+    def see(self, times: Array, values: Array) -> None:
+        self.times.append(times)
+        self.values.append(values)
+
+    def worst(self, phase: str) -> Violation | None:
+        """Return the largest violation, None if the row holds."""
+        values, times = np.concatenate(self.values), np.concatenate(self.times)
+        lower, upper = float(self.row.lower), float(self.row.upper)
+        excess = np.nan_to_num(np.maximum(values - upper, lower - values), nan=np.inf)
+        i = int(np.argmax(excess))
+        above = bool(values[i] > upper) or not np.isfinite(lower)
+        limit = upper if above else lower
+        if excess[i] <= SOLVER_NOISE * max(1.0, abs(limit)):
+            return None
+        row = self.row
+        return Violation(
+            row.name, row.joint, phase, float(times[i]), float(excess[i]), row.unit, limit, above
+        )
+
+
+def violations_of(planned: PhaseSolutionLike, samples: int) -> tuple[Violation, ...]:
+    """Every broken bound of a phase, the worst first: joint limits, constraints, and the states at both ends.
+
+    Each is reported once, where it is broken most among ``samples`` points of every interval.
+
+    Raises
+    ------
+    InputError
+        A constraint's expression does not give numbers on a numeric point.
+    """
+    phase = planned.phase
+    limits = [] if phase.limits is None or phase.robot is None else list(_limit_rows(phase))
+    watched = [_Watch(row) for row, _ in limits]
+    checked = {_key(row) for row, _ in limits}
+    # A phase may also state its limits as constraints; those rows are seen once.
+    bound = [c for c in phase.bound_constraints if not all(_key(row) in checked for row in c.rows)]
+    throughout = [(c, [_Watch(row) for row in c.rows]) for c in bound if c.where is Where.THROUGHOUT]
+    for stretch in stretches(planned, samples):
+        sample = planned.at(stretch.times, interval=stretch.index)
+        for watch, (_, read) in zip(watched, limits, strict=True):
+            watch.see(stretch.times, read(sample))
+        if throughout:
+            points = [_point(planned, t, stretch.index) for t in stretch.times]
+            _see(throughout, stretch.times, points)
+    ends = [(0, Where.START, phase.start_bounds), (-1, Where.END, phase.end_bounds)]
+    at_ends = [entry for end in ends for entry in _at_end(planned, bound, *end)]
+    every = watched + [watch for _, watches in throughout for watch in watches] + at_ends
+    found = [watch.worst(phase.name) for watch in every if watch.values]
+    return tuple(sorted((v for v in found if v is not None), key=lambda v: -v.amount))
+
+
+def _key(row: Row) -> tuple[str, str | None, float, float]:
+    return row.name, row.joint, float(row.lower), float(row.upper)
+
+
+def _limit_rows(phase: Any) -> Iterable[tuple[Row, Callable[[Any], Array]]]:
+    """Rows of the joint limits that bound something, and how each reads a sample of many times."""
+    limits, robot = phase.limits, phase.robot
+    joints = list(robot.joint_names)
+    symmetric = (
+        ("velocity limit", "v", limits.velocity, RATE_UNITS, joints),
+        ("acceleration limit", "a", limits.acceleration, ACCELERATION_UNITS, joints),
+        ("effort limit", "tau", limits.effort, TORQUE_UNITS, list(robot.actuated)),
+    )
+    for i, joint in enumerate(joints):
+        lower, upper = float(limits.position_lower[i]), float(limits.position_upper[i])
+        if np.isfinite(lower) or np.isfinite(upper):
+            yield Row("position limit", robot.units[i], lower, upper, joint), _column("q", i)
+    for name, kind, bounds, units, moved in symmetric:
+        for column, joint in enumerate(moved):
+            i = joints.index(joint)
+            if np.isfinite(bounds[i]):
+                bound = float(bounds[i])
+                yield Row(name, units[robot.units[i]], -bound, bound, joint), _column(kind, column)
+
+
+def _column(kind: str, index: int) -> Callable[[Any], Array]:
+    return lambda sample: np.asarray(getattr(sample, kind)[:, index])
+
+
+def _point(planned: PhaseSolutionLike, t: float, interval: int) -> Any:
+    """Wrap the plan at one instant as user expressions read it."""
+    sample, phase = planned.at(t, interval=interval), planned.phase
+    if phase.robot is not None:
+        return NumericPoint(
+            phase.robot,
+            t,
+            sample.q,
+            sample.v,
+            sample.a,
+            sample.tau,
+            parameters=planned.parameters,
+            forces=sample.forces,
+            columns=True,
+        )
+    system = phase.system
+    x, z, u = (
+        columns(named, tuple(v.name for v in kind), 1).reshape(-1)
+        for named, kind in (
+            (sample.x, system.states),
+            (sample.z, system.algebraic),
+            (sample.u, system.controls),
+        )
+    )
+    return system_point(system, t, x, z, u, planned.parameters)
+
+
+def _see(entries: Sequence[tuple[Any, list[_Watch]]], times: Array, points: Sequence[Any]) -> None:
+    """Evaluate constraints on points and show their rows the values."""
+    for constraint, watches in entries:
+        what = f"expression of {constraint.name!r}"
+        values = np.array([as_numbers(constraint.expression(point), what) for point in points])
+        if values.shape[1] != len(watches):
+            raise InputError(f"The {what} gave {values.shape[1]} numbers for its {len(watches)} rows.")
+        for column, watch in enumerate(watches):
+            watch.see(times, values[:, column])
+
+
+def _at_end(
+    planned: PhaseSolutionLike, bound: Sequence[Any], side: int, where: Where, state: Any
+) -> list[_Watch]:
+    """Watch the state and the constraints of one end of a phase."""
+    phase, knots = planned.phase, np.asarray(planned.knots, dtype=float)
+    t, interval = float(knots[side]), (0 if side == 0 else len(knots) - 2)
+    point = _point(planned, t, interval)
+    entries = [(c, [_Watch(row) for row in c.rows]) for c in bound if c.where is where]
+    _see(entries, np.array([t]), [point])
+    watches = [watch for _, ends in entries for watch in ends]
+    if state is not None:
+        units = [v.unit for v in phase.system.states] if phase.robot is None else _state_units(phase.robot)
+        for name, unit, lower, upper in zip(point.x, units, state.lower, state.upper, strict=True):
+            watch = _Watch(Row(f"{where.value} state", unit, float(lower), float(upper), name))
+            watch.see(np.array([t]), np.array([float(point.x[name])]))
+            watches.append(watch)
+    return watches
+
+
+def _state_units(robot: Any) -> list[str]:
+    return [*robot.units, *(RATE_UNITS[unit] for unit in robot.units)]
