@@ -7,6 +7,7 @@ from robotraj.constraints.frame_pose import FramePose, FramePosition
 from robotraj.constraints.ground import Flat, Ground, HeightFunction, Slope
 from robotraj.constraints.joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity, own_limits
 from robotraj.constraints.path import PathConstraint
+from robotraj.constraints.variable_bounds import VariableBounds
 
 __all__ = [
     "AtEnd",
@@ -28,6 +29,7 @@ __all__ = [
     "PathConstraint",
     "Row",
     "Slope",
+    "VariableBounds",
     "Where",
     "as_bounds",
     "between",

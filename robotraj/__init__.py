@@ -1,0 +1,45 @@
+"""robotraj: plan robot motions by direct collocation and prove them by simulation."""
+
+from robotraj.constraints import (
+    AtEnd,
+    AtStart,
+    Flat,
+    FramePose,
+    FramePosition,
+    GroundClearance,
+    HeightFunction,
+    JointAcceleration,
+    JointEffort,
+    JointPosition,
+    JointVelocity,
+    PathConstraint,
+    Slope,
+    between,
+)
+from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
+from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
+from robotraj.guess import FromSolution, Keyframes, StraightLine
+from robotraj.links import Continuity
+from robotraj.objectives import Duration, Effort, Lagrange, Mayer
+from robotraj.planning import plan
+from robotraj.problem import Phase, Problem
+from robotraj.robot import Limits, Robot, load
+from robotraj.schemes import (
+    ConstantControl,
+    FifthDegree,
+    GaussLegendre,
+    HermiteSimpson,
+    LinearControl,
+    LobattoIIIA,
+    Mesh,
+    OwnQuadrature,
+    PolynomialControl,
+    RadauIIA,
+    Trapezoidal,
+    TrapezoidalQuadrature,
+)
+from robotraj.solution import Solution
+from robotraj.solvers import Ipopt
+from robotraj.state import State
+from robotraj.status import Status
+from robotraj.transcription import Nlp, transcribe

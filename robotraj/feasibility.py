@@ -1,0 +1,117 @@
+"""What cannot hold is refused before solving, by name."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from robotraj.constraints import Bounds, Row, Where
+from robotraj.constraints.base import BoundConstraint, symbols_of
+from robotraj.errors import InputError
+from robotraj.robot import Limits
+
+if TYPE_CHECKING:
+    from robotraj.problem import Phase
+
+SLACK = 1e-6
+"""How far a given end may lie outside a bound before it is refused: round-off, not an error [SI]."""
+
+
+def check_phase(phase: Phase) -> None:
+    """Raise InputError for the first thing that makes the phase impossible."""
+    if isinstance(phase.limits, Limits):
+        complaints = _complaints(phase, phase.limits)
+        if complaints:
+            raise InputError(f"Phase {phase.name!r}: " + " ".join(complaints))
+    _ = phase.parameter_bounds, phase.duration_bounds
+    for which, bounds in (("start", phase.start_bounds), ("end", phase.end_bounds)):
+        crossed = np.flatnonzero(bounds.lower > bounds.upper)
+        if crossed.size:
+            name = phase.dae.states[crossed[0]].label
+            raise InputError(f"Phase {phase.name!r}: the {which} of {name!r} has its lower bound above its upper one.")
+        _check_against_limits(phase, which, bounds)
+        _check_expressions(phase, which, bounds)
+    _check_duration(phase)
+
+
+def _complaints(phase: Phase, limits: Limits) -> list[str]:
+    """The limits' own complaints about joints that must move: a joint without a motor may have no effort."""
+    return list(limits.complaints(phase.robot.actuated)) if phase.robot else []
+
+
+def _rows_on_states(phase: Phase) -> dict[str, list[Row]]:
+    rows: dict[str, list[Row]] = {}
+    for constraint in phase.bound_constraints:
+        for row in constraint.rows:
+            if row.lower > row.upper:
+                raise InputError(
+                    f"Phase {phase.name!r}: {row.label} has its lower bound {row.lower:g} above its upper bound "
+                    f"{row.upper:g} {row.unit}.".replace("  ", " ")
+                )
+            if row.variable is not None and constraint.where is Where.THROUGHOUT:
+                rows.setdefault(row.variable, []).append(row)
+    return rows
+
+
+def _check_against_limits(phase: Phase, which: str, bounds: Bounds) -> None:
+    rows = _rows_on_states(phase)
+    for variable, low, high in zip(phase.dae.states, bounds.lower, bounds.upper, strict=True):
+        for row in rows.get(variable.name, ()):
+            slack = SLACK * max(1.0, abs(row.lower) if np.isfinite(row.lower) else 1.0)
+            if low > row.upper + slack or high < row.lower - slack:
+                value = f"{low:g}" if low == high else f"[{low:g}, {high:g}]"
+                raise InputError(
+                    f"Phase {phase.name!r}: the {which} {variable.quantity} of {variable.label!r} is {value} "
+                    f"{variable.unit}, outside its {row.name} [{row.lower:g}, {row.upper:g}] {row.unit}. "
+                    f"Move the {which}, or give other limits."
+                )
+
+
+def _check_expressions(phase: Phase, which: str, bounds: Bounds) -> None:
+    """Where the whole state is fixed, evaluate the rows that depend on the state alone."""
+    if not np.array_equal(bounds.lower, bounds.upper):
+        return
+    point = symbols_of(phase.dae, phase.parameter_names)
+    x = ca.vertcat(*(point.x[s.name] for s in phase.dae.states))
+    skipped = Where.END if which == "start" else Where.START
+    for constraint in phase.bound_constraints:
+        if constraint.where is skipped or all(row.variable is not None for row in constraint.rows):
+            continue
+        _check_expression(phase, which, constraint, ca.vertcat(*constraint.expression(point)), x, bounds.lower)
+
+
+def _check_expression(
+    phase: Phase, which: str, constraint: BoundConstraint, value: ca.SX, x: ca.SX, at: np.ndarray
+) -> None:
+    for row, entry in zip(constraint.rows, ca.vertsplit(value), strict=True):
+        if row.variable is not None or any(not ca.depends_on(x, s) for s in ca.symvar(entry)):
+            continue
+        number = float(ca.Function("row", [x], [entry])(at))
+        if np.isnan(number):
+            raise InputError(f"Phase {phase.name!r}: {row.label} is NaN at the {which}; check its expression.")
+        if not row.lower - SLACK <= number <= row.upper + SLACK:
+            raise InputError(
+                f"Phase {phase.name!r}: at the {which}, {row.label} is {number:.6g} {row.unit}, outside "
+                f"[{row.lower:g}, {row.upper:g}] {row.unit}. Move the {which}, or relax the constraint."
+            )
+
+
+def _check_duration(phase: Phase) -> None:
+    """A joint that must travel further than its speed limit allows in the longest duration cannot arrive."""
+    if phase.robot is None or not isinstance(phase.limits, Limits):
+        return
+    longest = phase.duration_bounds[1]
+    nv = phase.robot.nv
+    start, end = phase.start_bounds, phase.end_bounds
+    for i, joint in enumerate(phase.robot.joint_names[:nv]):
+        gap = max(end.lower[i] - start.upper[i], start.lower[i] - end.upper[i], 0.0)
+        speed = phase.limits.velocity[i]
+        if np.isfinite(gap) and gap > speed * longest * (1 + 1e-9):
+            unit = phase.robot.units[i]
+            raise InputError(
+                f"Phase {phase.name!r}: joint {joint!r} must travel {gap:.4g} {unit}, but its velocity limit of "
+                f"{speed:.4g} {unit}/s allows {speed * longest:.4g} {unit} in {longest:.4g} s. "
+                f"Allow at least {gap / speed:.4g} s."
+            )

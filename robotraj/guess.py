@@ -1,0 +1,215 @@
+"""Where a solver starts: values that give states, algebraic variables and controls along every phase."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.constraints import Bounds
+from robotraj.errors import InputError
+from robotraj.robot import Limits
+from robotraj.state import State
+
+if TYPE_CHECKING:
+    from robotraj.dynamics import Variable
+    from robotraj.problem import Phase
+
+Array = NDArray[np.float64]
+Curve = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseGuess:
+    """A guess of one phase.
+
+    Attributes
+    ----------
+    duration : float
+        [s].
+    states, algebraic, controls : callable
+        From fractions of the phase (m,) to values (m, n).
+    parameters : mapping of str to float
+    """
+
+    duration: float
+    states: Curve
+    algebraic: Curve
+    controls: Curve
+    parameters: Mapping[str, float]
+
+
+class Guess(ABC):
+    """A value that starts a solver. A new kind is one new class."""
+
+    @abstractmethod
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Guess phase number ``index`` of the problem."""
+
+
+@dataclass(frozen=True)
+class StraightLine(Guess):
+    """States on a straight line from start to end, no torque, no acceleration.
+
+    Parameters
+    ----------
+    duration : float, optional
+        Guessed duration [s] where it is free; by default from the bounds and the speed limits.
+    """
+
+    duration: float | None = None
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Interpolate between the ends."""
+        first, last = _ends(phase)
+        return PhaseGuess(
+            _duration(phase, self.duration),
+            lambda s: first + np.asarray(s)[:, None] * (last - first),
+            _constant(len(phase.dae.algebraic)),
+            _constant(len(phase.dae.controls)),
+            default_parameters(phase),
+        )
+
+
+@dataclass(frozen=True)
+class Keyframes(Guess):
+    """States on straight lines through key poses.
+
+    Parameters
+    ----------
+    fractions : sequence of float
+        Where the keyframes are, ascending from 0 to 1.
+    states : sequence of State
+        One state per fraction; entries left free are 0.
+    duration : float, optional
+        Guessed duration [s] where it is free.
+    """
+
+    fractions: Sequence[float]
+    states: Sequence[State]
+    duration: float | None = None
+
+    def __post_init__(self) -> None:
+        if len(self.fractions) != len(self.states) or len(self.states) < 2:
+            raise InputError(
+                f"Keyframes needs one state per fraction and at least two; got {len(self.fractions)} fractions and "
+                f"{len(self.states)} states."
+            )
+        if not np.all(np.diff(self.fractions) > 0) or self.fractions[0] != 0 or self.fractions[-1] != 1:
+            raise InputError(f"The fractions of Keyframes must ascend from 0 to 1; got {list(self.fractions)}.")
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Interpolate between the keyframes."""
+        keys = np.array([_middle(state.bounds(phase.dae, "keyframe"), np.nan) for state in self.states])
+        keys = np.nan_to_num(keys)
+
+        def states(s: Array) -> Array:
+            return np.column_stack([np.interp(s, self.fractions, column) for column in keys.T])
+
+        return PhaseGuess(
+            _duration(phase, self.duration),
+            states,
+            _constant(len(phase.dae.algebraic)),
+            _constant(len(phase.dae.controls)),
+            default_parameters(phase),
+        )
+
+
+@dataclass(frozen=True)
+class FromSolution(Guess):
+    """Start from an earlier solution, on whatever mesh and scheme it was found; variables are matched by name."""
+
+    solution: Any
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Sample the earlier solution's phase of the same index.
+
+        Raises
+        ------
+        InputError
+            The earlier solution has no such phase.
+        """
+        known = self.solution.phases
+        if index >= len(known):
+            raise InputError(f"The guess is a solution of {len(known)} phases; phase {phase.name!r} is number {index}.")
+        source = known[index]
+        low, high = phase.duration_bounds
+        fallback = default_parameters(phase)
+        return PhaseGuess(
+            float(np.clip(source.duration, low, high)),
+            _sampled(source, phase.dae.states),
+            _sampled(source, phase.dae.algebraic),
+            _sampled(source, phase.dae.controls),
+            {name: source.parameters.get(name, value) for name, value in fallback.items()},
+        )
+
+
+def as_guess(value: Any) -> Guess | None:
+    """Accept a guess, an earlier solution or None."""
+    if value is None or isinstance(value, Guess):
+        return value
+    if hasattr(value, "phases") and hasattr(value, "status"):
+        return FromSolution(value)
+    raise InputError(f"guess must be None, a guess such as rt.StraightLine(), or a Solution; got {type(value).__name__}.")
+
+
+def _sampled(source: Any, variables: Sequence[Variable]) -> Curve:
+    def curve(s: Array) -> Array:
+        times = source.t0 + np.asarray(s) * source.duration
+        columns = source.columns(times, [v.name for v in variables])
+        return np.column_stack(columns) if columns else np.zeros((len(times), 0))
+
+    return curve
+
+
+def _constant(size: int) -> Curve:
+    return lambda s: np.zeros((len(s), size))
+
+
+def default_parameters(phase: Phase) -> dict[str, float]:
+    """Middle of each parameter's bounds, or its finite bound, or 1."""
+    values = _middle(phase.parameter_bounds, 1.0)
+    return dict(zip(phase.parameter_names, (float(v) for v in values), strict=True))
+
+
+def _middle(bounds: Bounds, free: float) -> Array:
+    """Middle of finite bounds, the finite one of two, or ``free``."""
+    low, high = bounds
+    with np.errstate(invalid="ignore"):
+        middle = np.where(np.isfinite(low) & np.isfinite(high), 0.5 * (low + high), np.where(np.isfinite(low), low, high))
+    return np.where(np.isfinite(middle), middle, free)
+
+
+def _ends(phase: Phase) -> tuple[Array, Array]:
+    """States at both ends; what one end leaves free is taken from the other, else the robot's neutral pose or 0."""
+    rest = np.zeros(len(phase.dae.states))
+    if phase.robot is not None:
+        rest[: phase.robot.nv] = phase.robot.neutral
+    first, last = _middle(phase.start_bounds, np.nan), _middle(phase.end_bounds, np.nan)
+    first = np.where(np.isnan(first), np.where(np.isnan(last), rest, last), first)
+    last = np.where(np.isnan(last), first, last)
+    return first, last
+
+
+def _duration(phase: Phase, given: float | None) -> float:
+    low, high = phase.duration_bounds
+    if given is not None:
+        if not low <= given <= high:
+            raise InputError(f"The guessed duration {given} s of phase {phase.name!r} lies outside {low} to {high} s.")
+        return given
+    if low == high:
+        return low
+    if low > 0:
+        guess = np.sqrt(low * high) if np.isfinite(high) else 2 * low
+    else:
+        guess = min(max(1.0, high / 20), high / 2) if np.isfinite(high) else 1.0
+    if phase.robot is not None and isinstance(phase.limits, Limits):
+        first, last = _ends(phase)
+        gaps = np.abs(last - first)[: phase.robot.nv]
+        # At 1.5 times the constant-speed time a smooth motion keeps its speed limit.
+        guess = max(guess, 1.5 * float(np.max(gaps / phase.limits.velocity, initial=0.0)))
+    return float(np.clip(guess, low, high))

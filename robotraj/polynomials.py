@@ -1,0 +1,72 @@
+"""Lagrange polynomials on given sites of [0, 1]: evaluation, differentiation and integration.
+
+Barycentric formulas keep high orders stable; integrals use Gauss-Legendre quadrature that is exact for the degree.
+Source: Berrut and Trefethen, Barycentric Lagrange Interpolation, SIAM Review 46 (2004).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@lru_cache(maxsize=256)
+def _weights(sites: tuple[float, ...]) -> Array:
+    nodes = np.array(sites)
+    gaps = nodes[:, None] - nodes[None, :]
+    np.fill_diagonal(gaps, 1.0)
+    # Products of gaps underflow at high order; only ratios of the weights matter.
+    logs = np.log(np.abs(gaps)).sum(axis=1)
+    signs = np.prod(np.sign(gaps), axis=1)
+    weights = signs * np.exp(logs.min() - logs)
+    weights.setflags(write=False)
+    return weights
+
+
+def basis(sites: Array, tau: Array) -> Array:
+    """Values of the Lagrange polynomials: l_k(tau_i), shape (len(tau), len(sites))."""
+    sites = np.asarray(sites, dtype=float)
+    tau = np.atleast_1d(np.asarray(tau, dtype=float))
+    weights = _weights(tuple(sites.tolist()))
+    gaps = tau[:, None] - sites[None, :]
+    hit = gaps == 0.0
+    gaps[hit] = 1.0
+    terms = weights / gaps
+    values = terms / terms.sum(axis=1, keepdims=True)
+    rows = hit.any(axis=1)
+    values[rows] = hit[rows].astype(float)
+    return values
+
+
+def differentiation(sites: Array) -> Array:
+    """Matrix D with (D y)_i = p'(sites_i) for the polynomial p through (sites, y)."""
+    sites = np.asarray(sites, dtype=float)
+    weights = _weights(tuple(sites.tolist()))
+    gaps = sites[:, None] - sites[None, :]
+    np.fill_diagonal(gaps, 1.0)
+    matrix = weights[None, :] / weights[:, None] / gaps
+    np.fill_diagonal(matrix, 0.0)
+    np.fill_diagonal(matrix, -matrix.sum(axis=1))
+    return matrix
+
+
+def integrals(sites: Array, tau: Array) -> Array:
+    """Integrals of the Lagrange polynomials from 0 to tau_i, shape (len(tau), len(sites))."""
+    sites = np.asarray(sites, dtype=float)
+    tau = np.atleast_1d(np.asarray(tau, dtype=float))
+    points, weights = np.polynomial.legendre.leggauss(len(sites) // 2 + 1)
+    half = 0.5 * tau
+    inner = half[:, None] * (points[None, :] + 1.0)
+    values = basis(sites, inner.ravel()).reshape(len(tau), len(points), len(sites))
+    return half[:, None] * np.einsum("m,imk->ik", weights, values)
+
+
+def lobatto_sites(count: int) -> Array:
+    """Chebyshev-Lobatto points of [0, 1], ascending: good sites to store a polynomial by its values."""
+    if count == 1:
+        return np.array([0.5])
+    return 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / (count - 1)))

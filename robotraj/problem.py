@@ -1,0 +1,222 @@
+"""Phases and the problem they make: frozen values that check themselves and print every row they will impose."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from robotraj.constraints import Between, Bounds, Constraint, VariableBounds, as_bounds, between, own_limits
+from robotraj.constraints.base import BoundConstraint
+from robotraj.dynamics import Dynamics, ForwardDynamics, InverseDynamics, System, SystemDynamics
+from robotraj.errors import InputError
+from robotraj.feasibility import check_phase
+from robotraj.links import BoundLink, Link
+from robotraj.objectives import EndCost, Integral, Objective
+from robotraj.printing import phase_table
+from robotraj.robot import Limits, Robot
+from robotraj.state import State
+
+
+@dataclass(frozen=True)
+class OwnLimits:
+    """Impose the robot's own limits, as its URDF states them (the default)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """One stretch of motion under one set of dynamics and constraints.
+
+    Parameters
+    ----------
+    subject : Robot or System
+        What moves.
+    duration : float, (float, float) or Between
+        Fixed or bounded duration [s].
+    start, end : State, optional
+        The state at both ends; None leaves it free.
+    objective : Objective, optional
+        What is minimised; None looks for any feasible motion.
+    constraints : sequence of Constraint
+        Held at every collocation point (or at one end, with ``AtStart`` and ``AtEnd``).
+    parameters : mapping of str to number or Between
+        Unknown or fixed constants, ``point.p[name]``.
+    states, controls, algebraic : mapping of str to number or Between
+        Bounds by variable name, throughout the phase.
+    limits : Limits or None
+        Joint limits; the robot's own unless said otherwise, None for none.
+    dynamics : InverseDynamics or ForwardDynamics
+        How a robot's equations enter; the answer is the same.
+    name : str
+
+    Raises
+    ------
+    InputError
+        What cannot hold is refused here, naming it: a start outside a limit, crossed bounds, a duration that no
+        velocity limit allows, NaN, unknown names.
+    """
+
+    subject: Robot | System
+    duration: Any
+    start: State | None = None
+    end: State | None = None
+    objective: Objective | None = None
+    constraints: Sequence[Constraint] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    states: Mapping[str, Any] = field(default_factory=dict)
+    controls: Mapping[str, Any] = field(default_factory=dict)
+    algebraic: Mapping[str, Any] = field(default_factory=dict)
+    limits: Limits | OwnLimits | None = field(default_factory=OwnLimits)
+    dynamics: InverseDynamics | ForwardDynamics = field(default_factory=InverseDynamics)
+    name: str = "phase"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.subject, Robot | System):
+            raise InputError(f"A phase moves a robot (rt.load(...)) or an rt.System; got {type(self.subject).__name__}.")
+        for which in ("start", "end"):
+            if not isinstance(getattr(self, which), State | None):
+                raise InputError(f"The {which} of phase {self.name!r} must be an rt.State or None.")
+        if isinstance(self.limits, OwnLimits):
+            object.__setattr__(self, "limits", self.robot.limits if self.robot else None)
+        if self.limits is not None and (self.robot is None or not isinstance(self.limits, Limits)):
+            raise InputError(
+                f"limits= of phase {self.name!r} must be None or Limits of the robot, such as "
+                f"robot.limits.with_(velocity=2.0); Systems use states= and controls=."
+            )
+        object.__setattr__(self, "constraints", tuple(self._checked_constraints()))
+        if self.objective is not None and not isinstance(self.objective, Objective):
+            raise InputError(f"The objective of phase {self.name!r} must be an objective such as rt.Effort().")
+        for _, term in self.objective.terms if self.objective else ():
+            term.check(self.dae, self.parameter_names)
+        check_phase(self)
+
+    def _checked_constraints(self) -> Sequence[Constraint]:
+        given = [self.constraints] if isinstance(self.constraints, Constraint) else list(self.constraints)
+        for constraint in given:
+            if not isinstance(constraint, Constraint):
+                raise InputError(f"{constraint!r} in the constraints of phase {self.name!r} is not a constraint.")
+        return given
+
+    @property
+    def robot(self) -> Robot | None:
+        """The robot that moves, or None for a System."""
+        return self.subject if isinstance(self.subject, Robot) else None
+
+    @property
+    def system(self) -> System | None:
+        """The System that moves, or None for a robot."""
+        return self.subject if isinstance(self.subject, System) else None
+
+    @cached_property
+    def dae(self) -> Dynamics:
+        """The phase's dynamics as a semi-explicit DAE."""
+        return SystemDynamics(self.subject) if isinstance(self.subject, System) else self.dynamics.of(self.subject)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return tuple(self.parameters)
+
+    @cached_property
+    def parameter_bounds(self) -> Bounds:
+        """Bounds of the parameters."""
+        return as_bounds(dict(self.parameters), self.parameter_names, "parameters", "parameter")
+
+    @cached_property
+    def duration_bounds(self) -> tuple[float, float]:
+        """Least and greatest duration [s]."""
+        value = self.duration
+        if isinstance(value, Sequence | np.ndarray) and len(value) == 2:
+            value = between(*value)
+        bounds = as_bounds(value, ["duration"], f"duration of phase {self.name!r}", "value")
+        low, high = float(bounds.lower[0]), float(bounds.upper[0])
+        if value is None or high < 0 or (not isinstance(value, Between) and high <= 0):
+            raise InputError(
+                f"The duration of phase {self.name!r} is {self.duration!r}; give seconds above 0, or (least, greatest)."
+            )
+        return max(low, 0.0), high
+
+    @cached_property
+    def start_bounds(self) -> Bounds:
+        """Bounds on the first state, (nx,) each."""
+        return (self.start or State()).bounds(self.dae, "start")
+
+    @cached_property
+    def end_bounds(self) -> Bounds:
+        """Bounds on the last state, (nx,) each."""
+        return (self.end or State()).bounds(self.dae, "end")
+
+    @cached_property
+    def bound_constraints(self) -> tuple[BoundConstraint, ...]:
+        """Every constraint of the phase bound to its dynamics: limits, variable bounds, then the user's own."""
+        every: list[Constraint] = []
+        if self.robot is not None and isinstance(self.limits, Limits):
+            every += own_limits(self.limits, self.robot.actuated)
+        for kind, mapping in (
+            ("state", self.states),
+            ("control", self.controls),
+            ("algebraic variable", self.algebraic),
+        ):
+            if mapping:
+                every.append(VariableBounds(kind, mapping))
+        every += self.constraints
+        bound = (constraint.bind(self.dae, self.parameter_names) for constraint in every)
+        return tuple(b for b in bound if b.rows)
+
+    @property
+    def integrals(self) -> tuple[tuple[float, Integral], ...]:
+        """Weights and Lagrange terms of the objective."""
+        terms = self.objective.terms if self.objective is not None else ()
+        return tuple((weight, term) for weight, term in terms if isinstance(term, Integral))
+
+    @property
+    def end_costs(self) -> tuple[tuple[float, EndCost], ...]:
+        """Weights and Mayer terms of the objective."""
+        terms = self.objective.terms if self.objective is not None else ()
+        return tuple((weight, term) for weight, term in terms if isinstance(term, EndCost))
+
+    def __str__(self) -> str:
+        return phase_table(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Phases and the links between them; one NLP.
+
+    Parameters
+    ----------
+    phases : Phase or sequence of Phase
+    links : sequence of Link
+        ``rt.Continuity(0, 1)`` joins the end of phase 0 to the start of phase 1.
+    """
+
+    phases: Sequence[Phase]
+    links: Sequence[Link] = ()
+
+    def __post_init__(self) -> None:
+        phases = (self.phases,) if isinstance(self.phases, Phase) else tuple(self.phases)
+        if not phases:
+            raise InputError("A problem needs at least one phase.")
+        for phase in phases:
+            if not isinstance(phase, Phase):
+                raise InputError(f"A problem is made of rt.Phase values; got {type(phase).__name__}.")
+        object.__setattr__(self, "phases", phases)
+        object.__setattr__(self, "links", tuple(self.links))
+        _ = self.bound_links
+
+    @cached_property
+    def bound_links(self) -> tuple[BoundLink, ...]:
+        """Every link bound to the phases it joins."""
+        for link in self.links:
+            if not isinstance(link, Link):
+                raise InputError(f"{link!r} in the links of the problem is not a link such as rt.Continuity(0, 1).")
+        return tuple(link.bind(self.phases) for link in self.links)
+
+    def __str__(self) -> str:
+        parts = [str(phase) for phase in self.phases]
+        parts += [f"link {link.name}: {row.label} in [{row.lower:g}, {row.upper:g}] {row.unit}".rstrip()
+                  for link in self.bound_links for row in link.rows]
+        return "\n\n".join(parts[: len(self.phases)]) + ("\n" + "\n".join(parts[len(self.phases) :]))

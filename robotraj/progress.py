@@ -1,0 +1,30 @@
+"""Progress while a solver runs: one line on a terminal, silence in a pipe."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.status import Status as Spinner
+
+from robotraj.solvers import Iteration, Progress, Solver
+
+
+@contextmanager
+def watching(solver: Solver, show: bool | None) -> Iterator[Progress | None]:
+    """Give a callback that shows iterations, or None where nobody watches."""
+    console = Console(stderr=True)
+    if show is False or (show is None and not console.is_terminal):
+        yield None
+        return
+    name = type(solver).__name__
+    with Spinner(f"{name}: starting", console=console) as spinner:
+
+        def update(iteration: Iteration) -> None:
+            spinner.update(
+                f"{name}: iteration {iteration.number}, objective {iteration.objective:.6g}, "
+                f"largest violated row {iteration.infeasibility:.1e}"
+            )
+
+        yield update

@@ -1,0 +1,76 @@
+"""A mesh: how a phase is cut into intervals, and the scheme on each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.errors import InputError
+from robotraj.schemes.collocation import Scheme
+from robotraj.schemes.lobatto import HermiteSimpson
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Intervals of a phase and their scheme.
+
+    Parameters
+    ----------
+    intervals : int or sequence of float
+        Number of equal intervals, or knots as fractions of the phase, from 0 to 1.
+    scheme : Scheme or sequence of Scheme
+        One for all intervals, or one for each.
+
+    Raises
+    ------
+    InputError
+        No interval, knots that do not ascend from 0 to 1, or another number of schemes than intervals.
+    """
+
+    intervals: int | Sequence[float] = 40
+    scheme: Scheme | Sequence[Scheme] = field(default_factory=HermiteSimpson)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.intervals, bool) or (
+            isinstance(self.intervals, int | np.integer) and self.intervals < 1
+        ):
+            raise InputError(f"A mesh needs at least 1 interval, got {self.intervals}.")
+        if np.isscalar(self.intervals) and not isinstance(self.intervals, int | np.integer):
+            raise InputError(f"Mesh(intervals) must be a whole number or a list of knots, got {self.intervals!r}.")
+        knots = self.knots
+        if len(knots) < 2 or knots[0] != 0.0 or knots[-1] != 1.0 or not np.all(np.diff(knots) > 0):
+            raise InputError(f"The knots of a mesh must ascend from 0 to 1; got {knots.tolist()}.")
+        schemes = [self.scheme] if isinstance(self.scheme, Scheme) else list(self.scheme)
+        for scheme in schemes:
+            if not isinstance(scheme, Scheme):
+                raise InputError(
+                    f"Mesh(scheme) must be a scheme value such as rt.HermiteSimpson(), got {scheme!r}; "
+                    "write the parentheses."
+                )
+        if len(schemes) not in (1, len(knots) - 1):
+            raise InputError(f"The mesh has {len(knots) - 1} intervals but {len(schemes)} schemes.")
+
+    @property
+    def knots(self) -> Array:
+        """Knots as fractions of the phase, (K + 1,)."""
+        if isinstance(self.intervals, int | np.integer):
+            return np.linspace(0.0, 1.0, int(self.intervals) + 1)
+        return np.asarray(self.intervals, dtype=float)
+
+    @property
+    def count(self) -> int:
+        """Number of intervals K."""
+        return len(self.knots) - 1
+
+    @property
+    def schemes(self) -> tuple[Scheme, ...]:
+        """The scheme of each interval."""
+        if isinstance(self.scheme, Scheme):
+            return (self.scheme,) * self.count
+        given = tuple(self.scheme)
+        return given * self.count if len(given) == 1 else given

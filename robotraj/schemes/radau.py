@@ -1,0 +1,48 @@
+"""Radau IIA: the end of an interval is a node, its start is not. Order 2 s - 1, stiffly accurate.
+
+Source: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), section IV.5.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import roots_jacobi
+
+from robotraj.errors import InputError
+from robotraj.schemes.collocation import Collocation
+
+Array = NDArray[np.float64]
+
+
+@lru_cache(maxsize=64)
+def legendre_radau(points: int) -> Array:
+    """Flipped Legendre-Gauss-Radau nodes on (0, 1]: 1 and the roots of the Jacobi polynomial P^(1, 0)_{s-1}."""
+    inner = roots_jacobi(points - 1, 1.0, 0.0)[0] if points > 1 else np.array([])
+    nodes = 0.5 * (np.concatenate([np.sort(inner), [1.0]]) + 1.0)
+    nodes.setflags(write=False)
+    return nodes
+
+
+@dataclass(frozen=True)
+class RadauIIA(Collocation):
+    """Radau IIA with ``points`` collocation points per interval, order 2 points - 1."""
+
+    points: int = 3
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.points, int | np.integer) or self.points < 1:
+            raise InputError(f"RadauIIA needs at least 1 point per interval, got {self.points!r}.")
+
+    @property
+    def nodes(self) -> Array:
+        """Flipped Legendre-Gauss-Radau nodes."""
+        return legendre_radau(self.points)
+
+    @property
+    def order(self) -> int:
+        """2 s - 1."""
+        return 2 * self.points - 1

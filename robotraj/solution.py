@@ -1,0 +1,241 @@
+"""Solutions: the polynomials that were collocated, how the solve ended, and what is violated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.dynamics import Named
+from robotraj.errors import InputError
+from robotraj.problem import Phase, Problem
+from robotraj.sample import Sample, join
+from robotraj.schemes import Mesh
+from robotraj.solvers import Multipliers
+from robotraj.status import Status
+from robotraj.trajectory import PiecewisePolynomial
+from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.violations import Violation
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseSolution:
+    """The planned motion of one phase, in global time.
+
+    Attributes
+    ----------
+    phase : Phase
+    mesh : Mesh
+    trajectory : PhaseTrajectory
+        The polynomials x, z and u.
+    """
+
+    phase: Phase
+    mesh: Mesh
+    trajectory: PhaseTrajectory
+
+    @property
+    def t0(self) -> float:
+        """Start [s]."""
+        return self.trajectory.t0
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return self.trajectory.duration
+
+    @property
+    def knots(self) -> Array:
+        """Times of the knots [s], (K + 1,)."""
+        return self.trajectory.x.breaks
+
+    @property
+    def points(self) -> Array:
+        """Times of the collocation points [s]."""
+        return self.trajectory.points
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values of the phase's parameters."""
+        return self.trajectory.parameters
+
+    @cached_property
+    def _rates(self) -> PiecewisePolynomial:
+        return self.trajectory.x.derivative()
+
+    def at(self, t: Any, interval: int | None = None) -> Sample:
+        """Evaluate the collocated polynomials.
+
+        Parameters
+        ----------
+        t : float or array (m,)
+            Global time [s] within the phase.
+        interval : int, optional
+            Use the polynomial of this interval, for one-sided values at knots.
+
+        Raises
+        ------
+        InputError
+            A time outside the phase.
+        """
+        times = np.asarray(t, dtype=float)
+        slack = 1e-9 * max(1.0, self.duration)
+        outside = (times < self.t0 - slack) | (times > self.t0 + self.duration + slack) | np.isnan(times)
+        if np.any(outside):
+            bad = float(np.atleast_1d(times)[np.atleast_1d(outside)][0])
+            raise InputError(
+                f"t = {bad:g} s lies outside phase {self.phase.name!r}, which runs from {self.t0:g} s to "
+                f"{self.t0 + self.duration:g} s."
+            )
+        if times.ndim > 1:
+            raise InputError(f"Times must be a number or a vector; got shape {times.shape}.")
+        dae = self.phase.dae
+        x, z, u = (curve(times, interval) for curve in (self.trajectory.x, self.trajectory.z, self.trajectory.u))
+        named = [
+            Named(kind, [v.name for v in group], values.T)
+            for kind, group, values in (
+                ("state", dae.states, x),
+                ("algebraic variable", dae.algebraic, z),
+                ("control", dae.controls, u),
+            )
+        ]
+        robot = self.phase.robot
+        if robot is None:
+            return Sample(t, *named)
+        accelerations = self._rates(times, interval)[..., robot.nv :]
+        return Sample(t, *named, q=x[..., : robot.nv], v=x[..., robot.nv :], a=accelerations, tau=u)
+
+    def columns(self, times: Array, names: Sequence[str]) -> list[Array]:
+        """Values of named variables at times, (m,) each; accelerations come from the states, unknown names are 0."""
+        sample = self.at(np.clip(times, self.t0, self.t0 + self.duration))
+        values = {**sample.x, **sample.z, **sample.u}
+        if self.phase.robot is not None and sample.a is not None:
+            joints = self.phase.robot.joint_names
+            values |= {f"a.{joint}": sample.a[:, i] for i, joint in enumerate(joints) if f"a.{joint}" not in values}
+        return [np.asarray(values.get(name, np.zeros(len(times)))) for name in names]
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What a solver found, checked outside the solver.
+
+    Attributes
+    ----------
+    problem : Problem
+    phases : tuple of PhaseSolution
+    status : Status
+        How the solve ended; ``status.remedy`` says what to try.
+    message : str
+        The solver's own words.
+    objective : float
+    iterations : int
+    times : dict of str to float
+        Seconds by stage of the work.
+    violation_list : tuple of Violation
+        Every row and bound broken by more than the tolerance, worst first.
+    multipliers : Multipliers or None
+        Of the scaled NLP, for warm starts on the same mesh.
+    """
+
+    problem: Problem
+    phases: tuple[PhaseSolution, ...]
+    status: Status
+    message: str
+    objective: float
+    iterations: int
+    times: dict[str, float]
+    violation_list: tuple[Violation, ...] = ()
+    multipliers: Multipliers | None = None
+
+    @property
+    def success(self) -> bool:
+        """Whether the solver converged and every row, evaluated again outside it, holds."""
+        return self.status is Status.SOLVED
+
+    @property
+    def duration(self) -> float:
+        """From the start of the first phase to the end of the last [s]."""
+        return self.phases[-1].t0 + self.phases[-1].duration - self.phases[0].t0
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values of the parameters of all phases."""
+        return {name: value for phase in self.phases for name, value in phase.parameters.items()}
+
+    @property
+    def knots(self) -> Array:
+        """Times of all knots [s]."""
+        return np.unique(np.concatenate([phase.knots for phase in self.phases]))
+
+    def at(self, t: Any) -> Sample:
+        """Evaluate the plan at global times; at a joint of two phases the later phase is used.
+
+        Parameters
+        ----------
+        t : float or array (m,)
+            [s].
+
+        Returns
+        -------
+        Sample
+            ``.q .v .a .tau`` for robots, ``.x .u .z`` by name for Systems; (n,) for one time, (m, n) for m times.
+        """
+        times = np.asarray(t, dtype=float)
+        starts = np.array([phase.t0 for phase in self.phases])
+        owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(self.phases) - 1)
+        if times.ndim == 0:
+            return self.phases[int(owner)].at(t)
+        used = np.unique(owner)
+        if len(used) == 1:
+            return self.phases[int(used[0])].at(times)
+        parts = [np.flatnonzero(owner == i) for i in used]
+        samples = [self.phases[int(i)].at(times[part]) for i, part in zip(used, parts, strict=True)]
+        return join(samples, np.argsort(np.concatenate(parts)))
+
+    def violations(self, top: int = 3) -> tuple[Violation, ...]:
+        """The worst broken rows and bounds, worst first, relative to their scale."""
+        return self.violation_list[:top]
+
+    def save(self, path: str | Path) -> Path:
+        """Write the solution to an ``.npz`` file, without pickle; ``rt.load_solution`` reads it back."""
+        from robotraj.storage import save
+
+        return save(self, path)
+
+    def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
+        """Write a table over time, one column per variable with its unit; ``samples`` equal steps or given times."""
+        from robotraj.export import to_csv
+
+        return to_csv(self, path, samples)
+
+    def to_json(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
+        """Write the status, figures and sampled trajectory as JSON."""
+        from robotraj.export import to_json
+
+        return to_json(self, path, samples)
+
+    def plot(self) -> Figure:
+        """Draw the trajectories with limits, knots and collocation points."""
+        from robotraj.plotting import plot
+
+        return plot(self)
+
+    def __str__(self) -> str:
+        lines = [
+            f"{self.status.value}: objective {self.objective:.8g}, duration {self.duration:.6g} s, "
+            f"{self.iterations} iterations, {sum(self.times.values()):.3g} s"
+        ]
+        if not self.success:
+            lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]
+            lines += [f"  {violation}" for violation in self.violations(5)]
+        return "\n".join(lines)

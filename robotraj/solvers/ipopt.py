@@ -1,0 +1,214 @@
+"""IPOPT, through CasADi, with exact derivatives assembled by the transcription.
+
+Source: Waechter and Biegler, Mathematical Programming 106 (2006).
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from robotraj.errors import InputError
+from robotraj.solvers.base import Iteration, Multipliers, Outcome, Progress, Solver
+from robotraj.status import Status
+
+if TYPE_CHECKING:
+    from robotraj.transcription import Nlp
+
+STATUSES = {
+    "Solve_Succeeded": Status.SOLVED,
+    "Solved_To_Acceptable_Level": Status.SOLVED,
+    "Feasible_Point_Found": Status.SOLVED,
+    "Infeasible_Problem_Detected": Status.INFEASIBLE,
+    "Maximum_Iterations_Exceeded": Status.ITERATION_LIMIT,
+    "Maximum_CpuTime_Exceeded": Status.TIME_LIMIT,
+    "Maximum_WallTime_Exceeded": Status.TIME_LIMIT,
+    "User_Requested_Stop": Status.INTERRUPTED,
+    "Search_Direction_Becomes_Too_Small": Status.STALLED,
+    "Restoration_Failed": Status.STALLED,
+    "Error_In_Step_Computation": Status.STALLED,
+    "Diverging_Iterates": Status.DIVERGED,
+    "Invalid_Number_Detected": Status.INVALID_NUMBER,
+    "Not_Enough_Degrees_Of_Freedom": Status.OVERDETERMINED,
+}
+
+
+@dataclass(frozen=True)
+class Ipopt(Solver):
+    """IPOPT with exact Jacobian and Hessian.
+
+    Parameters
+    ----------
+    tolerance : float
+        Optimality tolerance on the scaled problem (``tol``).
+    max_iterations : int
+    time_limit : float or None
+        Wall-clock seconds.
+    barrier : str
+        ``mu_strategy``: "adaptive" (fewer iterations) or "monotone" (steadier).
+    linear_solver : str
+    options : mapping
+        Any further IPOPT options by their own names; they win over the fields above.
+    """
+
+    tolerance: float = 1e-8
+    max_iterations: int = 1000
+    time_limit: float | None = None
+    barrier: str = "adaptive"
+    linear_solver: str = "mumps"
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.tolerance > 0:
+            raise InputError(f"Ipopt(tolerance) must be above 0, got {self.tolerance}.")
+        if self.max_iterations < 1:
+            raise InputError(f"Ipopt(max_iterations) must be at least 1, got {self.max_iterations}.")
+        if self.time_limit is not None and not self.time_limit > 0:
+            raise InputError(f"Ipopt(time_limit) must be above 0 s, got {self.time_limit}.")
+
+    def _options(self, warm: bool) -> dict[str, Any]:
+        options: dict[str, Any] = {
+            "tol": self.tolerance,
+            "constr_viol_tol": self.tolerance,
+            "max_iter": self.max_iterations,
+            "mu_strategy": self.barrier,
+            "linear_solver": self.linear_solver,
+            "print_level": 0,
+            "sb": "yes",
+            # Round-off, not modelling freedom: bounds hold at the answer.
+            "honor_original_bounds": "yes",
+        }
+        if self.time_limit is not None:
+            options["max_wall_time"] = self.time_limit
+        if warm:
+            options |= {
+                "warm_start_init_point": "yes",
+                "mu_init": 1e-5,
+                "warm_start_bound_push": 1e-7,
+                "warm_start_mult_bound_push": 1e-7,
+                "warm_start_slack_bound_push": 1e-7,
+            }
+        return options | dict(self.options)
+
+    def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
+        """Solve from ``nlp.guess``."""
+        began = time.perf_counter()
+        functions = nlp.functions
+        n_w = len(nlp.variables)
+        lower, upper = nlp.rows.lower * nlp.row_scale, nlp.rows.upper * nlp.row_scale
+        watch = _Watch(n_w, lower, upper, progress)
+        w, p = ca.MX.sym("w", n_w), ca.MX.sym("p", 0)
+        oracle = {"x": w, "p": p, "f": functions.objective(w, p), "g": functions.rows(w, p)}
+        try:
+            solver = ca.nlpsol(
+                "solver",
+                "ipopt",
+                oracle,
+                {
+                    "grad_f": functions.gradient,
+                    "jac_g": functions.jacobian,
+                    "hess_lag": functions.hessian,
+                    "iteration_callback": watch,
+                    "calc_lam_p": False,
+                    "no_nlp_grad": True,
+                    "print_time": False,
+                    "error_on_fail": False,
+                    "show_eval_warnings": False,
+                    "ipopt": self._options(multipliers is not None),
+                },
+            )
+        except RuntimeError as error:
+            raise InputError(f"IPOPT refuses its options {dict(self.options)!r}: {str(error)[-300:]}") from error
+        arguments = {
+            "x0": nlp.guess / nlp.scale,
+            "lbx": nlp.variables.lower / nlp.scale,
+            "ubx": nlp.variables.upper / nlp.scale,
+            "lbg": lower,
+            "ubg": upper,
+        }
+        if multipliers is not None:
+            arguments |= {"lam_g0": multipliers.rows, "lam_x0": multipliers.bounds}
+        ready = time.perf_counter()
+        with watch.interruptible():
+            result = solver(**arguments)
+        ended = time.perf_counter()
+        stats = solver.stats()
+        message = str(stats["return_status"])
+        status = Status.INTERRUPTED if watch.stop else STATUSES.get(message, Status.SOLVER_ERROR)
+        point, lam_g, lam_x = (np.array(result[key]).ravel() for key in ("x", "lam_g", "lam_x"))
+        if not np.all(np.isfinite(point)) and watch.last is not None:
+            point = watch.last
+        evaluate = sum(value for key, value in stats.items() if key.startswith("t_wall_nlp_"))
+        return Outcome(
+            status,
+            message.replace("_", " "),
+            point * nlp.scale,
+            Multipliers(lam_g, lam_x),
+            int(stats["iter_count"]),
+            {"setup": ready - began, "solve": ended - ready, "evaluate": float(evaluate)},
+        )
+
+
+class _Watch(ca.Callback):  # type: ignore[misc]
+    """Called by IPOPT once an iteration: keeps the iterate, reports progress, stops on Ctrl-C."""
+
+    def __init__(self, n_w: int, lower: np.ndarray, upper: np.ndarray, progress: Progress | None) -> None:
+        ca.Callback.__init__(self)
+        n_g = len(lower)
+        self._lower, self._upper = lower, upper
+        self._sizes = {"x": n_w, "f": 1, "g": n_g, "lam_x": n_w, "lam_g": n_g, "lam_p": 0}
+        self._progress = progress
+        self._count = 0
+        self.last: np.ndarray | None = None
+        self.stop = False
+        self.construct("watch", {})
+
+    def get_n_in(self) -> int:
+        return int(ca.nlpsol_n_out())
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_name_in(self, i: int) -> str:
+        return str(ca.nlpsol_out(i))
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        size = self._sizes.get(str(ca.nlpsol_out(i)), 0)
+        return ca.Sparsity.dense(size, 1) if size else ca.Sparsity(0, 0)
+
+    def eval(self, arguments: Any) -> list[int]:
+        if not self.stop:
+            named = {str(ca.nlpsol_out(i)): value for i, value in enumerate(arguments)}
+            point = np.array(named["x"]).ravel()
+            if np.all(np.isfinite(point)):
+                self.last = point
+            if self._progress is not None:
+                g = np.array(named["g"]).ravel()
+                broken = np.maximum(self._lower - g, g - self._upper)
+                self._progress(Iteration(self._count, float(named["f"]), float(np.max(broken, initial=0.0))))
+            self._count += 1
+        return [int(self.stop)]
+
+    @contextmanager
+    def interruptible(self) -> Iterator[None]:
+        """Turn Ctrl-C into a request to stop, where signals can be caught."""
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+
+        def request(*_: object) -> None:
+            self.stop = True
+
+        previous = signal.signal(signal.SIGINT, request)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, previous)

@@ -1,0 +1,43 @@
+"""How a solve ended, and what to do about it."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Status(Enum):
+    """How a solve ended; ``remedy`` says what to try."""
+
+    SOLVED = "solved"
+    ROWS_VIOLATED = "rows violated"
+    INFEASIBLE = "infeasible"
+    ITERATION_LIMIT = "iteration limit"
+    TIME_LIMIT = "time limit"
+    INTERRUPTED = "interrupted"
+    STALLED = "stalled"
+    DIVERGED = "diverged"
+    INVALID_NUMBER = "invalid number"
+    OVERDETERMINED = "overdetermined"
+    SOLVER_ERROR = "solver error"
+
+    @property
+    def remedy(self) -> str:
+        """What to try next."""
+        return _REMEDIES[self]
+
+
+_REMEDIES = {
+    Status.SOLVED: "Nothing to do: prove it with rt.validate(solution).",
+    Status.ROWS_VIOLATED: "The solver stopped at a point that breaks rows; see violations(). Tighten its tolerance.",
+    Status.INFEASIBLE: "The rows contradict each other from here. Look at violations(): allow more time, relax the rows it "
+    "names, or start from another guess.",
+    Status.ITERATION_LIMIT: "Raise the solver's max_iterations, or continue from here with guess=solution.",
+    Status.TIME_LIMIT: "Raise the solver's time_limit, or continue from here with guess=solution.",
+    Status.INTERRUPTED: "Continue from here with guess=solution.",
+    Status.STALLED: "No further progress was possible. Start from another guess or a coarser mesh, or bound what runs off.",
+    Status.DIVERGED: "Variables ran off to infinity. Bound the states and controls that are free.",
+    Status.INVALID_NUMBER: "An expression gave NaN or infinity. Keep roots and divisions away from zero, or bound the "
+    "states that lead there.",
+    Status.OVERDETERMINED: "There are more equality rows than free variables. Free an end of the motion or the duration.",
+    Status.SOLVER_ERROR: "The solver failed for a reason of its own; see the message.",
+}

@@ -1,0 +1,86 @@
+"""Piecewise polynomials: callable values, evaluated anywhere.
+
+Each interval keeps its polynomial by values on its own sites, so that orders may differ from interval to interval.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.polynomials import basis, differentiation
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PiecewisePolynomial:
+    """A vector-valued function of time, polynomial on each interval.
+
+    Attributes
+    ----------
+    breaks : ndarray (K + 1,)
+        Ends of the intervals [s], ascending.
+    sites : sequence of K arrays (m_k,)
+        Where the values of an interval are given, in [0, 1].
+    values : sequence of K arrays (m_k, n)
+        Values at the sites; the polynomial of interval k has degree m_k - 1.
+    """
+
+    breaks: Array
+    sites: Sequence[Array]
+    values: Sequence[Array]
+
+    @property
+    def size(self) -> int:
+        """Length n of the vector."""
+        return int(self.values[0].shape[1])
+
+    @cached_property
+    def _lengths(self) -> Array:
+        return np.diff(self.breaks)
+
+    def locate(self, t: Array) -> NDArray[np.int_]:
+        """Interval of each time; a knot belongs to the interval on its right, the last knot to the last interval."""
+        return np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self._lengths) - 1)
+
+    def __call__(self, t: Any, interval: int | None = None) -> Array:
+        """Evaluate at times.
+
+        Parameters
+        ----------
+        t : float or array (m,)
+            Times [s].
+        interval : int, optional
+            Use the polynomial of this interval, for one-sided values at knots.
+
+        Returns
+        -------
+        ndarray (n,) or (m, n)
+        """
+        times = np.atleast_1d(np.asarray(t, dtype=float))
+        out = np.empty((len(times), self.size))
+        where = self.locate(times) if interval is None else np.full(len(times), interval)
+        for k in np.unique(where):
+            chosen = where == k
+            length = self._lengths[k]
+            tau = (times[chosen] - self.breaks[k]) / length if length > 0 else np.zeros(chosen.sum())
+            out[chosen] = basis(self.sites[k], tau) @ self.values[k]
+        return out[0] if np.ndim(t) == 0 else out
+
+    def derivative(self) -> PiecewisePolynomial:
+        """Time derivative, on the same sites."""
+        values = []
+        for sites, value, length in zip(self.sites, self.values, self._lengths, strict=True):
+            rate = differentiation(sites) @ value
+            values.append(rate / length if length > 0 else np.zeros_like(rate))
+        return PiecewisePolynomial(self.breaks, self.sites, values)
+
+    def shifted(self, offset: float) -> PiecewisePolynomial:
+        """Give the same function ``offset`` seconds later."""
+        return PiecewisePolynomial(self.breaks + offset, self.sites, self.values)

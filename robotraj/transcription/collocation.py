@@ -1,0 +1,160 @@
+"""The rows of a phase: defects, algebraic rows, path rows and the integral cost, as one block of stage evaluations.
+
+The stage function gives, at a node with unknowns (x, z, u, t0, T, p) and constant fraction tau,
+
+    y = ( T f,  g,  h,  T l ),    t = t0 + tau T,
+
+with f the rates, g the residual, h the path rows and l the integrand. Since T is inside, every row of the NLP is linear in
+the outputs with constant coefficients: the defect of node j on an interval of relative length d is
+
+    x_j - x_0 - d sum_k A_jk (T f_k) = 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from robotraj.constraints import Where
+from robotraj.constraints.base import BoundConstraint
+from robotraj.dynamics.system import as_rows
+from robotraj.transcription.block import Block
+from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
+from robotraj.transcription.triplets import Triplets
+from robotraj.transcription.stage import Stage
+from robotraj.transcription.table import Entry, ScalarTable
+
+if TYPE_CHECKING:
+    from robotraj.problem import Phase
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PointSymbols:
+    """Symbols of one point of a phase, split into unknowns and constants as the layout has them."""
+
+    x: ca.SX
+    z: ca.SX
+    u: ca.SX
+    t: ca.SX
+    duration: ca.SX
+    p: ca.SX
+    unknowns: ca.SX
+    constants: ca.SX
+
+
+def point_symbols(phase: Phase, layout: PhaseLayout) -> PointSymbols:
+    """Make the symbols; fixed times and parameters are constants beside the fraction tau."""
+    dae = phase.dae
+    x, z, u = (ca.SX.sym(n, len(g)) for n, g in (("x", dae.states), ("z", dae.algebraic), ("u", dae.controls)))
+    tau, t0, duration = ca.SX.sym("tau"), ca.SX.sym("t0"), ca.SX.sym("T")
+    p = ca.SX.sym("p", len(layout.parameters))
+    shared = list(zip([t0, duration, *ca.vertsplit(p)], shared_scalars(layout), strict=True))
+    unknowns = [symbol for symbol, scalar in shared if scalar.column is not None]
+    constants = [symbol for symbol, scalar in shared if scalar.column is None]
+    return PointSymbols(
+        x, z, u, t0 + tau * duration, duration, p, ca.vertcat(x, z, u, *unknowns), ca.vertcat(tau, *constants)
+    )
+
+
+def shared_scalars(layout: PhaseLayout) -> list[Scalar]:
+    """Start time, duration and parameters, in the order of the symbols."""
+    return [layout.t0, layout.duration, *layout.parameters]
+
+
+def path_constraints(phase: Phase, where: Where) -> list[BoundConstraint]:
+    """Constraints with rows that are not single variables (those are bounds of the NLP)."""
+    return [c for c in phase.bound_constraints if c.where is where and any(r.variable is None for r in c.rows)]
+
+
+def path_rows(constraints: list[BoundConstraint], point: object) -> ca.SX:
+    """Values of the rows that are not single variables."""
+    values = []
+    for constraint in constraints:
+        entries = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
+        values += [v for row, v in zip(constraint.rows, entries, strict=True) if row.variable is None]
+    return ca.vertcat(*values) if values else ca.SX(0, 1)
+
+
+def collocate(
+    phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets
+) -> tuple[Block, Triplets, Triplets]:
+    """Write the rows of a phase; return its block and the triplets of its gather and scatter, still to be sized."""
+    dae = phase.dae
+    stage = _stage(phase, layout)
+    nx, nz = len(dae.states), len(dae.residuals)
+    scatter = Triplets()
+    weights = np.zeros(len(layout.place_owner))
+    defects = [Entry(index, "defect", s.label if s.joint is None else s.name, s.unit) for s in dae.states]
+    for interval in layout.intervals:
+        scheme = interval.scheme
+        nodes, length, places = scheme.nodes, interval.length, interval.places
+        targets = [(j, interval.states[j], scheme.matrix[j]) for j in range(len(nodes)) if nodes[j] > 0.0]
+        fractions = [interval.start + length * nodes[j] for j, _, _ in targets]
+        if nodes[-1] < 1.0:
+            targets.append((-1, interval.right, scheme.weights))
+            fractions.append(interval.start + length)
+        added = rows.add(defects, np.array(fractions), 0.0, 0.0)
+        for at, (_, state, coefficients) in zip(added, targets, strict=True):
+            linear.add(at, state, 1.0)
+            linear.add(at, interval.left, -1.0)
+            for k, coefficient in enumerate(coefficients):
+                scatter.add(at, places[k] * stage.outputs + np.arange(nx), -length * coefficient)
+        weights[places] += length * scheme.objective_weights
+    fractions = np.array([_fraction(layout, place) for place in range(len(layout.place_owner))])
+    base = np.arange(len(fractions))[:, None] * stage.outputs
+    residual = rows.add(entries_of(index, dae.residuals), fractions, 0.0, 0.0)
+    scatter.add(residual.ravel(), (base + nx + np.arange(nz)).ravel(), 1.0)
+    kept = [r for c in path_constraints(phase, Where.THROUGHOUT) for r in c.rows if r.variable is None]
+    entries = [Entry(index, r.name, r.joint or "", r.unit) for r in kept]
+    path = rows.add(entries, fractions, np.array([r.lower for r in kept]), np.array([r.upper for r in kept]))
+    scatter.add(path.ravel(), (base + nx + nz + np.arange(len(kept))).ravel(), 1.0)
+    gather, offset, constants = _gather(phase, layout, fractions)
+    empty = sparse.csr_array((0, 0))
+    return Block(stage, empty, offset, constants, empty, weights), gather, scatter
+
+
+def _stage(phase: Phase, layout: PhaseLayout) -> Stage:
+    s = point_symbols(phase, layout)
+    dae = phase.dae
+    point = dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
+    integrand = sum(
+        (w * as_rows(term.rate(point), "integrand")[0] for w, term in phase.integrals), ca.SX(0)
+    )
+    path = path_rows(path_constraints(phase, Where.THROUGHOUT), point)
+    y = ca.vertcat(s.duration * dae.rates(point), dae.residual(point), path, s.duration * integrand)
+    return Stage(s.unknowns, s.constants, y, costed=int(y.numel()) - 1 if phase.integrals else None)
+
+
+def _fraction(layout: PhaseLayout, place: int) -> float:
+    k, j = layout.place_owner[place]
+    interval = layout.intervals[k]
+    return interval.start + interval.length * float(interval.scheme.nodes[j])
+
+
+def _gather(phase: Phase, layout: PhaseLayout, fractions: Array) -> tuple[Triplets, Array, Array]:
+    """Triplets of G, its offset and the constants, for every evaluation."""
+    dae = phase.dae
+    nx, nz, nu = len(dae.states), len(dae.algebraic), len(dae.controls)
+    shared = [scalar.column for scalar in shared_scalars(layout) if scalar.column is not None]
+    size = nx + nz + nu + len(shared)
+    gather = Triplets()
+    owners = layout.place_owner
+    interpolations = {id(i.scheme): i.scheme.control_at_nodes for i in layout.intervals}
+    for place, (k, j) in enumerate(owners):
+        interval, base = layout.intervals[k], place * size
+        gather.add(base + np.arange(nx), interval.states[j], 1.0)
+        gather.add(base + nx + np.arange(nz), interval.algebraic[j], 1.0)
+        for site, coefficient in enumerate(interpolations[id(interval.scheme)][j]):
+            if coefficient:
+                gather.add(base + nx + nz + np.arange(nu), interval.controls[site], coefficient)
+        gather.add(base + nx + nz + nu + np.arange(len(shared)), np.array(shared, dtype=int), 1.0)
+    fixed = [scalar.value for scalar in shared_scalars(layout) if scalar.column is None]
+    constants = np.vstack([fractions, *(np.full(len(fractions), value) for value in fixed)])
+    return gather, np.zeros(size * len(owners)), constants

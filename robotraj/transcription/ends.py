@@ -1,0 +1,140 @@
+"""Blocks that read the ends of phases: Mayer costs, constraints at one end, and links."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from robotraj.constraints import Where
+from robotraj.dynamics.system import as_rows
+from robotraj.errors import InputError
+from robotraj.links import BoundLink
+from robotraj.transcription.block import Block
+from robotraj.transcription.collocation import path_constraints, path_rows, point_symbols, shared_scalars
+from robotraj.transcription.layout import PhaseLayout
+from robotraj.transcription.stage import Stage
+from robotraj.transcription.table import Entry, ScalarTable
+from robotraj.transcription.triplets import Triplets
+
+if TYPE_CHECKING:
+    from robotraj.problem import Phase
+
+Array = NDArray[np.float64]
+
+
+class EndSymbols:
+    """Symbols of both ends of a phase, with their columns and the constants among them."""
+
+    def __init__(self, phase: Phase, layout: PhaseLayout) -> None:
+        nx, names = len(phase.dae.states), phase.parameter_names
+        x0, x1 = ca.SX.sym("x0", nx), ca.SX.sym("x1", nx)
+        t0, duration, p = ca.SX.sym("t0"), ca.SX.sym("T"), ca.SX.sym("p", len(names))
+        shared = list(zip([t0, duration, *ca.vertsplit(p)], shared_scalars(layout), strict=True))
+        free = [(symbol, scalar.column) for symbol, scalar in shared if scalar.column is not None]
+        fixed = [(symbol, scalar.value) for symbol, scalar in shared if scalar.column is None]
+        self.points = (
+            phase.dae.point(t0, x0, None, None, p, names),
+            phase.dae.point(t0 + duration, x1, None, None, p, names),
+        )
+        self.unknowns = ca.vertcat(x0, x1, *(symbol for symbol, _ in free))
+        self.columns = np.concatenate([layout.knots[0], layout.knots[-1], [column for _, column in free]]).astype(int)
+        self.constants = ca.vertcat(*(symbol for symbol, _ in fixed))
+        self.values = np.array([value for _, value in fixed])
+
+
+def mayer_block(phase: Phase, layout: PhaseLayout) -> Block | None:
+    """Weighted sum of the phase's Mayer terms, or None where there are none."""
+    if not phase.end_costs:
+        return None
+    ends = EndSymbols(phase, layout)
+    cost = sum((w * as_rows(t.value(*ends.points), "Mayer expression")[0] for w, t in phase.end_costs), ca.SX(0))
+    return _single(ends.unknowns, ends.constants, cost, ends.columns, ends.values, np.array([], dtype=int), costed=0)
+
+
+def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable) -> list[Block]:
+    """Constraints that hold at the start or at the end alone."""
+    blocks = []
+    for where, interval, node, fraction in (
+        (Where.START, layout.intervals[0], 0, 0.0),
+        (Where.END, layout.intervals[-1], -1, 1.0),
+    ):
+        constraints = path_constraints(phase, where)
+        if not constraints:
+            continue
+        s = point_symbols(phase, layout)
+        y = path_rows(constraints, phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names))
+        inner = ca.vertcat(s.z, s.u)
+        if interval.scheme.nodes[node] != fraction and inner.numel() and ca.depends_on(y, inner):
+            raise InputError(
+                f"Phase {phase.name!r}: a constraint at the {where.value} reads accelerations or controls, but "
+                f"{type(interval.scheme).__name__} has no collocation point there; use a Lobatto scheme."
+            )
+        kept = [r for c in constraints for r in c.rows if r.variable is None]
+        entries = [Entry(index, r.name, r.joint or "", r.unit) for r in kept]
+        added = rows.add(entries, np.array([fraction]), np.array([r.lower for r in kept]), np.array([r.upper for r in kept]))
+        state = layout.knots[0] if where is Where.START else layout.knots[-1]
+        controls = interval.controls[node]
+        shared = [scalar.column for scalar in shared_scalars(layout) if scalar.column is not None]
+        columns = np.concatenate([state, interval.algebraic[node], controls, shared]).astype(int)
+        fixed = [scalar.value for scalar in shared_scalars(layout) if scalar.column is None]
+        blocks.append(_single(s.unknowns, s.constants, y, columns, np.array([fraction, *fixed]), added[0]))
+    return blocks
+
+
+def link_block(
+    link: BoundLink, phases: Sequence[Phase], layouts: Sequence[PhaseLayout], rows: ScalarTable
+) -> Block:
+    """Rows of a link between phases."""
+    ends = [EndSymbols(phases[i], layouts[i]) for i in link.phases]
+    values: Any = link.expression([e.points for e in ends])
+    y = ca.vertcat(*as_rows(values, f"expression of {link.name}"))
+    entries = [Entry(link.phases[0], r.name, r.joint or "", r.unit) for r in link.rows]
+    bounds = np.array([r.lower for r in link.rows]), np.array([r.upper for r in link.rows])
+    added = rows.add(entries, np.array([1.0]), *bounds)
+    return _single(
+        ca.vertcat(*(e.unknowns for e in ends)),
+        ca.vertcat(*(e.constants for e in ends)),
+        y,
+        np.concatenate([e.columns for e in ends]),
+        np.concatenate([e.values for e in ends]),
+        added[0],
+    )
+
+
+def _single(
+    v: ca.SX,
+    c: ca.SX,
+    y: ca.SX,
+    columns: NDArray[np.int_],
+    constants: Array,
+    rows: NDArray[np.int_],
+    costed: int | None = None,
+) -> Block:
+    """Build a block of one place; its matrices are widened to the NLP's size by ``finish``."""
+    stage = Stage(v, c if c.numel() else ca.SX(0, 1), y, costed)
+    gather, scatter = Triplets(), Triplets()
+    gather.add(np.arange(len(columns)), columns, 1.0)
+    scatter.add(rows, np.arange(len(rows)), 1.0)
+    width = (int(columns.max()) if len(columns) else 0) + 1
+    height = (int(rows.max()) if len(rows) else -1) + 1
+    return Block(
+        stage,
+        gather.matrix((len(columns), width)),
+        np.zeros(len(columns)),
+        constants.reshape(-1, 1),
+        scatter.matrix((height, stage.outputs)),
+        np.ones(1) if costed is not None else np.zeros(1),
+    )
+
+
+def widen(block: Block, rows: int, columns: int) -> Block:
+    """Pad a block's matrices with empty rows and columns to the size of the NLP."""
+    gather, scatter = block.gather.copy(), block.scatter.copy()
+    gather.resize((gather.shape[0], columns))
+    scatter.resize((rows, block.stage.outputs * block.count))
+    return Block(block.stage, sparse.csr_array(gather), block.offset, block.constants, sparse.csr_array(scatter), block.weights)

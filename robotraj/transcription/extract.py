@@ -1,0 +1,71 @@
+"""From a decision vector to the polynomials that were collocated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.polynomials import integrals, lobatto_sites
+from robotraj.trajectory import PiecewisePolynomial
+from robotraj.transcription.nlp import Nlp
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseTrajectory:
+    """The polynomials of one phase in global time.
+
+    Attributes
+    ----------
+    t0, duration : float
+        [s].
+    x, z, u : PiecewisePolynomial
+    points : ndarray
+        Collocation times [s], ascending.
+    parameters : dict of str to float
+    """
+
+    t0: float
+    duration: float
+    x: PiecewisePolynomial
+    z: PiecewisePolynomial
+    u: PiecewisePolynomial
+    points: Array
+    parameters: dict[str, float]
+
+
+def extract(nlp: Nlp, w: Array) -> tuple[PhaseTrajectory, ...]:
+    """Read every phase's polynomials out of a decision vector in physical units."""
+    return tuple(_phase(nlp, i, w) for i in range(len(nlp.layouts)))
+
+
+def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
+    layout, block = nlp.layouts[index], nlp.blocks[index]
+    phase = nlp.problem.phases[index]
+    rates = block.outputs(w)[: len(phase.dae.states)].T
+    t0, duration = layout.t0.of(w), layout.duration.of(w)
+    breaks = t0 + duration * layout.mesh.knots
+    x_sites, x_values, z_sites, z_values, u_sites, u_values = [], [], [], [], [], []
+    points = []
+    for interval in layout.intervals:
+        nodes = interval.scheme.nodes
+        sites = lobatto_sites(len(nodes) + 1)
+        x_sites.append(sites)
+        x_values.append(w[interval.left] + integrals(nodes, sites) @ (interval.length * rates[interval.places]))
+        z_sites.append(nodes)
+        z_values.append(w[interval.algebraic])
+        u_sites.append(interval.scheme.control_sites)
+        u_values.append(w[interval.controls])
+        points.append(t0 + duration * (interval.start + interval.length * nodes))
+    return PhaseTrajectory(
+        t0,
+        duration,
+        PiecewisePolynomial(breaks, x_sites, x_values),
+        PiecewisePolynomial(breaks, z_sites, z_values),
+        PiecewisePolynomial(breaks, u_sites, u_values),
+        np.unique(np.concatenate(points)),
+        {name: s.of(w) for name, s in zip(phase.parameter_names, layout.parameters, strict=True)},
+    )

@@ -1,0 +1,152 @@
+"""Where the unknowns of a phase stand in the decision vector.
+
+States stand at knots and at the inner nodes of each interval, algebraic variables at nodes, controls at the control's sites.
+Where the schemes on both sides of a knot have a node (or a control site) there, the neighbours share the value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.schemes import Collocation, Mesh
+from robotraj.transcription.table import Entry, ScalarTable
+
+if TYPE_CHECKING:
+    from robotraj.dynamics import Variable
+    from robotraj.problem import Phase
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """A quantity that is a column of the NLP, or a constant where its bounds fix it."""
+
+    column: int | None
+    value: float = 0.0
+
+    def of(self, w: Array) -> float:
+        """Value for a decision vector w in physical units."""
+        return self.value if self.column is None else float(w[self.column])
+
+
+@dataclass(frozen=True, eq=False)
+class IntervalLayout:
+    """Columns of one interval.
+
+    Attributes
+    ----------
+    scheme : Collocation
+    start, length : float
+        As fractions of the phase.
+    states : Indices (s + ..., nx)
+        Columns of the state at each node.
+    left, right : Indices (nx,)
+        Columns of the state at both knots.
+    algebraic : Indices (s, nz)
+        Columns of z at each node.
+    controls : Indices (m, nu)
+        Columns of u at each control site.
+    places : Indices (s,)
+        The evaluation of the stage function that serves each node.
+    """
+
+    scheme: Collocation
+    start: float
+    length: float
+    states: Indices
+    left: Indices
+    right: Indices
+    algebraic: Indices
+    controls: Indices
+    places: Indices
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseLayout:
+    """Columns of one phase.
+
+    Attributes
+    ----------
+    knots : Indices (K + 1, nx)
+    intervals : tuple of IntervalLayout
+    t0, duration : Scalar
+    parameters : tuple of Scalar
+    place_owner : tuple of (int, int)
+        For every evaluation of the stage function, an interval and a node that use it.
+    """
+
+    mesh: Mesh
+    knots: Indices
+    intervals: tuple[IntervalLayout, ...]
+    t0: Scalar
+    duration: Scalar
+    parameters: tuple[Scalar, ...]
+    place_owner: tuple[tuple[int, int], ...]
+
+
+def entries_of(phase: int, variables: Sequence[Variable]) -> list[Entry]:
+    """Entries of the NLP for named variables."""
+    return [Entry(phase, v.quantity, v.label, v.unit) for v in variables]
+
+
+def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLayout:
+    """Add the columns of a phase to the table, ordered by time, and say where they are."""
+    dae = phase.dae
+    x, z, u = (entries_of(index, group) for group in (dae.states, dae.algebraic, dae.controls))
+    t0 = _scalar(table, Entry(index, "start time", "", "s"), *((0.0, 0.0) if index == 0 else (0.0, np.inf)))
+    duration = _scalar(table, Entry(index, "duration", "", "s"), *phase.duration_bounds)
+    parameters = tuple(
+        _scalar(table, Entry(index, "parameter", name, ""), low, high)
+        for name, low, high in zip(phase.parameter_names, *phase.parameter_bounds, strict=True)
+    )
+    breaks = mesh.knots
+    lengths = np.diff(breaks)
+    knots = [table.add(x, breaks[:1])[0]]
+    intervals: list[IntervalLayout] = []
+    owners: list[tuple[int, int]] = []
+    for k, (scheme, start, length) in enumerate(zip(mesh.schemes, breaks[:-1], lengths, strict=True)):
+        assert isinstance(scheme, Collocation)
+        before = intervals[-1] if intervals else None
+        nodes, sites = scheme.nodes, scheme.control_sites
+        shared_control = before is not None and sites[0] == 0.0 and before.scheme.control_sites[-1] == 1.0
+        shared_node = before is not None and nodes[0] == 0.0 and before.scheme.nodes[-1] == 1.0
+        # A control that jumps at the knot gives the knot two accelerations: it is evaluated on both sides.
+        shared_place = shared_node and (shared_control or not u)
+        controls = _chain(table, u, start + length * sites, before.controls[-1] if before and shared_control else None)
+        algebraic = _chain(table, z, start + length * nodes, before.algebraic[-1] if before and shared_place else None)
+        inner = [j for j, c in enumerate(nodes) if 0.0 < c < 1.0]
+        states = np.empty((len(nodes), len(x)), dtype=int)
+        states[inner] = table.add(x, start + length * nodes[inner])
+        knots.append(table.add(x, breaks[k + 1 : k + 2])[0])
+        states[nodes == 0.0], states[nodes == 1.0] = knots[k], knots[k + 1]
+        fresh = [j for j in range(len(nodes)) if j > 0 or not shared_place]
+        places = np.empty(len(nodes), dtype=int)
+        if before is not None and shared_place:
+            places[0] = before.places[-1]
+        places[fresh] = np.arange(len(owners), len(owners) + len(fresh))
+        owners += [(k, j) for j in fresh]
+        intervals.append(
+            IntervalLayout(scheme, start, length, states, knots[k], knots[k + 1], algebraic, controls, places)
+        )
+    return PhaseLayout(mesh, np.array(knots), tuple(intervals), t0, duration, parameters, tuple(owners))
+
+
+def _scalar(table: ScalarTable, entry: Entry, low: float, high: float) -> Scalar:
+    """Fixed quantities are constants of the stage functions, not columns."""
+    if low == high:
+        return Scalar(None, low)
+    return Scalar(int(table.add([entry], np.zeros(1), low, high)[0, 0]))
+
+
+def _chain(table: ScalarTable, entries: list[Entry], fractions: Array, first: Indices | None) -> Indices:
+    """Columns at fractions; the first of them shared where a neighbour gives it."""
+    if first is None:
+        return table.add(entries, fractions)
+    return np.vstack([first[None, :], table.add(entries, fractions[1:])])

@@ -1,0 +1,130 @@
+"""The nonlinear program: inspectable, named, scaled.
+
+    minimise f(w)  subject to  lower <= g(w) <= upper,  lower <= w <= upper
+
+Public vectors are in physical units; ``functions`` work on the scaled vector w / scale and give scaled rows g * row_scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from robotraj.transcription.assembly import Functions, assemble
+from robotraj.transcription.block import Block
+from robotraj.transcription.layout import PhaseLayout
+from robotraj.transcription.table import Scalars
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from robotraj.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Nlp:
+    """A transcribed problem.
+
+    Attributes
+    ----------
+    problem : Problem
+    layouts : tuple of PhaseLayout
+        Where each phase's unknowns stand.
+    variables, rows : Scalars
+        Meaning, time and bounds of the columns and of the rows.
+    blocks : tuple of Block
+        In physical units.
+    linear, constant : sparse (n_g, n_w), ndarray (n_g,)
+        The linear part of the rows.
+    scale, row_scale : ndarray (n_w,), (n_g,)
+        w = scale * w_scaled, g_scaled = row_scale * g.
+    guess : ndarray (n_w,)
+        Where the solver starts.
+    """
+
+    problem: Problem
+    layouts: tuple[PhaseLayout, ...]
+    variables: Scalars
+    rows: Scalars
+    blocks: tuple[Block, ...]
+    linear: sparse.csr_array
+    constant: Array
+    scale: Array
+    row_scale: Array
+    guess: Array
+
+    @cached_property
+    def functions(self) -> Functions:
+        """Objective, rows and their derivatives in scaled variables, as a solver takes them."""
+        blocks = [block.scaled(self.scale, self.row_scale) for block in self.blocks]
+        linear = sparse.diags_array(self.row_scale) @ self.linear @ sparse.diags_array(self.scale)
+        return assemble(blocks, sparse.csr_array(linear), self.row_scale * self.constant)
+
+    def objective(self, w: Array) -> float:
+        """Objective at w, in physical units."""
+        return float(self.functions.objective(w / self.scale, []))
+
+    def values(self, w: Array) -> Array:
+        """Rows g at w, in physical units, (n_g,)."""
+        return np.array(self.functions.rows(w / self.scale, [])).ravel() / self.row_scale
+
+    def gradient(self, w: Array) -> Array:
+        """Gradient of the objective, (n_w,)."""
+        return np.array(self.functions.gradient(w / self.scale, [])[1]).ravel() / self.scale
+
+    def jacobian(self, w: Array) -> sparse.csc_array:
+        """Exact dg/dw, sparse (n_g, n_w)."""
+        scaled = self.functions.jacobian(w / self.scale, [])[1].sparse()
+        return sparse.csc_array(sparse.diags_array(1 / self.row_scale) @ scaled @ sparse.diags_array(1 / self.scale))
+
+    def hessian(self, w: Array, multipliers: Array, objective_weight: float = 1.0) -> sparse.csc_array:
+        """Exact Hessian of objective_weight f + multipliers' g, sparse symmetric (n_w, n_w)."""
+        scaled = self.functions.hessian(w / self.scale, [], objective_weight, multipliers / self.row_scale).sparse()
+        upper = sparse.csc_array(sparse.diags_array(1 / self.scale) @ scaled @ sparse.diags_array(1 / self.scale))
+        return sparse.csc_array(upper + sparse.triu(upper, 1).T)
+
+    def times(self, scalars: Scalars, w: Array) -> Array:
+        """Time of every column or row [s]."""
+        starts = np.array([layout.t0.of(w) for layout in self.layouts])
+        lengths = np.array([layout.duration.of(w) for layout in self.layouts])
+        phase = np.array([entry.phase for entry in scalars.entries], dtype=int)[scalars.meaning]
+        return starts[phase] + scalars.fraction * lengths[phase]
+
+    def names(self, scalars: Scalars) -> list[str]:
+        """Names of columns or rows: phase, meaning, joint and time at the guess."""
+        times = self.times(scalars, self.guess)
+        phases: Sequence[Any] = self.problem.phases
+        labels = [f"{phases[e.phase].name}: {e}" for e in scalars.entries]
+        return [f"{labels[m]}, t = {t:.4g} s" for m, t in zip(scalars.meaning, times, strict=True)]
+
+    @property
+    def variable_names(self) -> list[str]:
+        """One name per column."""
+        return self.names(self.variables)
+
+    @property
+    def row_names(self) -> list[str]:
+        """One name per row."""
+        return self.names(self.rows)
+
+    def spy(self) -> Figure:
+        """Plot the sparsity of the Jacobian and of the Lagrangian's Hessian."""
+        from robotraj.transcription.spy import spy
+
+        return spy(self)
+
+    def __str__(self) -> str:
+        jacobian = self.functions.jacobian.nnz_out(1)
+        hessian = self.functions.hessian.nnz_out(0)
+        return (
+            f"NLP of {len(self.problem.phases)} phase(s): {len(self.variables)} variables, {len(self.rows)} rows, "
+            f"{jacobian} nonzeros in the Jacobian, {hessian} in the Hessian's upper triangle"
+        )

@@ -1,0 +1,126 @@
+"""Columns and rows of the NLP under construction, each with its meaning, bounds and time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What a column or a row of the NLP is.
+
+    Attributes
+    ----------
+    phase : int
+        Index of the phase; of the first phase for a link.
+    name : str
+        ``"effort limit"``, ``"defect"``, ``"torque balance"`` ...
+    label : str
+        The joint, frame, state or parameter it is about, ``""`` if none.
+    unit : str
+    """
+
+    phase: int
+    name: str
+    label: str
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.name}, {self.label}" if self.label else self.name
+
+
+@dataclass(frozen=True, eq=False)
+class Scalars:
+    """Meaning, time and bounds of n columns or rows.
+
+    Attributes
+    ----------
+    entries : tuple of Entry
+        The distinct meanings.
+    meaning : ndarray of int (n,)
+        Index into ``entries``.
+    fraction : ndarray (n,)
+        Where in its phase, 0 at the start and 1 at the end.
+    lower, upper : ndarray (n,)
+    lower_meaning, upper_meaning : ndarray of int (n,)
+        The entry that set each bound, for reports.
+    """
+
+    entries: tuple[Entry, ...]
+    meaning: Indices
+    fraction: Array
+    lower: Array
+    upper: Array
+    lower_meaning: Indices
+    upper_meaning: Indices
+
+    def __len__(self) -> int:
+        return len(self.meaning)
+
+
+@dataclass
+class ScalarTable:
+    """Scalars while they are being written down."""
+
+    _entries: dict[Entry, int] = field(default_factory=dict)
+    _meaning: list[Indices] = field(default_factory=list)
+    _fraction: list[Array] = field(default_factory=list)
+    _lower: list[Array] = field(default_factory=list)
+    _upper: list[Array] = field(default_factory=list)
+    count: int = 0
+
+    def entry(self, entry: Entry) -> int:
+        """Number of an entry, the same for equal entries."""
+        return self._entries.setdefault(entry, len(self._entries))
+
+    def add(
+        self, entries: Sequence[Entry], fractions: Array, lower: float | Array = -np.inf, upper: float | Array = np.inf
+    ) -> Indices:
+        """Add every entry at every fraction; return indices (len(fractions), len(entries))."""
+        shape = (len(fractions), len(entries))
+        ids = np.array([self.entry(e) for e in entries], dtype=int)
+        self._meaning.append(np.broadcast_to(ids, shape).ravel())
+        self._fraction.append(np.repeat(np.asarray(fractions, dtype=float), len(entries)))
+        self._lower.append(np.broadcast_to(lower, shape).ravel())
+        self._upper.append(np.broadcast_to(upper, shape).ravel())
+        first = self.count
+        self.count += shape[0] * shape[1]
+        return np.arange(first, self.count).reshape(shape)
+
+    def finish(self, bounds: Sequence[ColumnBound] = ()) -> Scalars:
+        """Freeze the table, tightening it by further bounds."""
+        meaning, fraction, lower, upper = (
+            np.concatenate(parts) if parts else np.array([])
+            for parts in (self._meaning, self._fraction, self._lower, self._upper)
+        )
+        meaning = meaning.astype(int)
+        lower_meaning, upper_meaning = meaning.copy(), meaning.copy()
+        for bound in bounds:
+            number = self.entry(bound.entry)
+            tighter = bound.columns[bound.lower > lower[bound.columns]]
+            lower[tighter], lower_meaning[tighter] = bound.lower, number
+            tighter = bound.columns[bound.upper < upper[bound.columns]]
+            upper[tighter], upper_meaning[tighter] = bound.upper, number
+        # Ends that lie outside a limit by round-off were let through by the phase; the limit gives way.
+        lower = np.minimum(lower, upper)
+        parts = (meaning, fraction, lower, upper, lower_meaning, upper_meaning)
+        for part in parts:
+            part.setflags(write=False)
+        return Scalars(tuple(self._entries), *parts)
+
+
+@dataclass(frozen=True)
+class ColumnBound:
+    """A bound on columns and the entry it comes from."""
+
+    entry: Entry
+    columns: Indices
+    lower: float
+    upper: float

@@ -1,0 +1,163 @@
+"""From a problem on meshes to a nonlinear program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.constraints import Where
+from robotraj.errors import InputError
+from robotraj.guess import Guess, PhaseGuess, StraightLine
+from robotraj.schemes import Collocation, Mesh
+from robotraj.transcription.block import Block
+from robotraj.transcription.collocation import collocate
+from robotraj.transcription.ends import end_constraint_blocks, link_block, mayer_block, widen
+from robotraj.transcription.layout import PhaseLayout, lay_out
+from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.scaling import row_scale, variable_scale
+from robotraj.transcription.table import ColumnBound, Entry, ScalarTable
+from robotraj.transcription.triplets import Triplets
+
+if TYPE_CHECKING:
+    from robotraj.problem import Phase, Problem
+
+Array = NDArray[np.float64]
+
+
+def transcribe(problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | None = None) -> Nlp:
+    """Transcribe a problem by direct collocation.
+
+    Parameters
+    ----------
+    problem : Problem
+    mesh : Mesh or sequence of Mesh
+        One for all phases, or one for each.
+    guess : Guess, optional
+        Where the solver starts; a straight line by default.
+
+    Returns
+    -------
+    Nlp
+        Every row and variable named; solve it with a solver value such as ``rt.Ipopt()``.
+    """
+    meshes = _meshes(problem, mesh)
+    columns, rows, linear = ScalarTable(), ScalarTable(), Triplets()
+    layouts = tuple(
+        lay_out(phase, i, m, columns) for i, (phase, m) in enumerate(zip(problem.phases, meshes, strict=True))
+    )
+    bounds: list[ColumnBound] = []
+    blocks: list[Block] = []
+    points = []
+    for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
+        bounds += _bounds(phase, i, layout)
+        points.append(collocate(phase, i, layout, rows, linear))
+        blocks += end_constraint_blocks(phase, i, layout, rows)
+        mayer = mayer_block(phase, layout)
+        blocks += [mayer] if mayer else []
+    blocks += [link_block(link, problem.phases, layouts, rows) for link in problem.bound_links]
+    variables, constraints = columns.finish(bounds), rows.finish()
+    shape = (len(constraints), len(variables))
+    every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]
+    every += [widen(block, *shape) for block in blocks]
+    matrix = linear.matrix(shape)
+    start = _guess(problem, layouts, guess or StraightLine(), len(variables))
+    start = np.clip(start, variables.lower, variables.upper)
+    scale = variable_scale(variables, start)
+    return Nlp(
+        problem,
+        layouts,
+        variables,
+        constraints,
+        tuple(every),
+        matrix,
+        np.zeros(shape[0]),
+        scale,
+        row_scale(every, matrix, constraints, scale, start),
+        start,
+    )
+
+
+def _meshes(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> list[Mesh]:
+    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+    if len(meshes) != len(problem.phases):
+        raise InputError(f"The problem has {len(problem.phases)} phases but {len(meshes)} meshes were given.")
+    for m in meshes:
+        for scheme in m.schemes:
+            if not isinstance(scheme, Collocation):
+                raise InputError(f"{scheme!r} is not a collocation scheme.")
+    return meshes
+
+
+def _finish_points(block: Block, gather: Triplets, scatter: Triplets, shape: tuple[int, int]) -> Block:
+    count, stage = block.count, block.stage
+    return replace(
+        block,
+        gather=gather.matrix((stage.inputs * count, shape[1])),
+        scatter=scatter.matrix((shape[0], stage.outputs * count)),
+    )
+
+
+def _bounds(phase: Phase, index: int, layout: PhaseLayout) -> list[ColumnBound]:
+    """Ends of the phase and rows that are single variables, as bounds of columns."""
+    bounds = []
+    for which, knot, given in (("start", 0, phase.start_bounds), ("end", -1, phase.end_bounds)):
+        for i, variable in enumerate(phase.dae.states):
+            entry = Entry(index, f"{which} {variable.quantity}", variable.label, variable.unit)
+            at = layout.knots[knot, i : i + 1]
+            bounds.append(ColumnBound(entry, at, float(given.lower[i]), float(given.upper[i])))
+    columns = _columns_by_variable(phase, layout)
+    for constraint in phase.bound_constraints:
+        for row in constraint.rows:
+            if row.variable is None:
+                continue
+            every = columns[row.variable]
+            chosen = {Where.THROUGHOUT: every, Where.START: every[:1], Where.END: every[-1:]}[constraint.where]
+            bounds.append(ColumnBound(Entry(index, row.name, row.joint or "", row.unit), chosen, row.lower, row.upper))
+    return bounds
+
+
+def _columns_by_variable(phase: Phase, layout: PhaseLayout) -> dict[str, NDArray[np.int_]]:
+    """Columns of every variable of the dynamics, in the order of time."""
+    states = [layout.knots, *(interval.states for interval in layout.intervals)]
+    groups = (
+        (phase.dae.states, states),
+        (phase.dae.algebraic, [interval.algebraic for interval in layout.intervals]),
+        (phase.dae.controls, [interval.controls for interval in layout.intervals]),
+    )
+    # Columns were numbered in the order of time.
+    return {
+        variable.name: np.unique(np.concatenate([part[:, i] for part in parts]))
+        for variables, parts in groups
+        for i, variable in enumerate(variables)
+    }
+
+
+def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: Guess, size: int) -> Array:
+    w = np.zeros(size)
+    t0 = 0.0
+    for phase, layout in zip(problem.phases, layouts, strict=True):
+        known = guess.of(phase, problem.phases.index(phase))
+        if layout.t0.column is not None:
+            w[layout.t0.column] = t0
+        if layout.duration.column is not None:
+            w[layout.duration.column] = known.duration
+        for scalar, name in zip(layout.parameters, phase.parameter_names, strict=True):
+            if scalar.column is not None:
+                w[scalar.column] = known.parameters[name]
+        t0 += known.duration
+        _fill(w, layout, known)
+    return w
+
+
+def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess) -> None:
+    w[layout.knots.ravel()] = known.states(layout.mesh.knots).ravel()
+    for interval in layout.intervals:
+        nodes = interval.start + interval.length * interval.scheme.nodes
+        sites = interval.start + interval.length * interval.scheme.control_sites
+        w[interval.states.ravel()] = known.states(nodes).ravel()
+        w[interval.algebraic.ravel()] = known.algebraic(nodes).ravel()
+        w[interval.controls.ravel()] = known.controls(sites).ravel()

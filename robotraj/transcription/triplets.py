@@ -1,0 +1,31 @@
+"""Sparse matrices under construction, as triplets."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+
+class Triplets:
+    """Entries (row, column, value) that add up."""
+
+    def __init__(self) -> None:
+        self._rows: list[NDArray[np.int_]] = []
+        self._columns: list[NDArray[np.int_]] = []
+        self._values: list[NDArray[np.float64]] = []
+
+    def add(self, rows: NDArray[np.int_], columns: NDArray[np.int_], value: Any) -> None:
+        """Add ``value`` (a scalar or an array) at the paired rows and columns."""
+        self._rows.append(rows)
+        self._columns.append(columns)
+        self._values.append(np.broadcast_to(np.asarray(value, dtype=float), rows.shape))
+
+    def matrix(self, shape: tuple[int, int]) -> sparse.csr_array:
+        """Sum the triplets into a sparse matrix."""
+        if not self._rows:
+            return sparse.csr_array(shape)
+        parts = (np.concatenate(self._values), (np.concatenate(self._rows), np.concatenate(self._columns)))
+        return sparse.csr_array(sparse.coo_array(parts, shape=shape))
