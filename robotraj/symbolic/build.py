@@ -31,7 +31,7 @@ def check_versions(graphs: ModuleType) -> None:
     BuildMismatch
         When pinocchio, libpinocchio or casadi is of another version.
     """
-    installed = {"pinocchio": pinocchio.__version__, "casadi": casadi.__version__}
+    installed = {"pinocchio": pinocchio.__version__, "casadi": casadi.CasadiMeta.version()}
     built = {"pinocchio": graphs.PINOCCHIO_VERSION, "casadi": graphs.CASADI_VERSION}
     try:
         installed["libpinocchio"] = metadata.version("libpinocchio")

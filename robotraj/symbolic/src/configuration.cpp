@@ -1,12 +1,14 @@
 // Moving on the configuration space, which is no vector space when a joint turns freely.
 #include "algorithms.hpp"
 #include "graph.hpp"
+#include "planar.hpp"
 
 #include <pinocchio/algorithm/joint-configuration.hpp>
 
 #include <boost/variant/get.hpp>
 
 #include <stdexcept>
+#include <vector>
 
 namespace robotraj {
 namespace {
@@ -30,21 +32,36 @@ Eigen::Matrix<SX, 3, 1> rotated(const Vector& quaternion, const Vector& vector) 
   return velocity + cross * quaternion[3] + axis.cross(cross);
 }
 
-void write_rate(const Joint& joint, const Vector& q, const Vector& v, Vector& rate) {
+/// A joint, or the parts of a composite one.
+void append_parts(const Joint& joint, std::vector<Joint>& parts) {
   if (joint.shortname() == CompositeJoint::classname()) {
-    const auto& parts = boost::get<CompositeJoint>(joint.toVariant()).joints;
-    for (const auto& part : parts) write_rate(part, q, v, rate);
-    return;
+    for (const auto& part : boost::get<CompositeJoint>(joint.toVariant()).joints) append_parts(part, parts);
+  } else {
+    parts.push_back(joint);
   }
+}
+
+std::vector<Joint> simple_joints(const Model& model) {
+  std::vector<Joint> parts;
+  for (std::size_t joint = 1; joint < model.joints.size(); ++joint) append_parts(model.joints[joint], parts);
+  return parts;
+}
+
+bool is_continuous(const Joint& joint) { return joint.nq() == 2 && joint.nv() == 1; }
+
+bool is_planar(const Joint& joint) {
+  return joint.shortname() == pinocchio::JointModelPlanarTpl<SX>::classname();
+}
+
+void write_rate(const Joint& joint, const Vector& q, const Vector& v, Vector& rate) {
   const int nq = joint.nq(), nv = joint.nv();
   const Vector here = q.segment(joint.idx_q(), nq), velocity = v.segment(joint.idx_v(), nv);
   auto out = rate.segment(joint.idx_q(), nq);
-  const bool planar = joint.shortname() == pinocchio::JointModelPlanarTpl<SX>::classname();
   if (nq == nv) {
     out = velocity;
-  } else if (nq == 2 && nv == 1) {  // (cos, sin)
+  } else if (is_continuous(joint)) {  // (cos, sin)
     out << -here[1] * velocity[0], here[0] * velocity[0];
-  } else if (planar) {  // (x, y, cos, sin), velocity in the body frame
+  } else if (is_planar(joint)) {  // (x, y, cos, sin), velocity in the body frame
     out << here[2] * velocity[0] - here[3] * velocity[1], here[3] * velocity[0] + here[2] * velocity[1],
         -here[3] * velocity[2], here[2] * velocity[2];
   } else if (nq == 4 && nv == 3) {  // quaternion
@@ -64,7 +81,11 @@ std::string integrate(const SymbolicModel& symbolic) {
   Graph graph(symbolic);
   const Vector q = graph.input("q", model.nq);
   const Vector dv = graph.input("dv", model.nv);
-  graph.output("q1", pinocchio::integrate(model, q, dv));
+  Vector q1 = pinocchio::integrate(model, q, dv);
+  for (const Joint& joint : simple_joints(model))
+    if (is_planar(joint))
+      q1.segment(joint.idx_q(), 4) = planar_integrate(q.segment(joint.idx_q(), 4), dv.segment(joint.idx_v(), 3));
+  graph.output("q1", q1);
   return graph.serialize("integrate");
 }
 
@@ -73,7 +94,15 @@ std::string difference(const SymbolicModel& symbolic) {
   Graph graph(symbolic);
   const Vector q0 = graph.input("q0", model.nq);
   const Vector q1 = graph.input("q1", model.nq);
-  graph.output("dv", pinocchio::difference(model, q0, q1));
+  Vector dv = pinocchio::difference(model, q0, q1);
+  for (const Joint& joint : simple_joints(model)) {
+    const auto from = joint.idx_q();
+    if (is_continuous(joint))
+      dv[joint.idx_v()] = angle_between(q0[from], q0[from + 1], q1[from], q1[from + 1]);
+    else if (is_planar(joint))
+      dv.segment(joint.idx_v(), 3) = planar_difference(q0.segment(from, 4), q1.segment(from, 4));
+  }
+  graph.output("dv", dv);
   return graph.serialize("difference");
 }
 
@@ -83,7 +112,7 @@ std::string configuration_rate(const SymbolicModel& symbolic) {
   const Vector q = graph.input("q", model.nq);
   const Vector v = graph.input("v", model.nv);
   Vector rate(model.nq);
-  for (std::size_t joint = 1; joint < model.joints.size(); ++joint) write_rate(model.joints[joint], q, v, rate);
+  for (const Joint& joint : simple_joints(model)) write_rate(joint, q, v, rate);
   graph.output("qdot", rate);
   return graph.serialize("configuration_rate");
 }

@@ -1,0 +1,79 @@
+"""A wrong build, frame, reference or model is refused in one sentence that names it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import casadi as ca
+import pinocchio as pin
+import pytest
+
+from robotraj.errors import BuildMismatch, InputError, UnknownName
+from robotraj.symbolic import SymbolicModel
+from robotraj.symbolic.build import check_versions
+
+OTHER = "99.0.0"
+MINE = {"PINOCCHIO_VERSION": pin.__version__, "CASADI_VERSION": ca.CasadiMeta.version()}
+
+
+@pytest.mark.parametrize(
+    ("attribute", "name"), [("PINOCCHIO_VERSION", "pinocchio"), ("CASADI_VERSION", "casadi")]
+)
+def test_module_built_against_other_versions(attribute: str, name: str) -> None:
+    check_versions(SimpleNamespace(**MINE))
+    with pytest.raises(BuildMismatch, match=rf"built against {name} {OTHER}, but {name} .* installed"):
+        check_versions(SimpleNamespace(**{**MINE, attribute: OTHER}))
+
+
+def test_library_of_another_version(monkeypatch: pytest.MonkeyPatch) -> None:
+    """``pin`` and ``libpinocchio`` are separate wheels, and only the second is linked."""
+    monkeypatch.setattr("importlib.metadata.version", lambda name: OTHER)
+    with pytest.raises(BuildMismatch, match=f"libpinocchio {OTHER} is installed"):
+        check_versions(SimpleNamespace(**MINE))
+
+
+def test_missing_module_is_a_build_mismatch_at_import(tmp_path: Path) -> None:
+    script = "import sys; sys.modules['robotraj.symbolic._graphs'] = None; import robotraj.symbolic"
+    command = [sys.executable, "-c", script]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert result.returncode != 0
+    assert "BuildMismatch: robotraj's compiled module could not be loaded" in result.stderr
+    assert "pip install" in result.stderr
+
+
+@pytest.mark.parametrize(
+    "method", ["frame_placement", "frame_velocity", "frame_acceleration", "frame_jacobian"]
+)
+def test_unknown_frame(arm, method: str) -> None:
+    with pytest.raises(UnknownName, match=r"no frame named 'tool_0'. Did you mean 'tool0'"):
+        getattr(arm.symbolic, method)("tool_0")
+    with pytest.raises(UnknownName, match="no frame named 3"):
+        getattr(arm.symbolic, method)(3)
+
+
+@pytest.mark.parametrize("method", ["frame_velocity", "frame_acceleration", "frame_jacobian"])
+def test_unknown_reference(arm, method: str) -> None:
+    with pytest.raises(InputError, match="reference is 'local'; give pinocchio.ReferenceFrame"):
+        getattr(arm.symbolic, method)("tool0", "local")
+
+
+def test_active_mimic_joint() -> None:
+    urdf = """
+    <robot name="gripper">
+      <link name="palm"/>
+      <link name="left"><inertial><mass value="1"/>
+        <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+      <link name="right"><inertial><mass value="1"/>
+        <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+      <joint name="left finger" type="prismatic"><parent link="palm"/><child link="left"/>
+        <axis xyz="1 0 0"/><limit lower="0" upper="1" velocity="1" effort="1"/></joint>
+      <joint name="right finger" type="prismatic"><parent link="palm"/><child link="right"/>
+        <axis xyz="1 0 0"/><limit lower="0" upper="1" velocity="1" effort="1"/>
+        <mimic joint="left finger" multiplier="-1"/></joint>
+    </robot>"""
+    assert SymbolicModel(pin.buildModelFromXML(urdf)).forward_dynamics.size1_out(0) == 2
+    with pytest.raises(InputError, match="active mimic joints .right finger."):
+        SymbolicModel(pin.buildModelFromXML(urdf, mimic=True))
