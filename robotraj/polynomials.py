@@ -34,12 +34,11 @@ def basis(sites: Array, tau: Array) -> Array:
     weights = _weights(tuple(sites.tolist()))
     gaps = tau[:, None] - sites[None, :]
     hit = gaps == 0.0
-    gaps[hit] = 1.0
-    terms = weights / gaps
-    values = terms / terms.sum(axis=1, keepdims=True)
     rows = hit.any(axis=1)
-    values[rows] = hit[rows].astype(float)
-    return values
+    gaps[rows] = 1.0
+    terms = weights / gaps
+    terms[rows] = hit[rows]
+    return np.asarray(terms / terms.sum(axis=1, keepdims=True))
 
 
 def differentiation(sites: Array) -> Array:

@@ -53,7 +53,8 @@ class Ipopt(Solver):
     time_limit : float or None
         Wall-clock seconds.
     barrier : str
-        ``mu_strategy``: "adaptive" (fewer iterations) or "monotone" (steadier).
+        ``mu_strategy``: "monotone" stays with the local optimum next to the guess, "adaptive" often takes fewer
+        iterations and may leave for another one.
     linear_solver : str
     options : mapping
         Any further IPOPT options by their own names; they win over the fields above.
@@ -62,7 +63,7 @@ class Ipopt(Solver):
     tolerance: float = 1e-8
     max_iterations: int = 1000
     time_limit: float | None = None
-    barrier: str = "adaptive"
+    barrier: str = "monotone"
     linear_solver: str = "mumps"
     options: Mapping[str, Any] = field(default_factory=dict)
 
