@@ -116,12 +116,6 @@ def case(request: pytest.FixtureRequest) -> Case:
     return build(request.param)
 
 
-@pytest.fixture(scope="session", params=[*FIXED, "solo12"])
-def small_case(request: pytest.FixtureRequest) -> Case:
-    """All but the humanoid, whose full Jacobians would take minutes."""
-    return build(request.param)
-
-
 @pytest.fixture(scope="session")
 def arm() -> Case:
     return build("ur5")

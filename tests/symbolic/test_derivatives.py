@@ -95,8 +95,7 @@ DERIVATIVES: dict[str, tuple[tuple[str, ...], Callable[..., list[np.ndarray]]]] 
 
 
 @pytest.mark.parametrize("name", DERIVATIVES)
-def test_analytical(small_case, name: str) -> None:
-    case = small_case
+def test_analytical(case, name: str) -> None:
     by, reference = DERIVATIVES[name]
     actual = jacobians(case, getattr(case.symbolic, name), by)
     expected = [
@@ -107,12 +106,11 @@ def test_analytical(small_case, name: str) -> None:
 
 
 @pytest.mark.parametrize("reference", [ALIGNED, pin.ReferenceFrame.LOCAL], ids=str)
-def test_frame_velocity(small_case, reference: pin.ReferenceFrame) -> None:
+def test_frame_velocity(case, reference: pin.ReferenceFrame) -> None:
     """Pinocchio's aligned derivative is that of the velocity at a point fixed in the world, not in the frame.
 
     The origin moves with J dq under an angular velocity omega, so omega x J separates the two.
     """
-    case = small_case
     model, data = case.model, case.data
     name = case.frames[-1]
     frame = model.getFrameId(name)
@@ -130,9 +128,8 @@ def test_frame_velocity(small_case, reference: pin.ReferenceFrame) -> None:
         assert_agrees(jacobian, [row[index] for row in expected], ANALYTICAL)
 
 
-def test_frame_placement(small_case) -> None:
+def test_frame_placement(case) -> None:
     """The position's derivative is the upper half of the aligned frame Jacobian."""
-    case = small_case
     name = case.frames[-1]
     (actual,) = jacobians(case, case.symbolic.frame_placement(name), ("q",))
     (expected,) = case.evaluate(case.symbolic.frame_jacobian(name), COUNT)
@@ -145,7 +142,7 @@ OF_FRAME = ["frame_placement", "frame_velocity", "frame_acceleration", "frame_ja
 
 @pytest.mark.parametrize("name", OF_MODEL + OF_FRAME)
 def test_finite_differences(case, name: str) -> None:
-    """Directional derivative along a random direction of all inputs at once, every output, humanoid included.
+    """Directional derivative along a random direction of all inputs at once, every output.
 
     The reference extrapolates two central differences of the function itself, with error of order h^4.
     """
