@@ -55,6 +55,9 @@ class Ipopt(Solver):
     barrier : str
         ``mu_strategy``: "monotone" stays with the local optimum next to the guess, "adaptive" often takes fewer
         iterations and may leave for another one.
+    initial_barrier : float
+        ``mu_init``. A tenth of IPOPT's own default: the cost of one control shrinks as the mesh gets finer, and a
+        stronger barrier then pushes the controls away from where the guess put them.
     linear_solver : str
     options : mapping
         Any further IPOPT options by their own names; they win over the fields above.
@@ -64,6 +67,7 @@ class Ipopt(Solver):
     max_iterations: int = 1000
     time_limit: float | None = None
     barrier: str = "monotone"
+    initial_barrier: float = 1e-2
     linear_solver: str = "mumps"
     options: Mapping[str, Any] = field(default_factory=dict)
 
@@ -81,6 +85,7 @@ class Ipopt(Solver):
             "constr_viol_tol": self.tolerance,
             "max_iter": self.max_iterations,
             "mu_strategy": self.barrier,
+            "mu_init": self.initial_barrier,
             "linear_solver": self.linear_solver,
             "print_level": 0,
             "sb": "yes",
