@@ -51,7 +51,7 @@ class SymbolicModel:
     Raises
     ------
     InputError
-        When the model has active mimic joints, for which Pinocchio has no forward dynamics.
+        When it is no ``pinocchio.Model``, or has active mimic joints, for which Pinocchio has no forward dynamics.
 
     Notes
     -----
@@ -71,6 +71,8 @@ class SymbolicModel:
     """
 
     def __init__(self, model: pin.Model, *, parametric: bool = False) -> None:
+        if not isinstance(model, pin.Model):
+            raise InputError(f"model is a {type(model).__name__}; give a pinocchio.Model.")
         mimic = [model.names[joint] for joint in model.mimicking_joints]
         if mimic:
             raise InputError(

@@ -60,6 +60,11 @@ def test_unknown_reference(arm, method: str) -> None:
         getattr(arm.symbolic, method)("tool0", "local")
 
 
+def test_something_else_than_a_model(arm) -> None:
+    with pytest.raises(InputError, match="model is a Data; give a pinocchio.Model"):
+        SymbolicModel(arm.data)
+
+
 def test_active_mimic_joint() -> None:
     urdf = """
     <robot name="gripper">

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import doctest
+import importlib
 import pickle
 
 import casadi as ca
@@ -105,3 +107,10 @@ def test_pickles_small_and_comes_back(arm, parametric: bool) -> None:
     assert back.parametric is parametric
     assert repr(back) == repr(symbolic)
     assert str(back.gravity) == str(symbolic.gravity)
+
+
+@pytest.mark.parametrize("module", ["robotraj.symbolic", "robotraj.symbolic.model"])
+def test_examples_in_the_docstrings(module: str) -> None:
+    result = doctest.testmod(importlib.import_module(module))
+    assert result.attempted > 0
+    assert result.failed == 0
