@@ -65,12 +65,12 @@ def energy_of(planned: PhaseSolutionLike, samples: int = QUADRATURE_POINTS) -> E
     kinetic: list[float] = []
     for stretch in stretches(planned, 2):
         half = 0.5 * (stretch.end - stretch.begin)
-        sample = planned.at(stretch.begin + half * (nodes + 1.0), interval=stretch.index)
+        sample = planned.at(stretch.begin + half * (nodes + 1.0), interval=stretch.interval)
         power = np.einsum("mi,mi->m", sample.tau @ actuation.T, sample.v)
         loss = np.array([robot.dissipation(v) @ v for v in sample.v])
         inside = zip(sample.q, sample.v, strict=True)
         kinetic += [pin.computeKineticEnergy(robot.model, data, q, v) for q, v in inside]
-        ends = planned.at(stretch.times, interval=stretch.index)
+        ends = planned.at(stretch.times, interval=stretch.interval)
         before, after = (_total(robot, data, q, v) for q, v in zip(ends.q, ends.v, strict=True))
         terms = half * (weights @ power), half * (weights @ loss), after - before
         work, dissipated, change = work + terms[0], dissipated + terms[1], change + terms[2]
@@ -87,8 +87,14 @@ def add(parts: Sequence[Energy]) -> Energy | None:
     if not parts:
         return None
     worst = max(parts, key=lambda part: part.worst)
-    sums = (sum(getattr(part, name) for part in parts) for name in ("work", "dissipated", "change", "scale"))
-    return Energy(*sums, worst.worst, worst.time)
+    return Energy(
+        work=sum(part.work for part in parts),
+        dissipated=sum(part.dissipated for part in parts),
+        change=sum(part.change for part in parts),
+        scale=sum(part.scale for part in parts),
+        worst=worst.worst,
+        time=worst.time,
+    )
 
 
 def _total(robot: RobotLike, data: object, q: Array, v: Array) -> float:

@@ -65,8 +65,8 @@ def integrate(
 ) -> Motion:
     """Integrate xdot = rates(t, x, k) over the intervals k between knots.
 
-    A state or rate that is not finite, a step below round-off and more than ``MOST_EVALUATIONS`` evaluations in
-    one interval end the motion early; they are reported in ``failure``, not raised.
+    A state or rate that is not finite, a step below round-off and more than ``MOST_EVALUATIONS`` evaluations
+    in one interval end the motion early; they are reported in ``failure``, not raised.
 
     Parameters
     ----------

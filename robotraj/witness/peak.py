@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,7 +43,7 @@ def peaks(
     return found
 
 
-def largest(parts: Iterable[dict[str, Peak]]) -> dict[str, Peak]:
+def largest(parts: Iterable[Mapping[str, Peak]]) -> dict[str, Peak]:
     """Merge peaks of several phases by name, the larger kept."""
     merged: dict[str, Peak] = {}
     for part in parts:

@@ -33,8 +33,8 @@ class NumericPoint(Point):
     forces : mapping of str to array_like, optional
         Contact forces [N] by contact name.
     columns : bool
-        Give vectors as CasADi columns (n, 1) instead of NumPy arrays (n,). An expression written for the symbols
-        of the NLP, ``ca.mtimes(point.q.T, point.q)`` for one, then means the same on numbers.
+        Give vectors as CasADi columns (n, 1) instead of NumPy arrays (n,). An expression written for the
+        symbols of the NLP, ``ca.mtimes(point.q.T, point.q)`` for one, then means the same on numbers.
 
     Attributes
     ----------
@@ -154,8 +154,8 @@ def system_point(
 ) -> Point:
     """Wrap numbers as the point a System's equations read.
 
-    Entries stay NumPy scalars: a square root of a negative trial value gives NaN, which shrinks the step, where
-    a Python float would turn complex or raise.
+    Entries stay NumPy scalars: a square root of a negative trial value gives NaN, which shrinks the step,
+    where a Python float would turn complex or raise.
 
     Parameters
     ----------

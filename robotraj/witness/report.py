@@ -86,10 +86,11 @@ class Report:
         if self.failure is not None:
             found.append(f"The simulation stopped early: {self.failure}.")
         elif (row := self.drift.worst).relative > tolerances.drift:
+            allowed = tolerances.drift * row.scale
             found.append(
-                f"The simulated motion drifts from the plan: {row.name} by {row.largest:.3g} {row.unit}".rstrip()
-                + f" at t = {row.time:.4g} s in phase {row.phase!r}, {tolerances.drift * row.scale:.3g} is "
-                + "allowed; use a finer mesh or a scheme of higher order."
+                f"The simulation drifts from the plan: {row.name} by {row.largest:.3g} {row.unit}".rstrip()
+                + f" at t = {row.time:.4g} s in phase {row.phase!r}, {allowed:.3g} is allowed; "
+                + "use a finer mesh or a scheme of higher order, or track() if the motion is unstable."
             )
         if self.violations and (worst := self.violations[0]).amount > tolerances.limits:
             more = sum(v.amount > tolerances.limits for v in self.violations) - 1
@@ -106,7 +107,8 @@ class Report:
         if tolerances.residual is not None and peak is not None and peak.value > tolerances.residual:
             found.append(
                 f"The dynamics do not hold between the collocation points: {peak.name} by {peak.value:.3g} "
-                f"{peak.unit} at t = {peak.time:.4g} s in phase {peak.phase!r}; {tolerances.residual:.3g} is allowed."
+                f"{peak.unit} at t = {peak.time:.4g} s in phase {peak.phase!r}; "
+                f"{tolerances.residual:.3g} is allowed."
             )
         return tuple(found)
 

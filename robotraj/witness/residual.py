@@ -17,7 +17,7 @@ from robotraj.witness.sampling import stretches, time_derivative
 
 TORQUE_UNITS = {"rad": "N m", "m": "N"}
 
-FEWEST_SAMPLES = 24
+FEWEST_SAMPLES = 25
 """Samples of an interval below which its derivative could miss the degree of the plan's polynomial."""
 
 
@@ -58,13 +58,15 @@ def _robot(planned: PhaseSolutionLike, samples: int) -> Residual:
     torque: list[Array] = []
     rate: list[Array] = []
     for stretch in stretches(planned, samples):
-        sample = planned.at(stretch.times, interval=stretch.index)
+        sample = planned.at(stretch.times, interval=stretch.interval)
         acceleration = time_derivative(sample.v, stretch)
         for q, v, a, tau in zip(sample.q, sample.v, acceleration, sample.tau, strict=True):
             needed = pin.rnea(robot.model, data, q, v, a) + robot.dissipation(v)
             torque.append(needed - actuation @ tau)
         rate.append(time_derivative(sample.q, stretch) - sample.v)
         times.append(stretch.times)
+    if not times:
+        return Residual({}, {})
     t, name = np.concatenate(times), planned.phase.name
     joints = robot.joint_names
     return Residual(
@@ -82,7 +84,7 @@ def _system(planned: PhaseSolutionLike, samples: int) -> Residual:
     rows: list[Array] = []
     rate: list[Array] = []
     for stretch in stretches(planned, samples):
-        sample = planned.at(stretch.times, interval=stretch.index)
+        sample = planned.at(stretch.times, interval=stretch.interval)
         x, u, z = (
             columns(named, names, len(stretch.times))
             for named, names in ((sample.x, states), (sample.u, controls), (sample.z, algebraic))
@@ -94,6 +96,8 @@ def _system(planned: PhaseSolutionLike, samples: int) -> Residual:
             if system.residual is not None:
                 rows.append(as_numbers(system.residual(point), "residual"))
         times.append(stretch.times)
+    if not times:
+        return Residual({}, {})
     t, name = np.concatenate(times), planned.phase.name
     units = [f"{s.unit}/s" if s.unit else "" for s in system.states]
     dynamics = {}

@@ -14,7 +14,7 @@ from robotraj.witness.protocols import Array, PhaseSolutionLike
 class Stretch(NamedTuple):
     """One interval of a phase: its index, ends [s] and sample times (m,)."""
 
-    index: int
+    interval: int
     begin: float
     end: float
     times: Array

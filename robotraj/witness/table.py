@@ -102,8 +102,8 @@ def _closing(report: Report) -> str:
     energy = report.energy
     if energy is not None:
         lines.append(
-            f"  energy: work in {energy.work:.6g} J - dissipated {energy.dissipated:.6g} J - change "
-            f"{energy.change:.6g} J = {energy.imbalance:.2e} J ({energy.relative:.1e} of the energy that moved)"
+            f"  energy: work in {energy.work:.6g} J - dissipated {energy.dissipated:.6g} J - "
+            f"change {energy.change:.6g} J = {energy.imbalance:.2e} J, {energy.relative:.1e} of the exchange"
         )
     tolerances = report.tolerances
     judged = [f"drift {tolerances.drift:.1e}", f"limits {tolerances.limits:.1e}"]

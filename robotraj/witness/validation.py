@@ -22,7 +22,7 @@ def validate(
     *,
     rtol: float = 1e-10,
     atol: float = 1e-12,
-    samples_per_interval: int = 24,
+    samples_per_interval: int = 25,
     drift: float = 1e-3,
     limits: float = 1e-3,
     energy: float | None = None,
@@ -31,8 +31,8 @@ def validate(
     """Simulate a plan open loop and check it between its knots.
 
     A robot moves by plain double-precision Pinocchio, M(q) a + h(q, v) = B tau(t) - d(v), a System by its own
-    equations on numbers (algebraic variables solved for at every evaluation), from the plan's first state through
-    all phases, under the planned controls alone. DOP853 integrates, restarted at every knot.
+    equations on numbers (algebraic variables solved for at every evaluation), from the plan's first state
+    through all phases, under the planned controls alone. DOP853 integrates, restarted at every knot.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def validate(
     Raises
     ------
     InputError
-        The solution has no phases, ``samples_per_interval`` is below 2, or a constraint does not give numbers.
+        The solution has no phases, ``samples_per_interval`` is below 2, a constraint does not give numbers.
     """
     if not solution.phases:
         raise InputError("There is nothing to validate: the solution has no phases.")

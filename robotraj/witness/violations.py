@@ -107,11 +107,11 @@ def violations_of(planned: PhaseSolutionLike, samples: int) -> tuple[Violation, 
     bound = [c for c in phase.bound_constraints if not all(_key(row) in checked for row in c.rows)]
     throughout = [(c, [_Watch(row) for row in c.rows]) for c in bound if c.where is Where.THROUGHOUT]
     for stretch in stretches(planned, samples):
-        sample = planned.at(stretch.times, interval=stretch.index)
+        sample = planned.at(stretch.times, interval=stretch.interval)
         for watch, (_, read) in zip(watched, limits, strict=True):
             watch.see(stretch.times, read(sample))
         if throughout:
-            points = [_point(planned, t, stretch.index) for t in stretch.times]
+            points = [_point(planned, t, stretch.interval) for t in stretch.times]
             _see(throughout, stretch.times, points)
     ends = [(0, Where.START, phase.start_bounds), (-1, Where.END, phase.end_bounds)]
     at_ends = [entry for end in ends for entry in _at_end(planned, bound, *end)]
