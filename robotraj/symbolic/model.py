@@ -51,7 +51,7 @@ class SymbolicModel:
     Raises
     ------
     InputError
-        When it is no ``pinocchio.Model``, or has active mimic joints, for which Pinocchio has no forward dynamics.
+        When it is no ``pinocchio.Model``, or has active mimic joints, whose forward dynamics Pinocchio lacks.
 
     Notes
     -----
