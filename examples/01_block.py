@@ -1,0 +1,35 @@
+"""A block of 1 kg pushed by at most 1 N, 10 m in the least time: full ahead, full back."""
+
+import numpy as np
+
+import robotraj as rt
+
+block = rt.load("block")
+move = rt.Phase(
+    block,
+    duration=(0.1, 200.0),
+    start=rt.State(q=0, v=0),
+    end=rt.State(q=10, v=0),
+    objective=rt.Duration(),
+    name="block, minimum time",
+)
+print(move)
+
+solution = rt.plan(move, mesh=rt.Mesh(50, rt.HermiteSimpson()))
+print(solution)
+print(f"minimum time {solution.duration:.7f} s, exactly 2 sqrt(10) = {2 * np.sqrt(10):.7f} s")
+
+# The same door takes any system written with CasADi.
+system = rt.System(states=["x", "v"], controls=["u"], dynamics=lambda point: [point.x["v"], point.u["u"]])
+same = rt.Phase(
+    system,
+    duration=(0.1, 200.0),
+    start=rt.State({"x": 0, "v": 0}),
+    end=rt.State({"x": 10, "v": 0}),
+    controls={"u": rt.between(-1, 1)},
+    objective=rt.Duration(),
+)
+print(f"as two lines of CasADi: {rt.plan(same, mesh=rt.Mesh(50)).duration:.7f} s")
+
+print(rt.validate(solution))
+print("wrote", rt.replay(solution, "01_block.html"))

@@ -1,0 +1,32 @@
+"""A damped pendulum swings up with little torque, in at most 2.5 s."""
+
+import numpy as np
+
+import robotraj as rt
+
+pendulum = rt.load("pendulum")
+swing_up = rt.Phase(
+    pendulum,
+    duration=(0.5, 2.5),
+    start=rt.State(q=0, v=0),
+    end=rt.State(q=np.pi, v=0),
+    objective=rt.Effort(),
+    name="pendulum swing-up",
+)
+solution = rt.plan(swing_up, mesh=rt.Mesh(20, rt.HermiteSimpson()))
+print(solution)
+
+# A motor of 0.5 N m cannot lift the pendulum, which weighs 1 N m: it has to be swung, back and forth.
+weak = rt.Phase(
+    pendulum,
+    duration=(2.0, 20.0),
+    start=rt.State(q=0, v=0),
+    end=rt.State(q=np.pi, v=0),
+    objective=rt.Duration() + 0.1 * rt.Effort(),
+    limits=pendulum.limits.with_(effort=0.5),
+    name="pendulum with a weak motor",
+)
+solution = rt.plan(weak, mesh=rt.Mesh(60, rt.HermiteSimpson()))
+print(solution)
+print(rt.validate(solution))
+print("wrote", rt.replay(solution, "02_pendulum.html"))

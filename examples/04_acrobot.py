@@ -1,0 +1,28 @@
+"""An acrobot, driven at the elbow alone, swings up; a guess of keyframes decides which way."""
+
+import numpy as np
+
+import robotraj as rt
+
+acrobot = rt.load("acrobot")
+swing_up = rt.Phase(
+    acrobot,
+    duration=2.0,
+    start=rt.State(q=[0, 0], v=0),
+    end=rt.State(q=[np.pi, 0], v=0),
+    objective=rt.Effort(),
+    name="acrobot swing-up",
+)
+# Swing back, tuck, swing through, stand: shoulder from hanging, elbow relative to the upper link.
+poses = [[0, 0], [-np.pi / 2, np.pi / 2], [np.pi / 2, np.pi / 2], [np.pi, 0]]
+keyframes = rt.Keyframes([0, 0.25, 0.75, 1], [rt.State(q=pose, v=0) for pose in poses])
+
+coarse = rt.plan(swing_up, mesh=rt.Mesh(20), guess=keyframes)
+solution = rt.plan(swing_up, mesh=rt.Mesh(100), guess=coarse)
+print(solution)
+
+report = rt.validate(solution)
+print(report)
+report.check(drift=1e-2)
+solution.save("04_acrobot.npz")
+print("wrote", rt.replay(solution, "04_acrobot.html"))
