@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
+import textwrap
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TypeVar
 
 from rich import box
-from rich.console import Console
+from rich.console import Console, Group
 from rich.table import Table
 
 from robotraj.witness.peak import Peak
@@ -14,7 +16,12 @@ from robotraj.witness.peak import Peak
 if TYPE_CHECKING:
     from robotraj.witness.report import Report
 
+T = TypeVar("T")
+
 WIDTH = 110
+
+MOST_ROWS = 16
+"""Rows of a table; of more, the worst are shown."""
 
 
 def render(report: Report) -> str:
@@ -29,7 +36,7 @@ def render(report: Report) -> str:
         f"(DOP853, rtol {report.rtol:.0e}, atol {report.atol:.0e}, restarted at knots)"
     )
     for complaint in report.complaints(report.tolerances):
-        console.print(f"  ! {complaint}")
+        console.print(textwrap.fill(complaint, WIDTH, initial_indent="  ! ", subsequent_indent="    "))
     console.print(_drift(report))
     console.print(_violations(report) or "  limits and constraints: none broken, at or between the knots\n")
     console.print(_residual(report))
@@ -37,20 +44,26 @@ def render(report: Report) -> str:
     return "\n".join(line.rstrip() for line in stream.getvalue().rstrip().splitlines())
 
 
-def _table(title: str, *headers: str) -> Table:
-    table = Table(
-        title=title, title_justify="left", title_style="none", box=box.SIMPLE_HEAD, header_style="none"
-    )
+def _worst(rows: Sequence[T], size: Callable[[T], float]) -> tuple[Sequence[T], str]:
+    """Keep the worst rows in their order where there are too many, and say how many are left out."""
+    if len(rows) <= MOST_ROWS:
+        return rows, ""
+    kept = sorted(sorted(range(len(rows)), key=lambda i: -size(rows[i]))[:MOST_ROWS])
+    return [rows[i] for i in kept], f" (the worst {MOST_ROWS} of {len(rows)})"
+
+
+def _table(*headers: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, header_style="none", show_edge=False, pad_edge=True)
     for i, header in enumerate(headers):
         table.add_column(header, justify="left" if i == 0 else "right", no_wrap=True)
     return table
 
 
-def _drift(report: Report) -> Table:
-    table = _table(
-        "  drift: |simulated - planned|", "state", "final", "largest", "at t [s]", "allowed", "unit"
-    )
-    for row in report.drift.rows:
+def _drift(report: Report) -> Group:
+    rows, left_out = _worst(report.drift.rows, lambda row: row.relative)
+    title = f"  drift: |simulated - planned|{left_out}"
+    table = _table("state", "final", "largest", "at t [s]", "allowed", "unit")
+    for row in rows:
         allowed = report.tolerances.drift * row.scale
         mark = " !" if row.largest > allowed else ""
         table.add_row(
@@ -61,36 +74,35 @@ def _drift(report: Report) -> Table:
             f"{allowed:.1e}",
             row.unit,
         )
-    return table
+    return Group(title, table, "")
 
 
-def _violations(report: Report) -> Table | None:
+def _violations(report: Report) -> Group | None:
     if not report.violations:
         return None
-    title = f"  limits and constraints broken, {report.tolerances.limits:.1e} allowed"
-    table = _table(title, "row", "by", "limit", "unit", "at t [s]", "phase")
-    for v in report.violations:
+    rows, left_out = _worst(report.violations, lambda v: v.amount)
+    title = f"  limits and constraints broken, {report.tolerances.limits:.1e} allowed{left_out}"
+    table = _table("row", "by", "limit", "unit", "at t [s]", "phase")
+    for v in rows:
         mark = " !" if v.amount > report.tolerances.limits else ""
         about = f"{v.name}, {v.joint}" if v.joint else v.name
         table.add_row(about + mark, f"{v.amount:.2e}", f"{v.limit:.6g}", v.unit, f"{v.time:.4f}", v.phase)
-    return table
+    return Group(title, table, "")
 
 
-def _residual(report: Report) -> Table:
-    table = _table(
-        "  defect of the equations along the planned polynomials, largest",
-        "of",
-        "dynamics",
-        "unit",
-        "at t [s]",
-        "rate",
-        "unit",
-        "at t [s]",
-    )
+def _residual(report: Report) -> Group:
     dynamics, rate = report.residual.dynamics, report.residual.rate
-    for name in dict.fromkeys([*dynamics, *rate]):
+    names = list(dict.fromkeys([*dynamics, *rate]))
+    shown, left_out = _worst(names, lambda name: max(_value(dynamics.get(name)), _value(rate.get(name))))
+    title = f"  largest defect of the equations along the planned polynomials{left_out}"
+    table = _table("of", "dynamics", "unit", "at t [s]", "rate", "unit", "at t [s]")
+    for name in shown:
         table.add_row(name, *_cells(dynamics.get(name)), *_cells(rate.get(name)))
-    return table
+    return Group(title, table, "")
+
+
+def _value(peak: Peak | None) -> float:
+    return 0.0 if peak is None else peak.value
 
 
 def _cells(peak: Peak | None) -> tuple[str, str, str]:
@@ -103,7 +115,8 @@ def _closing(report: Report) -> str:
     if energy is not None:
         lines.append(
             f"  energy: work in {energy.work:.6g} J - dissipated {energy.dissipated:.6g} J - "
-            f"change {energy.change:.6g} J = {energy.imbalance:.2e} J, {energy.relative:.1e} of the exchange"
+            f"change {energy.change:.6g} J = {energy.imbalance:.2e} J"
+            f"\n          ({energy.relative:.1e} of the energy that moved)"
         )
     tolerances = report.tolerances
     judged = [f"drift {tolerances.drift:.1e}", f"limits {tolerances.limits:.1e}"]

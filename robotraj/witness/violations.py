@@ -111,8 +111,7 @@ def violations_of(planned: PhaseSolutionLike, samples: int) -> tuple[Violation, 
         for watch, (_, read) in zip(watched, limits, strict=True):
             watch.see(stretch.times, read(sample))
         if throughout:
-            points = [_point(planned, t, stretch.interval) for t in stretch.times]
-            _see(throughout, stretch.times, points)
+            _see(throughout, stretch.times, _points(planned, stretch.times, stretch.interval))
     ends = [(0, Where.START, phase.start_bounds), (-1, Where.END, phase.end_bounds)]
     at_ends = [entry for end in ends for entry in _at_end(planned, bound, *end)]
     every = watched + [watch for _, watches in throughout for watch in watches] + at_ends
@@ -149,31 +148,31 @@ def _column(kind: str, index: int) -> Callable[[Any], Array]:
     return lambda sample: np.asarray(getattr(sample, kind)[:, index])
 
 
-def _point(planned: PhaseSolutionLike, t: float, interval: int) -> Any:
-    """Wrap the plan at one instant as user expressions read it."""
-    sample, phase = planned.at(t, interval=interval), planned.phase
+def _points(planned: PhaseSolutionLike, times: Array, interval: int) -> list[Any]:
+    """Wrap the plan at times of one interval as user expressions read it."""
+    sample, phase = planned.at(times, interval=interval), planned.phase
     if phase.robot is not None:
-        return NumericPoint(
-            phase.robot,
-            t,
-            sample.q,
-            sample.v,
-            sample.a,
-            sample.tau,
-            parameters=planned.parameters,
-            forces=sample.forces,
-            columns=True,
-        )
+        return [
+            NumericPoint(
+                phase.robot,
+                t,
+                *(getattr(sample, name)[i] for name in ("q", "v", "a", "tau")),
+                parameters=planned.parameters,
+                forces={name: force[i] for name, force in sample.forces.items()},
+                columns=True,
+            )
+            for i, t in enumerate(times)
+        ]
     system = phase.system
     x, z, u = (
-        columns(named, tuple(v.name for v in kind), 1).reshape(-1)
+        columns(named, tuple(v.name for v in kind), len(times))
         for named, kind in (
             (sample.x, system.states),
             (sample.z, system.algebraic),
             (sample.u, system.controls),
         )
     )
-    return system_point(system, t, x, z, u, planned.parameters)
+    return [system_point(system, t, x[i], z[i], u[i], planned.parameters) for i, t in enumerate(times)]
 
 
 def _see(entries: Sequence[tuple[Any, list[_Watch]]], times: Array, points: Sequence[Any]) -> None:
@@ -192,16 +191,16 @@ def _at_end(
 ) -> list[_Watch]:
     """Watch the state and the constraints of one end of a phase."""
     phase, knots = planned.phase, np.asarray(planned.knots, dtype=float)
-    t, interval = float(knots[side]), (0 if side == 0 else len(knots) - 2)
-    point = _point(planned, t, interval)
+    times, interval = knots[[side]], (0 if side == 0 else len(knots) - 2)
+    (point,) = _points(planned, times, interval)
     entries = [(c, [_Watch(row) for row in c.rows]) for c in bound if c.where is where]
-    _see(entries, np.array([t]), [point])
+    _see(entries, times, [point])
     watches = [watch for _, ends in entries for watch in ends]
     if state is not None:
         units = [v.unit for v in phase.system.states] if phase.robot is None else _state_units(phase.robot)
         for name, unit, lower, upper in zip(point.x, units, state.lower, state.upper, strict=True):
             watch = _Watch(Row(f"{where.value} state", unit, float(lower), float(upper), name))
-            watch.see(np.array([t]), np.array([float(point.x[name])]))
+            watch.see(times, np.array([float(point.x[name])]))
             watches.append(watch)
     return watches
 

@@ -308,3 +308,20 @@ def test_nothing_to_validate_is_refused(make, swinging):
         validate(make.solution())
     with pytest.raises(InputError, match="samples_per_interval is 1"):
         validate(make.solution(swinging()), samples_per_interval=1)
+
+
+def test_a_robot_of_many_joints_prints_its_worst_rows_only(make):
+    joints = [(f"slider{i}", pin.JointModelPX()) for i in range(20)]
+    still = np.zeros(20)
+    planned = make.plan(
+        make.phase(robot=make.robot(joints, armature=1.0)),
+        [0.0, 1.0],
+        degree=2,
+        q=lambda t, k: still,
+        v=lambda t, k: still,
+        a=lambda t, k: still,
+        tau=lambda t, k: 1e-3 * np.arange(20) ** 2,
+    )
+    text = str(validate(make.solution(planned)))
+    assert "(the worst 16 of 40)" in text and "(the worst 16 of 20)" in text
+    assert "slider19" in text and len(text.splitlines()) < 60
