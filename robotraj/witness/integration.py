@@ -113,6 +113,7 @@ def _interval(
     rates: Rates, x: Array, sampled: Array, k: int, rtol: float, atol: float
 ) -> tuple[Array, Array, Array, str | None]:
     """Return the samples of one interval but its end, the state there, and why it stopped early if it did."""
+    begin, end = float(sampled[0]), float(sampled[-1])
     count = 0
 
     def counted(t: float, state: Array) -> Array:
@@ -121,9 +122,9 @@ def _interval(
         if count > MOST_EVALUATIONS:
             reason = f"more than {MOST_EVALUATIONS} evaluations in one interval: too stiff or divergent"
             raise _Stopped(t, reason)
-        return rates(t, state, k)
+        # The search for a first step may look beyond the interval, where its polynomials mean nothing.
+        return rates(min(t, end), state, k)
 
-    begin, end = float(sampled[0]), float(sampled[-1])
     with np.errstate(all="ignore"):
         # A first step chosen from NaN would never end; later ones only shrink it until it underflows.
         if not np.isfinite(x).all() or not np.isfinite(rates(begin, x, k)).all():
