@@ -125,6 +125,29 @@ class PhaseSolution:
         return [np.asarray(values.get(name, np.zeros(len(times)))) for name in names]
 
 
+@dataclass(frozen=True)
+class MeshStep:
+    """One mesh of a refinement.
+
+    Attributes
+    ----------
+    intervals, points : int
+        Intervals and collocation points of all phases.
+    error : float
+        Largest relative error of an interval.
+    objective : float
+    iterations : int
+    seconds : float
+    """
+
+    intervals: int
+    points: int
+    error: float
+    objective: float
+    iterations: int
+    seconds: float
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """What a solver found, checked outside the solver.
@@ -145,6 +168,8 @@ class Solution:
         Every row and bound broken by more than the tolerance, worst first.
     multipliers : Multipliers or None
         Of the scaled NLP, for warm starts on the same mesh.
+    refinement : tuple of MeshStep
+        The meshes that led here, when a tolerance was asked for.
     """
 
     problem: Problem
@@ -156,6 +181,7 @@ class Solution:
     times: dict[str, float]
     violation_list: tuple[Violation, ...] = ()
     multipliers: Multipliers | None = None
+    refinement: tuple[MeshStep, ...] = ()
 
     @property
     def success(self) -> bool:
@@ -234,6 +260,11 @@ class Solution:
         lines = [
             f"{self.status.value}: objective {self.objective:.8g}, duration {self.duration:.6g} s, "
             f"{self.iterations} iterations, {sum(self.times.values()):.3g} s"
+        ]
+        lines += [
+            f"  mesh {i}: {step.intervals} intervals, {step.points} points, error {step.error:.2e}, "
+            f"objective {step.objective:.10g}, {step.iterations} iterations, {step.seconds:.3g} s"
+            for i, step in enumerate(self.refinement, 1)
         ]
         if not self.success:
             lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]

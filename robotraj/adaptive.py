@@ -1,0 +1,70 @@
+"""Solve, look between the knots, refine, solve again: until the error estimate holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from robotraj.guess import Guess
+from robotraj.problem import Problem
+from robotraj.refinement import Assessment, Refinement, assess
+from robotraj.schemes import Mesh
+from robotraj.solution import MeshStep, Solution
+from robotraj.solvers import Progress, Solver
+from robotraj.solving import solve
+from robotraj.status import Status
+
+MOST_MESHES = 25
+"""Meshes tried before the tolerance is given up."""
+
+
+def adapt(
+    problem: Problem,
+    mesh: Mesh | Sequence[Mesh],
+    guess: Guess | Solution | None,
+    solver: Solver,
+    progress: Progress | None,
+    tolerance: float,
+    refinement: Refinement,
+) -> Solution:
+    """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
+
+    Each mesh starts from the solution on the one before. A solution whose tolerance was not reached says so in its
+    status.
+    """
+    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+    steps: list[MeshStep] = []
+    total: dict[str, float] = {}
+    known: Guess | Solution | None = guess
+    while True:
+        solution = solve(problem, meshes, known, solver, progress)
+        before = steps[-1].objective if steps else np.inf
+        settled = abs(solution.objective - before) <= tolerance * (1.0 + abs(solution.objective))
+        assessments = [assess(part.phase, part.trajectory, settled) for part in solution.phases]
+        worst = max(float(a.errors.max()) for a in assessments)
+        steps.append(
+            MeshStep(
+                sum(m.count for m in meshes),
+                sum(len(part.points) for part in solution.phases),
+                worst,
+                solution.objective,
+                solution.iterations,
+                sum(solution.times.values()),
+            )
+        )
+        total = {key: total.get(key, 0.0) + seconds for key, seconds in solution.times.items()}
+        solution = replace(solution, refinement=tuple(steps), times=total)
+        if not solution.success or (worst <= tolerance and settled):
+            return solution
+        if len(steps) == MOST_MESHES:
+            return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
+        meshes = _next(meshes, assessments, refinement, tolerance)
+        known = solution
+
+
+def _next(
+    meshes: Sequence[Mesh], assessments: Sequence[Assessment], refinement: Refinement, tolerance: float
+) -> list[Mesh]:
+    return [refinement.refine(mesh, seen, tolerance) for mesh, seen in zip(meshes, assessments, strict=True)]

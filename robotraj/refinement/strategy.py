@@ -1,0 +1,109 @@
+"""The next mesh, from the errors on the last one."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.errors import InputError
+from robotraj.schemes import Collocation, Mesh, Scheme
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """What is known of a phase on its mesh.
+
+    Attributes
+    ----------
+    errors : ndarray (K,)
+        Relative error of every interval.
+    jumps : ndarray (K,)
+        Largest change of a control inside every interval, relative to its range over the phase.
+    settled : bool
+        Whether the objective changed by less than the tolerance since the last mesh.
+    """
+
+    errors: Array
+    jumps: Array
+    settled: bool
+
+
+class Refinement(ABC):
+    """A value that makes the next mesh. A new method is one new class."""
+
+    @abstractmethod
+    def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
+        """Mesh on which the errors should come below the tolerance."""
+
+
+@dataclass(frozen=True)
+class SplitAndMerge(Refinement):
+    """h-refinement: split intervals where it hurts, merge neighbours where it does not.
+
+    The residual of s-point collocation falls as h^(s + 1), so an interval of error e is cut into
+    ceil((2 e / tolerance)^(1 / (s + 1))) parts. Intervals inside which a control jumps are halved until the objective has
+    settled: the residual does not see that a switch lies between two nodes.
+
+    Parameters
+    ----------
+    most : int
+        Largest number of parts that one interval is cut into at once.
+    jump : float
+        Relative change of a control, inside an interval, that counts as a switch.
+    """
+
+    most: int = 4
+    jump: float = 0.2
+
+    def __post_init__(self) -> None:
+        if self.most < 2:
+            raise InputError(f"SplitAndMerge(most) must be at least 2, got {self.most}.")
+
+    def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
+        """Split and merge."""
+        knots, schemes = mesh.knots, mesh.schemes
+        parts = np.array(
+            [
+                self._parts(error, scheme, tolerance)
+                for error, scheme in zip(assessment.errors, schemes, strict=True)
+            ]
+        )
+        if not assessment.settled:
+            switching = assessment.jumps > self.jump
+            parts[switching] = np.maximum(parts[switching], 2)
+        new_knots, new_schemes = [0.0], list[Scheme]()
+        k = 0
+        while k < len(parts):
+            last = k + 1
+            if self._mergeable(parts, assessment, schemes, k, tolerance):
+                last = k + 2
+            inner = np.linspace(knots[k], knots[last], parts[k] + 1)[1:]
+            new_knots += [*inner[:-1], knots[last]]
+            new_schemes += [schemes[k]] * parts[k]
+            k = last
+        return Mesh(tuple(new_knots), tuple(new_schemes))
+
+    def _parts(self, error: float, scheme: Scheme, tolerance: float) -> int:
+        if error <= tolerance:
+            return 1
+        return int(np.clip(np.ceil((2 * error / tolerance) ** (1 / _exponent(scheme))), 2, self.most))
+
+    def _mergeable(
+        self, parts: NDArray[np.int_], assessment: Assessment, schemes: tuple[Scheme, ...], k: int, tolerance: float
+    ) -> bool:
+        """Two neighbours that would stay far below the tolerance as one interval, away from switches."""
+        if k + 1 >= len(parts) or parts[k] > 1 or parts[k + 1] > 1 or schemes[k] != schemes[k + 1]:
+            return False
+        merged = assessment.errors[k : k + 2].max() * 2.0 ** _exponent(schemes[k])
+        return bool(merged < 0.01 * tolerance and assessment.jumps[k : k + 2].max() < 0.1 * self.jump)
+
+
+def _exponent(scheme: Scheme) -> int:
+    """Power of the interval's length with which the residual's integral falls."""
+    assert isinstance(scheme, Collocation)
+    return len(scheme.nodes) + 1
