@@ -137,22 +137,32 @@ class Chart {
     this.drawLimits(pen);
     this.drawCurves(pen);
     pen.restore();
+    this.drawNames(pen, frame);
     this.setTime(this.time ?? this.start);
   }
 
   drawBands(pen, frame) {
+    if (this.phases.length < 2) return;
+    this.phases.forEach((phase, k) => {
+      const [a, b] = [this.x(phase.start), this.x(phase.end)];
+      pen.fillStyle = k % 2 ? "#ffffff" : "#eff3f8";
+      pen.fillRect(a, frame.y1, b - a, frame.y0 - frame.y1);
+    });
+  }
+
+  drawNames(pen, frame) {
     if (this.phases.length < 2) return;
     pen.font = "11px system-ui, sans-serif";
     pen.textBaseline = "top";
     pen.textAlign = "left";
     this.phases.forEach((phase, k) => {
       const [a, b] = [this.x(phase.start), this.x(phase.end)];
-      pen.fillStyle = k % 2 ? "#ffffff" : "#f0f4f9";
-      pen.fillRect(a, frame.y1, b - a, frame.y0 - frame.y1);
-      if (pen.measureText(phase.name).width + 10 < b - a) {
-        pen.fillStyle = "#7b8794";
-        pen.fillText(phase.name, a + 5, frame.y1 + 3);
-      }
+      const width = pen.measureText(phase.name).width;
+      if (width + 12 > b - a) return;
+      pen.fillStyle = k % 2 ? "rgba(255, 255, 255, 0.85)" : "rgba(239, 243, 248, 0.85)";
+      pen.fillRect(a + 2, frame.y1 + 1, width + 8, 15);
+      pen.fillStyle = "#5a6675";
+      pen.fillText(phase.name, a + 6, frame.y1 + 3);
     });
   }
 
@@ -185,20 +195,26 @@ class Chart {
     }
   }
 
-  // Limits that several curves share are drawn once, in grey; a curve's own limit wears its colour.
+  // Limits that several curves share are drawn once, in grey; a curve's own limit wears its colour. Many are drawn
+  // faint; pointing at a name in the legend brings out its own.
   drawLimits(pen) {
+    const { marked } = this.state;
+    const many = this.data.series.filter((_, series) => this.shown(series)).length > 8;
     for (const piece of this.data.pieces) {
       const lines = new Map();
       piece.of.forEach((series, row) => {
         if (!this.shown(series)) return;
+        const mine = marked === this.data.series[series].label;
         for (const value of [piece.lower[row], piece.upper[row]]) {
-          if (value !== null) lines.set(value, lines.has(value) ? "#6b7684" : this.color(series));
+          if (value === null || (lines.has(value) && lines.get(value).mine)) continue;
+          lines.set(value, { mine, color: lines.has(value) && !mine ? "#6b7684" : this.color(series) });
         }
       });
       const [a, b] = [this.x(piece.t[0]), this.x(piece.t[piece.t.length - 1])];
-      pen.lineWidth = 1.4;
       pen.setLineDash([6, 4]);
-      for (const [value, color] of lines) {
+      for (const [value, { mine, color }] of lines) {
+        pen.globalAlpha = mine ? 1 : marked ? 0.18 : many ? 0.35 : 1;
+        pen.lineWidth = mine ? 2 : many ? 1 : 1.4;
         pen.strokeStyle = color;
         pen.beginPath();
         pen.moveTo(a, this.y(value));
@@ -206,6 +222,7 @@ class Chart {
         pen.stroke();
       }
       pen.setLineDash([]);
+      pen.globalAlpha = 1;
     }
   }
 

@@ -143,6 +143,7 @@ async function makeView(scene) {
     },
     time: () => player.now,
     poses: () => (view ? view.poses() : {}),
+    viewer: view && view.viewer,
   };
   player.play(!window.matchMedia("(prefers-reduced-motion: reduce)").matches);
 })();

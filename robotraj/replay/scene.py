@@ -13,6 +13,7 @@ import pinocchio as pin
 from meshcat.animation import Animation, AnimationClip, AnimationTrack
 from meshcat.path import Path as NodePath
 from numpy.typing import NDArray
+from trimesh import creation
 
 from robotraj.replay.ground import Ground, ground_of
 from robotraj.replay.motion import Motion, keys, motion_of
@@ -58,6 +59,8 @@ def scene_of(robot: Any, solution: Any, fps: int, traces: Sequence[str] | None) 
         Frames whose path is drawn; None takes the tip of the longest chain.
     """
     model = robot.model
+    names = [tip_frame(model)] if traces is None else list(traces)
+    frames = [robot.frame(name) for name in names]
     motion = motion_of(model, solution, fps)
     visuals = visuals_of(model, robot.visual_model)
     window = RecordingWindow()
@@ -70,14 +73,15 @@ def scene_of(robot: Any, solution: Any, fps: int, traces: Sequence[str] | None) 
         node.set_transform(visual.placement)
         for k, (part, color) in enumerate(visual.parts):
             draw(node[f"part {k}"], part, color)
-    low, high = _box(visuals, motion)
+    hull = _hull(visuals, motion)
+    low, high = hull.min(axis=0), hull.max(axis=0)
     ground = ground_of(solution, low, high)
     if ground.surface is not None:
         draw(viewer["ground"], ground.surface, GROUND_COLOR, shininess=0.0)
-    names = [tip_frame(model)] if traces is None else list(traces)
-    drawn = [_trace(viewer, robot, motion, name, k, float(np.linalg.norm(high - low))) for k, name in enumerate(names)]
+    size = float(np.linalg.norm(high - low))
+    drawn = [_trace(viewer, motion, model.frames[frame], k, size) for k, frame in enumerate(frames)]
     window.send(meshcat.commands.SetAnimation(_animation(motion, paths, fps), play=False, repetitions=1))
-    return Scene(window.packed(), _description(model, motion, paths, (low, high), ground, drawn))
+    return Scene(window.packed(), _description(model, motion, paths, hull, ground, drawn))
 
 
 def joint_paths(model: pin.Model) -> list[str]:
@@ -99,13 +103,12 @@ def tip_frame(model: pin.Model) -> str:
 
 
 def _description(
-    model: pin.Model, motion: Motion, paths: list[str], box: tuple[Array, Array], ground: Ground, traces: list[Any]
+    model: pin.Model, motion: Motion, paths: list[str], hull: Array, ground: Ground, traces: list[Any]
 ) -> dict[str, Any]:
     return {
         "joints": {model.names[j]: f"meshcat/{paths[j]}".split("/") for j in range(1, model.njoints)},
         "start": float(motion.times[0]),
-        "low": [float(x) for x in box[0]],
-        "high": [float(x) for x in box[1]],
+        "hull": np.round(hull, 4).tolist(),
         "ground": {"level": ground.level, "surface": ground.surface is not None},
         "traces": [trace for trace in traces if trace is not None],
     }
@@ -120,15 +123,19 @@ def _matrix(position: Array, quaternion: Array) -> Array:
     return np.asarray(pin.XYZQUATToSE3(np.concatenate([position, quaternion])).homogeneous)
 
 
-def _box(visuals: Sequence[Visual], motion: Motion) -> tuple[Array, Array]:
-    """Smallest box [m] along the world's axes around all visuals over the whole motion, at 80 instants."""
+def _hull(visuals: Sequence[Visual], motion: Motion) -> Array:
+    """Outermost points (k, 3) [m] of all visuals over the whole motion, at 80 instants, in 162 directions.
+
+    The extremes along the world's axes are among them; the camera frames these points.
+    """
     picks = np.unique(np.linspace(0, len(motion.times) - 1, 80).astype(int))
     clouds = []
     for visual in visuals:
         corners, frames = visual.corners(), motion.world[picks, visual.joint]
         clouds.append(np.einsum("kij,nj->kni", frames[:, :3, :3], corners) + frames[:, None, :3, 3])
     points = np.concatenate([cloud.reshape(-1, 3) for cloud in clouds])
-    return points.min(axis=0), points.max(axis=0)
+    directions = np.vstack([np.eye(3), -np.eye(3), creation.icosphere(subdivisions=2).vertices])
+    return points[np.unique(np.argmax(points @ directions.T, axis=0))]
 
 
 def _animation(motion: Motion, paths: list[str], fps: int) -> Animation:
@@ -148,11 +155,8 @@ def _animation(motion: Motion, paths: list[str], fps: int) -> Animation:
     return animation
 
 
-def _trace(
-    viewer: meshcat.Visualizer, robot: Any, motion: Motion, name: str, number: int, size: float
-) -> dict[str, Any] | None:
+def _trace(viewer: meshcat.Visualizer, motion: Motion, frame: pin.Frame, number: int, size: float) -> dict[str, Any] | None:
     """Draw a frame's path as a thin tube; None if the frame stays where it is."""
-    frame = robot.model.frames[robot.frame(name)]
     world = motion.world[:, frame.parentJoint]
     points = world[:, :3, :3] @ np.array(frame.placement.translation) + world[:, :3, 3]
     spacing, kept = 2e-3 * size, [0]
@@ -163,8 +167,13 @@ def _trace(
         return None
     part = tube(points[kept], 1.6e-3 * size)
     color = (*TRACE_COLORS[number % len(TRACE_COLORS)], 1.0)
-    path = f"traces/{number} {_safe(name)}"
+    path = f"traces/{number} {_safe(frame.name)}"
     draw(viewer[path]["ahead"], part, (*color[:3], 0.22), shininess=0.0)
     draw(viewer[path]["past"], part, color, shininess=0.0)
     times = [float(f"{t:.7g}") for t in motion.times[kept]]
-    return {"frame": name, "path": f"meshcat/{path}/past".split("/"), "times": times, "color": [round(255 * c) for c in color[:3]]}
+    return {
+        "frame": frame.name,
+        "path": f"meshcat/{path}/past".split("/"),
+        "times": times,
+        "color": [round(255 * c) for c in color[:3]],
+    }

@@ -29,8 +29,8 @@ class View {
     set(["Background"], "bottom_color", [0.87, 0.895, 0.92]);
     for (const name of ["Grid", "Axes"]) set([name], "visible", false);
     for (const name of ["PointLightNegativeX", "PointLightPositiveX"]) set(["Lights", name], "visible", false);
-    set(["Lights", "AmbientLight", "<object>"], "intensity", 0.62);
-    set(["Lights", "FillLight", "<object>"], "intensity", 0.18);
+    set(["Lights", "AmbientLight", "<object>"], "intensity", 0.5);
+    set(["Lights", "FillLight", "<object>"], "intensity", 0.14);
     this.viewer.show_background();
   }
 
@@ -56,8 +56,10 @@ class View {
     }
   }
 
+  // The box along the world's axes around the robot's outermost points over the motion [m].
   box() {
-    const [low, high] = [this.scene.low, this.scene.high];
+    const low = [0, 1, 2].map((i) => Math.min(...this.scene.hull.map((p) => p[i])));
+    const high = [0, 1, 2].map((i) => Math.max(...this.scene.hull.map((p) => p[i])));
     const center = low.map((x, i) => (x + high[i]) / 2);
     const extent = low.map((x, i) => high[i] - x);
     return { center, extent, radius: Math.max(Math.hypot(...extent) / 2, 0.05) };
@@ -70,13 +72,13 @@ class View {
 
   addLight() {
     const { center, radius } = this.box();
-    const light = new MeshCat.THREE.DirectionalLight(0xffffff, 0.55);
+    const light = new MeshCat.THREE.DirectionalLight(0xffffff, 0.52);
     light.position.copy(View.drawn([center[0] + 1.1 * radius, center[1] - 1.5 * radius, center[2] + 2.6 * radius]));
     light.target.position.copy(View.drawn(center));
     light.castShadow = true;
     light.shadow.mapSize.set(2048, 2048);
-    light.shadow.bias = -0.0006;
-    light.shadow.normalBias = 0.004 * radius;
+    light.shadow.bias = -0.0012;
+    light.shadow.normalBias = 0.008 * radius;
     light.shadow.radius = 4;
     const reach = 1.7 * radius;
     Object.assign(light.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.01 * radius, far: 9 * radius });
@@ -122,26 +124,32 @@ class View {
   }
 
   home() {
-    const { center, extent, radius } = this.box();
+    const { center, radius } = this.box();
     const camera = this.viewer.camera;
     const half = ((camera.fov / 2) * Math.PI) / 180;
     const toward = View.drawn(this.direction()).normalize();
     camera.near = radius / 100;
     camera.far = radius * 100;
-    // The distance at which all corners of the box fall inside both angles of view.
     const right = new MeshCat.THREE.Vector3(0, 1, 0).cross(toward).normalize();
     const up = toward.clone().cross(right);
-    let distance = 0;
-    for (let k = 0; k < 8; k++) {
-      const corner = View.drawn(extent.map((e, i) => ((k >> i) & 1 ? e : -e) / 2));
-      const depth = corner.dot(toward);
-      const tall = Math.abs(corner.dot(up)) / Math.tan(half);
-      const wide = Math.abs(corner.dot(right)) / (Math.tan(half) * camera.aspect);
-      distance = Math.max(distance, depth + Math.max(tall, wide));
-    }
+    const points = this.scene.hull.map((p) => View.drawn(p));
     const target = View.drawn(center);
+    let distance = 0;
+    // Shift the target until the outermost points are centred on the screen, at the distance that shows them all.
+    for (let round = 0; round < 6; round++) {
+      const seen = points.map((p) => {
+        const arm = p.clone().sub(target);
+        return { x: arm.dot(right), y: arm.dot(up), z: arm.dot(toward) };
+      });
+      const need = ({ x, y, z }) => z + Math.max(Math.abs(y) / Math.tan(half), Math.abs(x) / (Math.tan(half) * camera.aspect));
+      distance = Math.max(...seen.map(need), 0.3 * radius);
+      for (const [axis, key] of [[right, "x"], [up, "y"]]) {
+        const slopes = seen.map((s) => s[key] / (distance - s.z + 1e-9));
+        target.addScaledVector(axis, (distance * (Math.min(...slopes) + Math.max(...slopes))) / 2);
+      }
+    }
     this.viewer.controls.target.copy(target);
-    camera.position.copy(target).addScaledVector(toward, Math.max(1.12 * distance, 0.3 * radius));
+    camera.position.copy(target).addScaledVector(toward, 1.14 * distance);
     this.moved = false;
     this.viewer.controls.update();
     this.viewer.set_dirty();

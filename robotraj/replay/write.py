@@ -29,7 +29,7 @@ def replay(
     The file stands alone: meshcat's viewer, meshes, motion and curves are inside. It needs no network, and writing it
     starts no server, process or browser. Phases follow one another on one time line. In the browser's console,
     ``robotraj.seek(t)`` moves to a time [s], ``robotraj.time()`` reads it, ``robotraj.poses()`` gives the world
-    position [m] and quaternion (x, y, z, w) of every joint as drawn.
+    position [m] and quaternion (x, y, z, w) of every joint as drawn, ``robotraj.viewer`` is meshcat's viewer.
 
     A solution of an ``rt.System`` has no robot to show: its page holds the curves alone.
 
@@ -120,5 +120,5 @@ def _heading(solution: Any, robot: Any, title: str | None) -> Heading:
     facts = [("Duration", f"{solution.duration:.4g} s"), ("Objective", f"{solution.objective:.6g}")]
     if getattr(solution, "iterations", None) is not None:
         facts.append(("Iterations", str(solution.iterations)))
-    status = str(getattr(solution.status, "name", solution.status)).replace("_", " ")
+    status = str(getattr(solution.status, "value", solution.status))
     return Heading(title or _name(first), shown, status, bool(solution.success), tuple(facts))
