@@ -1,0 +1,146 @@
+"""From a description to what a Robot is made of: angles, locks, limits, neutral configuration, notes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj.errors import InputError, unknown_name
+from robotraj.loading.geometry import Geometry, GivenGeometry
+from robotraj.loading.limits import Limits
+from robotraj.loading.mimic import lock_mimics
+from robotraj.loading.neutral import inside, outside, reference
+from robotraj.loading.rotor import with_rotors
+from robotraj.loading.source import Description
+from robotraj.loading.surgery import check_joints, locked_ids, plan_in_angles, reduced
+
+Array = npt.NDArray[np.float64]
+
+
+def assemble(
+    about: Description, actuated: Iterable[str] | None, locked: Mapping[str, float] | None, limits: Any
+) -> dict[str, Any]:
+    """Give the fields of the Robot.
+
+    Raises
+    ------
+    InputError
+        Unknown joints, joints of more than one degree of freedom, nothing left to move, impossible limits.
+    """
+    check_joints(about.model)
+    if about.model.njoints == 1:
+        raise InputError(f"{about.name!r} has no moving joint: nothing to plan.")
+    copy, armature_note = with_rotors(about.model, about.srdf)
+    whole = plan_in_angles(copy)
+    names = list(whole.names)[1:]
+    q, reference_name = reference(about.model, about.srdf)
+    resting = inside(q, Limits.of(whole))
+    held = _locked(about, names, dict(zip(names, resting, strict=True)), locked)
+    ids = locked_ids(whole, held)
+    at = np.array([held.get(joint, value) for joint, value in zip(names, resting, strict=True)])
+    model = reduced(whole, ids, at)
+    own = Limits.of(model)
+    wanted = own if limits is None else own.override(limits)
+    kept = q[[i for i, joint in enumerate(names) if joint not in held]]
+    _check_dissipation(model)
+    notes = [*_mimic_notes(about, held, locked or {}), armature_note, _dissipation_note(model)]
+    notes.append(_neutral_note(kept, wanted, units(model), reference_name))
+    return {
+        "name": about.name,
+        "model": model,
+        "limits": wanted,
+        "actuated": _actuated(actuated, about.actuated, own.joints),
+        "damping": np.array(model.damping),
+        "friction": np.array(model.upperDryFrictionLimit),
+        "neutral": inside(kept, wanted),
+        "geometry": _geometry(about, whole, ids, at),
+        "origin": about.origin,
+        "end_effector": about.end_effector,
+        "notes": tuple(note for note in notes if note),
+    }
+
+
+def units(model: pin.Model) -> tuple[str, ...]:
+    """Unit of each joint's position: ``"m"`` where it only translates, else ``"rad"``."""
+    result = []
+    for joint in list(model.joints)[1:]:
+        data = joint.createData()
+        joint.calc(data, np.zeros(joint.nq))
+        result.append("rad" if np.any(np.asarray(data.S).reshape(6)[3:]) else "m")
+    return tuple(result)
+
+
+def _locked(
+    about: Description, names: Sequence[str], resting: Mapping[str, float], locked: Mapping[str, float] | None
+) -> dict[str, float]:
+    if locked is not None and not isinstance(locked, Mapping):
+        raise InputError(f"locked= is a mapping such as {{'wrist': 0.0}}; got {locked!r}.")
+    asked = dict(locked or {})
+    for joint in asked:
+        if joint not in names:
+            raise unknown_name("joint", joint, names, "Correct the name in locked=.")
+    if about.moving:
+        still = [joint for joint in names if not joint.startswith(about.moving)]
+        asked = {joint: resting[joint] for joint in still} | asked
+    return lock_mimics(about.mimics, asked, resting)
+
+
+def _actuated(
+    asked: Iterable[str] | None, default: tuple[str, ...] | None, joints: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Joints with a motor, in the order of v."""
+    if asked is None:
+        return joints if default is None else tuple(joint for joint in joints if joint in default)
+    if isinstance(asked, str) or not isinstance(asked, Iterable):
+        raise InputError(f"actuated= is a list of joint names, such as [{str(asked)!r}]; got {asked!r}.")
+    wanted = list(asked)
+    for joint in wanted:
+        if joint not in joints:
+            raise unknown_name("moving joint", joint, joints, "Correct the name in actuated=.")
+    return tuple(joint for joint in joints if joint in wanted)
+
+
+def _geometry(about: Description, whole: pin.Model, ids: Sequence[int], at: Array) -> Geometry:
+    if isinstance(about.geometry, tuple):
+        visual, collision = about.geometry
+        return GivenGeometry(whole, visual.copy(), collision.copy(), tuple(ids), at)
+    return about.geometry
+
+
+def _check_dissipation(model: pin.Model) -> None:
+    for what, values in (("damping", model.damping), ("friction", model.upperDryFrictionLimit)):
+        for joint, value in zip(list(model.names)[1:], values, strict=True):
+            if not value >= 0 or np.isinf(value):
+                raise InputError(f"Joint {joint!r} has {what} {value:g}; it must be a number of at least 0.")
+
+
+def _dissipation_note(model: pin.Model) -> str:
+    if not np.any(model.damping) and not np.any(model.upperDryFrictionLimit):
+        return ""
+    return (
+        "Damping and friction are the model's (a URDF's <dynamics>); Pinocchio's own dynamics leave them out, "
+        "robotraj adds them."
+    )
+
+
+def _mimic_notes(about: Description, held: Mapping[str, float], asked: Mapping[str, float]) -> list[str]:
+    coupled = {joint for mimic in about.mimics for joint in (mimic.leader, mimic.follower)} - set(asked)
+    if not coupled:
+        return []
+    places = ", ".join(f"{joint} at {held[joint]:.4g}" for joint in held if joint in coupled)
+    return [
+        f"Joints coupled by <mimic> are locked: {places}. Choose where with locked={{leader: value}}, or load a "
+        "pin.Model built with mimic=False to move them independently."
+    ]
+
+
+def _neutral_note(q: Array, limits: Limits, unit: Sequence[str], name: str) -> str:
+    named = outside(q, limits, unit)
+    if not named:
+        return f"The neutral configuration is the reference {name!r}." if name else ""
+    what = f"reference configuration {name!r}" if name else "zero configuration"
+    return f"The {what} lies outside the limits and was moved to the nearest: {'; '.join(named)}."

@@ -1,0 +1,36 @@
+"""The robots that ship with robotraj: one folder each in robots/, with a URDF and a robot.json beside it."""
+
+from __future__ import annotations
+
+import json
+from functools import lru_cache
+from pathlib import Path
+
+from robotraj.loading.entry import Entry
+
+
+def folder() -> Path:
+    """Folder of the robots: inside the package when installed, beside it in a checkout."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "robots"
+    return installed if installed.is_dir() else package.parent / "robots"
+
+
+@lru_cache(maxsize=1)
+def own_robots() -> dict[str, Entry]:
+    """Read every robots/<name>/robot.json; the URDF beside it is <name>.urdf."""
+    entries = {}
+    for path in sorted(folder().glob("*/robot.json")):
+        about = json.loads(path.read_text(encoding="utf-8"))
+        name = path.parent.name
+        entries[name] = Entry(
+            name,
+            about["description"],
+            "robots/",
+            path.parent / f"{name}.urdf",
+            actuated=tuple(about["actuated"]),
+            end_effector=about["end_effector"],
+            licence=about["licence"],
+            provenance=about["provenance"],
+        )
+    return entries
