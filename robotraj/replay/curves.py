@@ -1,4 +1,4 @@
-"""The curves beside the 3D view: every joint's position, velocity and torque, or a system's variables, with limits."""
+"""The curves beside the 3D view: position, velocity and torque of every joint, or a system's variables."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 RATE = {"rad": "rad/s", "m": "m/s"}
 EFFORT = {"rad": "N m", "m": "N"}
 SAMPLES = 900
-"""About so many samples per phase, shared among its intervals; each interval shows at least 3, its ends included."""
+"""About so many samples per phase, shared among its intervals; each shows at least 3, ends included."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,9 @@ def robot_panels(robot: Any) -> list[Panel]:
     ]
     if len(robot.actuated):
         kinds = {units[j] for j in robot.actuated}
-        title = {frozenset({"m"}): "Actuator force", frozenset({"rad"}): "Joint torque"}.get(frozenset(kinds), "Effort")
+        title = {frozenset({"m"}): "Actuator force", frozenset({"rad"}): "Joint torque"}.get(
+            frozenset(kinds), "Effort"
+        )
         panels.append(Panel(title, "τ", series("tau", robot.actuated, EFFORT), lambda s: _rows(s.tau)))
     return panels
 
@@ -67,22 +69,25 @@ def system_panels(system: Any) -> list[Panel]:
 
         return Panel(title, symbol, tuple(Series(v.name, v.unit, v.name) for v in group), read)
 
-    groups = (("States", "x", system.states), ("Controls", "u", system.controls))
-    groups += (("Algebraic variables", "z", system.algebraic),)
+    groups = (
+        ("States", "x", system.states),
+        ("Controls", "u", system.controls),
+        ("Algebraic variables", "z", system.algebraic),
+    )
     return [panel(title, symbol, group) for title, symbol, group in groups if len(group)]
 
 
 def curves(solution: Any) -> list[dict[str, Any]]:
     """Sample every chart of a solution, ready for JSON.
 
-    Each interval between knots is read with its own polynomial, so a jump at a knot shows as one. Limits are the
-    tightest of the phase's rows that bound one variable throughout.
+    Each interval between knots is read with its own polynomial, so a jump at a knot shows as one. Limits are
+    the tightest of the phase's rows that bound one variable throughout.
 
     Returns
     -------
     list of dict
-        ``title``, ``symbol``, ``series`` (label, unit) and ``pieces``: for each phase and panel ``t`` (m,) [s],
-        ``y`` (series by m), ``lower`` and ``upper`` (by series, None where open).
+        ``title``, ``symbol``, ``series`` (label, unit) and ``pieces``, one for each phase: ``t`` (m,) [s],
+        ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
     """
     drawn: dict[str, dict[str, Any]] = {}
     for result in solution.phases:
@@ -92,7 +97,9 @@ def curves(solution: Any) -> list[dict[str, Any]]:
         times, samples = _sample(result)
         for panel in panels:
             labels = [{"label": s.label, "unit": s.unit} for s in panel.series]
-            chart = drawn.setdefault(panel.title, {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []})
+            chart = drawn.setdefault(
+                panel.title, {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []}
+            )
             chart["series"] += [label for label in labels if label not in chart["series"]]
             values = np.concatenate([panel.read(sample) for sample in samples])
             bounds = [limits.get(s.variable, (-np.inf, np.inf)) for s in panel.series]

@@ -20,7 +20,7 @@ MOST_COLORS = 24
 def read_mesh(path: str) -> tuple[Part, ...]:
     """Read a mesh file: one welded part for each colour, in the frame of the file.
 
-    Node transforms inside the file are applied; its unit and up axis are not, as Pinocchio's own loader does it.
+    Node transforms inside the file are applied; its unit and up axis are not, as in Pinocchio's own loader.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def _colors(mesh: trimesh.Trimesh) -> list[tuple[Color | None, Any]]:
 
 
 def _material_color(material: Any) -> Color | None:
-    """Base colour of a material, times the mean of its texture if it has one; None if the file gave none."""
+    """Read the base colour of a material, times the mean of its texture; None if the file gave none."""
     image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
     if image is None and isinstance(material, trimesh.visual.material.SimpleMaterial) and not material.kwargs:
         return None
@@ -74,6 +74,6 @@ def _material_color(material: Any) -> Color | None:
 
 
 def _color(rgba: NDArray[Any]) -> Color:
-    """Round colours of 0 to 255 to 8 bits and scale to [0, 1]; full transparency is read as a wrong flag in the file."""
+    """Round a colour of 0 to 255 to 8 bits and scale it to [0, 1]; none left is an error in the file."""
     red, green, blue, opacity = (float(np.rint(c)) / 255.0 for c in rgba)
     return (red, green, blue, opacity if opacity > 0.0 else 1.0)

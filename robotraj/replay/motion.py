@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 FINEST = 8
 """A frame is divided at most into this many keys (a power of two)."""
 TOLERANCE = 1e-5
-"""Largest difference [m, rad] between a joint's pose and what the page interpolates, until FINEST is reached."""
+"""Largest difference [m, rad] between a joint's pose and what the page interpolates, if FINEST allows."""
 
 
 @dataclass(frozen=True)
@@ -67,9 +68,7 @@ def motion_of(model: pin.Model, solution: Any, fps: int) -> Motion:
 
 
 def _quaternions(rotation: Array) -> Array:
-    """Unit quaternions (x, y, z, w) of rotations (m, n, 3, 3), neighbours in time on the same hemisphere."""
-    from scipy.spatial.transform import Rotation
-
+    """Turn rotations (m, n, 3, 3) into quaternions (x, y, z, w), neighbours in time on one hemisphere."""
     m, n = rotation.shape[:2]
     quaternion = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat().reshape(m, n, 4)
     flips = np.sum(quaternion[1:] * quaternion[:-1], axis=-1) < 0.0
@@ -79,10 +78,10 @@ def _quaternions(rotation: Array) -> Array:
 
 
 def keys(position: Array, quaternion: Array) -> NDArray[np.intp]:
-    """Choose the samples of one joint to send: one a frame, more where interpolation would be off by TOLERANCE.
+    """Choose the samples of one joint to send: one a frame, more where interpolation misses by TOLERANCE.
 
-    Starting from every FINEST-th sample, an interval whose midpoint differs from the linear (position) or great-arc
-    (rotation) mean of its ends is halved, and its halves again.
+    Starting from every FINEST-th sample, an interval whose midpoint differs from the linear (position) or
+    great-arc (rotation) mean of its ends is halved, and its halves again.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ SCRIPTS = ("view.js", "charts.js", "page.js")
 
 @dataclass(frozen=True)
 class Heading:
-    """What the top of the page says: title, second line, and facts as (label, value); ``good`` colours the status."""
+    """What the top of the page says; ``facts`` are (label, value), ``good`` colours the status."""
 
     title: str
     subtitle: str
@@ -43,7 +43,8 @@ def page(heading: Heading, description: dict[str, Any], commands: bytes | None) 
         "status": html.escape(heading.status),
         "status_class": "good" if heading.good else "bad",
         "facts": "".join(
-            f"<div><dt>{html.escape(label)}</dt><dd>{html.escape(value)}</dd></div>" for label, value in heading.facts
+            f"<div><dt>{html.escape(label)}</dt><dd>{html.escape(value)}</dd></div>"
+            for label, value in heading.facts
         ),
         "layout": "with-view" if commands is not None else "curves-only",
         "style": _own("page.css"),

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 
 Color = tuple[float, float, float, float]
 CREASE = np.radians(40.0)
-"""Faces that meet at a sharper angle [rad] get their own normals, so that edges stay crisp and curves smooth."""
+"""Faces that meet at a sharper angle [rad] get their own normals: edges stay crisp and curves smooth."""
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class Part:
 def weld(vertices: NDArray[Any], faces: NDArray[Any], color: Color | None = None) -> Part | None:
     """Merge equal vertices, split them again along creases, and round positions so that they compress.
 
-    Positions are rounded to a power of two near 1e-5 of the largest extent, far below a pixel; the many zero bits
-    that leaves in a float32 are what gzip removes. Faces without area are dropped.
+    Positions are rounded to a power of two near 1e-5 of the largest extent, far below a pixel; the many zero
+    bits that leaves in a float32 are what gzip removes. Faces without area are dropped.
 
     Returns
     -------

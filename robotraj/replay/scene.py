@@ -147,7 +147,10 @@ def _animation(motion: Motion, paths: list[str], fps: int) -> Animation:
         chosen = keys(position, quaternion)
         stamps = [float(f) for f in frames[chosen]]
         clip = AnimationClip(fps=fps)
-        for name, kind, values in (("position", "vector3", position), ("quaternion", "quaternion", quaternion)):
+        for name, kind, values in (
+            ("position", "vector3", position),
+            ("quaternion", "quaternion", quaternion),
+        ):
             if np.ptp(values, axis=0).max() > STILL:
                 clip.tracks[name] = AnimationTrack(name, kind, stamps, values[chosen].tolist())
         if clip.tracks:
@@ -155,7 +158,9 @@ def _animation(motion: Motion, paths: list[str], fps: int) -> Animation:
     return animation
 
 
-def _trace(viewer: meshcat.Visualizer, motion: Motion, frame: pin.Frame, number: int, size: float) -> dict[str, Any] | None:
+def _trace(
+    viewer: meshcat.Visualizer, motion: Motion, frame: pin.Frame, number: int, size: float
+) -> dict[str, Any] | None:
     """Draw a frame's path as a thin tube; None if the frame stays where it is."""
     world = motion.world[:, frame.parentJoint]
     points = world[:, :3, :3] @ np.array(frame.placement.translation) + world[:, :3, 3]

@@ -21,7 +21,7 @@ def shape_part(shape: Any) -> Part | None:
     Parameters
     ----------
     shape : coal.CollisionGeometry
-        Box, Sphere, Ellipsoid, Cylinder, Capsule, Cone, Plane, Halfspace, Convex or a triangle mesh (BVHModel).
+        Box, Sphere, Ellipsoid, Cylinder, Capsule, Cone, Plane, Halfspace, Convex or triangles (BVHModel).
 
     Returns
     -------
@@ -31,7 +31,9 @@ def shape_part(shape: Any) -> Part | None:
     kind = type(shape).__name__
     if kind.startswith("BVHModel"):
         triangles = [shape.tri_indices(i) for i in range(shape.num_tris)]
-        return weld(np.asarray(shape.vertices()), np.array([[t[0], t[1], t[2]] for t in triangles], dtype=int))
+        return weld(
+            np.asarray(shape.vertices()), np.array([[t[0], t[1], t[2]] for t in triangles], dtype=int)
+        )
     if kind.startswith("Convex"):
         hull = trimesh.convex.convex_hull(np.asarray(shape.points()))
         return weld(hull.vertices, hull.faces)
@@ -56,8 +58,8 @@ def rod(start: NDArray[Any], end: NDArray[Any], radius: float) -> Part | None:
 def tube(points: NDArray[Any], radius: float, sides: int = 6) -> Part:
     """Tube of a radius [m] along a polyline (n, 3) [m]; 6 n - 6 quads, ordered along the line.
 
-    The order of the faces lets a page draw only the part already travelled. Rings turn with the line by the smallest
-    rotation (parallel transport), so the tube does not twist.
+    The order of the faces lets a page draw only the part already travelled. Rings turn with the line by the
+    smallest rotation (parallel transport), so the tube does not twist.
     """
     tangents = np.gradient(points, axis=0)
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
@@ -72,7 +74,9 @@ def tube(points: NDArray[Any], radius: float, sides: int = 6) -> Part:
     base = np.arange(len(points) - 1)[:, None] * sides
     here = np.arange(sides)
     a, b = base + here, base + (here + 1) % sides
-    faces = np.stack([np.stack([a, b, a + sides], axis=-1), np.stack([b, b + sides, a + sides], axis=-1)], axis=2)
+    faces = np.stack(
+        [np.stack([a, b, a + sides], axis=-1), np.stack([b, b + sides, a + sides], axis=-1)], axis=2
+    )
     kind = np.uint16 if len(points) * sides <= np.iinfo(np.uint16).max else np.uint32
     return Part(np.concatenate(rings).astype(np.float32), faces.reshape(-1, 3).astype(kind))
 

@@ -32,7 +32,7 @@ class Visual:
     name : str
         The geometry's name.
     placement : (4, 4) array
-        From the parts' frame to the joint's, mesh scale included; its determinant is negative for a mirrored mesh.
+        From the parts' frame to the joint's, mesh scale included; a mirrored mesh has a negative determinant.
     parts : tuple of (Part, Color)
     """
 
@@ -83,7 +83,7 @@ def _visual(thing: Any) -> Visual | None:
 
 
 def _file_parts(path: str) -> tuple[Part, ...]:
-    """Parts of a mesh file; none if there is no file or trimesh finds no triangle, then Pinocchio's own mesh serves."""
+    """Read the parts of a mesh file; none if it cannot be read, then Pinocchio's own mesh serves."""
     if not path or not Path(path).is_file():
         return ()
     try:
@@ -94,7 +94,7 @@ def _file_parts(path: str) -> tuple[Part, ...]:
 
 
 def skeleton(model: pin.Model) -> tuple[Visual, ...]:
-    """Capsules from each joint to its children, and from the last joints to their farthest frame or mass centre."""
+    """Draw capsules from each joint to its children, from the last ones to their farthest frame."""
     reach = [float(np.linalg.norm(placement.translation)) for placement in model.jointPlacements[1:]]
     size = sum(reach) + sum(float(np.linalg.norm(inertia.lever)) for inertia in model.inertias[1:])
     radius = 0.02 * size / max(len(reach), 1) if size > 0.0 else 0.02

@@ -15,7 +15,11 @@ from meshcat.geometry import Geometry, Mesh, MeshPhongMaterial
 
 from robotraj.replay.part import Color, Part
 
-_EXTENSIONS = {"uint16": ("Uint16Array", 0x14), "uint32": ("Uint32Array", 0x16), "float32": ("Float32Array", 0x17)}
+_EXTENSIONS = {
+    "uint16": ("Uint16Array", 0x14),
+    "uint32": ("Uint32Array", 0x16),
+    "float32": ("Float32Array", 0x17),
+}
 
 
 class RecordingWindow:
@@ -42,7 +46,7 @@ class RecordingWindow:
         return geometry
 
     def packed(self) -> bytes:
-        """All commands as gzip: for each its length (4 bytes, little endian) and its msgpack, numbers in float32."""
+        """Compress all commands: for each its length (4 bytes, little endian) and its msgpack, in float32."""
         packets = [umsgpack.packb(command, force_float_precision="single") for command in self.commands]
         return gzip.compress(b"".join(struct.pack("<I", len(p)) + p for p in packets), 9, mtime=0)
 
@@ -73,7 +77,12 @@ class Surface(Geometry):
 
 def _array(values: Any, size: int) -> dict[str, Any]:
     kind, code = _EXTENSIONS[values.dtype.name]
-    return {"itemSize": size, "type": kind, "array": umsgpack.Ext(code, values.tobytes("C")), "normalized": False}
+    return {
+        "itemSize": size,
+        "type": kind,
+        "array": umsgpack.Ext(code, values.tobytes("C")),
+        "normalized": False,
+    }
 
 
 def draw(node: meshcat.Visualizer, part: Part, color: Color, shininess: float = 25.0) -> None:

@@ -26,10 +26,12 @@ def replay(
 ) -> Path:
     """Write a page that shows the robot in motion beside its position, velocity and torque curves.
 
-    The file stands alone: meshcat's viewer, meshes, motion and curves are inside. It needs no network, and writing it
-    starts no server, process or browser. Phases follow one another on one time line. In the browser's console,
-    ``robotraj.seek(t)`` moves to a time [s], ``robotraj.time()`` reads it, ``robotraj.poses()`` gives the world
-    position [m] and quaternion (x, y, z, w) of every joint as drawn, ``robotraj.viewer`` is meshcat's viewer.
+    The file stands alone: meshcat's viewer, meshes, motion and curves are inside. It needs no network, and
+    writing it starts no server, process or browser. Phases follow one another on one time line.
+
+    In the browser's console, ``robotraj.seek(t)`` moves to a time [s], ``robotraj.time()`` reads it,
+    ``robotraj.poses()`` gives the world position [m] and quaternion (x, y, z, w) of every joint as drawn, and
+    ``robotraj.viewer`` is meshcat's viewer.
 
     A solution of an ``rt.System`` has no robot to show: its page holds the curves alone.
 
@@ -42,8 +44,8 @@ def replay(
     speed : float
         Playback speed the page starts with; 1 is real time.
     fps : int
-        Animation keys per second of motion, 1 to 240. Up to eight times as many are kept where the motion bends, so
-        that joints stay within about 1e-5 rad and m of the solution between keys.
+        Animation keys per second of motion, 1 to 240. Up to eight times as many are kept where the motion
+        bends, so that joints stay within about 1e-5 rad and m of the solution between keys.
     traces : sequence of str, optional
         Frames whose path is drawn; by default the tip of the longest chain. ``()`` draws none.
     title : str, optional
@@ -57,8 +59,8 @@ def replay(
     Raises
     ------
     InputError
-        A suffix other than ``.html``, a missing directory, a speed or fps out of range, phases that move different
-        robots, ``traces`` for a system. An unknown frame raises UnknownName.
+        A suffix other than ``.html``, a missing directory, a speed or fps out of range, phases that move
+        different robots, ``traces`` for a system. An unknown frame raises UnknownName.
     """
     target = _checked_path(path)
     if not (np.isfinite(speed) and speed > 0.0):
@@ -68,9 +70,13 @@ def replay(
     robot = _one_robot(solution)
     names = [traces] if isinstance(traces, str) else traces
     if robot is None and names:
-        raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; leave it out.")
+        raise InputError(
+            "replay: traces= names frames of a robot, but this solution is of an rt.System; leave it out."
+        )
     scene = scene_of(robot, solution, int(fps), names) if robot is not None else None
-    phases = [{"name": p.phase.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in solution.phases]
+    phases = [
+        {"name": p.phase.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in solution.phases
+    ]
     description = {
         "speed": float(speed),
         "phases": phases,
@@ -103,8 +109,8 @@ def _one_robot(solution: Any) -> Any:
         if robot is first or (robot is not None and first is not None and robot.model == first.model):
             continue
         raise InputError(
-            f"replay shows one robot, but phase {result.phase.name!r} moves {_name(result.phase)!r} and the first moves "
-            f"{_name(solution.phases[0].phase)!r}; replay them separately."
+            f"replay shows one robot, but phase {result.phase.name!r} moves {_name(result.phase)!r} and the "
+            f"first moves {_name(solution.phases[0].phase)!r}; replay them separately."
         )
     return first
 

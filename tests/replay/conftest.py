@@ -75,8 +75,16 @@ def _limits(robot: Any) -> list[tuple[str, float, float]]:
     return found
 
 
-def make_plan(robot: Any, duration: float = 5.0, phases: int = 1, *, start: float = 0.0, seed: int = 0, amplitude: float = 0.7,
-              constraints: Sequence[Any] = ()) -> Plan:
+def make_plan(
+    robot: Any,
+    duration: float = 5.0,
+    phases: int = 1,
+    *,
+    start: float = 0.0,
+    seed: int = 0,
+    amplitude: float = 0.7,
+    constraints: Sequence[Any] = (),
+) -> Plan:
     """q = q0 + amplitude sin(w t + phase) for each joint, cut into phases of equal length."""
     rng = np.random.default_rng(seed)
     w = 2.0 * np.pi * rng.uniform(0.15, 0.35, robot.nq)
@@ -85,7 +93,9 @@ def make_plan(robot: Any, duration: float = 5.0, phases: int = 1, *, start: floa
     def read(t: np.ndarray, interval: int | None = None) -> Any:
         angle = w * t[:, None] + shift
         tau = 20.0 * np.sin(angle + 0.4)[:, : robot.nu]
-        return SimpleNamespace(t=t, q=robot.neutral + amplitude * np.sin(angle), v=amplitude * w * np.cos(angle), tau=tau)
+        return SimpleNamespace(
+            t=t, q=robot.neutral + amplitude * np.sin(angle), v=amplitude * w * np.cos(angle), tau=tau
+        )
 
     each, results = duration / phases, []
     for k in range(phases):
@@ -106,10 +116,13 @@ def make_rows() -> Callable[..., Any]:
 
 @pytest.fixture
 def block_plan() -> Plan:
-    """Bang-bang double integrator, x from 0 to 1 in 2 s, as a system: the control jumps at the middle knot."""
+    """Bang-bang double integrator, x from 0 to 1 in 2 s, as a system; u jumps at the middle knot."""
     variable = lambda name, unit: SimpleNamespace(name=name, unit=unit)  # noqa: E731
     system = SimpleNamespace(
-        name="block", states=(variable("x", "m"), variable("v", "m/s")), controls=(variable("u", "N"),), algebraic=()
+        name="block",
+        states=(variable("x", "m"), variable("v", "m/s")),
+        controls=(variable("u", "N"),),
+        algebraic=(),
     )
 
     def read(t: np.ndarray, interval: int | None = None) -> Any:
@@ -118,7 +131,11 @@ def block_plan() -> Plan:
         state = {"x": x, "v": np.where(late, 2.0 - t, t)}
         return SimpleNamespace(t=t, x=state, u={"u": np.where(late, -1.0, 1.0)}, z={}, q=None)
 
-    bounds = (rows(("u", -1.0, 1.0), ("v", -np.inf, 3.0)), rows(("x", 1.0, 1.0), where=Where.END), rows(("u", -2.0, 0.9)))
+    bounds = (
+        rows(("u", -1.0, 1.0), ("v", -np.inf, 3.0)),
+        rows(("x", 1.0, 1.0), where=Where.END),
+        rows(("u", -2.0, 0.9)),
+    )
     return Plan((PhaseSolution(Phase("move", None, system, (), bounds), 0.0, 2.0, read, intervals=2),))
 
 

@@ -33,7 +33,9 @@ BOXES = """() => {
     const name = mesh.parent.parent.name, matrix = back.clone().multiply(mesh.matrixWorld);
     const box = boxes[name] = boxes[name] || { box: new THREE.Box3(), sign: Math.sign(matrix.determinant()) };
     const position = mesh.geometry.attributes.position, v = new THREE.Vector3();
-    for (let i = 0; i < position.count; i++) box.box.expandByPoint(v.fromBufferAttribute(position, i).applyMatrix4(matrix));
+    for (let i = 0; i < position.count; i++) {
+      box.box.expandByPoint(v.fromBufferAttribute(position, i).applyMatrix4(matrix));
+    }
   });
   return Object.values(boxes).map((b) => [b.box.min.toArray(), b.box.max.toArray(), b.sign]);
 }"""
@@ -46,9 +48,13 @@ class Browser:
         self.chromium, self.complaints, self.requests = chromium, [], []
 
     def open(self, path: Any, width: int = 1300, height: int = 800) -> Any:
-        context = self.chromium.new_context(offline=True, reduced_motion="reduce", viewport={"width": width, "height": height})
+        context = self.chromium.new_context(
+            offline=True, reduced_motion="reduce", viewport={"width": width, "height": height}
+        )
         page = context.new_page()
-        page.on("console", lambda m: self.complaints.append(m.text) if m.type in ("error", "warning") else None)
+        page.on(
+            "console", lambda m: self.complaints.append(m.text) if m.type in ("error", "warning") else None
+        )
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         page.on("request", lambda request: self.requests.append(request.url))
         page.goto(path.as_uri())
@@ -98,7 +104,9 @@ def placed(robot: Any, q: np.ndarray) -> pin.Data:
 
 
 @pytest.mark.parametrize("name", ["ur5", "talos", "double_pendulum"])
-def test_dragging_the_cursor_puts_every_joint_where_pinocchio_has_it(name, request, browser, wave_plan, tmp_path):
+def test_dragging_the_cursor_puts_every_joint_where_pinocchio_has_it(
+    name, request, browser, wave_plan, tmp_path
+):
     robot = request.getfixturevalue(name)
     plan = wave_plan(robot, 3.0, start=0.5, phases=2)
     path = replay(plan, tmp_path / "page.html")
@@ -139,7 +147,9 @@ def test_mirrored_meshes_of_talos_fill_the_space_they_should(talos, browser, wav
     browser.check(path)
 
 
-def test_playing_moves_robot_cursor_and_clock_at_the_speed_asked_for(double_pendulum, browser, wave_plan, tmp_path):
+def test_playing_moves_robot_cursor_and_clock_at_the_speed_asked_for(
+    double_pendulum, browser, wave_plan, tmp_path
+):
     path = replay(wave_plan(double_pendulum, 4.0), tmp_path / "page.html", speed=0.3)
     page = browser.open(path)
     page.evaluate("() => robotraj.seek(0)")
@@ -175,7 +185,9 @@ def test_the_end_is_held_or_looped(double_pendulum, browser, wave_plan, tmp_path
 def test_a_narrow_window_stacks_the_view_above_the_curves(double_pendulum, browser, wave_plan, tmp_path):
     path = replay(wave_plan(double_pendulum, 1.0), tmp_path / "page.html")
     wide, narrow = browser.open(path, 1300, 800), browser.open(path, 480, 900)
-    boxes = [[page.locator(which).bounding_box() for which in ("#view", "#curves")] for page in (wide, narrow)]
+    boxes = [
+        [page.locator(which).bounding_box() for which in ("#view", "#curves")] for page in (wide, narrow)
+    ]
     assert boxes[0][0]["x"] + boxes[0][0]["width"] <= boxes[0][1]["x"] + 1.0
     assert boxes[1][0]["y"] + boxes[1][0]["height"] <= boxes[1][1]["y"] + 1.0
     for page, width in ((wide, 1300), (narrow, 480)):
@@ -191,5 +203,9 @@ def test_a_system_shows_its_curves_without_a_view(block_plan, browser, tmp_path)
     assert page.locator(".plot").count() == 2
     assert not page.locator("#view").is_visible()
     assert page.evaluate("() => robotraj.poses()") == {}
-    assert page.locator("#legend tbody tr").all_inner_texts() == ["x\t0.875 m\t", "v\t0.500 m/s\t", "u\t\t−1.000 N"]
+    assert page.locator("#legend tbody tr").all_inner_texts() == [
+        "x\t0.875 m\t",
+        "v\t0.500 m/s\t",
+        "u\t\t−1.000 N",
+    ]
     browser.check(path)

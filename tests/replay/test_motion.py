@@ -73,6 +73,4 @@ def test_phases_join_on_one_time_line(double_pendulum, wave_plan):
         assert motion.times[0] == 1.5
         assert motion.times[-1] == pytest.approx(3.5, abs=1e-12)
     for k in range(2):
-        np.testing.assert_allclose(
-            np.interp(cut.times, whole.times, whole.q[:, k]), cut.q[:, k], atol=1e-4
-        )
+        np.testing.assert_allclose(np.interp(cut.times, whole.times, whole.q[:, k]), cut.q[:, k], atol=1e-4)

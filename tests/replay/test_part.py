@@ -66,7 +66,11 @@ def test_indices_are_as_short_as_they_can_be(subdivisions, kind):
 def test_pieces_of_one_colour_become_one_part():
     box, ball = creation.box(), creation.icosphere(subdivisions=1)
     red, blue = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
-    pieces = [(box.vertices, box.faces, red), (ball.vertices, ball.faces, blue), (box.vertices + 5.0, box.faces, red)]
+    pieces = [
+        (box.vertices, box.faces, red),
+        (ball.vertices, ball.faces, blue),
+        (box.vertices + 5.0, box.faces, red),
+    ]
     parts = merge_by_color(pieces)
     assert [p.color for p in parts] == [red, blue]
     assert [len(p.faces) for p in parts] == [24, len(ball.faces)]

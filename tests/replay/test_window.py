@@ -44,7 +44,9 @@ def test_vertices_and_faces_travel_whole():
     draw(meshcat.Visualizer(window=window)["ball"], sent, (1.0, 1.0, 1.0, 0.5))
     (command,) = unpack(window.packed())
     data = command["object"]["geometries"][0]["data"]
-    assert np.array_equal(np.frombuffer(data["attributes"]["position"]["array"].data, np.float32), sent.vertices.ravel())
+    assert np.array_equal(
+        np.frombuffer(data["attributes"]["position"]["array"].data, np.float32), sent.vertices.ravel()
+    )
     assert np.array_equal(np.frombuffer(data["index"]["array"].data, np.uint16), sent.faces.ravel())
     assert command["object"]["materials"][0]["opacity"] == 0.5
     assert command["object"]["materials"][0]["transparent"] is True
