@@ -1,7 +1,8 @@
 """Automatic scaling: unknowns of order one, rows with gradients of order one.
 
-A variable is scaled by its bounds where both are finite, else by the guess; all its instances share the scale. A row is
-scaled by the largest gradient, in scaled variables, of its kind at the guess.
+A variable is scaled by its bounds where both are finite, else by the guess; all its instances share the scale. Durations are
+scaled by the guess alone: bounds such as 0 to 200 s say little about a motion of 6 s, and a unit that large lets the first
+steps shrink the duration to nothing. A row is scaled by the largest gradient, in scaled variables, of its kind at the guess.
 Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
 """
 
@@ -30,7 +31,7 @@ def variable_scale(variables: Scalars, guess: Array) -> Array:
         low, high = variables.lower[chosen], variables.upper[chosen]
         both = np.isfinite(low) & np.isfinite(high) & (high > low)
         size = np.max(np.maximum(np.abs(low[both]), np.abs(high[both]))) if both.any() else 0.0
-        if not both.any() or size > 1e3:
+        if not both.any() or size > 1e3 or variables.entries[number].name == "duration":
             fixed = np.abs(low[np.isfinite(low) & (low == high)])
             size = max(float(np.max(np.abs(guess[chosen]))), float(np.max(fixed, initial=0.0)))
         scales[number] = np.clip(size, LEAST, GREATEST) if size > 0 else 1.0
