@@ -30,8 +30,8 @@ class DriftRow:
     phase : str
         The phase it was largest in.
     scale : float
-        What a tolerance is multiplied by: 1 for joint positions, max(1, largest planned value) for velocities
-        and the states of Systems.
+        What a tolerance is multiplied by: 1 for joint positions, 10 max(1, largest planned value) for joint
+        velocities, max(1, largest planned value) for the states of Systems.
     """
 
     name: str
@@ -85,9 +85,9 @@ def drift_of(plant: Plant, motion: Motion, phase: str) -> tuple[DriftRow, ...]:
     gaps = np.nan_to_num(np.abs(motion.states - planned), nan=np.inf)
     peaks = np.nan_to_num(np.abs(planned), nan=0.0).max(axis=0)
     return tuple(
-        _row(name, unit, gaps[:, i], motion, phase, 1.0 if position else max(1.0, float(peaks[i])))
-        for i, (name, unit, position) in enumerate(
-            zip(plant.names, plant.units, plant.positions, strict=True)
+        _row(name, unit, gaps[:, i], motion, phase, float(scale))
+        for i, (name, unit, scale) in enumerate(
+            zip(plant.names, plant.units, plant.scales(peaks), strict=True)
         )
     )
 

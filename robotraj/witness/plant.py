@@ -19,6 +19,10 @@ ALGEBRAIC_TOLERANCE = 1e-9
 """Largest entry of 0 = g that counts as solved, in units of 1 + the largest planned |z|."""
 
 
+VELOCITY_SCALE = 10.0
+"""Velocities may drift ten times as far as positions: planned motions change within a tenth of a second."""
+
+
 class Plant(Protocol):
     """The states of a phase and how they move under the planned controls.
 
@@ -26,16 +30,17 @@ class Plant(Protocol):
     ----------
     names, units : tuple of str
         Of the states x, (n,).
-    positions : tuple of bool
-        Which states are joint positions.
     """
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    positions: tuple[bool, ...]
 
     def states(self, times: Array, interval: int | None = None) -> Array:
         """Planned states (m, n) at times (m,)."""
+        ...
+
+    def scales(self, peaks: Array) -> Array:
+        """Give the factors of a drift tolerance (n,), from the largest planned magnitudes (n,)."""
         ...
 
     @property
@@ -56,13 +61,17 @@ class RobotPlant:
         robot = planned.phase.robot
         self.names = tuple(f"q.{j}" for j in robot.joint_names) + tuple(f"v.{j}" for j in robot.joint_names)
         self.units = tuple(robot.units) + tuple(RATE_UNITS[unit] for unit in robot.units)
-        self.positions = (True,) * robot.nv + (False,) * robot.nv
         self._planned = planned
 
     def states(self, times: Array, interval: int | None = None) -> Array:
         """Planned (q, v), (m, 2 nv)."""
         sample = self._planned.at(times, interval=interval)
         return np.hstack([sample.q, sample.v])
+
+    def scales(self, peaks: Array) -> Array:
+        """Give 1 for positions, ``VELOCITY_SCALE`` max(1, peak) for velocities."""
+        half = len(peaks) // 2
+        return np.concatenate([np.ones(half), VELOCITY_SCALE * np.maximum(1.0, peaks[half:])])
 
     @property
     def rates(self) -> Rates:
@@ -82,12 +91,15 @@ class SystemPlant:
         self._system: SystemLike = planned.phase.system
         self.names = tuple(s.name for s in self._system.states)
         self.units = tuple(s.unit for s in self._system.states)
-        self.positions = (False,) * len(self.names)
         self._planned = planned
 
     def states(self, times: Array, interval: int | None = None) -> Array:
         """Planned states (m, n)."""
         return columns(self._planned.at(times, interval=interval).x, self.names, len(times))
+
+    def scales(self, peaks: Array) -> Array:
+        """Give max(1, peak): the unit of a user's state is not known."""
+        return np.maximum(1.0, peaks)
 
     @property
     def rates(self) -> Rates:

@@ -20,8 +20,8 @@ class Tolerances:
     Attributes
     ----------
     drift : float
-        Largest open-loop drift: joint positions [rad, m] as it is, velocities and the states of Systems times
-        max(1, largest planned value).
+        Largest open-loop drift: joint positions [rad, m] as it is, joint velocities times 10 max(1, largest
+        planned value), the states of Systems times max(1, largest planned value).
     limits : float
         Largest violation of a limit or constraint, in the SI unit of its row.
     energy : float or None

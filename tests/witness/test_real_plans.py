@@ -1,0 +1,97 @@
+"""The witness beside the planner itself."""
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+from robotraj.constraints.base import symbols_of
+from robotraj.witness import NumericPoint, track, validate
+
+
+@pytest.fixture
+def arm(make):
+    """Three joints in space, one of them sliding."""
+    joints = [("turn", pin.JointModelRZ()), ("lift", pin.JointModelRY()), ("reach", pin.JointModelPX())]
+    return rt.load(make.robot(joints, armature=0.1).model)
+
+
+def lift(arm, count):
+    start, end = rt.State(q=[0.1, 0.5, 0.0], v=0), rt.State(q=[1.0, 1.5, 0.3], v=0)
+    phase = rt.Phase(arm, duration=1.0, start=start, end=end, limits=None, objective=rt.Effort(), name="lift")
+    return rt.plan(phase, mesh=rt.Mesh(count, rt.HermiteSimpson()))
+
+
+def test_drift_of_hermite_simpson_falls_by_order_four(arm):
+    coarse, fine = (validate(lift(arm, count)) for count in (20, 40))
+    assert fine.passed
+    assert np.log2(coarse.drift.largest("q.") / fine.drift.largest("q.")) > 3.5
+    # The quadrature of the energy is exact, so its balance sees the discretisation alone.
+    assert abs(fine.energy.imbalance) < abs(coarse.energy.imbalance) / 8
+
+
+def test_a_plan_with_other_inertia_is_refused(arm):
+    solution = lift(arm, 20)
+    heavier = pin.Model(arm.model)
+    heavier.armature = heavier.armature + 0.02
+    other = rt.load(heavier)
+    phase = rt.Phase(other, duration=1.0, limits=None, name="heavier")
+    (planned,) = solution.phases
+    moved = type(planned)(phase, planned.mesh, planned.trajectory)
+    report = validate(type("Plan", (), {"phases": (moved,)})())
+    assert not report.passed
+    with pytest.raises(rt.ValidationFailed, match="drifts from the plan: q"):
+        report.check()
+
+
+def test_feedback_removes_the_drift_of_a_coarse_mesh(arm):
+    solution = lift(arm, 10)
+    open_loop, held = validate(solution).drift, track(solution, kp=400.0, kd=40.0).error
+    joints = [f"q.{joint}" for joint in arm.joint_names]
+    assert max(held[name].final for name in joints) < 0.1 * max(open_loop[name].final for name in joints)
+
+
+def test_the_block_in_minimum_time_keeps_its_end_though_the_corner_is_smeared():
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    phase = rt.Phase(
+        block,
+        duration=(0.1, 20),
+        start=rt.State({"x": 0, "v": 0}),
+        end=rt.State({"x": 10, "v": 0}),
+        controls={"u": rt.between(-1, 1)},
+        objective=rt.Duration(),
+    )
+    report = validate(rt.plan(phase, mesh=rt.Mesh(20, rt.HermiteSimpson())))
+    assert report.failure is None
+    assert report.drift["x"].final < 1e-7 and report.drift["v"].final < 1e-7
+
+
+def test_every_kind_of_constraint_reads_the_same_on_numbers_as_on_symbols(arm):
+    pose = pin.SE3(pin.utils.rotate("x", 0.3), np.array([0.1, 0.2, 0.3]))
+    phase = rt.Phase(
+        arm,
+        duration=1.0,
+        limits=None,
+        parameters={"c": 2.0},
+        constraints=[
+            rt.GroundClearance("tip", 0.05, ground=rt.Slope(0.1, 0.2)),
+            rt.FramePosition("tip", {"x": rt.between(0, 1), "z": 0.3}),
+            rt.FramePose("tip", pose),
+            rt.JointVelocity({"lift": rt.between(-1, 1)}),
+            rt.PathConstraint(lambda p: ca.mtimes(p.tau.T, p.v) * p.p["c"], upper=5.0, name="power"),
+            rt.PathConstraint(lambda p: [p.com[1], p.momentum[4], p.x["q.lift"] * p.z["a.turn"]], upper=9.0),
+            rt.PathConstraint(lambda p: p.frame("tip").acceleration, upper=9.0),
+            rt.PathConstraint(lambda p: p.frame("tip").velocity[:3], upper=9.0),
+        ],
+    )
+    symbols = symbols_of(phase.dae, phase.parameter_names)
+    random = np.random.default_rng(7)
+    q, v, a, tau = random.uniform(-1, 1, (4, 3))
+    point = NumericPoint(arm, 0.0, q, v, a, tau, parameters={"c": 2.0}, columns=True)
+    columns = [ca.vertcat(symbols.q, symbols.v), symbols.a, symbols.tau, symbols.p["c"]]
+    for constraint in phase.bound_constraints:
+        rows = ca.vertcat(*constraint.expression(symbols))
+        expected = ca.Function("rows", columns, [rows])(np.concatenate([q, v]), a, tau, 2.0)
+        found = [float(value) for value in constraint.expression(point)]
+        np.testing.assert_allclose(found, np.array(expected).ravel(), atol=1e-12, err_msg=constraint.name)
