@@ -38,7 +38,7 @@ from robotraj.schemes import (
     Trapezoidal,
     TrapezoidalQuadrature,
 )
-from robotraj.solution import Solution
+from robotraj.solution import Solution, load_solution
 from robotraj.solvers import Ipopt
 from robotraj.state import State
 from robotraj.status import Status

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ from robotraj.sample import Sample, join
 from robotraj.schemes import Mesh
 from robotraj.solvers import Multipliers
 from robotraj.status import Status
+from robotraj.storage import Contents, read, write
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.violations import Violation
@@ -233,10 +234,13 @@ class Solution:
         return self.violation_list[:top]
 
     def save(self, path: str | Path) -> Path:
-        """Write the solution to an ``.npz`` file, without pickle; ``rt.load_solution`` reads it back."""
-        from robotraj.storage import save
+        """Write the solution to an ``.npz`` file, without pickle; ``rt.load_solution`` reads it back.
 
-        return save(self, path)
+        Everything that is plain data is kept, the robot and the polynomials bit for bit. Python functions are not: see
+        ``load_solution``. ``.npz`` is appended where it is missing; the absolute path is returned.
+        """
+        phases = [_plain(phase, "phase") for phase in self.phases]
+        return write(path, Contents(self.problem, phases, _plain(self, "problem", "phases")))
 
     def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
         """Write a table over time, one column per variable with its unit; ``samples`` equal steps or given times."""
@@ -270,3 +274,39 @@ class Solution:
             lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]
             lines += [f"  {violation}" for violation in self.violations(5)]
         return "\n".join(lines)
+
+
+def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> Solution:
+    """Read a solution that ``solution.save`` wrote.
+
+    A file keeps no Python functions: the equations of an ``rt.System``, the expressions of ``PathConstraint``,
+    ``Lagrange`` and ``Mayer``, height functions. A solution loaded without them can be sampled, plotted, exported and
+    replayed; a warning names what is missing. A robot's planning model is in the file, its shapes are read from its
+    URDF again.
+
+    Parameters
+    ----------
+    path : path
+        With or without ``.npz``.
+    problem : Problem or Phase, optional
+        The problem it solves; used whole, in place of what the file knows of it.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    InputError
+        No such file, a file of another kind or version, a damaged one, or a problem of other phases or variables.
+    """
+    contents = read(path, Problem([problem]) if isinstance(problem, Phase) else problem)
+    phases = tuple(
+        PhaseSolution(phase, **known) for phase, known in zip(contents.problem.phases, contents.phases, strict=True)
+    )
+    return Solution(contents.problem, phases, **contents.facts)
+
+
+def _plain(value: PhaseSolution | Solution, *without: str) -> dict[str, Any]:
+    """Fields of a value by name, without some."""
+    return {entry.name: getattr(value, entry.name) for entry in fields(value) if entry.name not in without}
