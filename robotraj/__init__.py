@@ -23,7 +23,9 @@ from robotraj.links import Continuity
 from robotraj.objectives import Duration, Effort, Lagrange, Mayer
 from robotraj.planning import plan
 from robotraj.problem import Phase, Problem
-from robotraj.robot import Limits, Robot, load
+from robotraj.refinement import SplitAndMerge
+from robotraj.replay import replay
+from robotraj.robot import Limits, Robot, catalogue, load
 from robotraj.schemes import (
     ConstantControl,
     FifthDegree,
@@ -43,3 +45,66 @@ from robotraj.solvers import Ipopt
 from robotraj.state import State
 from robotraj.status import Status
 from robotraj.transcription import Nlp, transcribe
+from robotraj.witness import validate
+
+__all__ = [
+    "AtEnd",
+    "AtStart",
+    "ConstantControl",
+    "Continuity",
+    "Duration",
+    "Effort",
+    "FifthDegree",
+    "Flat",
+    "ForwardDynamics",
+    "FramePose",
+    "FramePosition",
+    "FromSolution",
+    "GaussLegendre",
+    "GroundClearance",
+    "HeightFunction",
+    "HermiteSimpson",
+    "InputError",
+    "InverseDynamics",
+    "Ipopt",
+    "JointAcceleration",
+    "JointEffort",
+    "JointPosition",
+    "JointVelocity",
+    "Keyframes",
+    "Lagrange",
+    "Limits",
+    "LinearControl",
+    "LobattoIIIA",
+    "Mayer",
+    "Mesh",
+    "Nlp",
+    "NoSolutionFound",
+    "OwnQuadrature",
+    "PathConstraint",
+    "Phase",
+    "PolynomialControl",
+    "Problem",
+    "RadauIIA",
+    "Robot",
+    "RobotrajError",
+    "Slope",
+    "Solution",
+    "SplitAndMerge",
+    "State",
+    "Status",
+    "StraightLine",
+    "System",
+    "Trapezoidal",
+    "TrapezoidalQuadrature",
+    "UnknownName",
+    "ValidationFailed",
+    "between",
+    "catalogue",
+    "load",
+    "load_solution",
+    "plan",
+    "replay",
+    "transcribe",
+    "validate",
+]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,15 @@ from robotraj.solvers.base import Outcome
 from robotraj.status import Status
 from robotraj.transcription import Nlp, transcribe
 from robotraj.transcription.extract import extract
+from robotraj.transcription.guards import Guard, find_guards
 from robotraj.violations import violations
 
 ROW_TOLERANCE = 1e-6
 """Largest violation of a scaled row or bound that counts as held, when rows are evaluated outside the solver."""
+GUARD_TOLERANCE = 5e-4
+"""How far a row on states may be broken between collocation points before guards are set there [its SI unit]."""
+GUARD_ROUNDS = 4
+"""Times that guards are set and the problem is solved again."""
 
 
 def solve(
@@ -30,12 +36,44 @@ def solve(
     solver: Solver,
     progress: Progress | None = None,
 ) -> Solution:
-    """Transcribe a problem on a mesh, solve it and check the answer outside the solver."""
+    """Solve a problem on a mesh and check the answer outside the solver.
+
+    Where a row on states turns out broken between collocation points, it is imposed there too and the problem solved
+    again, from the last answer.
+    """
+    solution = _solve(problem, mesh, guess, solver, progress, ())
+    guards: list[Guard] = []
+    for _ in range(GUARD_ROUNDS):
+        if not solution.success:
+            break
+        found = [
+            guard
+            for i, part in enumerate(solution.phases)
+            for guard in find_guards(part.phase, i, part.trajectory, GUARD_TOLERANCE)
+            if guard not in guards
+        ]
+        if not found:
+            break
+        guards += found
+        again = _solve(problem, mesh, solution, solver, progress, guards)
+        total = {key: again.times[key] + solution.times[key] for key in again.times}
+        solution = replace(again, times=total, iterations=again.iterations + solution.iterations)
+    return solution
+
+
+def _solve(
+    problem: Problem,
+    mesh: Mesh | Sequence[Mesh],
+    guess: Guess | Solution | None,
+    solver: Solver,
+    progress: Progress | None,
+    guards: Sequence[Guard],
+) -> Solution:
     began = time.perf_counter()
-    nlp = transcribe(problem, mesh, as_guess(guess))
+    nlp = transcribe(problem, mesh, as_guess(guess), guards)
     _ = nlp.functions
     built = time.perf_counter() - began
-    return _conclude(nlp, solver.solve(nlp, progress, _multipliers(guess, nlp)), built)
+    return _conclude(nlp, solver.solve(nlp, progress, _multipliers(guess, nlp, bool(guards))), built)
 
 
 def _conclude(nlp: Nlp, outcome: Outcome, built: float) -> Solution:
@@ -62,10 +100,12 @@ def _conclude(nlp: Nlp, outcome: Outcome, built: float) -> Solution:
     )
 
 
-def _multipliers(guess: Any, nlp: Nlp) -> Multipliers | None:
-    """Multipliers of an earlier solution, where they belong to an NLP of the same size."""
+def _multipliers(guess: Any, nlp: Nlp, guarded: bool) -> Multipliers | None:
+    """Multipliers of an earlier solution of the same NLP; guards come last in it, and start at zero."""
     if not isinstance(guess, Solution) or guess.multipliers is None or not guess.success:
         return None
     known = guess.multipliers
-    same = known.rows.shape == (len(nlp.rows),) and known.bounds.shape == (len(nlp.variables),)
-    return known if same and np.all(np.isfinite(known.rows)) else None
+    more = len(nlp.rows) - len(known.rows), len(nlp.variables) - len(known.bounds)
+    if (more != (0, 0) and not guarded) or min(more) < 0:
+        return None
+    return Multipliers(np.append(known.rows, np.zeros(more[0])), np.append(known.bounds, np.zeros(more[1])))

@@ -53,7 +53,7 @@ def mayer_block(phase: Phase, layout: PhaseLayout) -> Block | None:
         return None
     ends = EndSymbols(phase, layout)
     cost = sum((w * as_rows(t.value(*ends.points), "Mayer expression")[0] for w, t in phase.end_costs), ca.SX(0))
-    return _single(ends.unknowns, ends.constants, cost, ends.columns, ends.values, np.array([], dtype=int), costed=0)
+    return single(ends.unknowns, ends.constants, cost, ends.columns, ends.values, np.array([], dtype=int), costed=0)
 
 
 def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable) -> list[Block]:
@@ -82,7 +82,7 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
         shared = [scalar.column for scalar in shared_scalars(layout) if scalar.column is not None]
         columns = np.concatenate([state, interval.algebraic[node], controls, shared]).astype(int)
         fixed = [scalar.value for scalar in shared_scalars(layout) if scalar.column is None]
-        blocks.append(_single(s.unknowns, s.constants, y, columns, np.array([fraction, *fixed]), added[0]))
+        blocks.append(single(s.unknowns, s.constants, y, columns, np.array([fraction, *fixed]), added[0]))
     return blocks
 
 
@@ -96,7 +96,7 @@ def link_block(
     entries = [Entry(link.phases[0], r.name, r.joint or "", r.unit) for r in link.rows]
     bounds = np.array([r.lower for r in link.rows]), np.array([r.upper for r in link.rows])
     added = rows.add(entries, np.array([1.0]), *bounds)
-    return _single(
+    return single(
         ca.vertcat(*(e.unknowns for e in ends)),
         ca.vertcat(*(e.constants for e in ends)),
         y,
@@ -106,7 +106,7 @@ def link_block(
     )
 
 
-def _single(
+def single(
     v: ca.SX,
     c: ca.SX,
     y: ca.SX,

@@ -16,6 +16,7 @@ from robotraj.schemes import Collocation, Mesh
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import collocate
 from robotraj.transcription.ends import end_constraint_blocks, link_block, mayer_block, widen
+from robotraj.transcription.guards import Guard, add_guards
 from robotraj.transcription.layout import PhaseLayout, lay_out
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scaling import row_scale, variable_scale
@@ -28,7 +29,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-def transcribe(problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | None = None) -> Nlp:
+def transcribe(
+    problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | None = None, guards: Sequence[Guard] = ()
+) -> Nlp:
     """Transcribe a problem by direct collocation.
 
     Parameters
@@ -38,6 +41,8 @@ def transcribe(problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | Non
         One for all phases, or one for each.
     guess : Guess, optional
         Where the solver starts; a straight line by default.
+    guards : sequence of Guard
+        Rows to impose between collocation points as well.
 
     Returns
     -------
@@ -59,6 +64,9 @@ def transcribe(problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | Non
         mayer = mayer_block(phase, layout)
         blocks += [mayer] if mayer else []
     blocks += [link_block(link, problem.phases, layouts, rows) for link in problem.bound_links]
+    widths = [block.stage.outputs for block, _, _ in points]
+    scatters = [scatter for _, _, scatter in points]
+    blocks += add_guards(guards, problem.phases, layouts, columns, rows, linear, scatters, widths)
     variables, constraints = columns.finish(bounds), rows.finish()
     shape = (len(constraints), len(variables))
     every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]

@@ -1,0 +1,167 @@
+"""Guards: rows imposed between the collocation points, on the polynomial that was collocated.
+
+Limits hold at collocation points; between them a polynomial may bulge over. A guard holds one row of a constraint at one more
+place tau of one interval, where the state is x(tau) = x_0 + d sum_k (T f_k) int_0^tau l_k: linear in the stage outputs. Guards
+are placed where a dense look at a solution finds a row broken (an exchange method for semi-infinite programs).
+Source: Hettich and Kortanek, Semi-infinite programming, SIAM Review 35 (1993), section 7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from robotraj.constraints import Row, Where
+from robotraj.constraints.base import BoundConstraint, symbols_of
+from robotraj.dynamics.system import as_rows
+from robotraj.polynomials import integrals
+from robotraj.transcription.block import Block
+from robotraj.transcription.collocation import point_symbols, shared_scalars
+from robotraj.transcription.ends import single
+from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
+from robotraj.transcription.table import Entry, Indices, ScalarTable
+from robotraj.transcription.triplets import Triplets
+
+if TYPE_CHECKING:
+    from robotraj.problem import Phase
+
+SAMPLES = 16
+"""Places looked at inside an interval."""
+
+
+@dataclass(frozen=True)
+class Guard:
+    """One row of a phase's constraint, imposed at tau in [0, 1] of an interval.
+
+    Attributes
+    ----------
+    phase, interval, constraint, row : int
+        Indices; ``constraint`` into ``phase.bound_constraints``.
+    tau : float
+    """
+
+    phase: int
+    interval: int
+    constraint: int
+    row: int
+    tau: float
+
+
+def guardable(phase: Phase) -> list[tuple[int, int, BoundConstraint, Row]]:
+    """Rows held throughout that read the state, time and parameters alone."""
+    point = symbols_of(phase.dae, phase.parameter_names)
+    states = {s.name for s in phase.dae.states}
+    inner = ca.vertcat(*point.z.values(), *point.u.values())
+    found = []
+    for c, constraint in enumerate(phase.bound_constraints):
+        if constraint.where is not Where.THROUGHOUT:
+            continue
+        values = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
+        for r, (row, value) in enumerate(zip(constraint.rows, values, strict=True)):
+            if row.variable in states or (row.variable is None and not ca.depends_on(value, inner)):
+                found.append((c, r, constraint, row))
+    return found
+
+
+def find_guards(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float) -> list[Guard]:
+    """Worst place of every row in every interval where it is broken by more than ``allowed`` [its SI unit]."""
+    rows = guardable(phase)
+    if not rows:
+        return []
+    breaks = trajectory.x.breaks
+    tau = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    times = (breaks[:-1, None] + np.diff(breaks)[:, None] * tau).ravel()
+    x = np.vstack([trajectory.x(times.reshape(-1, SAMPLES)[k], k) for k in range(len(breaks) - 1)])
+    values = _values(phase, rows, times, x, np.array(list(trajectory.parameters.values())))
+    lower, upper = (np.array([getattr(row, side) for *_, row in rows]) for side in ("lower", "upper"))
+    broken = np.maximum(lower - values, values - upper).reshape(-1, SAMPLES, len(rows))
+    guards = []
+    for k, r in np.argwhere(broken.max(axis=1) > allowed):
+        worst = int(broken[k, :, r].argmax())
+        guards.append(Guard(index, int(k), rows[r][0], rows[r][1], float(tau[worst])))
+    return guards
+
+
+def _values(
+    phase: Phase, rows: list[tuple[int, int, BoundConstraint, Row]], t: np.ndarray, x: np.ndarray, p: np.ndarray
+) -> np.ndarray:
+    names = [s.name for s in phase.dae.states]
+    time, state, parameters = ca.SX.sym("t"), ca.SX.sym("x", len(names)), ca.SX.sym("p", len(p))
+    z, u = ca.SX.sym("z", len(phase.dae.algebraic)), ca.SX.sym("u", len(phase.dae.controls))
+    point = phase.dae.point(time, state, z, u, parameters, phase.parameter_names)
+    computed: dict[int, list[ca.SX]] = {}
+    entries = []
+    for c, r, constraint, row in rows:
+        if row.variable is not None:
+            entries.append(state[names.index(row.variable)])
+            continue
+        if c not in computed:
+            computed[c] = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
+        entries.append(computed[c][r])
+    function = ca.Function("rows", [time, state, parameters], [ca.densify(ca.vertcat(*entries))])
+    return np.array(function.map(len(t))(t[None, :], x.T, np.tile(p[:, None], len(t)))).reshape(len(rows), len(t)).T
+
+
+def add_guards(
+    guards: Sequence[Guard],
+    phases: Sequence[Phase],
+    layouts: Sequence[PhaseLayout],
+    columns: ScalarTable,
+    rows: ScalarTable,
+    linear: Triplets,
+    scatters: Sequence[Triplets],
+    outputs: Sequence[int],
+) -> list[Block]:
+    """Add the guards' rows (and states, for path rows); ``scatters`` and ``outputs`` are those of the phases' blocks."""
+    blocks = []
+    for guard in guards:
+        phase, layout = phases[guard.phase], layouts[guard.phase]
+        interval = layout.intervals[guard.interval]
+        constraint = phase.bound_constraints[guard.constraint]
+        row = constraint.rows[guard.row]
+        fraction = np.array([interval.start + interval.length * guard.tau])
+        entry = Entry(guard.phase, row.name, row.joint or "", row.unit)
+        scatter, width = scatters[guard.phase], outputs[guard.phase]
+        if row.variable is not None:
+            component = [s.name for s in phase.dae.states].index(row.variable)
+            at = rows.add([entry], fraction, row.lower, row.upper)[0]
+            _polynomial(at, np.array([component]), interval, guard.tau, linear, scatter, width)
+            continue
+        states = columns.add(entries_of(guard.phase, phase.dae.states), fraction)[0]
+        defects = [Entry(guard.phase, "state between collocation points", s.label, s.unit) for s in phase.dae.states]
+        at = rows.add(defects, fraction, 0.0, 0.0)[0]
+        linear.add(at, states, -1.0)
+        _polynomial(at, np.arange(len(states)), interval, guard.tau, linear, scatter, width)
+        s = point_symbols(phase, layout)
+        point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
+        value = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")[guard.row]
+        shared = shared_scalars(layout)
+        free = np.array([c.column for c in shared if c.column is not None], dtype=int)
+        fixed = [c.value for c in shared if c.column is None]
+        kept = ca.vertcat(s.x, s.unknowns[s.x.numel() + s.z.numel() + s.u.numel() :])
+        path = rows.add([entry], fraction, row.lower, row.upper)[0]
+        blocks.append(
+            single(kept, s.constants, value, np.concatenate([states, free]), np.array([fraction[0], *fixed]), path)
+        )
+    return blocks
+
+
+def _polynomial(
+    at: Indices,
+    components: Indices,
+    interval: IntervalLayout,
+    tau: float,
+    linear: Triplets,
+    scatter: Triplets,
+    width: int,
+) -> None:
+    """Add x(tau) of the interval's polynomial to rows ``at``."""
+    linear.add(at, interval.left[components], 1.0)
+    weights = integrals(interval.scheme.nodes, np.array([tau]))[0]
+    for place, weight in zip(interval.places, weights, strict=True):
+        scatter.add(at, place * width + components, interval.length * weight)
