@@ -10,7 +10,7 @@ from robotraj.witness.energy import Energy
 from robotraj.witness.peak import Peak
 from robotraj.witness.residual import Residual
 from robotraj.witness.table import render
-from robotraj.witness.violations import Violation
+from robotraj.witness.violations import SOLVER_NOISE, Violation
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Tolerances:
     energy : float or None
         |imbalance| of the energy balance relative to the energy that moved.
     residual : float or None
-        Residual of the dynamics between collocation points [N m, N, or the unit of the row].
+        Residual of the equations between collocation points and jump at knots, in the unit of each.
     """
 
     drift: float = 1e-3
@@ -90,7 +90,7 @@ class Report:
             found.append(
                 f"The simulation drifts from the plan: {row.name} by {row.largest:.3g} {row.unit}".rstrip()
                 + f" at t = {row.time:.4g} s in phase {row.phase!r}, {allowed:.3g} is allowed; "
-                + "use a finer mesh or a scheme of higher order, or track() if the motion is unstable."
+                + self._advice()
             )
         if self.violations and (worst := self.violations[0]).amount > tolerances.limits:
             more = sum(v.amount > tolerances.limits for v in self.violations) - 1
@@ -142,10 +142,18 @@ class Report:
         if complaints:
             raise ValidationFailed(" ".join(complaints), self)
 
+    def _advice(self) -> str:
+        """Say what to do about a drift: close the gaps of an unfinished solve first, else refine."""
+        jump = max(self.residual.jumps.values(), key=lambda peak: peak.value, default=None)
+        if jump is not None and jump.value > SOLVER_NOISE:
+            gap = f"{jump.name} by {jump.value:.3g} {jump.unit}".rstrip()
+            return f"the plan itself jumps at the knot at t = {jump.time:.4g} s, {gap}: its solve has not converged."
+        return "use a finer mesh or a scheme of higher order, or track() if the motion is unstable."
+
     def __str__(self) -> str:
         return render(self)
 
 
 def _largest(residual: Residual) -> Peak | None:
-    every = [*residual.dynamics.values(), *residual.rate.values()]
-    return max(every, key=lambda peak: peak.value) if every else None
+    parts = (residual.dynamics, residual.rate, residual.jumps)
+    return max((peak for part in parts for peak in part.values()), key=lambda peak: peak.value, default=None)

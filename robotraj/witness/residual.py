@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak, peaks
-from robotraj.witness.plant import RATE_UNITS, columns
+from robotraj.witness.plant import RATE_UNITS, columns, plant_of
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import stretches, time_derivative
@@ -19,6 +20,9 @@ TORQUE_UNITS = {"rad": "N m", "m": "N"}
 
 FEWEST_SAMPLES = 25
 """Samples of an interval below which its derivative could miss the degree of the plan's polynomial."""
+
+
+Peaks = tuple[dict[str, Peak], dict[str, Peak]]
 
 
 @dataclass(frozen=True)
@@ -36,21 +40,39 @@ class Residual:
     rate : mapping of str to Peak
         Robots, by joint: max over t of |dq/dt - v| [rad/s, m/s].
         Systems, by state: |dx/dt - f(x, z, u, p, t)|.
+    jumps : mapping of str to Peak
+        By state: largest gap at a knot between the polynomials of its two intervals, zero once a
+        solver has converged.
 
     dq/dt, dv/dt and dx/dt are derivatives of the planned polynomials, not values the plan states.
     """
 
     dynamics: Mapping[str, Peak]
     rate: Mapping[str, Peak]
+    jumps: Mapping[str, Peak]
 
 
 def residual_of(planned: PhaseSolutionLike, samples: int) -> Residual:
     """Evaluate both residuals at ``samples`` points of every interval, ``FEWEST_SAMPLES`` at least."""
     samples = max(samples, FEWEST_SAMPLES)
-    return _robot(planned, samples) if planned.phase.robot is not None else _system(planned, samples)
+    if not list(stretches(planned, samples)):
+        return Residual({}, {}, {})
+    dynamics, rate = (_robot if planned.phase.robot is not None else _system)(planned, samples)
+    return Residual(dynamics, rate, _jumps(planned))
 
 
-def _robot(planned: PhaseSolutionLike, samples: int) -> Residual:
+def _jumps(planned: PhaseSolutionLike) -> dict[str, Peak]:
+    """Compare both ends of the polynomials that meet at each knot."""
+    plant = plant_of(planned)
+    ends = [(s.begin, plant.states(s.times, s.interval)) for s in stretches(planned, 2)]
+    if len(ends) < 2:
+        return {}
+    gaps = np.array([after[0] - before[-1] for (_, before), (_, after) in pairwise(ends)])
+    times = np.array([begin for begin, _ in ends[1:]])
+    return peaks(plant.names, plant.units, times, gaps, planned.phase.name)
+
+
+def _robot(planned: PhaseSolutionLike, samples: int) -> Peaks:
     robot = planned.phase.robot
     data = robot.model.createData()
     actuation = np.asarray(robot.actuation, dtype=float)
@@ -65,17 +87,15 @@ def _robot(planned: PhaseSolutionLike, samples: int) -> Residual:
             torque.append(needed - actuation @ tau)
         rate.append(time_derivative(sample.q, stretch) - sample.v)
         times.append(stretch.times)
-    if not times:
-        return Residual({}, {})
     t, name = np.concatenate(times), planned.phase.name
     joints = robot.joint_names
-    return Residual(
+    return (
         peaks(joints, [TORQUE_UNITS[u] for u in robot.units], t, np.array(torque), name),
         peaks(joints, [RATE_UNITS[u] for u in robot.units], t, np.concatenate(rate), name),
     )
 
 
-def _system(planned: PhaseSolutionLike, samples: int) -> Residual:
+def _system(planned: PhaseSolutionLike, samples: int) -> Peaks:
     system = planned.phase.system
     states, controls, algebraic = (
         tuple(v.name for v in kind) for kind in (system.states, system.controls, system.algebraic)
@@ -96,12 +116,10 @@ def _system(planned: PhaseSolutionLike, samples: int) -> Residual:
             if system.residual is not None:
                 rows.append(as_numbers(system.residual(point), "residual"))
         times.append(stretch.times)
-    if not times:
-        return Residual({}, {})
     t, name = np.concatenate(times), planned.phase.name
     units = [f"{s.unit}/s" if s.unit else "" for s in system.states]
     dynamics = {}
     if rows:
         named_rows = [f"residual {i}" for i in range(len(rows[0]))]
         dynamics = peaks(named_rows, [""] * len(named_rows), t, np.array(rows), name)
-    return Residual(dynamics, peaks(states, units, t, np.array(rate), name))
+    return dynamics, peaks(states, units, t, np.array(rate), name)

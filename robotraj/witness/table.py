@@ -33,7 +33,7 @@ def render(report: Report) -> str:
     console.print(
         f"Forward simulation of {phases}: {verdict}\n"
         f"  {report.duration:.6g} s, {report.intervals} intervals, open loop under the planned controls "
-        f"(DOP853, rtol {report.rtol:.0e}, atol {report.atol:.0e}, restarted at knots)"
+        f"(DOP853, rtol {report.rtol:.0e}, restarted at knots)"
     )
     for complaint in report.complaints(report.tolerances):
         console.print(textwrap.fill(complaint, WIDTH, initial_indent="  ! ", subsequent_indent="    "))
@@ -94,7 +94,16 @@ def _residual(report: Report) -> Group:
     dynamics, rate = report.residual.dynamics, report.residual.rate
     names = list(dict.fromkeys([*dynamics, *rate]))
     shown, left_out = _worst(names, lambda name: max(_value(dynamics.get(name)), _value(rate.get(name))))
-    title = f"  largest defect of the equations along the planned polynomials{left_out}"
+    jump = max(report.residual.jumps.values(), key=lambda peak: peak.value, default=None)
+    most = (
+        "none"
+        if jump is None
+        else f"{jump.value:.1e} {jump.unit}".rstrip() + f", {jump.name}, t = {jump.time:.4g} s"
+    )
+    title = (
+        f"  largest jump of the planned polynomials at a knot: {most}\n"
+        f"  largest defect of the equations along the planned polynomials{left_out}"
+    )
     table = _table("of", "dynamics", "unit", "at t [s]", "rate", "unit", "at t [s]")
     for name in shown:
         table.add_row(name, *_cells(dynamics.get(name)), *_cells(rate.get(name)))

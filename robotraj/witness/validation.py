@@ -70,7 +70,9 @@ def validate(
         drift=drifted,
         violations=tuple(sorted(broken, key=lambda v: -v.amount)),
         energy=energies.add(balances),
-        residual=Residual(largest(r.dynamics for r in residuals), largest(r.rate for r in residuals)),
+        residual=Residual(
+            *(largest(getattr(r, of) for r in residuals) for of in ("dynamics", "rate", "jumps"))
+        ),
         failure=failure,
         tolerances=Tolerances(drift, limits, energy, residual),
         duration=float(sum(k[-1] - k[0] for k in knots)),

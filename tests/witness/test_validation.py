@@ -78,6 +78,22 @@ def test_a_wrong_torque_fails_naming_joint_and_time(make, swinging):
     report.check(drift=1e9)
 
 
+def test_a_plan_whose_polynomials_do_not_meet_at_a_knot_is_told_apart(make, swinging):
+    good = swinging(name="open")
+    q = good.curves["q"]
+    apart = [value + (np.array([0.0, 0.02]) if k >= 12 else 0.0) for k, value in enumerate(q.values)]
+    wrong = dataclasses.replace(good, curves={**good.curves, "q": dataclasses.replace(q, values=apart)})
+    report = validate(make.solution(wrong))
+    jump = report.residual.jumps["q.elbow"]
+    assert (jump.phase, jump.unit, jump.time) == ("open", "rad", pytest.approx(0.6))
+    assert jump.value == pytest.approx(0.02, abs=1e-12)
+    assert report.residual.jumps["q.shoulder"].value < 1e-12
+    with pytest.raises(ValidationFailed, match=r"jumps at the knot at t = 0\.6 s, q\.elbow by 0\.02 rad"):
+        report.check()
+    report.check(drift=1.0, residual=10.0)
+    assert "at a knot: 2.0e-02 rad, q.elbow, t = 0.6 s" in str(report)
+
+
 def test_a_velocity_that_is_not_the_rate_of_the_position_is_seen(make, swinging):
     good = swinging()
     q = good.curves["q"]
@@ -117,6 +133,13 @@ def test_a_limit_broken_only_between_knots_is_found(
     ):
         report.check()
     report.check(limits=peak - bound + 1e-6)
+
+
+def test_of_several_broken_bounds_the_worst_is_named_and_the_others_counted(make, swinging):
+    report = validate(make.solution(swinging(limits=make.limits(2, velocity=[1.9, 2.5]))))
+    assert [v.joint for v in report.violations] == ["elbow", "shoulder"]
+    with pytest.raises(ValidationFailed, match="velocity limit, elbow, .*, and 1 more; 0.001 is allowed"):
+        report.check()
 
 
 def test_a_bump_between_two_knots_is_found_though_every_knot_holds(make):
