@@ -147,7 +147,8 @@ class Report:
         jump = max(self.residual.jumps.values(), key=lambda peak: peak.value, default=None)
         if jump is not None and jump.value > SOLVER_NOISE:
             gap = f"{jump.name} by {jump.value:.3g} {jump.unit}".rstrip()
-            return f"the plan itself jumps at the knot at t = {jump.time:.4g} s, {gap}: its solve has not converged."
+            when = f"t = {jump.time:.4g} s"
+            return f"the plan itself jumps at the knot at {when}, {gap}: its solve has not converged."
         return "use a finer mesh or a scheme of higher order, or track() if the motion is unstable."
 
     def __str__(self) -> str:
@@ -156,4 +157,5 @@ class Report:
 
 def _largest(residual: Residual) -> Peak | None:
     parts = (residual.dynamics, residual.rate, residual.jumps)
-    return max((peak for part in parts for peak in part.values()), key=lambda peak: peak.value, default=None)
+    every = [peak for part in parts for peak in part.values()]
+    return max(every, key=lambda peak: peak.value, default=None)
