@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from robotraj.dynamics import Named
 from robotraj.errors import InputError
+from robotraj.export import to_csv, to_json
 from robotraj.problem import Phase, Problem
 from robotraj.sample import Sample, join
 from robotraj.schemes import Mesh
@@ -236,26 +237,22 @@ class Solution:
     def save(self, path: str | Path) -> Path:
         """Write the solution to an ``.npz`` file, without pickle; ``rt.load_solution`` reads it back.
 
-        Everything that is plain data is kept, the robot and the polynomials bit for bit. Python functions are not: see
-        ``load_solution``. ``.npz`` is appended where it is missing; the absolute path is returned.
+        Everything that is plain data is kept, the robot and the polynomials bit for bit. Python functions are not:
+        see ``load_solution``. ``.npz`` is appended where it is missing; the absolute path is returned.
         """
         phases = [_plain(phase, "phase") for phase in self.phases]
         return write(path, Contents(self.problem, phases, _plain(self, "problem", "phases")))
 
     def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
-        """Write a table over time, one column per variable with its unit; ``samples`` equal steps or given times."""
-        from robotraj.export import to_csv
-
+        """Write a table over time, a column per variable with its unit; see ``robotraj.export``."""
         return to_csv(self, path, samples)
 
     def to_json(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
-        """Write the status, figures and sampled trajectory as JSON."""
-        from robotraj.export import to_json
-
+        """Write the status, figures and sampled trajectory as JSON; see ``robotraj.export``."""
         return to_json(self, path, samples)
 
     def plot(self) -> Figure:
-        """Draw the trajectories with limits, knots and collocation points."""
+        """Draw the trajectories with limits, knots and collocation points; see ``robotraj.plotting``."""
         from robotraj.plotting import plot
 
         return plot(self)
@@ -279,10 +276,10 @@ class Solution:
 def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> Solution:
     """Read a solution that ``solution.save`` wrote.
 
-    A file keeps no Python functions: the equations of an ``rt.System``, the expressions of ``PathConstraint``,
-    ``Lagrange`` and ``Mayer``, height functions. A solution loaded without them can be sampled, plotted, exported and
-    replayed; a warning names what is missing. A robot's planning model is in the file, its shapes are read from its
-    URDF again.
+    A file keeps no Python functions: equations of an ``rt.System``, expressions of ``PathConstraint``,
+    ``Lagrange`` and ``Mayer``, height functions. A solution loaded without them can be sampled, plotted, exported
+    and replayed; a warning names what is missing. A robot's planning model is in the file, its shapes are read
+    from its URDF again.
 
     Parameters
     ----------
@@ -298,12 +295,11 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
     Raises
     ------
     InputError
-        No such file, a file of another kind or version, a damaged one, or a problem of other phases or variables.
+        No such file, one of another kind or version, a damaged one, or a problem of other phases or variables.
     """
     contents = read(path, Problem([problem]) if isinstance(problem, Phase) else problem)
-    phases = tuple(
-        PhaseSolution(phase, **known) for phase, known in zip(contents.problem.phases, contents.phases, strict=True)
-    )
+    pairs = zip(contents.problem.phases, contents.phases, strict=True)
+    phases = tuple(PhaseSolution(phase, **known) for phase, known in pairs)
     return Solution(contents.problem, phases, **contents.facts)
 
 

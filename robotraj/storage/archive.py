@@ -1,7 +1,7 @@
 """The file: a NumPy ``.npz`` of plain arrays and one JSON text, never a pickle.
 
-``about`` says what the file is, ``solution`` is the JSON, and every other entry is an array that the JSON refers to, or
-a Pinocchio model as text: ``np.load("swing.npz")["phases.0.trajectory.x.values"]`` works without robotraj.
+``about`` says what the file is, ``solution`` is the JSON, and every other entry is an array that the JSON refers
+to, or a Pinocchio model as text: ``np.load("swing.npz")["phases.0.trajectory.x.values"]`` works without robotraj.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ from robotraj.storage.problems import check_fit, pack_problem, unpack_problem
 FORMAT = "robotraj solution"
 VERSION = 1
 """Raised whenever older versions could not read the file rightly."""
+
+ADVICE = "give the path of a file that solution.save(path) wrote."
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,27 +129,25 @@ def _existing(source: Path) -> Path:
     for candidate in (source, source.with_name(source.name + ".npz")):
         if candidate.is_file():
             return candidate
-    raise InputError(
-        f"There is no file {str(source)!r}; give the path of a solution that solution.save(path) wrote."
-    )
+    raise InputError(f"There is no file {str(source)!r}; {ADVICE}")
 
 
 def _arrays(source: Path) -> dict[str, np.ndarray]:
     """Read all entries of the file, after making sure that it is one of ours."""
-    advice = "give the path of a solution that solution.save(path) wrote."
     try:
         with np.load(source, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
         about = json.loads(str(arrays["about"]))
         kind, number = about["format"], about["version"]
     except (OSError, EOFError, ValueError, TypeError, KeyError, AttributeError, zipfile.BadZipFile) as error:
-        raise InputError(f"{str(source)!r} holds no robotraj solution; {advice}") from error
+        raise InputError(f"{str(source)!r} holds no robotraj solution; {ADVICE}") from error
     if kind != FORMAT:
-        raise InputError(f"{str(source)!r} holds a {kind!r}, not a {FORMAT!r}; {advice}")
+        raise InputError(f"{str(source)!r} holds a {kind!r}, not a {FORMAT!r}; {ADVICE}")
     if number != VERSION:
         raise InputError(
-            f"{str(source)!r} has version {number} of the file format, written by robotraj {about.get('robotraj')}; "
-            f"this robotraj ({_own_version()}) reads version {VERSION}. Load it with that robotraj, or plan again."
+            f"{str(source)!r} has version {number} of the file format, written by robotraj "
+            f"{about.get('robotraj')}; this robotraj ({_own_version()}) reads version {VERSION}. "
+            "Load it with that robotraj, or plan again."
         )
     return arrays
 

@@ -1,7 +1,7 @@
 """Problems in files: everything of them that is plain data, and by name what is not.
 
-Functions that the user wrote in Python (a System's equations, expressions of constraints and objectives) cannot be
-stored safely; a problem loaded without them is enough to look at, sample and plot.
+Functions that the user wrote in Python (a System's equations, expressions of constraints and objectives) cannot
+be stored safely; a problem loaded without them is enough to look at, sample and plot.
 """
 
 from __future__ import annotations
@@ -52,19 +52,17 @@ def unpack_problem(data: Mapping[str, Any], unpacker: Unpacker) -> tuple[Problem
 
 
 def check_fit(problem: Problem, data: Mapping[str, Any], name: str) -> None:
-    """Raise InputError unless the trajectories of the file belong to a problem of these phases and variables."""
+    """Raise InputError unless the file's trajectories belong to a problem of these phases and variables."""
     if len(problem.phases) != len(data["phases"]):
-        raise InputError(
-            f"{name} holds a solution of {len(data['phases'])} phases, but problem= has {len(problem.phases)}."
-        )
+        raise InputError(f"{name} has {len(data['phases'])} phases, but problem= has {len(problem.phases)}.")
     for phase, stored in zip(problem.phases, data["phases"], strict=True):
         for group in GROUPS:
             names = [variable.name for variable in getattr(phase.dae, group)]
             known = [variable["name"] for variable in stored["variables"][group]]
             if names != known:
                 raise InputError(
-                    f"{name} is of another problem: its phase {stored['fields']['name']!r} has the {group} {known}, "
-                    f"phase {phase.name!r} of problem= has {names}."
+                    f"{name} is of another problem: its phase {stored['fields']['name']!r} has the {group} "
+                    f"{known}, phase {phase.name!r} of problem= has {names}."
                 )
 
 

@@ -23,7 +23,7 @@ def pack_robot(robot: Robot, packer: Packer, path: str) -> tuple[Any, list[str]]
 
 
 def with_shapes(robot: Robot) -> Robot:
-    """Find a robot's shapes again: the URDF they were read from, else that of the catalogue's robot of its name."""
+    """Find a robot's shapes again: in the URDF they were read from, else in the catalogue's of its name."""
     geometry = robot.geometry
     if not isinstance(geometry, UrdfGeometry) or geometry.urdf.is_file():
         return robot
@@ -31,7 +31,7 @@ def with_shapes(robot: Robot) -> Robot:
         return replace(robot, geometry=UrdfGeometry(find(robot.name).urdf, geometry.package_dirs))
     except UnknownName:
         warnings.warn(
-            f"The URDF of {robot.name!r} is gone ({geometry.urdf}); the robot is complete but for its shapes.",
+            f"The URDF of {robot.name!r} is gone ({geometry.urdf}): its shapes are missing, nothing else.",
             stacklevel=4,
         )
         return replace(robot, geometry=NoGeometry())
