@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from importlib import metadata
+from importlib import import_module, metadata
 from types import ModuleType
 
 import casadi
@@ -10,9 +10,7 @@ import pinocchio
 
 from robotraj.errors import BuildMismatch
 
-_REMEDY = (
-    "Build robotraj again in this environment: 'pip install --force-reinstall --no-deps .' in its folder."
-)
+_WHEELS = {"pinocchio": "pin"}  # where the wheel's name is another than the library's
 
 
 def check_versions(graphs: ModuleType) -> None:
@@ -41,8 +39,8 @@ def check_versions(graphs: ModuleType) -> None:
     for name, version in installed.items():
         if version != built[name]:
             raise BuildMismatch(
-                f"robotraj's compiled module was built against {name} {built[name]}, "
-                f"but {name} {version} is installed. {_REMEDY}"
+                f"robotraj's compiled module was built against {name} {built[name]}, but {name} {version} is "
+                f"installed. Go back with 'pip install {_WHEELS.get(name, name)}=={built[name]}'."
             )
 
 
@@ -65,8 +63,12 @@ def load_graphs() -> ModuleType:
     binds to those, wherever they are installed.
     """
     try:
-        from robotraj.symbolic import _graphs
+        graphs = import_module("robotraj.symbolic._graphs")
     except ImportError as error:
-        raise BuildMismatch(f"robotraj's compiled module could not be loaded ({error}). {_REMEDY}") from error
-    check_versions(_graphs)
-    return _graphs
+        versions = f"pinocchio {pinocchio.__version__} and casadi {casadi.CasadiMeta.version()}"
+        raise BuildMismatch(
+            f"robotraj's compiled module could not be loaded beside {versions} ({error}). Build it again, "
+            "for the versions named in pyproject.toml: 'pip install --force-reinstall .' in robotraj's folder."
+        ) from error
+    check_versions(graphs)
+    return graphs
