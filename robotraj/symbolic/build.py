@@ -68,7 +68,7 @@ def load_graphs() -> ModuleType:
         versions = f"pinocchio {pinocchio.__version__} and casadi {casadi.CasadiMeta.version()}"
         raise BuildMismatch(
             f"robotraj's compiled module could not be loaded beside {versions} ({error}). Build it again, "
-            "for the versions named in pyproject.toml: 'pip install --force-reinstall .' in robotraj's folder."
+            "for the versions in pyproject.toml: 'pip install --force-reinstall .' in robotraj's folder."
         ) from error
     check_versions(graphs)
     return graphs
