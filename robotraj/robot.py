@@ -1,4 +1,4 @@
-"""The robot: a frozen planning model with its limits, motors, damping and friction; and ``load``, which makes it."""
+"""The robot: a frozen planning model with limits, motors, damping and friction; and ``load``."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ ROOTS = ("fixed", "floating", "planar")
 class Robot:
     """A robot ready for planning: M(q) a + h(q, v) = B tau - damping v - friction tanh(v / friction_speed).
 
-    Made by ``rt.load``. Every moving joint has one position and one velocity (nq = nv); a continuous joint's position
-    is its angle. Arrays are read-only, and nothing is shared with the caller's model.
+    Made by ``rt.load``. Every moving joint has one position and one velocity (nq = nv); that of a
+    continuous joint is its angle. Arrays are read-only, and nothing is shared with the caller's model.
 
     Attributes
     ----------
@@ -89,7 +89,9 @@ class Robot:
             values.setflags(write=False)
             object.__setattr__(self, name, values)
         if not self.friction_speed > 0:
-            raise InputError(f"friction_speed is {self.friction_speed}; it must be a positive speed [rad/s, m/s].")
+            raise InputError(
+                f"friction_speed is {self.friction_speed}; it must be a positive speed [rad/s, m/s]."
+            )
 
     def __repr__(self) -> str:
         return table(self)
@@ -144,7 +146,7 @@ class Robot:
 
     @cached_property
     def collision_model(self) -> pin.GeometryModel:
-        """Shapes for collision checks, read when first asked for; a missing mesh is left out with a warning."""
+        """Shapes for collision checks, read when first asked for, as ``visual_model``."""
         return self.geometry.build(self.model, pin.GeometryType.COLLISION)
 
     @cached_property
@@ -163,7 +165,9 @@ class Robot:
             There is no frame of that name (Pinocchio's ``getFrameId`` would return the number of frames).
         """
         if not isinstance(name, str) or not self.model.existFrame(name):
-            raise unknown_name("frame", name, self.frame_names, f"print(robot.frame_names) lists those of {self.name}.")
+            raise unknown_name(
+                "frame", name, self.frame_names, f"print(robot.frame_names) lists those of {self.name}."
+            )
         return self.frame_names.index(name)
 
     def joint(self, name: str) -> int:
@@ -214,19 +218,20 @@ def load(
     Parameters
     ----------
     source : str, path, pinocchio.Model or pinocchio.RobotWrapper
-        A name (``catalogue()`` lists them; robotraj's own win over example-robot-data's), the path of a URDF file, or a
-        model, which is copied and never written to.
+        A name (``catalogue()`` lists them; robotraj's own win over example-robot-data's), the path of a URDF
+        file, or a model, which is copied and never written to.
     package_dirs : path or sequence of paths
         Folders to find meshes in, before the URDF's own, those above it and ROS's package paths.
     actuated : iterable of str, optional
-        Joints with a motor. Default: those the catalogue knows (acrobot: the elbow; cartpole: the slider), else all.
+        Joints with a motor. Default: those the catalogue knows (acrobot: the elbow; cartpole: the slider),
+        else all.
     locked : mapping, optional
         Joints held at a value, ``{"wrist": 0.0}`` [rad, m]; they are no part of q and v any more.
     root : str
         ``"fixed"``: the URDF's root link does not move.
     limits : mapping or Limits, optional
-        Overrides by quantity: ``{"position": {"elbow": (-1, 1)}, "velocity": 3.0, "effort": {"elbow": 20}}``; see
-        ``Limits.with_``.
+        Overrides by quantity: ``{"position": {"elbow": (-1, 1)}, "velocity": 3.0, "effort": {"elbow":
+        20}}``; see ``Limits.with_``.
 
     Returns
     -------
@@ -236,14 +241,15 @@ def load(
     Raises
     ------
     InputError
-        An unknown name, an unreadable file, joints with more than one degree of freedom, a floating root, nothing left
-        to move, impossible limits.
+        An unknown name, an unreadable file, joints with more than one degree of freedom, a floating root,
+        nothing left to move, impossible limits.
 
     Notes
     -----
-    Joints that the URDF couples by ``<mimic>`` are locked together with their leader, because Pinocchio's forward
-    dynamics has no coupled joints: ``locked={leader: value}`` says where. Rotor inertias are added to the armature.
-    The neutral configuration is the SRDF's reference, else zero, moved inside the position limits.
+    Joints that the URDF couples by ``<mimic>`` are locked together with their leader, because Pinocchio's
+    forward dynamics has no coupled joints: ``locked={leader: value}`` says where. Rotor inertias are added
+    to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
+    limits.
     """
     if root not in ROOTS:
         raise unknown_name("root", root, ROOTS, "Plan with root='fixed'.")

@@ -1,4 +1,4 @@
-"""The robots that ship with robotraj obey their textbook equations, look complete, and say where they come from."""
+"""The robots that ship with robotraj obey their textbook equations and say where they come from."""
 
 from __future__ import annotations
 

@@ -8,3 +8,16 @@ from robotraj.loading.geometry import Geometry, NoGeometry
 from robotraj.loading.limits import Limits
 from robotraj.loading.source import describe
 from robotraj.loading.table import table
+
+__all__ = [
+    "Entry",
+    "Geometry",
+    "Limits",
+    "NoGeometry",
+    "as_vector",
+    "assemble",
+    "catalogue",
+    "describe",
+    "table",
+    "units",
+]

@@ -65,7 +65,7 @@ def assemble(
 
 
 def units(model: pin.Model) -> tuple[str, ...]:
-    """Unit of each joint's position: ``"m"`` where it only translates, else ``"rad"``."""
+    """Give the unit of each joint's position: ``"m"`` where it only translates, else ``"rad"``."""
     result = []
     for joint in list(model.joints)[1:]:
         data = joint.createData()
@@ -122,7 +122,8 @@ def _dissipation_note(model: pin.Model) -> str:
     if not np.any(model.damping) and not np.any(model.upperDryFrictionLimit):
         return ""
     return (
-        "Damping and friction are the model's (a URDF's <dynamics>); Pinocchio's own dynamics leave them out, "
+        "Damping and friction are the model's (a URDF's <dynamics>); Pinocchio's own dynamics leave them "
+        "out, "
         "robotraj adds them."
     )
 
@@ -133,7 +134,8 @@ def _mimic_notes(about: Description, held: Mapping[str, float], asked: Mapping[s
         return []
     places = ", ".join(f"{joint} at {held[joint]:.4g}" for joint in held if joint in coupled)
     return [
-        f"Joints coupled by <mimic> are locked: {places}. Choose where with locked={{leader: value}}, or load a "
+        f"Joints coupled by <mimic> are locked: {places}. Choose where with locked={{leader: value}}, or "
+        "load a "
         "pin.Model built with mimic=False to move them independently."
     ]
 

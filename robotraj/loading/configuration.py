@@ -19,8 +19,8 @@ def as_vector(value: Any, joints: Sequence[str], what: str, rest: Array) -> Arra
     Parameters
     ----------
     value : number, sequence, array or mapping by joint
-        A number stands for all joints; (n,), (n, 1) and (1, n) of any real type are taken; joints a mapping does not
-        name take their value from ``rest``.
+        A number stands for all joints; (n,), (n, 1) and (1, n) of any real type are taken; joints a mapping
+        does not name take their value from ``rest``.
     joints : sequence of str
         The moving joints, in order.
     what : str

@@ -23,7 +23,8 @@ class Entry:
     actuated : tuple of str or None
         Joints with a motor; None for all.
     moving : tuple of str
-        Beginnings of the names of the joints that move; the others are locked at the reference. Empty: all move.
+        Beginnings of the names of the joints that move; the others are locked at the reference. Empty: all
+        move.
     end_effector : str or None
         The frame whose path is worth drawing.
     licence, provenance : str

@@ -1,7 +1,7 @@
-"""Where a robot's visual and collision geometry comes from; it is read when first asked for, and never pickled.
+"""Where a robot's visual and collision geometry comes from: read when first asked for, never pickled.
 
-A robot is light that way (19 kB instead of 177 MB for a UR5's meshes), so that planning starts at once and a robot can
-be sent to another process.
+A robot is light that way (19 kB instead of 177 MB for a UR5's meshes), so that planning starts at once and a
+robot can be sent to another process.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Geometry(Protocol):
 
 @dataclass(frozen=True)
 class UrdfGeometry:
-    """Shapes of a URDF; links keep their frames through locking, so they attach to the planning model by name.
+    """Shapes of a URDF; links keep their frames through locking, so they attach to the model by name.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class UrdfGeometry:
     package_dirs: tuple[str | os.PathLike[str], ...] = ()
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
-        """Read the shapes of one kind; warn, naming them, about meshes that are not there and leave them out."""
+        """Read the shapes of one kind; leave out meshes that are not there, with a warning."""
         root = deepcopy(read_xml(self.urdf))
         folders = list(search_folders(self.urdf, self.package_dirs))
         missing: list[str] = []
@@ -68,7 +68,8 @@ class UrdfGeometry:
                     mesh.set("filename", str(found))
         if missing:
             warnings.warn(
-                f"{self.urdf.name}: {len(missing)} {TAGS[kind]} mesh(es) not found and left out: {', '.join(missing)}. "
+                f"{self.urdf.name}: {len(missing)} {TAGS[kind]} mesh(es) not found and left out: "
+                f"{', '.join(missing)}. "
                 "Name the folder above the package with package_dirs=.",
                 stacklevel=3,
             )

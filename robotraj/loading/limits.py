@@ -1,4 +1,4 @@
-"""The limits of a robot's joints: copied from the model, overridden by the caller, and judged joint by joint."""
+"""The limits of a robot's joints: copied from the model, overridden by the caller, judged one by one."""
 
 from __future__ import annotations
 
@@ -60,8 +60,9 @@ class Limits:
     def of(cls, model: pin.Model) -> Limits:
         """Copy the limits of a model whose joints have one position and one velocity each.
 
-        Where a model's lower velocity or effort limit is tighter than the upper one, the tighter holds both ways.
-        Pinocchio 4.1 writes lower velocity limits with the wrong sign; a lower limit that is not negative is ignored.
+        Where a model's lower velocity or effort limit is tighter than the upper one, the tighter holds both
+        ways. Pinocchio 4.1 writes lower velocity limits with the wrong sign; a lower limit that is not
+        negative is ignored.
         """
         return cls(
             tuple(model.names)[1:],
@@ -80,7 +81,8 @@ class Limits:
         Parameters
         ----------
         position : number, pair, mapping by joint, optional
-            ``2.0`` for [-2, 2], ``(lower, upper)``, or ``{"elbow": (lower, upper)}`` [rad, m]; ``np.inf`` and None: free.
+            ``2.0`` for [-2, 2], ``(lower, upper)``, or ``{"elbow": (lower, upper)}`` [rad, m]; ``np.inf``
+            and None: free.
         velocity, acceleration, effort : number, (nv,) array, mapping by joint, optional
             Largest magnitude [rad/s, m/s; rad/s^2, m/s^2; N m, N]; ``np.inf`` lifts the limit.
 
@@ -93,7 +95,7 @@ class Limits:
         --------
         >>> robot.limits.with_(position={"elbow": (-1, 1)}, velocity=3.0)
         """
-        new: dict[str, Array] = {}
+        new: dict[str, Any] = {}
         if position is not None:
             new["position_lower"], new["position_upper"] = self._positions(position)
         for name, value in zip(MAGNITUDES, (velocity, acceleration, effort), strict=True):
@@ -102,7 +104,7 @@ class Limits:
         return replace(self, **new)
 
     def override(self, changes: Any) -> Limits:
-        """Apply ``rt.load``'s ``limits=``: a mapping by quantity, see ``with_``; or Limits for the same joints."""
+        """Apply ``rt.load``'s ``limits=``: a mapping by quantity, see ``with_``, or Limits."""
         if isinstance(changes, Limits):
             if changes.joints != self.joints:
                 raise InputError(
@@ -111,7 +113,8 @@ class Limits:
             return changes
         if not isinstance(changes, Mapping):
             raise InputError(
-                f"limits= is a mapping such as {{'position': {{'elbow': (-1, 1)}}, 'velocity': 3.0}}; got {changes!r}."
+                f"limits= is a mapping such as {{'position': {{'elbow': (-1, 1)}}, 'velocity': 3.0}}; got "
+                f"{changes!r}."
             )
         for name in changes:
             if name not in QUANTITIES:
@@ -133,8 +136,10 @@ class Limits:
             if faults:
                 cures = ", ".join(f"'{name}': {{{joint!r}: {_EXAMPLE[name]}}}" for name in faults)
                 sentences.append(
-                    f"Joint {joint!r} cannot be planned with its limits: {', '.join(faults.values())}. Give others with "
-                    f"rt.load(..., limits={{{cures}}}) or Phase(limits=robot.limits.with_(...)), or none with "
+                    f"Joint {joint!r} cannot be planned with its limits: {', '.join(faults.values())}. Give "
+                    "others with "
+                    f"rt.load(..., limits={{{cures}}}) or Phase(limits=robot.limits.with_(...)), or none "
+                    "with "
                     "Phase(limits=None)."
                 )
         return tuple(sentences)
@@ -196,7 +201,12 @@ class Limits:
         return magnitudes
 
 
-_EXAMPLE = {"position": "(lower, upper)", "velocity": "largest", "acceleration": "largest", "effort": "largest"}
+_EXAMPLE = {
+    "position": "(lower, upper)",
+    "velocity": "largest",
+    "acceleration": "largest",
+    "effort": "largest",
+}
 
 
 def _magnitude(lower: Array, upper: Array) -> Array:
@@ -223,5 +233,7 @@ def _pair(joint: object, value: Any) -> tuple[float, float]:
     low = -np.inf if value[0] is None else _number(f"lower position limit of {joint!r}", value[0])
     high = np.inf if value[1] is None else _number(f"upper position limit of {joint!r}", value[1])
     if not low <= high:
-        raise InputError(f"The position limits of {joint!r} are [{low:g}, {high:g}]: the lower must be below the upper.")
+        raise InputError(
+            f"The position limits of {joint!r} are [{low:g}, {high:g}]: the lower must be below the upper."
+        )
     return low, high

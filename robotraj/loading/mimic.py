@@ -1,8 +1,9 @@
 """Joints that a URDF couples by ``<mimic>``: follower = multiplier * leader + offset.
 
-Pinocchio reads them as independent joints unless asked, and its forward dynamics refuses them when asked. A plan that
-moved only the leader, or both apart, would be of another machine. So a coupled mechanism (a gripper, in practice) is
-locked as a whole, followers where the leader's position puts them: the plan then holds for the real robot.
+Pinocchio reads them as independent joints unless asked, and its forward dynamics refuses them when asked. A
+plan that moved only the leader, or both apart, would be of another machine. So a coupled mechanism (a
+gripper, in practice) is locked as a whole, followers where the leader's position puts them: the plan then
+holds for the real robot.
 """
 
 from __future__ import annotations
@@ -44,7 +45,9 @@ def read_mimics(robot: Element, moving: Sequence[str]) -> tuple[Mimic, ...]:
         try:
             mimic = Mimic(follower, leader, float(tag.get("multiplier", "1")), float(tag.get("offset", "0")))
         except ValueError as error:
-            raise InputError(f"Joint {follower!r} mimics {leader!r} by {dict(tag.attrib)}: no numbers.") from error
+            raise InputError(
+                f"Joint {follower!r} mimics {leader!r} by {dict(tag.attrib)}: no numbers."
+            ) from error
         mimics.append(mimic)
     return tuple(mimics)
 
@@ -84,7 +87,8 @@ def lock_mimics(
             value = position(joint)
             if joint in locked and abs(locked[joint] - value) > 1e-9:
                 raise InputError(
-                    f"locked= holds {joint!r} at {locked[joint]:g}, but it mimics {by_follower[joint].leader!r}, which "
+                    f"locked= holds {joint!r} at {locked[joint]:g}, but it mimics "
+                    f"{by_follower[joint].leader!r}, which "
                     f"puts it at {value:g}. Lock {by_follower[joint].leader!r} instead."
                 )
             result[joint] = value

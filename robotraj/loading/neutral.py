@@ -1,4 +1,4 @@
-"""The neutral configuration: a reference of the SRDF where there is one, else zeros, brought inside the limits."""
+"""The neutral configuration: the SRDF's reference where there is one, else zeros, within the limits."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ REFERENCES = ("half_sitting", "standing", "default", "home", "neutral", "arm_up"
 
 
 def reference(model: pin.Model, srdf: Path | None) -> tuple[Array, str]:
-    """Give the configuration to start from, as angles (nv,), and its name (empty for Pinocchio's neutral one).
+    """Give the configuration to start from, as angles (nv,), and its name (empty for zeros).
 
     Parameters
     ----------
@@ -36,22 +36,24 @@ def reference(model: pin.Model, srdf: Path | None) -> tuple[Array, str]:
     name = next((name for name in REFERENCES if name in known), next(iter(known), ""))
     q = known.get(name, pin.neutral(copy))
     if not np.all(np.isfinite(q)):
-        raise InputError(f"The reference configuration {name!r} of {model.name!r} holds values that are no numbers.")
+        raise InputError(
+            f"The reference configuration {name!r} of {model.name!r} holds values that are no numbers."
+        )
     return angles(model, q), name
 
 
 def inside(q: Array, limits: Limits) -> Array:
-    """Move each joint to the nearest position within its limits; joints with inverted limits stay [rad, m]."""
+    """Move each joint to the nearest position within its limits; inverted limits move nothing [rad, m]."""
     sound = limits.position_lower <= limits.position_upper
     return np.where(sound, np.clip(q, limits.position_lower, limits.position_upper), q)
 
 
 def outside(q: Array, limits: Limits, units: Sequence[str]) -> list[str]:
-    """Name the joints that lie outside their position limits: ``'elbow' at 0 rad, limits [0.5, 2] rad``."""
+    """Name the joints outside their position limits, unless these are inverted: ``'elbow' at 0 rad, limits [0.5, 2] rad``."""
     named = []
     for joint, unit, value, low, high in zip(
         limits.joints, units, q, limits.position_lower, limits.position_upper, strict=True
     ):
-        if not low <= value <= high:
+        if low <= high and not low <= value <= high:
             named.append(f"{joint!r} at {value:.4g} {unit}, limits [{low:.4g}, {high:.4g}] {unit}")
     return named

@@ -25,8 +25,8 @@ def search_folders(urdf: Path, package_dirs: Sequence[str | os.PathLike[str]] = 
 def find_mesh(address: str, urdf: Path, folders: Sequence[Path]) -> Path | None:
     """Resolve one mesh address to an existing file, or None.
 
-    ``package://name/rest`` is ``folder/name/rest``; where the folder itself is the package (its own name, or its
-    package.xml, is all that ``name`` stands for), ``folder/rest`` is taken too.
+    ``package://name/rest`` is ``folder/name/rest``; where the folder itself is the package (its own name, or
+    its package.xml, is all that ``name`` stands for), ``folder/rest`` is taken too.
     """
     scheme, separator, rest = address.partition("://")
     if not separator:

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 
 def with_rotors(model: pin.Model, srdf: Path | None) -> tuple[pin.Model, str]:
-    """Copy a model with rotor inertias reflected into the armature, where it has none, and say where they come from.
+    """Copy a model with rotor inertias added as armature where it has none, and state their source.
 
     Parameters
     ----------

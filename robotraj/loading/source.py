@@ -1,4 +1,4 @@
-"""What the caller may load: a name, a URDF file, a pin.Model or a RobotWrapper; each becomes one Description."""
+"""What may be loaded: a name, a URDF file, a pin.Model or a RobotWrapper; each becomes a Description."""
 
 from __future__ import annotations
 
@@ -55,7 +55,9 @@ class Description:
     end_effector: str | None = None
 
 
-def describe(source: Any, package_dirs: Sequence[str | os.PathLike[str]]) -> Description:
+def describe(
+    source: Any, package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+) -> Description:
     """Read the source.
 
     Raises
@@ -80,12 +82,15 @@ def describe(source: Any, package_dirs: Sequence[str | os.PathLike[str]]) -> Des
 
 
 def _is_path(text: str) -> bool:
-    return "/" in text or os.sep in text or text.lower().endswith((".urdf", ".xml", ".xacro", ".sdf", ".mjcf"))
+    return (
+        "/" in text or os.sep in text or text.lower().endswith((".urdf", ".xml", ".xacro", ".sdf", ".mjcf"))
+    )
 
 
 def _wrapper(wrapper: Any) -> Description:
     shapes = tuple(
-        part if part is not None else pin.GeometryModel() for part in (wrapper.visual_model, wrapper.collision_model)
+        part if part is not None else pin.GeometryModel()
+        for part in (wrapper.visual_model, wrapper.collision_model)
     )
     return Description(wrapper.model.name or "robot", wrapper.model, (shapes[0], shapes[1]), "a RobotWrapper")
 

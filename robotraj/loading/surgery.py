@@ -1,4 +1,4 @@
-"""From any model of single-axis joints to the planning model: continuous joints take an angle, some joints are locked.
+"""To the planning model: continuous joints take an angle, some joints are locked.
 
 Nothing here writes to the model it is given.
 """
@@ -41,13 +41,16 @@ def check_joints(model: pin.Model) -> None:
     mimic = [model.names[joint] for joint in model.mimicking_joints]
     if mimic:
         raise InputError(
-            f"The model has active mimic joints ({', '.join(mimic)}), which Pinocchio's forward dynamics refuses; "
-            "give the path of the URDF, or build the model with mimic=False (the joints are then independent)."
+            f"The model has active mimic joints ({', '.join(mimic)}), which Pinocchio's forward dynamics "
+            "refuses; "
+            "give the path of the URDF, or build the model with mimic=False (the joints are then "
+            "independent)."
         )
     wide = [f"{n!r} ({j.shortname()})" for n, j in zip(model.names, model.joints, strict=True) if j.nv > 1]
     if wide:
         raise InputError(
-            f"Joint {', '.join(wide)} has more than one degree of freedom; floating bases and spherical joints come "
+            f"Joint {', '.join(wide)} has more than one degree of freedom; floating bases and spherical "
+            "joints come "
             "with contacts. Give the model with a fixed root and single-axis joints."
         )
 
@@ -55,8 +58,8 @@ def check_joints(model: pin.Model) -> None:
 def plan_in_angles(model: pin.Model) -> pin.Model:
     """Copy a model, rebuilding each continuous joint (q = cos, sin) as a revolute one whose q is the angle.
 
-    Joints and frames keep their order and placements, so geometry made for the model fits the copy. The angle of a
-    rebuilt joint has no position limits: Pinocchio's +-1.01 bound its cosine and sine.
+    Joints and frames keep their order and placements, so geometry made for the model fits the copy. The
+    angle of a rebuilt joint has no position limits: Pinocchio's +-1.01 bound its cosine and sine.
     """
     if model.nq == model.nv:
         return model.copy()
@@ -72,7 +75,9 @@ def plan_in_angles(model: pin.Model) -> pin.Model:
         upper = np.array([np.inf]) if angular else model.upperPositionLimit[q]
         effort, speed = model.upperEffortLimit[v], model.upperVelocityLimit[v]
         kind = _revolute(joint) if angular else joint
-        copy.addJoint(model.parents[i], kind, model.jointPlacements[i], model.names[i], effort, speed, lower, upper)
+        copy.addJoint(
+            model.parents[i], kind, model.jointPlacements[i], model.names[i], effort, speed, lower, upper
+        )
         copy.appendBodyToJoint(i, model.inertias[i], pin.SE3.Identity())
     for frame in list(model.frames)[1:]:
         copy.addFrame(frame, False)
@@ -91,7 +96,7 @@ def _revolute(joint: pin.JointModel) -> pin.JointModel:
 
 
 def angles(model: pin.Model, q: Array) -> Array:
-    """Turn a configuration of ``model`` into one of ``plan_in_angles(model)``: (cos, sin) becomes atan2(sin, cos).
+    """Turn a configuration of ``model`` into one of ``plan_in_angles(model)``: atan2(sin, cos).
 
     A pair (cos, sin) need not have length 1; one of length 0 gives the angle 0.
     """
@@ -108,7 +113,8 @@ def locked_ids(model: pin.Model, locked: Mapping[str, float]) -> list[int]:
     Raises
     ------
     InputError
-        An unknown joint (``pin.buildReducedModel`` would ignore it), a value that is no number, no joint left.
+        An unknown joint (``pin.buildReducedModel`` would ignore it), a value that is no number, no joint
+        left.
     """
     names = list(model.names)[1:]
     for joint, value in locked.items():
@@ -118,8 +124,10 @@ def locked_ids(model: pin.Model, locked: Mapping[str, float]) -> list[int]:
             raise InputError(f"locked= holds joint {joint!r} at {value!r}; give one finite number [rad, m].")
     if len(locked) == len(names):
         raise InputError(
-            f"Every joint of {model.name!r} is locked ({', '.join(names)}): nothing can move. Joints that the URDF "
-            "couples by <mimic> are locked together; give a pin.Model built with mimic=False to move them one by one."
+            f"Every joint of {model.name!r} is locked ({', '.join(names)}): nothing can move. Joints that "
+            "the URDF "
+            "couples by <mimic> are locked together; give a pin.Model built with mimic=False to move them "
+            "one by one."
         )
     return sorted(int(model.getJointId(joint)) for joint in locked)
 

@@ -9,7 +9,18 @@ import numpy as np
 if TYPE_CHECKING:
     from robotraj.robot import Robot
 
-HEAD = ("joint", "unit", "position", "velocity", "acceleration", "effort", "motor", "damping", "friction", "neutral")
+HEAD = (
+    "joint",
+    "unit",
+    "position",
+    "velocity",
+    "acceleration",
+    "effort",
+    "motor",
+    "damping",
+    "friction",
+    "neutral",
+)
 RATES = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
 
 
@@ -22,7 +33,7 @@ def _interval(low: float, high: float) -> str:
 
 
 def table(robot: Robot) -> str:
-    """Write the robot's joints with units, limits (``-``: none), motors, damping and friction; then its notes."""
+    """Write the robot's joints with units, limits (``-``: none), motors and damping; then its notes."""
     limits = robot.limits
     rows = [HEAD]
     for i, (joint, unit) in enumerate(zip(robot.joint_names, robot.units, strict=True)):
@@ -42,11 +53,14 @@ def table(robot: Robot) -> str:
             )
         )
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    ]
     lines.insert(1, "-" * max(len(line) for line in lines))
     title = (
         f"{robot.name}: {robot.nv} moving joint{'s' if robot.nv != 1 else ''}, {robot.nu} actuated, "
-        f"{sum(inertia.mass for inertia in list(robot.model.inertias)[1:]):.4g} kg moving, from {robot.origin}"
+        f"{sum(inertia.mass for inertia in list(robot.model.inertias)[1:]):.4g} kg moving, from "
+        f"{robot.origin}"
     )
     notes = [f"note: {note}" for note in (*robot.notes, *robot.limits.complaints(robot.actuated))]
     return "\n".join([title, *lines, *notes])

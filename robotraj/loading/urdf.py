@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pinocchio as pin
 
-from robotraj.errors import InputError
+from robotraj.errors import InputError, unknown_name
 
-COUNTS = {"revolute", "continuous", "prismatic", "floating", "planar", "fixed"}
+JOINT_TYPES = {"revolute", "continuous", "prismatic", "floating", "planar", "fixed"}
 
 
 def read_xml(path: Path) -> ElementTree.Element:
@@ -27,20 +28,51 @@ def read_xml(path: Path) -> ElementTree.Element:
     except ElementTree.ParseError as error:
         raise InputError(f"{str(path)!r} is no well-formed XML: {error}.") from error
     if root.tag != "robot":
-        raise InputError(f"{str(path)!r} is no URDF: its root is <{root.tag}>, not <robot>. Convert it to URDF first.")
+        raise InputError(
+            f"{str(path)!r} is no URDF: its root is <{root.tag}>, not <robot>. Convert it to URDF first."
+        )
     if path.suffix == ".xacro" or any("ros.org/wiki/xacro" in element.tag for element in root.iter()):
-        raise InputError(f"{str(path)!r} is a xacro macro, not a URDF: expand it with the xacro command first.")
-    _check_joint_types(path, root)
+        raise InputError(
+            f"{str(path)!r} is a xacro macro, not a URDF: expand it with the xacro command first."
+        )
+    _check_joints(path, root)
     return root
 
 
-def _check_joint_types(path: Path, root: ElementTree.Element) -> None:
+def _check_joints(path: Path, root: ElementTree.Element) -> None:
+    """Say what urdfdom would only print to the console: which joint is wrong, and how."""
+    links = [link.get("name", "") for link in root.findall("link")]
     for joint in root.findall("joint"):
-        kind = joint.get("type")
-        if kind not in COUNTS:
+        name, kind = joint.get("name"), joint.get("type")
+        if kind not in JOINT_TYPES:
             raise InputError(
-                f"{str(path)!r}: joint {joint.get('name')!r} has type {kind!r}; a URDF knows {', '.join(sorted(COUNTS))}."
+                f"{str(path)!r}: joint {name!r} has type {kind!r}; "
+                f"a URDF knows {', '.join(sorted(JOINT_TYPES))}."
             )
+        for end in ("parent", "child"):
+            tag = joint.find(end)
+            link = None if tag is None else tag.get("link")
+            if link not in links:
+                raise unknown_name(
+                    "link", link, links, f"It is the {end} of joint {name!r} in {str(path)!r}."
+                )
+        limit = joint.find("limit")
+        if limit is None and kind in ("revolute", "prismatic"):
+            raise InputError(
+                f"{str(path)!r}: the {kind} joint {name!r} has no <limit>; a URDF asks for its effort and velocity."
+            )
+        for key, text in {} if limit is None else limit.attrib.items():
+            if not _is_number(text):
+                raise InputError(
+                    f"{str(path)!r}: joint {name!r} has {key} limit {text!r}, which is no number."
+                )
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return not math.isnan(float(text))
+    except ValueError:
+        return False
 
 
 def read_model(path: Path) -> pin.Model:
@@ -49,9 +81,11 @@ def read_model(path: Path) -> pin.Model:
     Raises
     ------
     InputError
-        Pinocchio cannot read it; its own message is passed on.
+        Pinocchio cannot read it; the URDF parser prints the reason on the console.
     """
     try:
         return pin.buildModelFromUrdf(str(path))
     except (ValueError, RuntimeError) as error:
-        raise InputError(f"Pinocchio cannot read the URDF {str(path)!r}: {error}") from error
+        raise InputError(
+            f"Pinocchio cannot read the URDF {str(path)!r}: {error} The URDF parser printed why above."
+        ) from error
