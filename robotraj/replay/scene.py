@@ -10,7 +10,7 @@ from typing import Any
 import meshcat
 import numpy as np
 import pinocchio as pin
-from meshcat.animation import Animation, AnimationClip, AnimationTrack
+from meshcat.animation import Animation, AnimationClip
 from meshcat.path import Path as NodePath
 from numpy.typing import NDArray
 from trimesh import creation
@@ -19,7 +19,7 @@ from robotraj.replay.ground import Ground, ground_of
 from robotraj.replay.motion import Motion, keys, motion_of
 from robotraj.replay.shapes import tube
 from robotraj.replay.visuals import Visual, visuals_of
-from robotraj.replay.window import RecordingWindow, draw
+from robotraj.replay.window import PackedTrack, RecordingWindow, draw
 
 Array = NDArray[np.float64]
 TRACE_COLORS = ((0.84, 0.15, 0.36), (0.10, 0.45, 0.82), (0.93, 0.55, 0.08), (0.35, 0.30, 0.75))
@@ -145,14 +145,13 @@ def _animation(motion: Motion, paths: list[str], fps: int) -> Animation:
     for joint in range(1, len(paths)):
         position, quaternion = motion.position[:, joint], motion.quaternion[:, joint]
         chosen = keys(position, quaternion)
-        stamps = [float(f) for f in frames[chosen]]
         clip = AnimationClip(fps=fps)
         for name, kind, values in (
             ("position", "vector3", position),
             ("quaternion", "quaternion", quaternion),
         ):
             if np.ptp(values, axis=0).max() > STILL:
-                clip.tracks[name] = AnimationTrack(name, kind, stamps, values[chosen].tolist())
+                clip.tracks[name] = PackedTrack(name, kind, frames[chosen], values[chosen])
         if clip.tracks:
             animation.clips[ROOT.append(paths[joint])] = clip
     return animation

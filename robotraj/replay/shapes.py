@@ -26,7 +26,12 @@ def shape_part(shape: Any) -> Part | None:
     Returns
     -------
     Part or None
-        Without colour; None for a kind that is not known or empty.
+        Without colour; None if the shape has no extent.
+
+    Raises
+    ------
+    LookupError
+        Names a kind that has no triangles here.
     """
     kind = type(shape).__name__
     if kind.startswith("BVHModel"):
@@ -39,7 +44,7 @@ def shape_part(shape: Any) -> Part | None:
         return weld(hull.vertices, hull.faces)
     maker = _MAKERS.get(kind)
     if maker is None:
-        return None
+        raise LookupError(kind)
     mesh = maker(shape)
     return weld(mesh.vertices, mesh.faces)
 

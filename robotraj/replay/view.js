@@ -94,7 +94,8 @@ class View {
     const { center, radius } = this.box();
     const { level, surface } = this.scene.ground;
     if (surface) return;
-    const step = 10 ** Math.floor(Math.log10(radius)) * (radius / 10 ** Math.floor(Math.log10(radius)) > 4 ? 1 : 0.5);
+    const power = 10 ** Math.floor(Math.log10(radius / 4));
+    const step = [1, 2, 5, 10].map((f) => f * power).find((f) => f >= radius / 4);
     const cells = 2 * Math.ceil((5 * radius) / step);
     const grid = new T.GridHelper(cells * step, cells, 0xaab4c0, 0xced6de);
     const middle = [Math.round(center[0] / step) * step, Math.round(center[1] / step) * step, level];

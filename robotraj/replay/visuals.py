@@ -70,10 +70,14 @@ def _visual(thing: Any) -> Visual | None:
     if parts:
         placement = placement @ np.diag([*np.asarray(thing.meshScale, dtype=float).ravel(), 1.0])
     else:
-        part = shape_part(thing.geometry)
+        try:
+            part = shape_part(thing.geometry)
+        except LookupError as error:
+            warnings.warn(
+                f"The replay leaves out {thing.name!r}: it cannot draw a {error.args[0]}.", stacklevel=4
+            )
+            return None
         if part is None:
-            kind = type(thing.geometry).__name__
-            warnings.warn(f"The replay leaves out {thing.name!r}: it cannot draw a {kind}.", stacklevel=4)
             return None
         parts = (part,)
     given: Color = tuple(float(c) for c in np.asarray(thing.meshColor).ravel())  # type: ignore[assignment]

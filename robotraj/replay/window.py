@@ -11,6 +11,7 @@ from typing import Any
 import meshcat
 import numpy as np
 import umsgpack
+from meshcat.animation import AnimationTrack
 from meshcat.geometry import Geometry, Mesh, MeshPhongMaterial
 
 from robotraj.replay.part import Color, Part
@@ -72,6 +73,26 @@ class Surface(Geometry):
                 "attributes": {"position": _array(self.part.vertices, 3)},
                 "index": _array(self.part.faces.reshape(-1, 1), 1),
             },
+        }
+
+
+class PackedTrack(AnimationTrack):
+    """An animation track whose keys travel as two float32 arrays, which three.js takes as they are.
+
+    Parameters
+    ----------
+    name, jstype : str
+        Property and three.js type: ``"position"``, ``"vector3"``.
+    frames : (k,)
+        Key times in frames.
+    values : (k, 3) or (k, 4)
+    """
+
+    def lower(self) -> dict[str, Any]:
+        """Describe the track in three.js's JSON, with binary arrays."""
+        return {"name": f".{self.name}", "type": self.jstype} | {
+            key: umsgpack.Ext(0x17, np.asarray(values, dtype=np.float32).tobytes("C"))
+            for key, values in (("times", self.frames), ("values", self.values))
         }
 
 

@@ -55,8 +55,10 @@ def test_a_mesh_held_in_memory_is_read_back():
     assert solid(shape_part(held)).volume == pytest.approx(mesh.volume, rel=1e-4)
 
 
-def test_an_unknown_shape_gives_none():
-    assert shape_part(coal.TriangleP(np.zeros(3), np.eye(3)[0], np.eye(3)[1])) is None
+def test_a_shape_without_extent_gives_nothing_and_an_unknown_kind_is_named():
+    assert shape_part(coal.Sphere(0.0)) is None
+    with pytest.raises(LookupError, match="TriangleP"):
+        shape_part(coal.TriangleP(np.zeros(3), np.eye(3)[0], np.eye(3)[1]))
 
 
 def test_a_rod_reaches_from_end_to_end():
