@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.dynamics.rigid_body import RATE_UNITS
+from robotraj.columns import values_of, variables_of
 from robotraj.errors import InputError
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
-    from robotraj.solution import PhaseSolution, Solution
+    from robotraj.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -61,12 +60,12 @@ def table(solution: Solution, samples: int | Sequence[float]) -> list[Column]:
     owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
     units: dict[str, str] = {}
     for part in solution.phases:
-        units |= dict(_variables(part.phase))
+        units |= {variable.name: variable.unit for variable in variables_of(part.phase)}
     values = {name: np.full(len(times), np.nan) for name in units}
     for i, part in enumerate(solution.phases):
         mine = owner == i
         if mine.any():
-            for name, column in _values(part, times[mine]).items():
+            for name, column in values_of(part, times[mine]).items():
                 values[name][mine] = column
     return [Column("t", "s", times), *(Column(name, unit, values[name]) for name, unit in units.items())]
 
@@ -102,7 +101,7 @@ def to_json(solution: Solution, path: str | os.PathLike[str], samples: int | Seq
 
     Keys: ``status``, ``success``, ``message``, ``objective``, ``duration`` [s], ``iterations``, ``times`` [s],
     ``parameters``, ``violations`` (text), ``phases`` (``name``, ``subject``, ``start`` [s], ``duration`` [s],
-    ``knots`` [s], ``parameters``), ``units`` by column and ``columns``: lists of equal length, ``"t"`` the first;
+    ``knots`` [s], ``parameters``), ``units`` by column and ``columns``: lists of equal length, ``"t"`` first;
     null where a phase lacks the variable.
 
     Parameters and errors are those of ``to_csv``.
@@ -135,29 +134,6 @@ def to_json(solution: Solution, path: str | os.PathLike[str], samples: int | Seq
     }
     target.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     return target
-
-
-def _variables(phase: Phase) -> list[tuple[str, str]]:
-    """Names and units of what a phase's trajectory tells, in the order of the table."""
-    dae = phase.dae
-    every = [(v.name, v.unit) for v in (*dae.states, *dae.algebraic, *dae.controls)]
-    if phase.robot is None:
-        return every
-    # Accelerations come from the states' polynomials, whichever form the dynamics have.
-    pairs = zip(phase.robot.joint_names, phase.robot.units, strict=True)
-    rates = [(f"a.{joint}", RATE_UNITS[unit][1]) for joint, unit in pairs]
-    known = dict(rates)
-    states = [(v.name, v.unit) for v in dae.states]
-    return [*states, *rates, *((n, u) for n, u in every[len(states) :] if n not in known)]
-
-
-def _values(part: PhaseSolution, times: Array) -> dict[str, Array]:
-    """Values of a phase's variables at times, by name."""
-    sample = part.at(times)
-    values = {**sample.x, **sample.z, **sample.u}
-    if part.phase.robot is not None and sample.a is not None:
-        values |= {f"a.{joint}": a for joint, a in zip(part.phase.robot.joint_names, sample.a.T, strict=True)}
-    return values
 
 
 def _times(solution: Solution, samples: int | Sequence[float]) -> Array:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from robotraj.dynamics import Named
 from robotraj.errors import InputError
 from robotraj.export import to_csv, to_json
+from robotraj.plotting import plot
 from robotraj.problem import Phase, Problem
 from robotraj.sample import Sample, join
 from robotraj.schemes import Mesh
@@ -253,8 +254,6 @@ class Solution:
 
     def plot(self) -> Figure:
         """Draw the trajectories with limits, knots and collocation points; see ``robotraj.plotting``."""
-        from robotraj.plotting import plot
-
         return plot(self)
 
     def __str__(self) -> str:

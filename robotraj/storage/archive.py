@@ -1,7 +1,8 @@
 """The file: a NumPy ``.npz`` of plain arrays and one JSON text, never a pickle.
 
-``about`` says what the file is, ``solution`` is the JSON, and every other entry is an array that the JSON refers
-to, or a Pinocchio model as text: ``np.load("swing.npz")["phases.0.trajectory.x.values"]`` works without robotraj.
+``about`` says what the file is, ``solution`` is the JSON, and every other entry is an array that the JSON
+refers to, or a Pinocchio model as text. Plain NumPy reads it:
+``np.load("swing.npz")["phases.0.trajectory.x.values"]``.
 """
 
 from __future__ import annotations
@@ -80,7 +81,7 @@ def write(path: str | os.PathLike[str], contents: Contents) -> Path:
     partial = target.with_name(target.name + ".part")
     try:
         with partial.open("wb") as file:
-            np.savez_compressed(file, about=_text(about), solution=_text(data), **packer.arrays)
+            np.savez_compressed(file, about=_text(about), solution=_text(data), **packer.arrays)  # type: ignore[arg-type]
         partial.replace(target)
     finally:
         partial.unlink(missing_ok=True)

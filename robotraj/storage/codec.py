@@ -1,8 +1,8 @@
 """Plain data as JSON and arrays: frozen dataclasses, enums, containers, numbers and Pinocchio's values.
 
-A dataclass is written as its class and its fields, so a new constraint, objective or scheme needs no line here.
-Floats survive bit for bit (JSON keeps the shortest text that reads back as the same number; arrays stay binary).
-Python functions are no data: whatever holds one is refused.
+A dataclass is written as its class and its fields, so a new constraint, objective or scheme needs no line
+here. Floats survive bit for bit (JSON keeps the shortest text that reads back as the same number; arrays stay
+binary). Python functions are no data: whatever holds one is refused.
 """
 
 from __future__ import annotations

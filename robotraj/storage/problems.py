@@ -1,7 +1,7 @@
 """Problems in files: everything of them that is plain data, and by name what is not.
 
-Functions that the user wrote in Python (a System's equations, expressions of constraints and objectives) cannot
-be stored safely; a problem loaded without them is enough to look at, sample and plot.
+Functions that the user wrote in Python (a System's equations, expressions of constraints and objectives)
+cannot be stored safely; a problem loaded without them is enough to look at, sample and plot.
 """
 
 from __future__ import annotations
