@@ -23,7 +23,7 @@ from robotraj.links import Continuity
 from robotraj.objectives import Duration, Effort, Lagrange, Mayer
 from robotraj.planning import plan
 from robotraj.problem import Phase, Problem
-from robotraj.refinement import SplitAndMerge
+from robotraj.refinement import RaiseOrder, SplitAndMerge, SplitOrRaise
 from robotraj.replay import replay
 from robotraj.robot import Limits, Robot, catalogue, load
 from robotraj.schemes import (
@@ -34,6 +34,7 @@ from robotraj.schemes import (
     LinearControl,
     LobattoIIIA,
     Mesh,
+    MovingMesh,
     OwnQuadrature,
     PolynomialControl,
     RadauIIA,
@@ -78,6 +79,7 @@ __all__ = [
     "LobattoIIIA",
     "Mayer",
     "Mesh",
+    "MovingMesh",
     "Nlp",
     "NoSolutionFound",
     "OwnQuadrature",
@@ -86,11 +88,13 @@ __all__ = [
     "PolynomialControl",
     "Problem",
     "RadauIIA",
+    "RaiseOrder",
     "Robot",
     "RobotrajError",
     "Slope",
     "Solution",
     "SplitAndMerge",
+    "SplitOrRaise",
     "State",
     "Status",
     "StraightLine",

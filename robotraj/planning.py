@@ -9,8 +9,8 @@ from robotraj.errors import InputError, NoSolutionFound
 from robotraj.guess import Guess
 from robotraj.problem import Phase, Problem
 from robotraj.progress import watching
-from robotraj.refinement import Refinement, SplitAndMerge
-from robotraj.schemes import Mesh
+from robotraj.refinement import Refinement, SplitOrRaise
+from robotraj.schemes import Mesh, RadauIIA
 from robotraj.solution import Solution
 from robotraj.solvers import Ipopt, Solver
 from robotraj.solving import solve
@@ -34,7 +34,7 @@ def plan(
     problem : Problem or Phase
     mesh : Mesh or sequence of Mesh, optional
         One for all phases or one for each; 40 Hermite-Simpson intervals by default. With ``tolerance``, the first
-        mesh, of 10 intervals by default.
+        mesh, of 10 intervals of Radau IIA with 4 points by default.
     guess : Guess or Solution, optional
         A straight line by default; an earlier solution on any mesh and scheme warm starts.
     solver : Solver, optional
@@ -43,7 +43,7 @@ def plan(
         Refine the mesh until the relative error between the knots (``refinement.interval_errors``) is below this and
         the objective has settled to it.
     refinement : Refinement, optional
-        How meshes are refined; ``rt.SplitAndMerge()`` by default.
+        How meshes are refined; ``rt.SplitOrRaise()`` (hp) by default.
     check : bool
         Raise where no solution was found; else return it with its status.
     progress : bool, optional
@@ -63,7 +63,7 @@ def plan(
     if not isinstance(problem, Problem):
         raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
     if mesh is None:
-        mesh = Mesh() if tolerance is None else Mesh(10)
+        mesh = Mesh() if tolerance is None else Mesh(10, RadauIIA(4))
     if not isinstance(mesh, Mesh) and not all(isinstance(m, Mesh) for m in mesh):
         raise InputError("mesh= must be an rt.Mesh, or one for each phase.")
     solver = solver or Ipopt()
@@ -75,7 +75,7 @@ def plan(
         if tolerance is None:
             solution = solve(problem, mesh, guess, solver, show)
         else:
-            solution = adapt(problem, mesh, guess, solver, show, tolerance, refinement or SplitAndMerge())
+            solution = adapt(problem, mesh, guess, solver, show, tolerance, refinement or SplitOrRaise())
     if check and not solution.success:
         raise NoSolutionFound(f"{problem.phases[0].name!r} was not solved.\n{solution}", solution)
     return solution

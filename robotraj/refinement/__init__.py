@@ -2,6 +2,7 @@
 
 from robotraj.refinement.assess import assess
 from robotraj.refinement.error import interval_errors
+from robotraj.refinement.orders import RaiseOrder, SplitOrRaise
 from robotraj.refinement.strategy import Assessment, Refinement, SplitAndMerge
 
-__all__ = ["Assessment", "Refinement", "SplitAndMerge", "assess", "interval_errors"]
+__all__ = ["Assessment", "RaiseOrder", "Refinement", "SplitAndMerge", "SplitOrRaise", "assess", "interval_errors"]

@@ -24,12 +24,15 @@ class Assessment:
         Relative error of every interval.
     jumps : ndarray (K,)
         Largest change of a control inside every interval, relative to its range over the phase.
+    decays : ndarray (K,)
+        Decades by which the Legendre coefficients of the states fall per degree; large where they are smooth.
     settled : bool
         Whether the objective changed by less than the tolerance since the last mesh.
     """
 
     errors: Array
     jumps: Array
+    decays: Array
     settled: bool
 
 
@@ -69,7 +72,7 @@ class SplitAndMerge(Refinement):
         knots, schemes = mesh.knots, mesh.schemes
         parts = np.array(
             [
-                self._parts(error, scheme, tolerance)
+                self.parts(error, scheme, tolerance)
                 for error, scheme in zip(assessment.errors, schemes, strict=True)
             ]
         )
@@ -88,7 +91,8 @@ class SplitAndMerge(Refinement):
             k = last
         return Mesh(tuple(new_knots), tuple(new_schemes))
 
-    def _parts(self, error: float, scheme: Scheme, tolerance: float) -> int:
+    def parts(self, error: float, scheme: Scheme, tolerance: float) -> int:
+        """Parts that an interval of this error should be cut into."""
         if error <= tolerance:
             return 1
         return int(np.clip(np.ceil((2 * error / tolerance) ** (1 / _exponent(scheme))), 2, self.most))
@@ -105,5 +109,11 @@ class SplitAndMerge(Refinement):
 
 def _exponent(scheme: Scheme) -> int:
     """Power of the interval's length with which the residual's integral falls."""
-    assert isinstance(scheme, Collocation)
-    return len(scheme.nodes) + 1
+    return points_of(scheme) + 1
+
+
+def points_of(scheme: Scheme) -> int:
+    """Collocation points of an interval."""
+    if not isinstance(scheme, Collocation):
+        raise InputError(f"{type(scheme).__name__} has no collocation points; refine a collocation scheme.")
+    return len(scheme.nodes)

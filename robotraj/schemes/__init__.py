@@ -4,7 +4,7 @@ from robotraj.schemes.collocation import Collocation, Scheme
 from robotraj.schemes.control import ConstantControl, Control, LinearControl, PolynomialControl
 from robotraj.schemes.gauss import GaussLegendre
 from robotraj.schemes.lobatto import FifthDegree, HermiteSimpson, LobattoIIIA, Trapezoidal
-from robotraj.schemes.mesh import Mesh
+from robotraj.schemes.mesh import Mesh, MovingMesh
 from robotraj.schemes.quadrature import OwnQuadrature, Quadrature, TrapezoidalQuadrature
 from robotraj.schemes.radau import RadauIIA
 
@@ -18,6 +18,7 @@ __all__ = [
     "LinearControl",
     "LobattoIIIA",
     "Mesh",
+    "MovingMesh",
     "OwnQuadrature",
     "PolynomialControl",
     "Quadrature",

@@ -54,6 +54,10 @@ class Collocation(Scheme):
     def order(self) -> int:
         """Order of the error at the knots on smooth problems, with the scheme's own control and quadrature."""
 
+    @abstractmethod
+    def with_points(self, points: int) -> Collocation:
+        """Give the scheme of the same family, control and quadrature with another number of nodes."""
+
     @cached_property
     def matrix(self) -> Array:
         """Butcher matrix A, (s, s)."""

@@ -5,7 +5,7 @@ Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -44,3 +44,7 @@ class GaussLegendre(Collocation):
     def order(self) -> int:
         """2 s."""
         return 2 * self.points
+
+    def with_points(self, points: int) -> GaussLegendre:
+        """Give the same family with that many points."""
+        return replace(self, points=points)

@@ -51,6 +51,10 @@ class LobattoIIIA(Collocation):
         """2 s - 2."""
         return 2 * self.points - 2
 
+    def with_points(self, points: int) -> LobattoIIIA:
+        """Lobatto IIIA with that many points."""
+        return LobattoIIIA(points, control=self.control, quadrature=self.quadrature)
+
 
 @dataclass(frozen=True)
 class Trapezoidal(Collocation):
@@ -65,6 +69,10 @@ class Trapezoidal(Collocation):
     def order(self) -> int:
         """Second."""
         return 2
+
+    def with_points(self, points: int) -> LobattoIIIA:
+        """Lobatto IIIA with that many points."""
+        return LobattoIIIA(points, control=self.control, quadrature=self.quadrature)
 
 
 @dataclass(frozen=True)
@@ -86,6 +94,10 @@ class HermiteSimpson(Collocation):
         """Fourth."""
         return 4
 
+    def with_points(self, points: int) -> LobattoIIIA:
+        """Lobatto IIIA with that many points."""
+        return LobattoIIIA(points, control=self.control, quadrature=self.quadrature)
+
 
 @dataclass(frozen=True)
 class FifthDegree(Collocation):
@@ -100,3 +112,7 @@ class FifthDegree(Collocation):
     def order(self) -> int:
         """Eighth."""
         return 8
+
+    def with_points(self, points: int) -> LobattoIIIA:
+        """Lobatto IIIA with that many points."""
+        return LobattoIIIA(points, control=self.control, quadrature=self.quadrature)

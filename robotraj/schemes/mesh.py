@@ -74,3 +74,28 @@ class Mesh:
             return (self.scheme,) * self.count
         given = tuple(self.scheme)
         return given * self.count if len(given) == 1 else given
+
+
+@dataclass(frozen=True)
+class MovingMesh(Mesh):
+    """A mesh whose knots move: interval lengths are unknowns, and controls may jump at every knot.
+
+    A knot can so come to stand on a switching time; give the scheme a constant or linear control, which cannot bulge over its
+    limits inside a long interval. Interval k, of share d_k of the phase as given, keeps
+    least d_k T <= h_k <= most d_k T.
+
+    Parameters
+    ----------
+    intervals, scheme
+        As for ``Mesh``: where the knots start.
+    least, most : float
+        How far an interval may shrink and grow, relative to its given length.
+    """
+
+    least: float = 0.2
+    most: float = 3.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 < self.least <= 1 <= self.most:
+            raise InputError(f"MovingMesh needs 0 < least <= 1 <= most; got least {self.least}, most {self.most}.")

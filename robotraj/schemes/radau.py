@@ -5,7 +5,7 @@ Source: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), se
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -46,3 +46,7 @@ class RadauIIA(Collocation):
     def order(self) -> int:
         """2 s - 1."""
         return 2 * self.points - 1
+
+    def with_points(self, points: int) -> RadauIIA:
+        """Give the same family with that many points."""
+        return replace(self, points=points)

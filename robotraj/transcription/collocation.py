@@ -12,6 +12,7 @@ the outputs with constant coefficients: the defect of node j on an interval of r
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,7 @@ from scipy import sparse
 from robotraj.constraints import Where
 from robotraj.constraints.base import BoundConstraint
 from robotraj.dynamics.system import as_rows
+from robotraj.schemes import MovingMesh
 from robotraj.transcription.block import Block
 from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
 from robotraj.transcription.triplets import Triplets
@@ -49,13 +51,13 @@ class PointSymbols:
     constants: ca.SX
 
 
-def point_symbols(phase: Phase, layout: PhaseLayout) -> PointSymbols:
-    """Make the symbols; fixed times and parameters are constants beside the fraction tau."""
+def point_symbols(phase: Phase, scalars: Sequence[Scalar]) -> PointSymbols:
+    """Make the symbols; of the scalars (base, span, parameters), fixed ones are constants beside the fraction tau."""
     dae = phase.dae
     x, z, u = (ca.SX.sym(n, len(g)) for n, g in (("x", dae.states), ("z", dae.algebraic), ("u", dae.controls)))
     tau, t0, duration = ca.SX.sym("tau"), ca.SX.sym("t0"), ca.SX.sym("T")
-    p = ca.SX.sym("p", len(layout.parameters))
-    shared = list(zip([t0, duration, *ca.vertsplit(p)], shared_scalars(layout), strict=True))
+    p = ca.SX.sym("p", len(scalars) - 2)
+    shared = list(zip([t0, duration, *ca.vertsplit(p)], scalars, strict=True))
     unknowns = [symbol for symbol, scalar in shared if scalar.column is not None]
     constants = [symbol for symbol, scalar in shared if scalar.column is None]
     return PointSymbols(
@@ -63,9 +65,21 @@ def point_symbols(phase: Phase, layout: PhaseLayout) -> PointSymbols:
     )
 
 
-def shared_scalars(layout: PhaseLayout) -> list[Scalar]:
-    """Start time, duration and parameters, in the order of the symbols."""
+def phase_scalars(layout: PhaseLayout) -> list[Scalar]:
+    """Start time, duration and parameters of a phase, in the order of the symbols."""
     return [layout.t0, layout.duration, *layout.parameters]
+
+
+def interval_scalars(layout: PhaseLayout, interval: int) -> list[Scalar]:
+    """Base, span and parameters as an interval reads them, in the order of the symbols."""
+    clock = layout.intervals[interval].clock
+    return [clock.base, clock.span, *layout.parameters]
+
+
+def taus(layout: PhaseLayout, owners: Sequence[tuple[int, int]]) -> Array:
+    """Constant tau of evaluations at nodes: t = base + tau span."""
+    clocks = [(layout.intervals[k].clock, float(layout.intervals[k].scheme.nodes[j])) for k, j in owners]
+    return np.array([clock.start + clock.length * node for clock, node in clocks])
 
 
 def path_constraints(phase: Phase, where: Where) -> list[BoundConstraint]:
@@ -94,12 +108,12 @@ def collocate(
     defects = [Entry(index, "defect", s.label if s.joint is None else s.name, s.unit) for s in dae.states]
     for interval in layout.intervals:
         scheme = interval.scheme
-        nodes, length, places = scheme.nodes, interval.length, interval.places
+        nodes, places, length = scheme.nodes, interval.places, interval.clock.length
         targets = [(j, interval.states[j], scheme.matrix[j]) for j in range(len(nodes)) if nodes[j] > 0.0]
-        fractions = [interval.start + length * nodes[j] for j, _, _ in targets]
+        fractions = [interval.start + interval.length * nodes[j] for j, _, _ in targets]
         if nodes[-1] < 1.0:
             targets.append((-1, interval.right, scheme.weights))
-            fractions.append(interval.start + length)
+            fractions.append(interval.start + interval.length)
         added = rows.add(defects, np.array(fractions), 0.0, 0.0)
         for at, (_, state, coefficients) in zip(added, targets, strict=True):
             linear.add(at, state, 1.0)
@@ -115,13 +129,15 @@ def collocate(
     entries = [Entry(index, r.name, r.joint or "", r.unit) for r in kept]
     path = rows.add(entries, fractions, np.array([r.lower for r in kept]), np.array([r.upper for r in kept]))
     scatter.add(path.ravel(), (base + nx + nz + np.arange(len(kept))).ravel(), 1.0)
-    gather, offset, constants = _gather(phase, layout, fractions)
+    gather, offset, constants = _gather(phase, layout)
+    if isinstance(layout.mesh, MovingMesh):
+        _tie_intervals(layout.mesh, index, layout, rows, linear)
     empty = sparse.csr_array((0, 0))
     return Block(stage, empty, offset, constants, empty, weights), gather, scatter
 
 
 def _stage(phase: Phase, layout: PhaseLayout) -> Stage:
-    s = point_symbols(phase, layout)
+    s = point_symbols(phase, interval_scalars(layout, 0))
     dae = phase.dae
     point = dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
     integrand = sum(
@@ -138,12 +154,15 @@ def _fraction(layout: PhaseLayout, place: int) -> float:
     return interval.start + interval.length * float(interval.scheme.nodes[j])
 
 
-def _gather(phase: Phase, layout: PhaseLayout, fractions: Array) -> tuple[Triplets, Array, Array]:
+def _gather(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array, Array]:
     """Triplets of G, its offset and the constants, for every evaluation."""
     dae = phase.dae
     nx, nz, nu = len(dae.states), len(dae.algebraic), len(dae.controls)
-    shared = [scalar.column for scalar in shared_scalars(layout) if scalar.column is not None]
-    size = nx + nz + nu + len(shared)
+    shared = [
+        np.array([s.column for s in interval_scalars(layout, k) if s.column is not None], dtype=int)
+        for k in range(len(layout.intervals))
+    ]
+    size = nx + nz + nu + len(shared[0])
     gather = Triplets()
     owners = layout.place_owner
     interpolations = {id(i.scheme): i.scheme.control_at_nodes for i in layout.intervals}
@@ -154,7 +173,49 @@ def _gather(phase: Phase, layout: PhaseLayout, fractions: Array) -> tuple[Triple
         for site, coefficient in enumerate(interpolations[id(interval.scheme)][j]):
             if coefficient:
                 gather.add(base + nx + nz + np.arange(nu), interval.controls[site], coefficient)
-        gather.add(base + nx + nz + nu + np.arange(len(shared)), np.array(shared, dtype=int), 1.0)
-    fixed = [scalar.value for scalar in shared_scalars(layout) if scalar.column is None]
-    constants = np.vstack([fractions, *(np.full(len(fractions), value) for value in fixed)])
+        gather.add(base + nx + nz + nu + np.arange(len(shared[k])), shared[k], 1.0)
+    fixed = [scalar.value for scalar in interval_scalars(layout, 0) if scalar.column is None]
+    constants = np.vstack([taus(layout, owners), *(np.full(len(owners), value) for value in fixed)])
     return gather, np.zeros(size * len(owners)), constants
+
+
+def _tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:
+    """Rows of a moving mesh: intervals follow each other, fill the phase and keep their lengths within bounds.
+
+    s_0 = t0,  s_{k+1} = s_k + h_k,  sum h_k = T,  least d_k T <= h_k <= most d_k T.
+    """
+    count = len(layout.intervals)
+    starts, spans = (
+        np.array([getattr(interval.clock, which).column for interval in layout.intervals])
+        for which in ("base", "span")
+    )
+    fractions = mesh.knots[:-1]
+    shares = np.diff(mesh.knots)
+
+    def add(name: str, at: Array, lower: Array | float, upper: Array | float) -> NDArray[np.int_]:
+        lower, upper = (np.reshape(np.broadcast_to(side, len(at)), (-1, 1)) for side in (lower, upper))
+        return rows.add([Entry(index, name, "", "s")], at, lower, upper)[:, 0]
+
+    def subtract(at: NDArray[np.int_], scalar: Scalar, factors: Array) -> None:
+        """Write - factors * scalar on the left of the rows, where it is a column."""
+        if scalar.column is not None:
+            linear.add(at, np.full(len(at), scalar.column), -factors)
+
+    # Scalars that are no columns are known values and stand in the bounds.
+    begin, total = layout.t0.value, layout.duration.value
+    first = add("start of the first interval", fractions[:1], begin, begin)
+    linear.add(first, starts[:1], 1.0)
+    subtract(first, layout.t0, np.ones(1))
+    follow = add("intervals follow each other", fractions[1:], 0.0, 0.0)
+    linear.add(follow, starts[1:], 1.0)
+    linear.add(follow, starts[:-1], -1.0)
+    linear.add(follow, spans[:-1], -1.0)
+    whole = add("intervals fill the phase", np.array([1.0]), total, total)
+    linear.add(np.repeat(whole, count), spans, 1.0)
+    subtract(whole, layout.duration, np.ones(1))
+    least = add("least length of interval", fractions, mesh.least * shares * total, np.inf)
+    linear.add(least, spans, 1.0)
+    subtract(least, layout.duration, mesh.least * shares)
+    most = add("greatest length of interval", fractions, -np.inf, mesh.most * shares * total)
+    linear.add(most, spans, 1.0)
+    subtract(most, layout.duration, mesh.most * shares)

@@ -15,7 +15,7 @@ from robotraj.dynamics.system import as_rows
 from robotraj.errors import InputError
 from robotraj.links import BoundLink
 from robotraj.transcription.block import Block
-from robotraj.transcription.collocation import path_constraints, path_rows, point_symbols, shared_scalars
+from robotraj.transcription.collocation import path_constraints, path_rows, phase_scalars, point_symbols
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.table import Entry, ScalarTable
@@ -34,7 +34,7 @@ class EndSymbols:
         nx, names = len(phase.dae.states), phase.parameter_names
         x0, x1 = ca.SX.sym("x0", nx), ca.SX.sym("x1", nx)
         t0, duration, p = ca.SX.sym("t0"), ca.SX.sym("T"), ca.SX.sym("p", len(names))
-        shared = list(zip([t0, duration, *ca.vertsplit(p)], shared_scalars(layout), strict=True))
+        shared = list(zip([t0, duration, *ca.vertsplit(p)], phase_scalars(layout), strict=True))
         free = [(symbol, scalar.column) for symbol, scalar in shared if scalar.column is not None]
         fixed = [(symbol, scalar.value) for symbol, scalar in shared if scalar.column is None]
         self.points = (
@@ -66,7 +66,7 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
         constraints = path_constraints(phase, where)
         if not constraints:
             continue
-        s = point_symbols(phase, layout)
+        s = point_symbols(phase, phase_scalars(layout))
         y = path_rows(constraints, phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names))
         inner = ca.vertcat(s.z, s.u)
         if interval.scheme.nodes[node] != fraction and inner.numel() and ca.depends_on(y, inner):
@@ -79,9 +79,9 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
         added = rows.add(entries, np.array([fraction]), np.array([r.lower for r in kept]), np.array([r.upper for r in kept]))
         state = layout.knots[0] if where is Where.START else layout.knots[-1]
         controls = interval.controls[node]
-        shared = [scalar.column for scalar in shared_scalars(layout) if scalar.column is not None]
+        shared = [scalar.column for scalar in phase_scalars(layout) if scalar.column is not None]
         columns = np.concatenate([state, interval.algebraic[node], controls, shared]).astype(int)
-        fixed = [scalar.value for scalar in shared_scalars(layout) if scalar.column is None]
+        fixed = [scalar.value for scalar in phase_scalars(layout) if scalar.column is None]
         blocks.append(single(s.unknowns, s.constants, y, columns, np.array([fraction, *fixed]), added[0]))
     return blocks
 

@@ -47,19 +47,19 @@ def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
     phase = nlp.problem.phases[index]
     rates = block.outputs(w)[: len(phase.dae.states)].T
     t0, duration = layout.t0.of(w), layout.duration.of(w)
-    breaks = t0 + duration * layout.mesh.knots
+    breaks = layout.breaks(w)
     x_sites, x_values, z_sites, z_values, u_sites, u_values = [], [], [], [], [], []
     points = []
-    for interval in layout.intervals:
+    for interval, first, last in zip(layout.intervals, breaks[:-1], breaks[1:], strict=True):
         nodes = interval.scheme.nodes
         sites = lobatto_sites(len(nodes) + 1)
         x_sites.append(sites)
-        x_values.append(w[interval.left] + integrals(nodes, sites) @ (interval.length * rates[interval.places]))
+        x_values.append(w[interval.left] + integrals(nodes, sites) @ (interval.clock.length * rates[interval.places]))
         z_sites.append(nodes)
         z_values.append(w[interval.algebraic])
         u_sites.append(interval.scheme.control_sites)
         u_values.append(w[interval.controls])
-        points.append(t0 + duration * (interval.start + interval.length * nodes))
+        points.append(first + (last - first) * nodes)
     return PhaseTrajectory(
         t0,
         duration,

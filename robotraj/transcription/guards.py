@@ -20,7 +20,7 @@ from robotraj.constraints.base import BoundConstraint, symbols_of
 from robotraj.dynamics.system import as_rows
 from robotraj.polynomials import integrals
 from robotraj.transcription.block import Block
-from robotraj.transcription.collocation import point_symbols, shared_scalars
+from robotraj.transcription.collocation import interval_scalars, point_symbols
 from robotraj.transcription.ends import single
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
@@ -126,6 +126,7 @@ def add_guards(
         row = constraint.rows[guard.row]
         fraction = np.array([interval.start + interval.length * guard.tau])
         entry = Entry(guard.phase, row.name, row.joint or "", row.unit)
+        tau = interval.clock.start + interval.clock.length * guard.tau
         scatter, width = scatters[guard.phase], outputs[guard.phase]
         if row.variable is not None:
             component = [s.name for s in phase.dae.states].index(row.variable)
@@ -137,16 +138,16 @@ def add_guards(
         at = rows.add(defects, fraction, 0.0, 0.0)[0]
         linear.add(at, states, -1.0)
         _polynomial(at, np.arange(len(states)), interval, guard.tau, linear, scatter, width)
-        s = point_symbols(phase, layout)
+        shared = interval_scalars(layout, guard.interval)
+        s = point_symbols(phase, shared)
         point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
         value = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")[guard.row]
-        shared = shared_scalars(layout)
         free = np.array([c.column for c in shared if c.column is not None], dtype=int)
         fixed = [c.value for c in shared if c.column is None]
         kept = ca.vertcat(s.x, s.unknowns[s.x.numel() + s.z.numel() + s.u.numel() :])
         path = rows.add([entry], fraction, row.lower, row.upper)[0]
         blocks.append(
-            single(kept, s.constants, value, np.concatenate([states, free]), np.array([fraction[0], *fixed]), path)
+            single(kept, s.constants, value, np.concatenate([states, free]), np.array([tau, *fixed]), path)
         )
     return blocks
 
@@ -164,4 +165,4 @@ def _polynomial(
     linear.add(at, interval.left[components], 1.0)
     weights = integrals(interval.scheme.nodes, np.array([tau]))[0]
     for place, weight in zip(interval.places, weights, strict=True):
-        scatter.add(at, place * width + components, interval.length * weight)
+        scatter.add(at, place * width + components, interval.clock.length * weight)

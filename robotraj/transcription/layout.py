@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.schemes import Collocation, Mesh
+from robotraj.schemes import Collocation, Mesh, MovingMesh
 from robotraj.transcription.table import Entry, ScalarTable
 
 if TYPE_CHECKING:
@@ -36,6 +36,24 @@ class Scalar:
         return self.value if self.column is None else float(w[self.column])
 
 
+@dataclass(frozen=True)
+class Clock:
+    """How an interval reads time: t = base + (start + length c) span, for c in [0, 1].
+
+    On a fixed mesh base and span are those of the phase, on a moving mesh they are the interval's own unknowns.
+    """
+
+    base: Scalar
+    span: Scalar
+    start: float
+    length: float
+
+    def ends(self, w: Array) -> tuple[float, float]:
+        """First and last time of the interval for a decision vector w [s]."""
+        first = self.base.of(w) + self.start * self.span.of(w)
+        return first, first + self.length * self.span.of(w)
+
+
 @dataclass(frozen=True, eq=False)
 class IntervalLayout:
     """Columns of one interval.
@@ -44,7 +62,8 @@ class IntervalLayout:
     ----------
     scheme : Collocation
     start, length : float
-        As fractions of the phase.
+        As fractions of the phase; on a moving mesh, before it moves.
+    clock : Clock
     states : Indices (s + ..., nx)
         Columns of the state at each node.
     left, right : Indices (nx,)
@@ -60,6 +79,7 @@ class IntervalLayout:
     scheme: Collocation
     start: float
     length: float
+    clock: Clock
     states: Indices
     left: Indices
     right: Indices
@@ -90,6 +110,11 @@ class PhaseLayout:
     parameters: tuple[Scalar, ...]
     place_owner: tuple[tuple[int, int], ...]
 
+    def breaks(self, w: Array) -> Array:
+        """Times of the knots for a decision vector w [s], (K + 1,)."""
+        first = [interval.clock.ends(w)[0] for interval in self.intervals]
+        return np.array([*first, self.t0.of(w) + self.duration.of(w)])
+
 
 def entries_of(phase: int, variables: Sequence[Variable]) -> list[Entry]:
     """Entries of the NLP for named variables."""
@@ -109,14 +134,16 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     breaks = mesh.knots
     lengths = np.diff(breaks)
     knots = [table.add(x, breaks[:1])[0]]
+    clocks = _clocks(mesh, index, t0, duration, table)
+    moving = isinstance(mesh, MovingMesh)
     intervals: list[IntervalLayout] = []
     owners: list[tuple[int, int]] = []
     for k, (scheme, start, length) in enumerate(zip(mesh.schemes, breaks[:-1], lengths, strict=True)):
         assert isinstance(scheme, Collocation)
         before = intervals[-1] if intervals else None
         nodes, sites = scheme.nodes, scheme.control_sites
-        shared_control = before is not None and sites[0] == 0.0 and before.scheme.control_sites[-1] == 1.0
-        shared_node = before is not None and nodes[0] == 0.0 and before.scheme.nodes[-1] == 1.0
+        shared_control = not moving and before is not None and sites[0] == 0.0 and before.scheme.control_sites[-1] == 1.0
+        shared_node = not moving and before is not None and nodes[0] == 0.0 and before.scheme.nodes[-1] == 1.0
         # A control that jumps at the knot gives the knot two accelerations: it is evaluated on both sides.
         shared_place = shared_node and (shared_control or not u)
         controls = _chain(table, u, start + length * sites, before.controls[-1] if before and shared_control else None)
@@ -133,9 +160,21 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
         places[fresh] = np.arange(len(owners), len(owners) + len(fresh))
         owners += [(k, j) for j in fresh]
         intervals.append(
-            IntervalLayout(scheme, start, length, states, knots[k], knots[k + 1], algebraic, controls, places)
+            IntervalLayout(
+                scheme, start, length, clocks[k], states, knots[k], knots[k + 1], algebraic, controls, places
+            )
         )
     return PhaseLayout(mesh, np.array(knots), tuple(intervals), t0, duration, parameters, tuple(owners))
+
+
+def _clocks(mesh: Mesh, index: int, t0: Scalar, duration: Scalar, table: ScalarTable) -> list[Clock]:
+    """Clocks of all intervals; a moving mesh adds the start and the length of each as unknowns."""
+    breaks, lengths = mesh.knots, np.diff(mesh.knots)
+    if not isinstance(mesh, MovingMesh):
+        return [Clock(t0, duration, float(a), float(d)) for a, d in zip(breaks[:-1], lengths, strict=True)]
+    starts = table.add([Entry(index, "start of interval", "", "s")], breaks[:-1])[:, 0]
+    spans = table.add([Entry(index, "length of interval", "", "s")], breaks[:-1], 0.0, np.inf)[:, 0]
+    return [Clock(Scalar(int(a)), Scalar(int(d)), 0.0, 1.0) for a, d in zip(starts, spans, strict=True)]
 
 
 def _scalar(table: ScalarTable, entry: Entry, low: float, high: float) -> Scalar:

@@ -93,10 +93,12 @@ class Nlp:
 
     def times(self, scalars: Scalars, w: Array) -> Array:
         """Time of every column or row [s]."""
-        starts = np.array([layout.t0.of(w) for layout in self.layouts])
-        lengths = np.array([layout.duration.of(w) for layout in self.layouts])
         phase = np.array([entry.phase for entry in scalars.entries], dtype=int)[scalars.meaning]
-        return starts[phase] + scalars.fraction * lengths[phase]
+        times = np.empty(len(scalars))
+        for i, layout in enumerate(self.layouts):
+            chosen = phase == i
+            times[chosen] = np.interp(scalars.fraction[chosen], layout.mesh.knots, layout.breaks(w))
+        return times
 
     def names(self, scalars: Scalars) -> list[str]:
         """Names of columns or rows: phase, meaning, joint and time at the guess."""

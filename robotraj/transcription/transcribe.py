@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robotraj.constraints import Where
 from robotraj.errors import InputError
 from robotraj.guess import Guess, PhaseGuess, StraightLine
-from robotraj.schemes import Collocation, Mesh
+from robotraj.schemes import Collocation, Mesh, MovingMesh
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import collocate
 from robotraj.transcription.ends import end_constraint_blocks, link_block, mayer_block, widen
@@ -156,12 +156,12 @@ def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: Guess, size:
         for scalar, name in zip(layout.parameters, phase.parameter_names, strict=True):
             if scalar.column is not None:
                 w[scalar.column] = known.parameters[name]
+        _fill(w, layout, known, t0)
         t0 += known.duration
-        _fill(w, layout, known)
     return w
 
 
-def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess) -> None:
+def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
     w[layout.knots.ravel()] = known.states(layout.mesh.knots).ravel()
     for interval in layout.intervals:
         nodes = interval.start + interval.length * interval.scheme.nodes
@@ -169,3 +169,6 @@ def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess) -> None:
         w[interval.states.ravel()] = known.states(nodes).ravel()
         w[interval.algebraic.ravel()] = known.algebraic(nodes).ravel()
         w[interval.controls.ravel()] = known.controls(sites).ravel()
+        if isinstance(layout.mesh, MovingMesh):
+            w[interval.clock.base.column] = t0 + known.duration * interval.start
+            w[interval.clock.span.column] = known.duration * interval.length
