@@ -34,7 +34,8 @@ def ground_of(solution: Any, low: NDArray[Any], high: NDArray[Any]) -> Ground:
     size = float(np.linalg.norm(high - low))
     for result in solution.phases:
         for constraint in result.phase.constraints:
-            ground = getattr(constraint, "ground", None)
+            # A constraint held at one end alone wraps the one that has the ground.
+            ground = getattr(getattr(constraint, "constraint", constraint), "ground", None)
             if ground is not None:
                 return _drawn(getattr(ground, "height", ground), low, high, size)
     return Ground(0.0 if low[2] > -0.02 * size else float(low[2] - 0.03 * size))

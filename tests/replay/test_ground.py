@@ -22,6 +22,12 @@ def test_a_clearance_brings_its_ground():
     assert ground.surface is None
 
 
+def test_a_clearance_at_the_end_alone_brings_its_ground_too():
+    assert (
+        ground_of(solution(SimpleNamespace(constraint=clearance(lambda x, y: -0.3))), LOW, HIGH).level == -0.3
+    )
+
+
 def test_a_slope_or_a_plain_function_is_drawn_as_a_surface():
     slope = lambda x, y: 0.1 + 0.3 * x - 0.1 * y  # noqa: E731
     for constraint in (clearance(slope), SimpleNamespace(ground=slope)):
