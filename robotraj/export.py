@@ -99,10 +99,10 @@ def to_csv(solution: Solution, path: str | os.PathLike[str], samples: int | Sequ
 def to_json(solution: Solution, path: str | os.PathLike[str], samples: int | Sequence[float] = 201) -> Path:
     """Write status, figures, phases and the sampled trajectory as plain JSON.
 
-    Keys: ``status``, ``success``, ``message``, ``objective``, ``duration`` [s], ``iterations``, ``times`` [s],
-    ``parameters``, ``violations`` (text), ``phases`` (``name``, ``subject``, ``start`` [s], ``duration`` [s],
-    ``knots`` [s], ``parameters``), ``units`` by column and ``columns``: lists of equal length, ``"t"`` first;
-    null where a phase lacks the variable.
+    Keys: ``status``, ``success``, ``message``, ``objective``, ``duration`` [s], ``iterations``, ``times``
+    [s], ``parameters``, ``violations`` (text), ``phases`` (``name``, ``subject``, ``start`` [s],
+    ``duration`` [s], ``knots`` [s], ``parameters``), ``units`` by column and ``columns``: lists of equal
+    length, ``"t"`` first; null where a phase lacks the variable.
 
     Parameters and errors are those of ``to_csv``.
     """

@@ -56,9 +56,9 @@ def plot(solution: Solution) -> Figure:
 
     Robots get positions, velocities, accelerations and torques, Systems their states, algebraic variables and
     controls; each quantity and unit has its own axes. Dashed lines are limits that hold throughout a phase.
-    Filled dots are knots, open dots the other collocation points; where those are many, long and short ticks at
-    the bottom mark them. Several phases are told apart by bands. A control that jumps at a knot is drawn with
-    both its values.
+    Filled dots are knots, open dots the other collocation points; where those are many, long and short ticks
+    at the bottom mark them. Several phases are told apart by bands. A control that jumps at a knot is drawn
+    with both its values.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def _variables(solution: Solution) -> list[Variable]:
 
 
 def _arrange(variables: Sequence[Variable], systems: bool) -> tuple[list[Panel | None], int]:
-    """Order the panels in a grid: a row for each quantity of robots with joints of both kinds, else compactly."""
+    """Order the panels in a grid: a row for each quantity where a robot has joints of both kinds."""
     panels = list(dict.fromkeys((v.quantity, v.unit) for v in variables))
     panels.sort(key=lambda panel: QUANTITIES.index(panel[0]) if panel[0] in QUANTITIES else len(QUANTITIES))
     quantities = list(dict.fromkeys(quantity for quantity, _ in panels))

@@ -17,9 +17,9 @@ LAYERS: dict[int, tuple[str, ...]] = {
     4: ("schemes", "guess"),
     5: ("transcription", "refinement"),
     6: ("solvers", "status", "progress"),
-    7: ("sample", "violations", "solution", "storage", "export", "plotting", "solving"),
+    7: ("sample", "violations", "solution", "storage", "columns", "export", "plotting", "solving"),
     8: ("adaptive", "planning"),
-    9: ("sweep",),
+    9: ("sweep", "demos"),
     10: ("cli", "__main__", "__init__"),
 }
 """DESIGN.md's layers, with the files that each holds."""

@@ -1,0 +1,5 @@
+"""``python -m robotraj`` is ``robotraj``."""
+
+from robotraj.cli import app
+
+app()

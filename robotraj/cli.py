@@ -1,0 +1,313 @@
+"""The command line: demos, plans between two configurations, saved solutions, and the catalogue of robots."""
+
+from __future__ import annotations
+
+import warnings
+from enum import Enum
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+from typer.core import TyperGroup
+
+from robotraj import demos
+from robotraj.errors import InputError, RobotrajError
+from robotraj.loading import catalogue
+from robotraj.objectives import Duration, Effort, Objective
+from robotraj.planning import plan
+from robotraj.problem import Phase
+from robotraj.replay import replay
+from robotraj.robot import Limits, Robot, load
+from robotraj.schemes import HermiteSimpson, Mesh
+from robotraj.solution import Solution, load_solution
+from robotraj.state import State
+from robotraj.witness import validate
+
+
+class _Group(TyperGroup):
+    """Says what went wrong in one sentence and exits with 1; warnings become notes."""
+
+    def invoke(self, ctx: Any) -> Any:
+        with warnings.catch_warnings():
+            warnings.showwarning = lambda message, *_, **__: _complain(f"note: {message}")
+            try:
+                return super().invoke(ctx)
+            except (RobotrajError, OSError) as error:
+                _complain(f"error: {error}")
+                raise typer.Exit(1) from error
+
+
+app = typer.Typer(
+    cls=_Group,
+    name="robotraj",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Plan robot motions by direct collocation, prove them by simulation, watch them in a browser.",
+)
+
+
+class Minimise(str, Enum):
+    """What ``robotraj plan`` minimises."""
+
+    effort = "effort"
+    duration = "duration"
+
+
+def _say(text: Any) -> None:
+    """Print as it is: no markup, no wrapping."""
+    typer.echo(str(text))
+
+
+def _complain(text: str) -> None:
+    typer.echo(text, err=True)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        try:
+            _say(f"robotraj {version('robotraj')}")
+        except PackageNotFoundError:
+            _say("robotraj, from a checkout")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    shown: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit."),
+    ] = False,
+) -> None:
+    """Plan robot motions by direct collocation, prove them by simulation, watch them in a browser.
+
+    Start with: robotraj demo
+    """
+
+
+HtmlOption = Annotated[Path | None, typer.Option("--html", help="Where to write the replay.", dir_okay=False)]
+SaveOption = Annotated[Path | None, typer.Option("--save", help="Also save the solution, as .npz.")]
+PlotOption = Annotated[
+    Path | None, typer.Option("--plot", help="Also draw the curves, as .png, .svg or .pdf.")
+]
+FileArgument = Annotated[Path, typer.Argument(metavar="FILE.npz", help="A file that solution.save wrote.")]
+RobotArgument = Annotated[
+    str, typer.Argument(metavar="ROBOT", help="A name that 'robotraj robots' lists, or a URDF file.")
+]
+
+
+@app.command(short_help="Plan a built-in demo, prove it, write its replay.")
+def demo(
+    name: Annotated[
+        str, typer.Argument(metavar="[NAME]", help=f"One of {', '.join(demos.DEMOS)}.")
+    ] = demos.DEFAULT,
+    html: HtmlOption = None,
+    save: SaveOption = None,
+    plot: PlotOption = None,
+) -> None:
+    """Plan a built-in demo, prove it and write its replay as HTML into the current directory."""
+    make = demos.demo_named(name)
+    _say(f"{name}: {demos.summary(name)}\n")
+    chosen = make()
+    _say(f"{chosen.phase}\n")
+    known: Any = chosen.guess
+    for mesh in chosen.meshes:
+        known = plan(chosen.phase, mesh, known)
+    _conclude(known, html or Path(f"{name}.html"), save, plot)
+
+
+@app.command("plan", short_help="Plan from rest to rest between two configurations.")
+def plan_command(
+    robot: RobotArgument,
+    to: Annotated[
+        str,
+        typer.Option(
+            "--to",
+            "--end",
+            metavar="Q",
+            help="Last configuration [rad, m]: '0,1.57,0' or 'elbow=1.57,wrist=0'.",
+        ),
+    ],
+    start: Annotated[
+        str | None,
+        typer.Option(
+            "--start", "--from", metavar="Q", help="First configuration; the neutral one if not given."
+        ),
+    ] = None,
+    duration: Annotated[
+        str | None,
+        typer.Option(metavar="T", help="Seconds, '2' or '0.5:3'; 2 by default, free when it is minimised."),
+    ] = None,
+    objective: Annotated[Minimise, typer.Option(help="What is minimised.")] = Minimise.effort,
+    intervals: Annotated[int, typer.Option(help="Hermite-Simpson intervals.")] = 40,
+    velocity: Annotated[
+        float | None, typer.Option(help="Largest speed of every joint [rad/s, m/s] in place of the URDF's.")
+    ] = None,
+    effort: Annotated[
+        float | None, typer.Option(help="Largest torque of every joint [N m, N] in place of the URDF's.")
+    ] = None,
+    limits: Annotated[bool, typer.Option(help="Hold the robot's own joint limits.")] = True,
+    html: HtmlOption = None,
+    save: SaveOption = None,
+    plot: PlotOption = None,
+) -> None:
+    """Plan a motion from rest to rest between two configurations, prove it and write what was asked for.
+
+    Example: robotraj plan ur5 --to 1,-1,1,0,0,0 --duration 0.5:3 --objective duration --html ur5.html
+    """
+    mover = load(robot)
+    free = (0.05, 60.0) if objective is Minimise.duration else 2.0
+    cost: Objective = Duration() if objective is Minimise.duration else Effort()
+    phase = Phase(
+        mover,
+        duration=free if duration is None else _duration(duration),
+        start=State(q=_configuration(mover, start, "--start"), v=0),
+        end=State(q=_configuration(mover, to, "--to"), v=0),
+        objective=cost,
+        limits=_limits(mover, limits, velocity, effort),
+        name=f"{mover.name}, least {objective.value}",
+    )
+    _say(f"{phase}\n")
+    _conclude(plan(phase, Mesh(intervals, HermiteSimpson())), html, save, plot)
+
+
+@app.command("validate", short_help="Prove a saved solution by simulation.")
+def validate_command(
+    file: FileArgument,
+    drift: Annotated[float, typer.Option(help="Largest drift allowed [rad, m].")] = 1e-3,
+    limits: Annotated[
+        float, typer.Option(help="Largest violation of a limit allowed [SI unit of its row].")
+    ] = 1e-3,
+) -> None:
+    """Simulate a saved solution with plain Pinocchio and print the proof; exit with 1 if it fails."""
+    solution = load_solution(file)
+    _say(solution)
+    report = validate(solution, drift=drift, limits=limits)
+    _say(report)
+    if not report.passed:
+        raise typer.Exit(1)
+
+
+@app.command("replay", short_help="Write a saved solution as one HTML file.")
+def replay_command(
+    file: FileArgument,
+    out: Annotated[
+        Path | None, typer.Argument(metavar="[OUT.html]", help="Where to; beside the file if not given.")
+    ] = None,
+    speed: Annotated[float, typer.Option(help="Playback speed to begin with; 1 is real time.")] = 1.0,
+) -> None:
+    """Write a saved solution as one HTML file that opens anywhere, offline."""
+    solution = load_solution(file)
+    _say(f"wrote {replay(solution, out or file.with_suffix('.html'), speed=speed)}")
+
+
+@app.command()
+def robots(
+    search: Annotated[str, typer.Argument(help="Only robots whose name or description contains this.")] = "",
+) -> None:
+    """List the robots that can be loaded by name."""
+    wanted = search.lower()
+    entries = [e for e in catalogue() if wanted in f"{e.name} {e.description}".lower()]
+    if not entries:
+        raise InputError(
+            f"No robot's name or description contains {search!r}; 'robotraj robots' lists them all."
+        )
+    table = Table(title=f"{len(entries)} robots", title_justify="left", header_style="bold")
+    table.add_column("name", no_wrap=True)
+    table.add_column("what it is")
+    table.add_column("source", no_wrap=True)
+    for entry in entries:
+        table.add_row(entry.name, entry.description, entry.source)
+    Console(markup=False, highlight=False).print(table)
+
+
+@app.command()
+def show(robot: RobotArgument) -> None:
+    """Print a robot's joints, limits and frames."""
+    known = {entry.name: entry for entry in catalogue()}
+    mover = load(robot)
+    if robot in known:
+        entry = known[robot]
+        _say(f"{entry.description}\nlicence: {entry.licence}\nprovenance: {entry.provenance}\n")
+    _say(mover)
+    for complaint in mover.limits.complaints(mover.actuated):
+        _say(f"! {complaint}")
+    kinds: dict[str, list[str]] = {}
+    for frame in mover.model.frames:
+        kinds.setdefault(str(frame.type).lower().replace("_", " "), []).append(frame.name)
+    _say("\nframes")
+    for kind, names in kinds.items():
+        _say(f"  {kind}: {', '.join(names)}")
+
+
+def _conclude(solution: Solution, html: Path | None, save: Path | None, plot: Path | None) -> None:
+    """Print the solution and its proof, write the files, and exit with 1 if the proof failed."""
+    _say(f"{solution}\n")
+    report = validate(solution)
+    _say(report)
+    written = []
+    if save is not None:
+        written.append(solution.save(save))
+    if plot is not None:
+        target = plot.expanduser().absolute()
+        try:
+            solution.plot().savefig(target)
+        except ValueError as error:
+            raise InputError(f"Cannot draw {str(plot)!r}: {error}") from error
+        written.append(target)
+    if html is not None:
+        written.append(replay(solution, html))
+    for path in written:
+        _say(f"wrote {path}")
+    if not report.passed:
+        raise typer.Exit(1)
+
+
+def _limits(robot: Robot, own: bool, velocity: float | None, effort: float | None) -> Limits | None:
+    if own:
+        return robot.limits.with_(velocity=velocity, effort=effort)
+    if velocity is not None or effort is not None:
+        raise InputError("--no-limits takes all limits away; leave out --velocity and --effort with it.")
+    return None
+
+
+def _configuration(robot: Robot, text: str | None, option: str) -> Any:
+    """Read ``"0,1.57"`` in the order of the joints, or ``"elbow=1.57"`` by name (the others neutral)."""
+    if text is None:
+        return robot.neutral
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    if not any("=" in part for part in parts):
+        return robot.configuration([_number(part, option) for part in parts], option)
+    values = {}
+    for part in parts:
+        joint, equals, value = part.partition("=")
+        if not equals:
+            raise InputError(
+                f"{option} {text!r} mixes 'joint=value' with values alone ({part!r}); name every joint."
+            )
+        values[joint.strip()] = _number(value, option)
+    neutral = dict(zip(robot.joint_names, robot.neutral, strict=True))
+    return robot.configuration({**neutral, **values}, option)
+
+
+def _duration(text: str) -> float | tuple[float, float]:
+    """Read ``"2"`` or ``"0.5:3"`` [s]."""
+    least, separator, greatest = text.partition(":")
+    if not separator:
+        return _number(text, "--duration")
+    return _number(least, "--duration"), _number(greatest, "--duration")
+
+
+def _number(text: str, option: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        raise InputError(f"{option} holds {text!r}, which is no number.")
+    return value
