@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator, make_interp_spline
 
 from robotraj.constraints import Bounds
 from robotraj.errors import InputError
@@ -55,6 +56,11 @@ class Guess(ABC):
 class StraightLine(Guess):
     """States on a straight line from start to end, no torque, no acceleration.
 
+    A robot's positions run on the line and its velocities are the rate of that line, (q_end - q_start) / T,
+    so that the guess moves as its velocities say; the velocities given for the ends hold there. Against
+    velocities on a line of their own this halves the iterations and keeps minimum-time problems from shrinking
+    the duration to nothing.
+
     Parameters
     ----------
     duration : float, optional
@@ -66,9 +72,19 @@ class StraightLine(Guess):
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Interpolate between the ends."""
         first, last = _ends(phase)
+        duration = _duration(phase, self.duration)
+        nv = phase.robot.nv if phase.robot is not None else 0
+
+        def states(s: Array) -> Array:
+            values = first + np.asarray(s)[:, None] * (last - first)
+            if nv and duration > 0:
+                inside = (s > 0) & (s < 1)
+                values[inside, nv:] = (last - first)[:nv] / duration
+            return values
+
         return PhaseGuess(
-            _duration(phase, self.duration),
-            lambda s: first + np.asarray(s)[:, None] * (last - first),
+            duration,
+            states,
             _constant(len(phase.dae.algebraic)),
             _constant(len(phase.dae.controls)),
             default_parameters(phase),
@@ -77,14 +93,18 @@ class StraightLine(Guess):
 
 @dataclass(frozen=True)
 class Keyframes(Guess):
-    """States on straight lines through key poses.
+    """States through key poses.
+
+    States of a System run on straight lines. A robot's positions run on the monotone piecewise cubic through
+    the poses, without overshoot and at rest where they turn; velocities and accelerations are that curve's own.
+    Source: Fritsch and Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984).
 
     Parameters
     ----------
     fractions : sequence of float
         Where the keyframes are, ascending from 0 to 1.
     states : sequence of State
-        One state per fraction; entries left free are 0.
+        One state per fraction; entries left free are 0. Of a robot's keyframes only the positions are read.
     duration : float, optional
         Guessed duration [s] where it is free.
     """
@@ -96,32 +116,27 @@ class Keyframes(Guess):
     def __post_init__(self) -> None:
         if len(self.fractions) != len(self.states) or len(self.states) < 2:
             raise InputError(
-                f"Keyframes needs one state per fraction and at least two; got {len(self.fractions)} fractions and "
-                f"{len(self.states)} states."
+                f"Keyframes needs one state per fraction and at least two; got {len(self.fractions)} "
+                f"fractions and {len(self.states)} states."
             )
         if not np.all(np.diff(self.fractions) > 0) or self.fractions[0] != 0 or self.fractions[-1] != 1:
-            raise InputError(f"The fractions of Keyframes must ascend from 0 to 1; got {list(self.fractions)}.")
+            raise InputError(
+                f"The fractions of Keyframes must ascend from 0 to 1; got {list(self.fractions)}."
+            )
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Interpolate between the keyframes."""
-        keys = np.array([_middle(state.bounds(phase.dae, "keyframe"), np.nan) for state in self.states])
-        keys = np.nan_to_num(keys)
-
-        def states(s: Array) -> Array:
-            return np.column_stack([np.interp(s, self.fractions, column) for column in keys.T])
-
+        keys = np.array([_middle(state.bounds(phase.dae, "keyframe"), 0.0) for state in self.states])
+        duration = _duration(phase, self.duration)
+        states, algebraic = _through(phase, self.fractions, keys, duration)
         return PhaseGuess(
-            _duration(phase, self.duration),
-            states,
-            _constant(len(phase.dae.algebraic)),
-            _constant(len(phase.dae.controls)),
-            default_parameters(phase),
+            duration, states, algebraic, _constant(len(phase.dae.controls)), default_parameters(phase)
         )
 
 
 @dataclass(frozen=True)
 class FromSolution(Guess):
-    """Start from an earlier solution, on whatever mesh and scheme it was found; variables are matched by name."""
+    """Start from an earlier solution, on whatever mesh and scheme; variables are matched by name."""
 
     solution: Any
 
@@ -135,7 +150,9 @@ class FromSolution(Guess):
         """
         known = self.solution.phases
         if index >= len(known):
-            raise InputError(f"The guess is a solution of {len(known)} phases; phase {phase.name!r} is number {index}.")
+            raise InputError(
+                f"The guess is a solution of {len(known)} phases; phase {phase.name!r} is number {index}."
+            )
         source = known[index]
         low, high = phase.duration_bounds
         fallback = default_parameters(phase)
@@ -154,7 +171,9 @@ def as_guess(value: Any) -> Guess | None:
         return value
     if hasattr(value, "phases") and hasattr(value, "status"):
         return FromSolution(value)
-    raise InputError(f"guess must be None, a guess such as rt.StraightLine(), or a Solution; got {type(value).__name__}.")
+    raise InputError(
+        f"guess must be None, a guess such as rt.StraightLine(), or a Solution; got {type(value).__name__}."
+    )
 
 
 def _sampled(source: Any, variables: Sequence[Variable]) -> Curve:
@@ -164,6 +183,21 @@ def _sampled(source: Any, variables: Sequence[Variable]) -> Curve:
         return np.column_stack(columns) if columns else np.zeros((len(times), 0))
 
     return curve
+
+
+def _through(phase: Phase, fractions: Sequence[float], keys: Array, duration: float) -> tuple[Curve, Curve]:
+    """States and algebraic variables of a motion through key states (m, nx)."""
+    still = _constant(len(phase.dae.algebraic))
+    if phase.robot is None:
+        return make_interp_spline(fractions, keys, k=1), still
+    q = PchipInterpolator(fractions, keys[:, : phase.robot.nv])
+    v, a = q.derivative(1), q.derivative(2)
+    pace = duration if duration > 0 else 1.0
+
+    def states(s: Array) -> Array:
+        return np.column_stack([q(s), v(s) / pace])
+
+    return states, (lambda s: a(s) / pace**2) if phase.dae.algebraic else still
 
 
 def _constant(size: int) -> Curve:
@@ -180,12 +214,14 @@ def _middle(bounds: Bounds, free: float) -> Array:
     """Middle of finite bounds, the finite one of two, or ``free``."""
     low, high = bounds
     with np.errstate(invalid="ignore"):
-        middle = np.where(np.isfinite(low) & np.isfinite(high), 0.5 * (low + high), np.where(np.isfinite(low), low, high))
+        middle = np.where(
+            np.isfinite(low) & np.isfinite(high), 0.5 * (low + high), np.where(np.isfinite(low), low, high)
+        )
     return np.where(np.isfinite(middle), middle, free)
 
 
 def _ends(phase: Phase) -> tuple[Array, Array]:
-    """States at both ends; what one end leaves free is taken from the other, else the robot's neutral pose or 0."""
+    """States at both ends; what one leaves free is taken from the other, else the neutral pose or 0."""
     rest = np.zeros(len(phase.dae.states))
     if phase.robot is not None:
         rest[: phase.robot.nv] = phase.robot.neutral
@@ -199,7 +235,9 @@ def _duration(phase: Phase, given: float | None) -> float:
     low, high = phase.duration_bounds
     if given is not None:
         if not low <= given <= high:
-            raise InputError(f"The guessed duration {given} s of phase {phase.name!r} lies outside {low} to {high} s.")
+            raise InputError(
+                f"The guessed duration {given} s of phase {phase.name!r} lies outside {low} to {high} s."
+            )
         return given
     if low == high:
         return low

@@ -123,7 +123,7 @@ def _bounds(phase: Phase, index: int, layout: PhaseLayout) -> list[ColumnBound]:
             if row.variable is None:
                 continue
             every = columns[row.variable]
-            chosen = {Where.THROUGHOUT: every, Where.START: every[:1], Where.END: every[-1:]}[constraint.where]
+            chosen = {Where.START: every[:1], Where.END: every[-1:]}.get(constraint.where, every)
             bounds.append(ColumnBound(Entry(index, row.name, row.joint or "", row.unit), chosen, row.lower, row.upper))
     return bounds
 
@@ -147,8 +147,8 @@ def _columns_by_variable(phase: Phase, layout: PhaseLayout) -> dict[str, NDArray
 def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: Guess, size: int) -> Array:
     w = np.zeros(size)
     t0 = 0.0
-    for phase, layout in zip(problem.phases, layouts, strict=True):
-        known = guess.of(phase, problem.phases.index(phase))
+    for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
+        known = guess.of(phase, i)
         if layout.t0.column is not None:
             w[layout.t0.column] = t0
         if layout.duration.column is not None:
