@@ -29,7 +29,7 @@ class View {
     set(["Background"], "bottom_color", [0.87, 0.895, 0.92]);
     for (const name of ["Grid", "Axes"]) set([name], "visible", false);
     for (const name of ["PointLightNegativeX", "PointLightPositiveX"]) set(["Lights", name], "visible", false);
-    set(["Lights", "AmbientLight", "<object>"], "intensity", 0.5);
+    set(["Lights", "AmbientLight", "<object>"], "intensity", 0.47);
     set(["Lights", "FillLight", "<object>"], "intensity", 0.14);
     this.viewer.show_background();
   }
@@ -72,7 +72,7 @@ class View {
 
   addLight() {
     const { center, radius } = this.box();
-    const light = new MeshCat.THREE.DirectionalLight(0xffffff, 0.52);
+    const light = new MeshCat.THREE.DirectionalLight(0xffffff, 0.5);
     light.position.copy(View.drawn([center[0] + 1.1 * radius, center[1] - 1.5 * radius, center[2] + 2.6 * radius]));
     light.target.position.copy(View.drawn(center));
     light.castShadow = true;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,6 @@ import numpy as np
 from robotraj.errors import InputError
 from robotraj.replay.curves import curves
 from robotraj.replay.page import Heading, page
-from robotraj.replay.scene import scene_of
 
 
 def replay(
@@ -63,9 +63,9 @@ def replay(
         different robots, ``traces`` for a system. An unknown frame raises UnknownName.
     """
     target = _checked_path(path)
-    if not (np.isfinite(speed) and speed > 0.0):
+    if not (_is_number(speed) and np.isfinite(speed) and speed > 0.0):
         raise InputError(f"replay: speed is {speed!r}; give a factor above 0, such as 0.5 for half speed.")
-    if isinstance(fps, bool) or int(fps) != fps or not 1 <= fps <= 240:
+    if not (_is_number(fps) and 1 <= fps <= 240 and int(fps) == fps):
         raise InputError(f"replay: fps is {fps!r}; give a whole number of frames per second from 1 to 240.")
     robot = _one_robot(solution)
     names = [traces] if isinstance(traces, str) else traces
@@ -73,7 +73,12 @@ def replay(
         raise InputError(
             "replay: traces= names frames of a robot, but this solution is of an rt.System; leave it out."
         )
-    scene = scene_of(robot, solution, int(fps), names) if robot is not None else None
+    scene = None
+    if robot is not None:
+        # Imported here, since meshcat and trimesh take a second that planning alone need not wait for.
+        from robotraj.replay.scene import scene_of
+
+        scene = scene_of(robot, solution, int(fps), names)
     phases = [
         {"name": p.phase.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in solution.phases
     ]
@@ -86,6 +91,10 @@ def replay(
     text = page(_heading(solution, robot, title), description, scene.commands if scene is not None else None)
     target.write_text(text, encoding="utf-8")
     return target
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
 
 
 def _checked_path(path: str | os.PathLike[str]) -> Path:

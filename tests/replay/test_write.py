@@ -4,6 +4,7 @@ import json
 import re
 import socket
 import subprocess
+import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -129,6 +130,12 @@ def test_the_camera_frames_the_robot_over_the_whole_motion(double_pendulum, wave
     assert np.ptp(large, axis=0).max() > 1.3 * np.ptp(small, axis=0)[np.argmax(np.ptp(large, axis=0))]
 
 
+def test_planning_alone_does_not_load_the_viewer():
+    script = "import sys, robotraj; print([m for m in ('meshcat', 'trimesh') if m in sys.modules])"
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert loaded.stdout.strip() == "[]"
+
+
 @pytest.mark.parametrize(
     ("path", "options", "message"),
     [
@@ -137,6 +144,9 @@ def test_the_camera_frames_the_robot_over_the_whole_motion(double_pendulum, wave
         ("nowhere/page.html", {}, "does not exist"),
         ("page.html", {"speed": 0.0}, "speed"),
         ("page.html", {"speed": float("nan")}, "speed"),
+        ("page.html", {"speed": "fast"}, "speed"),
+        ("page.html", {"fps": "30"}, "fps"),
+        ("page.html", {"fps": float("nan")}, "fps"),
         ("page.html", {"fps": 0}, "fps"),
         ("page.html", {"fps": 29.97}, "fps"),
         ("page.html", {"fps": True}, "fps"),
