@@ -14,9 +14,10 @@ from robotraj.loading.geometry import Geometry, GivenGeometry
 from robotraj.loading.limits import Limits
 from robotraj.loading.mimic import lock_mimics
 from robotraj.loading.neutral import inside, outside, reference
+from robotraj.loading.notes import dissipation_note, locked_note, mimic_note, neutral_note, twin_note
 from robotraj.loading.rotor import with_rotors
 from robotraj.loading.source import Description
-from robotraj.loading.surgery import check_joints, locked_ids, plan_in_angles, reduced
+from robotraj.loading.surgery import check_joints, plan_in_angles, reduced, tell_frames_apart
 
 Array = npt.NDArray[np.float64]
 
@@ -40,15 +41,22 @@ def assemble(
     q, reference_name = reference(about.model, about.srdf)
     resting = inside(q, Limits.of(whole))
     held = _locked(about, names, dict(zip(names, resting, strict=True)), locked)
-    ids = locked_ids(whole, held)
+    ids = [i for i, joint in enumerate(names, start=1) if joint in held]
     at = np.array([held.get(joint, value) for joint, value in zip(names, resting, strict=True)])
     model = reduced(whole, ids, at)
+    twins = tell_frames_apart(model)
     own = Limits.of(model)
     wanted = own if limits is None else own.override(limits)
     kept = q[[i for i, joint in enumerate(names) if joint not in held]]
     _check_dissipation(model)
-    notes = [*_mimic_notes(about, held, locked or {}), armature_note, _dissipation_note(model)]
-    notes.append(_neutral_note(kept, wanted, units(model), reference_name))
+    notes = (
+        mimic_note(about.mimics, held, locked or {}),
+        twin_note(twins),
+        armature_note,
+        dissipation_note(model),
+        locked_note(outside(at, Limits.of(whole), units(whole)), held),
+        neutral_note(outside(kept, wanted, units(model)), reference_name),
+    )
     return {
         "name": about.name,
         "model": model,
@@ -77,16 +85,26 @@ def units(model: pin.Model) -> tuple[str, ...]:
 def _locked(
     about: Description, names: Sequence[str], resting: Mapping[str, float], locked: Mapping[str, float] | None
 ) -> dict[str, float]:
+    """Joints to hold and where: the caller's, the catalogue's, and the mechanisms coupled by <mimic>."""
     if locked is not None and not isinstance(locked, Mapping):
         raise InputError(f"locked= is a mapping such as {{'wrist': 0.0}}; got {locked!r}.")
     asked = dict(locked or {})
-    for joint in asked:
-        if joint not in names:
+    for joint, value in asked.items():
+        if joint not in names:  # pin.buildReducedModel would ignore it
             raise unknown_name("joint", joint, names, "Correct the name in locked=.")
+        if not isinstance(value, (int, float, np.number)) or not np.isfinite(value):
+            raise InputError(f"locked= holds joint {joint!r} at {value!r}; give one finite number [rad, m].")
     if about.moving:
         still = [joint for joint in names if not joint.startswith(about.moving)]
         asked = {joint: resting[joint] for joint in still} | asked
-    return lock_mimics(about.mimics, asked, resting)
+    held = lock_mimics(about.mimics, asked, resting)
+    if len(held) == len(names):
+        raise InputError(
+            f"Every joint of {about.name!r} is locked ({', '.join(names)}): nothing can move. "
+            "Joints that the URDF couples by <mimic> are locked together; give a pin.Model built with "
+            "mimic=False to move them one by one."
+        )
+    return held
 
 
 def _actuated(
@@ -116,33 +134,3 @@ def _check_dissipation(model: pin.Model) -> None:
         for joint, value in zip(list(model.names)[1:], values, strict=True):
             if not value >= 0 or np.isinf(value):
                 raise InputError(f"Joint {joint!r} has {what} {value:g}; it must be a number of at least 0.")
-
-
-def _dissipation_note(model: pin.Model) -> str:
-    if not np.any(model.damping) and not np.any(model.upperDryFrictionLimit):
-        return ""
-    return (
-        "Damping and friction are the model's (a URDF's <dynamics>); Pinocchio's own dynamics leave them "
-        "out, "
-        "robotraj adds them."
-    )
-
-
-def _mimic_notes(about: Description, held: Mapping[str, float], asked: Mapping[str, float]) -> list[str]:
-    coupled = {joint for mimic in about.mimics for joint in (mimic.leader, mimic.follower)} - set(asked)
-    if not coupled:
-        return []
-    places = ", ".join(f"{joint} at {held[joint]:.4g}" for joint in held if joint in coupled)
-    return [
-        f"Joints coupled by <mimic> are locked: {places}. Choose where with locked={{leader: value}}, or "
-        "load a "
-        "pin.Model built with mimic=False to move them independently."
-    ]
-
-
-def _neutral_note(q: Array, limits: Limits, unit: Sequence[str], name: str) -> str:
-    named = outside(q, limits, unit)
-    if not named:
-        return f"The neutral configuration is the reference {name!r}." if name else ""
-    what = f"reference configuration {name!r}" if name else "zero configuration"
-    return f"The {what} lies outside the limits and was moved to the nearest: {'; '.join(named)}."

@@ -223,7 +223,7 @@ def _number(what: str, value: Any) -> float:
 
 def _pair(joint: object, value: Any) -> tuple[float, float]:
     """Read 2.0, (lower, upper) or an object with ``lower`` and ``upper``, such as ``rt.between`` makes."""
-    if hasattr(value, "lower") and hasattr(value, "upper"):
+    if not isinstance(value, str) and hasattr(value, "lower") and hasattr(value, "upper"):
         value = (value.lower, value.upper)
     if np.ndim(value) == 0:
         size = _number(f"position limit of {joint!r}", value)

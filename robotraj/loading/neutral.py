@@ -48,12 +48,12 @@ def inside(q: Array, limits: Limits) -> Array:
     return np.where(sound, np.clip(q, limits.position_lower, limits.position_upper), q)
 
 
-def outside(q: Array, limits: Limits, units: Sequence[str]) -> list[str]:
-    """Name the joints outside their position limits, unless these are inverted: ``'elbow' at 0 rad, limits [0.5, 2] rad``."""
-    named = []
+def outside(q: Array, limits: Limits, units: Sequence[str]) -> dict[str, str]:
+    """Describe the joints outside their limits: ``{"elbow": "'elbow' at 0 rad, limits [0.5, 2] rad"}``."""
+    described = {}
     for joint, unit, value, low, high in zip(
         limits.joints, units, q, limits.position_lower, limits.position_upper, strict=True
     ):
         if low <= high and not low <= value <= high:
-            named.append(f"{joint!r} at {value:.4g} {unit}, limits [{low:.4g}, {high:.4g}] {unit}")
-    return named
+            described[joint] = f"{joint!r} at {value:.4g} {unit}, limits [{low:.4g}, {high:.4g}] {unit}"
+    return described

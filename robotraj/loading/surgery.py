@@ -5,13 +5,11 @@ Nothing here writes to the model it is given.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from robotraj.errors import InputError, unknown_name
+from robotraj.errors import InputError
 
 Array = npt.NDArray[np.float64]
 
@@ -20,6 +18,9 @@ ALIGNED = {
     "JointModelRUBY": pin.JointModelRY,
     "JointModelRUBZ": pin.JointModelRZ,
 }
+LINK_MARK = "\n(link)"
+"""Marks links for a moment; no URDF name holds a line break."""
+
 PER_VELOCITY = (
     "armature",
     "rotorInertia",
@@ -107,31 +108,36 @@ def angles(model: pin.Model, q: Array) -> Array:
     return result
 
 
-def locked_ids(model: pin.Model, locked: Mapping[str, float]) -> list[int]:
-    """Ids of the joints to lock.
-
-    Raises
-    ------
-    InputError
-        An unknown joint (``pin.buildReducedModel`` would ignore it), a value that is no number, no joint
-        left.
-    """
-    names = list(model.names)[1:]
-    for joint, value in locked.items():
-        if joint not in names:
-            raise unknown_name("joint", joint, names, "Correct the name in locked=.")
-        if not np.isscalar(value) or not np.isfinite(np.asarray(value, dtype=float)):
-            raise InputError(f"locked= holds joint {joint!r} at {value!r}; give one finite number [rad, m].")
-    if len(locked) == len(names):
-        raise InputError(
-            f"Every joint of {model.name!r} is locked ({', '.join(names)}): nothing can move. Joints that "
-            "the URDF "
-            "couples by <mimic> are locked together; give a pin.Model built with mimic=False to move them "
-            "one by one."
-        )
-    return sorted(int(model.getJointId(joint)) for joint in locked)
-
-
 def reduced(model: pin.Model, ids: list[int], q: Array) -> pin.Model:
-    """Copy a model with joints locked where configuration q has them; their frames stay, as fixed ones."""
-    return pin.buildReducedModel(model, ids, q) if ids else model.copy()
+    """Copy a model with joints locked where configuration q has them; their frames stay, as fixed ones.
+
+    Links that are named like a joint are renamed meanwhile: Pinocchio 4.1 refuses to choose between the two.
+    """
+    copy = model.copy()
+    if not ids:
+        return copy
+    twins = [frame for frame in copy.frames if frame.type == pin.FrameType.BODY and frame.name in model.names]
+    for frame in twins:
+        frame.name += LINK_MARK
+    smaller = pin.buildReducedModel(copy, ids, q)
+    for frame in smaller.frames:
+        frame.name = frame.name.removesuffix(LINK_MARK)
+    return smaller
+
+
+def tell_frames_apart(model: pin.Model) -> list[str]:
+    """Rename, in place, joint frames named like a link, ``pole`` to ``pole_joint``; give the old names.
+
+    Pinocchio 4.1 raises for an ambiguous name wherever a frame is looked up. The link keeps its name: it is
+    what people mean, and both frames are in the same place.
+    """
+    names = [frame.name for frame in model.frames]
+    links = {frame.name for frame in model.frames if frame.type == pin.FrameType.BODY}
+    renamed = []
+    for frame in model.frames:
+        if frame.type in (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT) and frame.name in links:
+            renamed.append(frame.name)
+            while frame.name in names:
+                frame.name += "_joint"
+            names.append(frame.name)
+    return renamed

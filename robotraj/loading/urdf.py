@@ -11,6 +11,8 @@ import pinocchio as pin
 from robotraj.errors import InputError, unknown_name
 
 JOINT_TYPES = {"revolute", "continuous", "prismatic", "floating", "planar", "fixed"}
+NUMBERS = ("limit", "dynamics", "mimic")
+"""Tags of a joint whose attributes are numbers (but for the leader's name)."""
 
 
 def read_xml(path: Path) -> ElementTree.Element:
@@ -59,13 +61,16 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
         limit = joint.find("limit")
         if limit is None and kind in ("revolute", "prismatic"):
             raise InputError(
-                f"{str(path)!r}: the {kind} joint {name!r} has no <limit>; a URDF asks for its effort and velocity."
+                f"{str(path)!r}: the {kind} joint {name!r} has no <limit>; "
+                "a URDF asks for its effort and velocity."
             )
-        for key, text in {} if limit is None else limit.attrib.items():
-            if not _is_number(text):
-                raise InputError(
-                    f"{str(path)!r}: joint {name!r} has {key} limit {text!r}, which is no number."
-                )
+        for field in NUMBERS:
+            element = joint.find(field)
+            for key, text in {} if element is None else element.attrib.items():
+                if key != "joint" and not _is_number(text):
+                    raise InputError(
+                        f"{str(path)!r}: joint {name!r} has <{field} {key}={text!r}>, which is no number."
+                    )
 
 
 def _is_number(text: str) -> bool:
