@@ -13,7 +13,7 @@ from robotraj.refinement import Assessment, Refinement, assess
 from robotraj.schemes import Mesh
 from robotraj.solution import MeshStep, Solution
 from robotraj.solvers import Progress, Solver
-from robotraj.solving import solve
+from robotraj.solving import GUARD_TOLERANCE, solve
 from robotraj.status import Status
 
 MOST_MESHES = 25
@@ -36,10 +36,11 @@ def adapt(
     """
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     steps: list[MeshStep] = []
+    between = min(GUARD_TOLERANCE, 0.1 * tolerance)
     total: dict[str, float] = {}
     known: Guess | Solution | None = guess
     while True:
-        solution = solve(problem, meshes, known, solver, progress)
+        solution = solve(problem, meshes, known, solver, progress, between)
         before = steps[-1].objective if steps else np.inf
         settled = abs(solution.objective - before) <= tolerance * (1.0 + abs(solution.objective))
         assessments = [assess(part.phase, part.trajectory, settled) for part in solution.phases]

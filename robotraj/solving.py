@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from robotraj.guess import Guess, as_guess
+from robotraj.indirect.covector import covectors
 from robotraj.problem import Problem
 from robotraj.schemes import Mesh
 from robotraj.solution import PhaseSolution, Solution
@@ -35,10 +36,11 @@ def solve(
     guess: Guess | Solution | None,
     solver: Solver,
     progress: Progress | None = None,
+    between: float = GUARD_TOLERANCE,
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
-    Where a row on states turns out broken between collocation points, it is imposed there too and the problem solved
+    Where a row on states turns out broken between collocation points by more than ``between``, it is imposed there too and the problem solved
     again, from the last answer.
     """
     solution = _solve(problem, mesh, guess, solver, progress, ())
@@ -49,7 +51,7 @@ def solve(
         found = [
             guard
             for i, part in enumerate(solution.phases)
-            for guard in find_guards(part.phase, i, part.trajectory, GUARD_TOLERANCE)
+            for guard in find_guards(part.phase, i, part.trajectory, between)
             if guard not in guards
         ]
         if not found:
@@ -97,6 +99,7 @@ def _conclude(nlp: Nlp, outcome: Outcome, built: float) -> Solution:
         {"build": built, **{k: v for k, v in outcome.times.items() if k != "evaluate"}},
         broken,
         outcome.multipliers,
+        duals=covectors(nlp, outcome.w, outcome.multipliers) if status is Status.SOLVED else (),
     )
 
 
