@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from robotraj.dynamics import Named
 from robotraj.errors import InputError
 from robotraj.export import to_csv, to_json
+from robotraj.indirect.covector import PhaseDuals
 from robotraj.plotting import plot
 from robotraj.problem import Phase, Problem
 from robotraj.sample import Sample, join
@@ -173,6 +174,8 @@ class Solution:
         Of the scaled NLP, for warm starts on the same mesh.
     refinement : tuple of MeshStep
         The meshes that led here, when a tolerance was asked for.
+    duals : tuple of PhaseDuals
+        Costates and densities of multipliers, one entry a phase; read them with ``rt.costates``.
     """
 
     problem: Problem
@@ -185,6 +188,7 @@ class Solution:
     violation_list: tuple[Violation, ...] = ()
     multipliers: Multipliers | None = None
     refinement: tuple[MeshStep, ...] = ()
+    duals: tuple[PhaseDuals, ...] = ()
 
     @property
     def success(self) -> bool:

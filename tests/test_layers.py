@@ -17,7 +17,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
     4: ("schemes", "guess"),
     5: ("transcription", "refinement"),
     6: ("solvers", "status", "progress"),
-    7: ("sample", "violations", "solution", "storage", "columns", "export", "plotting", "solving"),
+    7: ("sample", "violations", "solution", "storage", "columns", "export", "plotting", "indirect", "solving"),
     8: ("adaptive", "planning"),
     9: ("sweep", "demos"),
     10: ("cli", "__main__", "__init__"),

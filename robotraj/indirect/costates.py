@@ -1,0 +1,169 @@
+"""Costates of a solution: callable values in time, named by states.
+
+lambda = dJ/dx: by how much the least cost from here to the end changes with the state here (minimisation, H = l + lambda' f,
+dlambda/dt = -dH/dx).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.dynamics import Named
+from robotraj.errors import InputError
+from robotraj.indirect.covector import PhaseDuals
+from robotraj.indirect.hamiltonian import Hamiltonian
+
+if TYPE_CHECKING:
+    from robotraj.solution import PhaseSolution, Solution
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CostateSample:
+    """Duals at a time (floats) or at m times (arrays (m,)).
+
+    Attributes
+    ----------
+    t : float or ndarray (m,)
+        [s].
+    x : Named
+        Costates by state [objective / state unit].
+    z : Named
+        Multipliers nu of the algebraic rows by row [objective / (s row unit)].
+    path : Named
+        Densities eta of path rows [objective / (s row unit)], positive at an upper bound.
+    hamiltonian : float or ndarray (m,)
+        H = l + lambda' f + nu' g along the trajectory [objective / s].
+    """
+
+    t: Any
+    x: Named
+    z: Named
+    path: Named
+    hamiltonian: Any
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseCostates:
+    """Duals of one phase of a solution.
+
+    Attributes
+    ----------
+    solution : PhaseSolution
+    duals : PhaseDuals
+        The piecewise polynomials.
+    """
+
+    solution: PhaseSolution
+    duals: PhaseDuals
+
+    @cached_property
+    def hamiltonian(self) -> Hamiltonian:
+        """The phase's Hamiltonian as a function of its arguments."""
+        return Hamiltonian.of(self.solution.phase)
+
+    @property
+    def initial(self) -> Array:
+        """lambda at the start of the phase, (nx,): the sensitivity of the objective to the start state."""
+        return np.array(self.duals.costate.values[0][0])
+
+    @property
+    def final(self) -> Array:
+        """lambda at the end of the phase, (nx,)."""
+        return np.array(self.duals.costate.values[-1][-1])
+
+    def evaluate(self, t: Array, interval: int | None = None) -> dict[str, Array]:
+        """Everything at times (m,): arguments and derivatives of the Hamiltonian and the bounds' densities, (m, n) each."""
+        t = np.asarray(t, dtype=float)
+        curves, duals = self.solution.trajectory, self.duals
+        known = {
+            "t": t,
+            "x": curves.x(t, interval),
+            "z": curves.z(t, interval),
+            "u": curves.u(t, interval),
+            "p": np.tile(list(curves.parameters.values()), (len(t), 1)),
+            "costate": self._costate(t, interval),
+            "nu": duals.residual(t, interval),
+            "eta": duals.path(t, interval),
+        }
+        more = {name: getattr(duals, name)(t, interval) for name in ("states", "algebraic", "controls")}
+        return known | more | self.hamiltonian(**known)
+
+    def _costate(self, t: Array, interval: int | None) -> Array:
+        """lambda on the side of the interval, since it may jump at a knot."""
+        if interval is None:
+            return self.duals.costate(t)
+        knots = self.solution.knots
+        nudge = 1e-9 * (knots[interval + 1] - knots[interval])
+        return self.duals.costate(np.clip(t, knots[interval] + nudge, knots[interval + 1] - nudge))
+
+    def at(self, t: Any) -> CostateSample:
+        """Evaluate at global times within the phase [s]; at a jump, just after it."""
+        first, last = self.solution.t0, self.solution.t0 + self.solution.duration
+        times = np.asarray(t, dtype=float)
+        slack = 1e-9 * max(1.0, last - first)
+        if times.ndim > 1 or not np.all((times >= first - slack) & (times <= last + slack)):
+            raise InputError(f"Costates are known from {first:g} s to {last:g} s; got t = {t}.")
+        values = self.evaluate(np.atleast_1d(times))
+        if times.ndim == 0:
+            values = {name: array[0] for name, array in values.items()}
+        dae = self.hamiltonian.dae
+        return CostateSample(
+            t,
+            Named("state", [s.name for s in dae.states], values["costate"].T),
+            Named("algebraic row", [r.name for r in dae.residuals], values["nu"].T),
+            Named("path row", [row.label for row in self.hamiltonian.path], values["eta"].T),
+            values["H"],
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Costates:
+    """Duals of all phases of a solution."""
+
+    phases: tuple[PhaseCostates, ...]
+
+    def at(self, t: Any) -> CostateSample:
+        """Evaluate at a global time, or at times of one phase; at a joint of two phases the later one is used."""
+        starts = np.array([part.solution.t0 for part in self.phases])
+        owner = np.clip(np.searchsorted(starts, np.asarray(t, dtype=float), side="right") - 1, 0, len(starts) - 1)
+        if len(np.unique(owner)) > 1:
+            raise InputError("The times lie in several phases; ask costates.phases[i].at(t) for each.")
+        return self.phases[int(np.atleast_1d(owner)[0])].at(t)
+
+
+def costates(solution: Solution) -> Costates:
+    """Costates of a solution, from the multipliers of its NLP by covector mapping.
+
+    Parameters
+    ----------
+    solution : Solution
+        From ``rt.plan``, by any collocation scheme; fixed or free duration, ODE or DAE.
+
+    Returns
+    -------
+    Costates
+        ``.at(t).x["v"]``, ``.at(t).hamiltonian``, ``.phases[0].initial``.
+
+    Raises
+    ------
+    InputError
+        The solver did not converge, or the scheme is no collocation scheme.
+
+    Notes
+    -----
+    Sign: lambda = dJ/dx of the minimised objective J. Order at the knots is the scheme's own; see
+    ``robotraj.indirect.covector``.
+    """
+    if not solution.duals:
+        raise InputError(
+            "This solution has no costates: the solver must have converged, and every interval must use a collocation "
+            "scheme (Lobatto, Radau, Gauss). Plan again with such a scheme."
+        )
+    return Costates(tuple(PhaseCostates(p, d) for p, d in zip(solution.phases, solution.duals, strict=True)))

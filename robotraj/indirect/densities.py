@@ -1,0 +1,39 @@
+"""Multipliers of rows along time as densities and impulses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+STANDS_OUT = 4.0
+"""Times the larger density beside it that makes a multiplier an impulse."""
+
+
+@dataclass(frozen=True, eq=False)
+class Density:
+    """Densities (places, n) [per second] and impulses (places, n); multiplier = weight * density + impulse."""
+
+    density: Array
+    impulse: Array
+
+
+def split(multipliers: Array, weights: Array) -> Density:
+    """Tell smooth multipliers from those that stand alone.
+
+    Parameters
+    ----------
+    multipliers : ndarray (places, n)
+        In the order of time.
+    weights : ndarray (places,)
+        Seconds of quadrature that each place stands for.
+    """
+    raw = multipliers / weights[:, None]
+    padded = np.vstack([raw[1:2], raw, raw[-2:-1]]) if len(raw) > 1 else np.vstack([raw, raw, raw])
+    before, after = padded[:-2], padded[2:]
+    alone = np.abs(raw) > STANDS_OUT * np.maximum(np.abs(before), np.abs(after))
+    density = np.where(alone, 0.5 * (before + after), raw)
+    return Density(density, np.where(alone, multipliers - weights[:, None] * density, 0.0))

@@ -1,0 +1,95 @@
+"""The Hamiltonian of a phase and its derivatives.
+
+    H(t, x, z, u, p, lambda, nu, eta) = l + lambda' f + nu' g + eta' h
+
+with l the integrand of the objective, f the rates, g the algebraic rows and h the path rows. Its value along a trajectory is
+taken without eta' h: where a row is active, it is measured from its bound and vanishes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.constraints import Row, Where
+from robotraj.dynamics import Dynamics
+from robotraj.dynamics.system import as_rows
+from robotraj.problem import Phase
+from robotraj.transcription.collocation import path_constraints, path_rows
+
+Array = NDArray[np.float64]
+
+ARGUMENTS = ("t", "x", "z", "u", "p", "costate", "nu", "eta")
+
+
+@dataclass(frozen=True)
+class Hamiltonian:
+    """Hamiltonian of a phase, by the phase's own dynamics unless others of the same states and controls are given."""
+
+    phase: Phase
+    dae: Dynamics
+
+    @staticmethod
+    def of(phase: Phase) -> Hamiltonian:
+        """By the dynamics that were transcribed."""
+        return Hamiltonian(phase, phase.dae)
+
+    @cached_property
+    def path(self) -> tuple[Row, ...]:
+        """Rows held throughout that are not single variables, in the order of eta."""
+        constraints = path_constraints(self.phase, Where.THROUGHOUT)
+        return tuple(row for constraint in constraints for row in constraint.rows if row.variable is None)
+
+    @cached_property
+    def symbols(self) -> dict[str, ca.SX]:
+        """Symbols of the arguments."""
+        dae = self.dae
+        sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(self.phase.parameter_names))
+        more = (len(dae.states), len(dae.residuals), len(self.path))
+        return {name: ca.SX.sym(name, n) for name, n in zip(ARGUMENTS, (*sizes, *more), strict=True)}
+
+    @cached_property
+    def expressions(self) -> dict[str, ca.SX]:
+        """Rates f, residual g, path rows h, integrand l and H, symbolic."""
+        s = self.symbols
+        point = self.dae.point(s["t"], s["x"], s["z"], s["u"], s["p"], self.phase.parameter_names)
+        integrand = ca.SX(0)
+        for weight, term in self.phase.integrals:
+            integrand += weight * as_rows(term.rate(point), "integrand")[0]
+        rates, residual = self.dae.rates(point), self.dae.residual(point)
+        path = path_rows(path_constraints(self.phase, Where.THROUGHOUT), point)
+        h = integrand + ca.dot(s["costate"], rates) + ca.dot(s["nu"], residual) + ca.dot(s["eta"], path)
+        return {"rates": rates, "residual": residual, "path": path, "integrand": integrand, "hamiltonian": h}
+
+    def gradient(self, name: str) -> ca.SX:
+        """Gradient of H by an argument, symbolic."""
+        return ca.densify(ca.gradient(self.expressions["hamiltonian"], self.symbols[name]))
+
+    @cached_property
+    def _function(self) -> ca.Function:
+        value = self.expressions["hamiltonian"] - ca.dot(self.symbols["eta"], self.expressions["path"])
+        outputs = {"H": value, "path": self.expressions["path"]}
+        outputs |= {f"by_{name}": self.gradient(name) for name in ("t", "x", "z", "u", "p")}
+        outputs["curvature"] = ca.diag(ca.hessian(self.expressions["hamiltonian"], self.symbols["u"])[0])
+        values = [ca.densify(value) for value in outputs.values()]
+        return ca.Function("hamiltonian", list(self.symbols.values()), values, list(ARGUMENTS), list(outputs))
+
+    def __call__(self, **columns: Any) -> dict[str, Array]:
+        """Evaluate at m times: arguments (m, n) by name; H (m,) without eta' h, and ``by_x`` ... the gradients (m, n)."""
+        m = len(columns["t"])
+        arguments = [np.asarray(columns[name], dtype=float).reshape(m, -1).T for name in ARGUMENTS]
+        mapped = self._function.map(m)(*arguments)
+        names = self._function.name_out()
+        out = {name: np.array(value).reshape(-1, m).T for name, value in zip(names, mapped, strict=True)}
+        out["H"] = out["H"][:, 0]
+        return out
+
+    @property
+    def autonomous(self) -> bool:
+        """Whether H does not depend on time explicitly."""
+        return not ca.depends_on(self.expressions["hamiltonian"], self.symbols["t"])
