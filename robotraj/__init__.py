@@ -20,7 +20,7 @@ from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
 from robotraj.guess import FromSolution, Keyframes, StraightLine
 from robotraj.links import Continuity
-from robotraj.objectives import Duration, Effort, Lagrange, Mayer
+from robotraj.objectives import AbsolutePower, Duration, Effort, Jerk, Lagrange, Mayer, MechanicalWork, TorqueRate
 from robotraj.planning import plan
 from robotraj.problem import Phase, Problem
 from robotraj.refinement import RaiseOrder, SplitAndMerge, SplitOrRaise

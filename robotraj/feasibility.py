@@ -71,15 +71,16 @@ def _check_against_limits(phase: Phase, which: str, bounds: Bounds) -> None:
 
 def _check_expressions(phase: Phase, which: str, bounds: Bounds) -> None:
     """Where the whole state is fixed, evaluate the rows that depend on the state alone."""
-    if not np.array_equal(bounds.lower, bounds.upper):
+    lower, upper = (side[: len(phase.body.states)] for side in bounds)
+    if not np.array_equal(lower, upper):
         return
-    point = symbols_of(phase.dae, phase.parameter_names)
-    x = ca.vertcat(*(point.x[s.name] for s in phase.dae.states))
-    skipped = Where.END if which == "start" else Where.START
+    point = symbols_of(phase.body, phase.parameter_names)
+    x = ca.vertcat(*(point.x[s.name] for s in phase.body.states))
+    skipped = (Where.END if which == "start" else Where.START, Where.AT_NODES)
     for constraint in phase.bound_constraints:
-        if constraint.where is skipped or all(row.variable is not None for row in constraint.rows):
+        if constraint.where in skipped or all(row.variable is not None for row in constraint.rows):
             continue
-        _check_expression(phase, which, constraint, ca.vertcat(*constraint.expression(point)), x, bounds.lower)
+        _check_expression(phase, which, constraint, ca.vertcat(*constraint.expression(point)), x, lower)
 
 
 def _check_expression(

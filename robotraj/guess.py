@@ -79,7 +79,7 @@ class StraightLine(Guess):
             values = first + np.asarray(s)[:, None] * (last - first)
             if nv and duration > 0:
                 inside = (s > 0) & (s < 1)
-                values[inside, nv:] = (last - first)[:nv] / duration
+                values[inside, nv : 2 * nv] = (last - first)[:nv] / duration
             return values
 
         return PhaseGuess(
@@ -187,17 +187,25 @@ def _sampled(source: Any, variables: Sequence[Variable]) -> Curve:
 
 def _through(phase: Phase, fractions: Sequence[float], keys: Array, duration: float) -> tuple[Curve, Curve]:
     """States and algebraic variables of a motion through key states (m, nx)."""
-    still = _constant(len(phase.dae.algebraic))
+    nz = len(phase.dae.algebraic)
     if phase.robot is None:
-        return make_interp_spline(fractions, keys, k=1), still
-    q = PchipInterpolator(fractions, keys[:, : phase.robot.nv])
+        return make_interp_spline(fractions, keys, k=1), _constant(nz)
+    # What an objective added comes last and starts from 0.
+    nv, further = phase.robot.nv, len(phase.dae.states) - len(phase.body.states)
+    q = PchipInterpolator(fractions, keys[:, :nv])
     v, a = q.derivative(1), q.derivative(2)
     pace = duration if duration > 0 else 1.0
 
     def states(s: Array) -> Array:
-        return np.column_stack([q(s), v(s) / pace])
+        return np.column_stack([q(s), v(s) / pace, np.zeros((len(s), further))])
 
-    return states, (lambda s: a(s) / pace**2) if phase.dae.algebraic else still
+    def algebraic(s: Array) -> Array:
+        values = np.zeros((len(s), nz))
+        if phase.body.algebraic:
+            values[:, :nv] = a(s) / pace**2
+        return values
+
+    return states, algebraic
 
 
 def _constant(size: int) -> Curve:

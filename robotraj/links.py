@@ -66,14 +66,14 @@ class Continuity(Link):
         """
         who = f"Continuity({self.first}, {self.second})"
         before, after = (phase_at(phases, i, who) for i in (self.first, self.second))
-        names = [s.name for s in before.dae.states]
-        if names != [s.name for s in after.dae.states]:
+        names = [s.name for s in before.body.states]
+        if names != [s.name for s in after.body.states]:
             raise InputError(
                 f"{who}: phase {before.name!r} has states {names}, phase {after.name!r} has "
-                f"{[s.name for s in after.dae.states]}; they must be the same."
+                f"{[s.name for s in after.body.states]}; they must be the same."
             )
         rows = (Row("continuity", "s", 0.0, 0.0, "time"),) + tuple(
-            Row("continuity", s.unit, 0.0, 0.0, s.name) for s in before.dae.states
+            Row("continuity", s.unit, 0.0, 0.0, s.name) for s in before.body.states
         )
 
         def expression(ends: Sequence[tuple[Any, Any]]) -> list[Any]:

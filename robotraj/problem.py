@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +15,7 @@ from robotraj.dynamics import Dynamics, ForwardDynamics, InverseDynamics, System
 from robotraj.errors import InputError
 from robotraj.feasibility import check_phase
 from robotraj.links import BoundLink, Link
-from robotraj.objectives import EndCost, Integral, Objective
+from robotraj.objectives import Augmented, EndCost, Integral, Objective
 from robotraj.printing import phase_table
 from robotraj.robot import Limits, Robot
 from robotraj.state import State
@@ -90,7 +90,7 @@ class Phase:
         if self.objective is not None and not isinstance(self.objective, Objective):
             raise InputError(f"The objective of phase {self.name!r} must be an objective such as rt.Effort().")
         for _, term in self.objective.terms if self.objective else ():
-            term.check(self.dae, self.parameter_names)
+            term.check(self.body, self.parameter_names)
         check_phase(self)
 
     def _checked_constraints(self) -> Sequence[Constraint]:
@@ -110,10 +110,22 @@ class Phase:
         """The System that moves, or None for a robot."""
         return self.subject if isinstance(self.subject, System) else None
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the fields only: what is derived from them is derived again."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
+
+    @cached_property
+    def body(self) -> Dynamics:
+        """What moves, as a semi-explicit DAE, without variables that the objective brings along."""
+        return SystemDynamics(self.subject) if isinstance(self.subject, System) else self.dynamics.of(self.subject)
+
     @cached_property
     def dae(self) -> Dynamics:
-        """The phase's dynamics as a semi-explicit DAE."""
-        return SystemDynamics(self.subject) if isinstance(self.subject, System) else self.dynamics.of(self.subject)
+        """The phase's dynamics as a semi-explicit DAE, variables of the objective included."""
+        dae = self.body
+        for _, term in self.objective.terms if self.objective is not None else ():
+            dae = term.augment(dae)
+        return dae
 
     @property
     def parameter_names(self) -> tuple[str, ...]:
@@ -142,7 +154,12 @@ class Phase:
     @cached_property
     def start_bounds(self) -> Bounds:
         """Bounds on the first state, (nx,) each."""
-        return (self.start or State()).bounds(self.dae, "start")
+        bounds = (self.start or State()).bounds(self.dae, "start")
+        if isinstance(self.dae, Augmented):
+            names = [s.name for s in self.dae.states]
+            for name, value in self.dae.start.items():
+                bounds.lower[names.index(name)] = bounds.upper[names.index(name)] = value
+        return bounds
 
     @cached_property
     def end_bounds(self) -> Bounds:
@@ -151,7 +168,7 @@ class Phase:
 
     @cached_property
     def bound_constraints(self) -> tuple[BoundConstraint, ...]:
-        """Every constraint of the phase bound to its dynamics: limits, variable bounds, then the user's own."""
+        """Every constraint of the phase bound to its dynamics: limits, variable bounds, the user's own, the objective's."""
         every: list[Constraint] = []
         if self.robot is not None and isinstance(self.limits, Limits):
             every += own_limits(self.limits, self.robot.actuated)
@@ -163,8 +180,11 @@ class Phase:
             if mapping:
                 every.append(VariableBounds(kind, mapping))
         every += self.constraints
-        bound = (constraint.bind(self.dae, self.parameter_names) for constraint in every)
-        return tuple(b for b in bound if b.rows)
+        bound = [constraint.bind(self.body, self.parameter_names) for constraint in every]
+        terms = self.objective.terms if self.objective is not None else ()
+        # Two terms may need the same slacks; their rows are imposed once.
+        needed = {b.name: b for _, term in terms for b in term.definitions(self.dae)}
+        return tuple(b for b in (*bound, *needed.values()) if b.rows)
 
     @property
     def integrals(self) -> tuple[tuple[float, Integral], ...]:
@@ -206,6 +226,10 @@ class Problem:
         object.__setattr__(self, "phases", phases)
         object.__setattr__(self, "links", tuple(self.links))
         _ = self.bound_links
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the fields only: what is derived from them is derived again."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     @cached_property
     def bound_links(self) -> tuple[BoundLink, ...]:

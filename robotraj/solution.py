@@ -16,6 +16,7 @@ from robotraj.errors import InputError
 from robotraj.export import to_csv, to_json
 from robotraj.indirect.covector import PhaseDuals
 from robotraj.plotting import plot
+from robotraj.objectives import Augmented
 from robotraj.problem import Phase, Problem
 from robotraj.sample import Sample, join
 from robotraj.schemes import Mesh
@@ -105,19 +106,26 @@ class PhaseSolution:
             raise InputError(f"Times must be a number or a vector; got shape {times.shape}.")
         dae = self.phase.dae
         x, z, u = (curve(times, interval) for curve in (self.trajectory.x, self.trajectory.z, self.trajectory.u))
+        controls = dae.controls
+        if isinstance(dae, Augmented):
+            # Where the objective made states of the controls, they are read from there.
+            known = {v.name: column for v, column in zip((*dae.states, *controls), (*x.T, *u.T), strict=True)}
+            controls = (*self.phase.body.controls, *(c for c in controls if c not in self.phase.body.controls))
+            u = np.stack([known[c.name] for c in controls], axis=-1)
         named = [
             Named(kind, [v.name for v in group], values.T)
             for kind, group, values in (
                 ("state", dae.states, x),
                 ("algebraic variable", dae.algebraic, z),
-                ("control", dae.controls, u),
+                ("control", controls, u),
             )
         ]
         robot = self.phase.robot
         if robot is None:
             return Sample(t, *named)
-        accelerations = self._rates(times, interval)[..., robot.nv :]
-        return Sample(t, *named, q=x[..., : robot.nv], v=x[..., robot.nv :], a=accelerations, tau=u)
+        nv = robot.nv
+        accelerations = self._rates(times, interval)[..., nv : 2 * nv]
+        return Sample(t, *named, q=x[..., :nv], v=x[..., nv : 2 * nv], a=accelerations, tau=u[..., : robot.nu])
 
     def columns(self, times: Array, names: Sequence[str]) -> list[Array]:
         """Values of named variables at times, (m,) each; accelerations come from the states, unknown names are 0."""

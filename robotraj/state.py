@@ -11,6 +11,7 @@ import numpy as np
 from robotraj.constraints import Bounds, as_bounds
 from robotraj.dynamics import Dynamics, RigidBody
 from robotraj.errors import InputError
+from robotraj.objectives import body_of
 
 
 @dataclass(frozen=True)
@@ -35,11 +36,19 @@ class State:
     def bounds(self, dynamics: Dynamics, which: str) -> Bounds:
         """Bounds on the state vector, (nx,) each; ``which`` is ``"start"`` or ``"end"``, for messages.
 
+        States that an objective added stay free.
+
         Raises
         ------
         InputError
             Unknown names, wrong lengths, NaN, or q and v for a System.
         """
+        body = body_of(dynamics)
+        given = self._bounds(body, which)
+        added = np.full(len(dynamics.states) - len(body.states), np.inf)
+        return Bounds(np.append(given.lower, -added), np.append(given.upper, added))
+
+    def _bounds(self, dynamics: Dynamics, which: str) -> Bounds:
         if isinstance(dynamics, RigidBody):
             if self.values is not None:
                 raise InputError(f"The {which} of a robot is rt.State(q=..., v=...); positional values are for Systems.")

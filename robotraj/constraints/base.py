@@ -24,9 +24,14 @@ if TYPE_CHECKING:
 
 
 class Where(Enum):
-    """When a constraint holds."""
+    """When a constraint holds.
+
+    AT_NODES is for rows that define variables an objective brought along: they say nothing of the motion, so that only the
+    transcription imposes them.
+    """
 
     THROUGHOUT = "throughout"
+    AT_NODES = "collocation points"
     START = "start"
     END = "end"
 

@@ -28,6 +28,8 @@ class Point:
     x, z, u, p : Named
         States, algebraic variables, controls and parameters by name. At the ends of a phase (Mayer terms and
         links) only ``t``, ``x`` and ``p`` exist.
+    extra : dict of str
+        Variables that the phase's objective brought along (``robotraj.objectives.augmentation``), by name.
     """
 
     def __init__(self, t: Any, x: Named, z: Named, u: Named, p: Named) -> None:
@@ -36,6 +38,7 @@ class Point:
         self.z = z
         self.u = u
         self.p = p
+        self.extra: dict[str, Any] = {}
 
 
 class RobotPoint(Point):

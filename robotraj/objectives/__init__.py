@@ -1,9 +1,27 @@
 """Objectives: values that add up and scale."""
 
+from robotraj.objectives.augmentation import Augmented, body_of
 from robotraj.objectives.base import EndCost, Integral, Objective, Sum
 from robotraj.objectives.duration import Duration
 from robotraj.objectives.effort import Effort
 from robotraj.objectives.lagrange import Lagrange
 from robotraj.objectives.mayer import Mayer
+from robotraj.objectives.rates import Jerk, TorqueRate
+from robotraj.objectives.work import AbsolutePower, MechanicalWork
 
-__all__ = ["Duration", "Effort", "EndCost", "Integral", "Lagrange", "Mayer", "Objective", "Sum"]
+__all__ = [
+    "AbsolutePower",
+    "Augmented",
+    "Duration",
+    "Effort",
+    "EndCost",
+    "Integral",
+    "Jerk",
+    "Lagrange",
+    "Mayer",
+    "MechanicalWork",
+    "Objective",
+    "Sum",
+    "TorqueRate",
+    "body_of",
+]

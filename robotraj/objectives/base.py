@@ -12,6 +12,7 @@ import numpy as np
 from robotraj.errors import InputError
 
 if TYPE_CHECKING:
+    from robotraj.constraints.base import BoundConstraint
     from robotraj.dynamics.dae import Dynamics
 
 
@@ -55,7 +56,23 @@ class Sum(Objective):
         return " + ".join(f"{weight:g} {term}" if weight != 1 else str(term) for weight, term in self.parts)
 
 
-class Integral(Objective):
+class Term(Objective):
+    """What both kinds of elementary terms share."""
+
+    @abstractmethod
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Raise InputError where the term names what the dynamics do not have."""
+
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """Wrap the dynamics of the phase in what the term needs beside them; most terms need nothing."""
+        return dynamics
+
+    def definitions(self, dynamics: Dynamics) -> tuple[BoundConstraint, ...]:
+        """Rows that define the variables the term brought along, held at collocation points; most terms have none."""
+        return ()
+
+
+class Integral(Term):
     """An elementary Lagrange term: the integral of a rate over the phase."""
 
     @property
@@ -67,12 +84,8 @@ class Integral(Objective):
     def rate(self, point: Any) -> Any:
         """Integrand at a point, a scalar."""
 
-    @abstractmethod
-    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
-        """Raise InputError where the term names what the dynamics do not have."""
 
-
-class EndCost(Objective):
+class EndCost(Term):
     """An elementary Mayer term: a function of the phase's two end points."""
 
     @property
@@ -83,7 +96,3 @@ class EndCost(Objective):
     @abstractmethod
     def value(self, start: Any, end: Any) -> Any:
         """Cost of the two end points, a scalar."""
-
-    @abstractmethod
-    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
-        """Raise InputError where the term names what the dynamics do not have."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from robotraj.errors import InputError, unknown_name
+from robotraj.errors import InputError
 from robotraj.objectives.base import Integral
+from robotraj.objectives.weights import weights_of
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
@@ -41,21 +40,5 @@ class Effort(Integral):
         self._resolved([c.name for c in dynamics.controls])
 
     def _resolved(self, names: Sequence[str]) -> list[float]:
-        if self.weights is None:
-            return [1.0] * len(names)
         # Controls of robots are called tau.<joint>; users weigh them by joint.
-        joints = [name.removeprefix("tau.") for name in names]
-        if isinstance(self.weights, Mapping):
-            for key in self.weights:
-                if key not in joints:
-                    raise unknown_name("actuated joint", key, joints, "Effort(weights=...) names actuated joints.")
-            given = [float(self.weights.get(joint, 0.0)) for joint in joints]
-        else:
-            given = [float(w) for w in np.asarray(self.weights, dtype=float).ravel()]
-            given = given * len(names) if len(given) == 1 else given
-        if len(given) != len(names):
-            raise InputError(f"Effort has {len(given)} weights for {len(names)} controls: {', '.join(joints)}.")
-        for joint, weight in zip(joints, given, strict=True):
-            if not weight >= 0 or np.isinf(weight):
-                raise InputError(f"Effort: the weight of {joint!r} is {weight}; it must be finite and not negative.")
-        return given
+        return weights_of(self.weights, [name.removeprefix("tau.") for name in names], "Effort")

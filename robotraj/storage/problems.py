@@ -57,7 +57,7 @@ def check_fit(problem: Problem, data: Mapping[str, Any], name: str) -> None:
         raise InputError(f"{name} has {len(data['phases'])} phases, but problem= has {len(problem.phases)}.")
     for phase, stored in zip(problem.phases, data["phases"], strict=True):
         for group in GROUPS:
-            names = [variable.name for variable in getattr(phase.dae, group)]
+            names = [variable.name for variable in getattr(phase.body, group)]
             known = [variable["name"] for variable in stored["variables"][group]]
             if names != known:
                 raise InputError(
@@ -82,7 +82,7 @@ def _pack_phase(
         "robot": robot,
         "system": None if system is None else system.name,
         "variables": {
-            group: [{"name": v.name, "unit": v.unit} for v in getattr(phase.dae, group)] for group in GROUPS
+            group: [{"name": v.name, "unit": v.unit} for v in getattr(phase.body, group)] for group in GROUPS
         },
         "fields": plain,
         "constraints": _pack_each(

@@ -84,7 +84,8 @@ def taus(layout: PhaseLayout, owners: Sequence[tuple[int, int]]) -> Array:
 
 def path_constraints(phase: Phase, where: Where) -> list[BoundConstraint]:
     """Constraints with rows that are not single variables (those are bounds of the NLP)."""
-    return [c for c in phase.bound_constraints if c.where is where and any(r.variable is None for r in c.rows)]
+    held = (where, Where.AT_NODES) if where is Where.THROUGHOUT else (where,)
+    return [c for c in phase.bound_constraints if c.where in held and any(r.variable is None for r in c.rows)]
 
 
 def path_rows(constraints: list[BoundConstraint], point: object) -> ca.SX:

@@ -198,7 +198,9 @@ def _at_end(
     watches = [watch for _, ends in entries for watch in ends]
     if state is not None:
         units = [v.unit for v in phase.system.states] if phase.robot is None else _state_units(phase.robot)
-        for name, unit, lower, upper in zip(point.x, units, state.lower, state.upper, strict=True):
+        # States that the objective added come last in the bounds, and are none of the motion's.
+        count = len(units)
+        for name, unit, lower, upper in zip(point.x, units, state.lower[:count], state.upper[:count], strict=True):
             watch = _Watch(Row(f"{where.value} state", unit, float(lower), float(upper), name))
             watch.see(times, np.array([float(point.x[name])]))
             watches.append(watch)
