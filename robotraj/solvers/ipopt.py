@@ -112,7 +112,9 @@ class Ipopt(Solver):
         lower, upper = nlp.rows.lower * nlp.row_scale, nlp.rows.upper * nlp.row_scale
         watch = _Watch(n_w, lower, upper, progress)
         w, p = ca.MX.sym("w", n_w), ca.MX.sym("p", 0)
-        oracle = {"x": w, "p": p, "f": functions.objective(w, p), "g": functions.rows(w, p)}
+        # A call makes a constant objective sparse again, which nlpsol refuses.
+        objective = ca.densify(functions.objective(w, p))
+        oracle = {"x": w, "p": p, "f": objective, "g": functions.rows(w, p)}
         try:
             solver = ca.nlpsol(
                 "solver",
