@@ -95,7 +95,14 @@ def test_these_robots_and_no_others_ship():
         ("block", ("slider",), ("slider",), [1], [-20], [20]),
         ("pendulum", ("pivot",), ("pivot",), [5], [-2 * np.pi], [2 * np.pi]),
         ("cartpole", ("slider", "pole"), ("slider",), [20, 0], [-2, -2 * np.pi], [2, 2 * np.pi]),
-        ("acrobot", ("shoulder", "elbow"), ("elbow",), [0, 20], [-2 * np.pi] * 2, [2 * np.pi] * 2),
+        (
+            "acrobot",
+            ("shoulder", "elbow"),
+            ("elbow",),
+            [0, 20],
+            [-2 * np.pi, -4 * np.pi],
+            [2 * np.pi, 4 * np.pi],
+        ),
         ("two_link_arm", ("shoulder", "elbow"), ("shoulder", "elbow"), [1, 1], [-2, -2], [2, 2]),
     ],
 )

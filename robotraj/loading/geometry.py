@@ -1,7 +1,7 @@
-"""Where a robot's visual and collision geometry comes from: read when first asked for, never pickled.
+"""Where a robot's visual and collision geometry comes from: it is read when first asked for.
 
-A robot is light that way (19 kB instead of 177 MB for a UR5's meshes), so that planning starts at once and a
-robot can be sent to another process.
+A robot from a URDF pickles without its shapes (19 kB instead of 177 MB for a UR5's meshes), so that planning
+starts at once and a robot can be sent to another process, where the shapes are read again if wanted.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -51,7 +50,7 @@ class UrdfGeometry:
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
         """Read the shapes of one kind; leave out meshes that are not there, with a warning."""
-        root = deepcopy(read_xml(self.urdf))
+        root = read_xml(self.urdf)
         folders = list(search_folders(self.urdf, self.package_dirs))
         missing: list[str] = []
         for link in root.findall("link"):
