@@ -34,7 +34,7 @@ def plan(
     problem : Problem or Phase
     mesh : Mesh or sequence of Mesh, optional
         One for all phases or one for each; 40 Hermite-Simpson intervals by default. With ``tolerance``, the first
-        mesh, of 10 intervals of Radau IIA with 3 points by default.
+        mesh, of 20 intervals of Radau IIA with 3 points by default.
     guess : Guess or Solution, optional
         A straight line by default; an earlier solution on any mesh and scheme warm starts.
     solver : Solver, optional
@@ -63,7 +63,7 @@ def plan(
     if not isinstance(problem, Problem):
         raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
     if mesh is None:
-        mesh = Mesh() if tolerance is None else Mesh(10, RadauIIA(3))
+        mesh = Mesh() if tolerance is None else Mesh(20, RadauIIA(3))
     if not isinstance(mesh, Mesh) and not all(isinstance(m, Mesh) for m in mesh):
         raise InputError("mesh= must be an rt.Mesh, or one for each phase.")
     solver = solver or Ipopt()
