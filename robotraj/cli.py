@@ -22,7 +22,7 @@ from robotraj.planning import plan
 from robotraj.problem import Phase
 from robotraj.replay import replay
 from robotraj.robot import Limits, Robot, load
-from robotraj.schemes import HermiteSimpson, Mesh
+from robotraj.schemes import HermiteSimpson, LinearControl, Mesh, PolynomialControl
 from robotraj.solution import Solution, load_solution
 from robotraj.state import State
 from robotraj.witness import validate
@@ -144,7 +144,10 @@ def plan_command(
         typer.Option(metavar="T", help="Seconds, '2' or '0.5:3'; 2 by default, free when it is minimised."),
     ] = None,
     objective: Annotated[Minimise, typer.Option(help="What is minimised.")] = Minimise.effort,
-    intervals: Annotated[int, typer.Option(help="Hermite-Simpson intervals.")] = 40,
+    intervals: Annotated[int | None, typer.Option(help="Hermite-Simpson intervals; 40 by default.")] = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Refine the mesh until the error between knots is below this.")
+    ] = None,
     velocity: Annotated[
         float | None, typer.Option(help="Largest speed of every joint [rad/s, m/s] in place of the URDF's.")
     ] = None,
@@ -173,7 +176,12 @@ def plan_command(
         name=f"{mover.name}, least {objective.value}",
     )
     _say(f"{phase}\n")
-    _conclude(plan(phase, Mesh(intervals, HermiteSimpson())), html, save, plot)
+    # Controls of least duration jump: lines keep their limits between the points, parabolas would not.
+    control = LinearControl() if objective is Minimise.duration else PolynomialControl()
+    mesh = None
+    if intervals is not None or tolerance is None:
+        mesh = Mesh(40 if intervals is None else intervals, HermiteSimpson(control=control))
+    _conclude(plan(phase, mesh, tolerance=tolerance), html, save, plot)
 
 
 @app.command("validate", short_help="Prove a saved solution by simulation.")

@@ -5,6 +5,7 @@ Figures are matplotlib's, made without pyplot: no window opens, nothing has to b
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -29,8 +30,8 @@ Panel = tuple[str, str]
 
 SAMPLES = 1200
 """About so many points of each curve, shared among the intervals of a phase."""
-CROWD = 90
-"""With more points than this in the whole solution they are marked below the curves, not on them."""
+CROWD = 250
+"""With more points than this on the curves of one panel they are marked below the curves, not on them."""
 REACH = 0.75
 """A limit farther from the curves than this share of their span is told in words: curves stay legible."""
 QUANTITIES = ("position", "velocity", "acceleration", "effort", "state", "algebraic variable", "control")
@@ -80,7 +81,8 @@ def plot(solution: Solution) -> Figure:
     colors = _colors(sorted({v.label for v in variables}, key=[v.label for v in variables].index))
     figure = Figure(figsize=(6.2 * max(columns, 1.4), 1.1 + 2.4 * rows), dpi=110, layout="constrained")
     grid = figure.subplots(rows, columns, sharex=True, squeeze=False)
-    crowded = sum(len(trace.part.points) for trace in traces) > CROWD
+    most = max(Counter((v.quantity, v.unit) for v in variables).values())
+    crowded = most * sum(len(trace.part.points) for trace in traces) > CROWD
     for axes, panel in zip(grid.ravel(), panels, strict=True):
         if panel is None:
             axes.set_axis_off()

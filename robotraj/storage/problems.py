@@ -167,8 +167,8 @@ def _printed(value: Any) -> str:
     if isinstance(value, tuple):
         weight, term = value
         return _printed(term) if weight == 1 else f"{weight:g} {_printed(term)}"
-    text = re.sub(
-        r"<(?:bound method|built-in function|function) ([^>]*?<lambda>|[\w.]+)[^>]*?>", r"\1", repr(value)
-    )
-    text = re.sub(r"(?:[\w.]+\.)?<locals>\.", "", text)
-    return re.sub(r"<([\w.]+) object at 0x[0-9a-f]+>", r"\1", text)
+    text = re.sub(r"<([\w.]+) object at 0x[0-9a-f]+>", r"\1", repr(value))
+    text = re.sub(r"<function (\S+) at 0x[0-9a-f]+>", r"\1", text)
+    text = re.sub(r"<bound method (\S+) of [^>]*>", r"\1", text)
+    text = re.sub(r"<built-in function (\S+)>", r"\1", text)
+    return re.sub(r"[\w.]*<locals>\.", "", text)
