@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+INSIDE = 1e-9
+"""How far inside an interval its ends are sampled, as a fraction of its length."""
+
 
 def transcribe(
     problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | None = None, guards: Sequence[Guard] = ()
@@ -165,9 +168,13 @@ def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
     w[layout.knots.ravel()] = known.states(layout.mesh.knots).ravel()
     for interval in layout.intervals:
         nodes = interval.start + interval.length * interval.scheme.nodes
-        sites = interval.start + interval.length * interval.scheme.control_sites
+        # Controls and accelerations may jump at knots: the interval's own side is asked for.
+        inner, sites = (
+            interval.start + interval.length * np.clip(c, INSIDE, 1 - INSIDE)
+            for c in (interval.scheme.nodes, interval.scheme.control_sites)
+        )
         w[interval.states.ravel()] = known.states(nodes).ravel()
-        w[interval.algebraic.ravel()] = known.algebraic(nodes).ravel()
+        w[interval.algebraic.ravel()] = known.algebraic(inner).ravel()
         w[interval.controls.ravel()] = known.controls(sites).ravel()
         if isinstance(layout.mesh, MovingMesh):
             w[interval.clock.base.column] = t0 + known.duration * interval.start
