@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.loading.catalogue import find
 
 
 @pytest.fixture
@@ -162,3 +163,13 @@ def test_the_cure_that_is_named_cures():
     )
     assert cured.limits.complaints() == ()
     assert cured.limits.effort[1] == 5
+
+
+def test_zero_limits_of_a_real_robot_are_counted():
+    model = pin.buildModelFromUrdf(str(find("romeo").urdf))
+    robot = rt.load(model)
+    zero = np.flatnonzero(np.array(model.upperVelocityLimit) == 0)
+    assert len(zero) == 24
+    complaints = robot.limits.complaints()
+    for i in zero:
+        assert any(f"Joint {robot.joint_names[i]!r} " in complaint for complaint in complaints)
