@@ -50,13 +50,13 @@ class Named(Mapping[str, Any]):
     """
 
     def __init__(self, kind: str, names: Sequence[str], values: Any) -> None:
-        self._kind = kind
+        self.kind = kind
         self._index = {name: i for i, name in enumerate(names)}
         self._values = values
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._index:
-            raise unknown_name(self._kind, name, self._index)
+            raise unknown_name(self.kind, name, self._index)
         return self._values[self._index[name]]
 
     def __contains__(self, name: object) -> bool:
