@@ -26,6 +26,10 @@ def check_phase(phase: Phase) -> None:
         if complaints:
             raise InputError(f"Phase {phase.name!r}: " + " ".join(complaints))
     _ = phase.parameter_bounds, phase.duration_bounds
+    if phase.system is not None:
+        point = symbols_of(phase.dae, phase.parameter_names)
+        _ = phase.dae.rates(point), phase.dae.residual(point)
+    _check_against_each_other(phase)
     for which, bounds in (("start", phase.start_bounds), ("end", phase.end_bounds)):
         crossed = np.flatnonzero(bounds.lower > bounds.upper)
         if crossed.size:
@@ -55,6 +59,19 @@ def _rows_on_states(phase: Phase) -> dict[str, list[Row]]:
     return rows
 
 
+def _check_against_each_other(phase: Phase) -> None:
+    """Two rows on one variable must leave it a value."""
+    for rows in _rows_on_states(phase).values():
+        lowest = max(rows, key=lambda row: row.lower)
+        highest = min(rows, key=lambda row: row.upper)
+        if lowest.lower > highest.upper:
+            raise InputError(
+                f"Phase {phase.name!r}: {lowest.label} [{lowest.lower:g}, {lowest.upper:g}] {lowest.unit} and "
+                f"{highest.label} [{highest.lower:g}, {highest.upper:g}] {highest.unit} contradict each other; "
+                "relax one of them."
+            )
+
+
 def _check_against_limits(phase: Phase, which: str, bounds: Bounds) -> None:
     rows = _rows_on_states(phase)
     for variable, low, high in zip(phase.dae.states, bounds.lower, bounds.upper, strict=True):
@@ -80,7 +97,8 @@ def _check_expressions(phase: Phase, which: str, bounds: Bounds) -> None:
     for constraint in phase.bound_constraints:
         if constraint.where in skipped or all(row.variable is not None for row in constraint.rows):
             continue
-        _check_expression(phase, which, constraint, ca.vertcat(*constraint.expression(point)), x, lower)
+        values = ca.vertcat(*(ca.SX(value) for value in constraint.expression(point)))
+        _check_expression(phase, which, constraint, values, x, lower)
 
 
 def _check_expression(

@@ -141,11 +141,14 @@ class Phase:
     def duration_bounds(self) -> tuple[float, float]:
         """Least and greatest duration [s]."""
         value = self.duration
-        if isinstance(value, Sequence | np.ndarray) and len(value) == 2:
-            value = between(*value)
+        if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) and len(value) == 2:
+            try:
+                value = between(*value)
+            except InputError as error:
+                raise InputError(f"The duration of phase {self.name!r} is {self.duration!r}: {error}") from error
         bounds = as_bounds(value, ["duration"], f"duration of phase {self.name!r}", "value")
         low, high = float(bounds.lower[0]), float(bounds.upper[0])
-        if value is None or high < 0 or (not isinstance(value, Between) and high <= 0):
+        if value is None or high <= 0:
             raise InputError(
                 f"The duration of phase {self.name!r} is {self.duration!r}; give seconds above 0, or (least, greatest)."
             )

@@ -104,6 +104,9 @@ class PhaseSolution:
             )
         if times.ndim > 1:
             raise InputError(f"Times must be a number or a vector; got shape {times.shape}.")
+        count = len(self.knots) - 1
+        if interval is not None and not 0 <= interval < count:
+            raise InputError(f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}.")
         dae = self.phase.dae
         x, z, u = (curve(times, interval) for curve in (self.trajectory.x, self.trajectory.z, self.trajectory.u))
         controls = dae.controls

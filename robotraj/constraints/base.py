@@ -106,6 +106,9 @@ class AtStart(Constraint):
 
     constraint: Constraint
 
+    def __post_init__(self) -> None:
+        _require_constraint(self.constraint, "AtStart")
+
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Bind the constraint, at the start alone."""
         return replace(self.constraint.bind(dynamics, parameters), where=Where.START)
@@ -117,9 +120,17 @@ class AtEnd(Constraint):
 
     constraint: Constraint
 
+    def __post_init__(self) -> None:
+        _require_constraint(self.constraint, "AtEnd")
+
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Bind the constraint, at the end alone."""
         return replace(self.constraint.bind(dynamics, parameters), where=Where.END)
+
+
+def _require_constraint(value: Any, who: str) -> None:
+    if not isinstance(value, Constraint):
+        raise InputError(f"{who} imposes a constraint such as rt.FramePosition(...) at one end; got {value!r}.")
 
 
 def robot_of(dynamics: Dynamics, who: str) -> Robot:

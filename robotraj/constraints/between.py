@@ -36,8 +36,11 @@ def between(lower: Any, upper: Any) -> Between:
     InputError
         A bound is NaN, or a lower bound lies above its upper bound.
     """
-    low = np.asarray(-np.inf if lower is None else lower, dtype=float)
-    high = np.asarray(np.inf if upper is None else upper, dtype=float)
+    try:
+        low = np.asarray(-np.inf if lower is None else lower, dtype=float)
+        high = np.asarray(np.inf if upper is None else upper, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"between({lower!r}, {upper!r}): bounds are numbers, or None for an open side.") from error
     if np.isnan(low).any() or np.isnan(high).any():
         raise InputError(f"between({lower}, {upper}) contains NaN; use None for an open side.")
     try:
@@ -83,20 +86,26 @@ def as_bounds(value: Any, names: Sequence[str], what: str, kind: str = "joint") 
                 raise unknown_name(kind, name, names, f"It was used in the {what}.")
             i = list(names).index(name)
             low, high = _pair(entry, f"{what} of {kind} {name!r}")
-            lower[i], upper[i] = float(low), float(high)
+            if np.size(low) != 1 or np.size(high) != 1:
+                raise InputError(f"The {what} of {kind} {name!r} must be one number, None or rt.between; got {entry!r}.")
+            lower[i], upper[i] = np.asarray(low).item(), np.asarray(high).item()
         return Bounds(lower, upper)
     if isinstance(value, Between) or value is None or np.isscalar(value) or _is_plain_array(value):
         low, high = _pair(value, what)
         sides = []
         for side in (low, high):
             flat = np.asarray(side, dtype=float).ravel()
-            if flat.size not in (1, n):
+            if flat.size != n and np.ndim(side) > 0:
                 raise InputError(f"The {what} has {flat.size} values; it needs {n}: {', '.join(names)}.")
             sides.append(np.broadcast_to(flat, (n,)).copy())
         for side in sides:
-            bad = np.flatnonzero(np.isnan(side))
-            if bad.size:
-                raise InputError(f"The {what} of {kind} {names[bad[0]]!r} is NaN; give a number, or None to leave it free.")
+            bad = np.isnan(side) | (np.isinf(side) if not isinstance(value, Between) and value is not None else False)
+            if np.any(bad):
+                i = int(np.flatnonzero(bad)[0])
+                wrong = "NaN" if np.isnan(side[i]) else "infinite"
+                raise InputError(
+                    f"The {what} of {kind} {names[i]!r} is {wrong}; give a number, or None to leave it free."
+                )
         return Bounds(*sides)
     if isinstance(value, Sequence) and not isinstance(value, str):
         if len(value) != n:
@@ -129,8 +138,7 @@ def _pair(value: Any, what: str) -> tuple[Any, Any]:
         number = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:
         raise InputError(f"The {what} must be a number, None or rt.between(lower, upper); got {value!r}.") from error
-    if np.isnan(number).any() and number.size == 1:
-        raise InputError(f"The {what} is NaN; give a number, or None to leave it free.")
-    if np.isinf(number).any():
-        raise InputError(f"The {what} is infinite; give a number, or None to leave it free.")
+    if number.size == 1 and not np.isfinite(number).all():
+        wrong = "NaN" if np.isnan(number).any() else "infinite"
+        raise InputError(f"The {what} is {wrong}; give a number, or None to leave it free.")
     return number, number

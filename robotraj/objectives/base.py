@@ -34,7 +34,7 @@ class Objective(ABC):
         return self if other == 0 else NotImplemented
 
     def __mul__(self, weight: float) -> Objective:
-        if not np.isscalar(weight) or not np.isfinite(weight):  # type: ignore[call-overload]
+        if not isinstance(weight, int | float | np.number) or not np.isfinite(weight):
             raise InputError(f"An objective can be multiplied by a finite number, not by {weight!r}.")
         return Sum(tuple((float(weight) * w, term) for w, term in self.terms))
 
@@ -68,7 +68,7 @@ class Term(Objective):
         return dynamics
 
     def definitions(self, dynamics: Dynamics) -> tuple[BoundConstraint, ...]:
-        """Rows that define the variables the term brought along, held at collocation points; most terms have none."""
+        """Rows that define the variables the term brought, held at collocation points; most have none."""
         return ()
 
 

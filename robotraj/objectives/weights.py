@@ -24,13 +24,17 @@ def weights_of(given: Any, joints: Sequence[str], who: str) -> list[float]:
         for key in given:
             if key not in joints:
                 raise unknown_name("joint or variable", key, joints, f"{who} weighs these.")
-        values = [float(given.get(joint, 0.0)) for joint in joints]
+        values = [given.get(joint, 0.0) for joint in joints]
     else:
-        values = [float(w) for w in np.asarray(given, dtype=float).ravel()]
+        values = [given] if np.ndim(given) == 0 else list(np.ravel(given))
         values = values * len(joints) if len(values) == 1 else values
     if len(values) != len(joints):
-        raise InputError(f"{who} has {len(values)} weights for {len(joints)}: {', '.join(joints)}.")
+        raise InputError(
+            f"{who} has {len(values)} weights, but there are {len(joints)} to give: {', '.join(joints)}."
+        )
     for joint, weight in zip(joints, values, strict=True):
-        if not weight >= 0 or np.isinf(weight):
-            raise InputError(f"{who}: the weight of {joint!r} is {weight}; it must be finite and not negative.")
-    return values
+        if not isinstance(weight, int | float | np.number) or not weight >= 0 or np.isinf(weight):
+            raise InputError(
+                f"{who}: the weight of {joint!r} is {weight!r}; it must be finite and not negative."
+            )
+    return [float(weight) for weight in values]

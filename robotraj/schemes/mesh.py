@@ -45,12 +45,12 @@ class Mesh:
         knots = self.knots
         if len(knots) < 2 or knots[0] != 0.0 or knots[-1] != 1.0 or not np.all(np.diff(knots) > 0):
             raise InputError(f"The knots of a mesh must ascend from 0 to 1; got {knots.tolist()}.")
-        schemes = [self.scheme] if isinstance(self.scheme, Scheme) else list(self.scheme)
+        schemes = list(self.scheme) if isinstance(self.scheme, Sequence) else [self.scheme]
         for scheme in schemes:
             if not isinstance(scheme, Scheme):
+                shown = f"the class {scheme.__name__}" if isinstance(scheme, type) else repr(scheme)
                 raise InputError(
-                    f"Mesh(scheme) must be a scheme value such as rt.HermiteSimpson(), got {scheme!r}; "
-                    "write the parentheses."
+                    f"Mesh(scheme) must be a scheme value such as rt.HermiteSimpson(), with its parentheses; got {shown}."
                 )
         if len(schemes) not in (1, len(knots) - 1):
             raise InputError(f"The mesh has {len(knots) - 1} intervals but {len(schemes)} schemes.")

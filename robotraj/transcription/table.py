@@ -104,12 +104,11 @@ class ScalarTable:
         lower_meaning, upper_meaning = meaning.copy(), meaning.copy()
         for bound in bounds:
             number = self.entry(bound.entry)
+            # Ends come first. Where one lies outside a limit by round-off, the phase let it through: the limit gives way.
             tighter = bound.columns[bound.lower > lower[bound.columns]]
-            lower[tighter], lower_meaning[tighter] = bound.lower, number
+            lower[tighter], lower_meaning[tighter] = np.minimum(bound.lower, upper[tighter]), number
             tighter = bound.columns[bound.upper < upper[bound.columns]]
-            upper[tighter], upper_meaning[tighter] = bound.upper, number
-        # Ends that lie outside a limit by round-off were let through by the phase; the limit gives way.
-        lower = np.minimum(lower, upper)
+            upper[tighter], upper_meaning[tighter] = np.maximum(bound.upper, lower[tighter]), number
         parts = (meaning, fraction, lower, upper, lower_meaning, upper_meaning)
         for part in parts:
             part.setflags(write=False)

@@ -126,9 +126,25 @@ def _bounds(phase: Phase, index: int, layout: PhaseLayout) -> list[ColumnBound]:
             if row.variable is None:
                 continue
             every = columns[row.variable]
+            _require_point(phase, layout, row.variable, constraint.where)
             chosen = {Where.START: every[:1], Where.END: every[-1:]}.get(constraint.where, every)
             bounds.append(ColumnBound(Entry(index, row.name, row.joint or "", row.unit), chosen, row.lower, row.upper))
     return bounds
+
+
+def _require_point(phase: Phase, layout: PhaseLayout, variable: str, where: Where) -> None:
+    """Refuse a bound on an end where the scheme has no value of the variable."""
+    if where not in (Where.START, Where.END) or variable in {state.name for state in phase.dae.states}:
+        return
+    interval, at = (layout.intervals[0], 0) if where is Where.START else (layout.intervals[-1], -1)
+    is_control = variable in {control.name for control in phase.dae.controls}
+    sites = interval.scheme.control_sites if is_control else interval.scheme.nodes
+    constant = is_control and len(sites) == 1
+    if not constant and sites[at] != (0.0 if where is Where.START else 1.0):
+        raise InputError(
+            f"Phase {phase.name!r}: {variable!r} is bounded at the {where.value}, but {type(interval.scheme).__name__} "
+            "has no collocation point there; use a Lobatto scheme."
+        )
 
 
 def _columns_by_variable(phase: Phase, layout: PhaseLayout) -> dict[str, NDArray[np.int_]]:
