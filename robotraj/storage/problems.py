@@ -7,11 +7,12 @@ cannot be stored safely; a problem loaded without them is enough to look at, sam
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, fields
 from typing import Any
 
 from robotraj.dynamics import System, Variable
+from robotraj.dynamics.missing import MissingEquations
 from robotraj.errors import InputError
 from robotraj.objectives import Objective, Sum
 from robotraj.problem import Phase, Problem
@@ -116,7 +117,7 @@ def _system(name: str, variables: Mapping[str, Sequence[Mapping[str, str]]]) -> 
     groups = {
         group: [Variable(entry["name"], entry["unit"]) for entry in variables[group]] for group in GROUPS
     }
-    missing = _missing_equations(name)
+    missing = MissingEquations(name)
     return System(
         [v.name for v in groups["states"]],
         [v.name for v in groups["controls"]],
@@ -126,16 +127,6 @@ def _system(name: str, variables: Mapping[str, Sequence[Mapping[str, str]]]) -> 
         units={v.name: v.unit for group in groups.values() for v in group},
         name=name,
     )
-
-
-def _missing_equations(name: str) -> Callable[[Any], Any]:
-    def equations(point: Any) -> Any:
-        raise InputError(
-            f"The equations of system {name!r} are Python functions, which a file does not hold; "
-            "load it with rt.load_solution(path, problem=...) to have them."
-        )
-
-    return equations
 
 
 def _pack_each(

@@ -1,0 +1,28 @@
+"""Equations that are not there: of a System that came from a file, which holds no Python functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+from robotraj.errors import InputError
+
+
+@dataclass(frozen=True)
+class MissingEquations:
+    """Stand in for the equations of a System; whoever evaluates them is told how to have them.
+
+    Attributes
+    ----------
+    system : str
+        Name of the system.
+    """
+
+    system: str
+
+    def __call__(self, point: Any) -> NoReturn:
+        """Raise InputError."""
+        raise InputError(
+            f"The equations of system {self.system!r} are Python functions, which a file does not hold; "
+            "load it with rt.load_solution(path, problem=...) to have them."
+        )
