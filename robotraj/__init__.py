@@ -19,8 +19,20 @@ from robotraj.constraints import (
 from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
 from robotraj.guess import FromSolution, Keyframes, StraightLine
-from robotraj.links import Continuity
-from robotraj.objectives import AbsolutePower, Duration, Effort, Jerk, Lagrange, Mayer, MechanicalWork, TorqueRate
+from robotraj.links import Continuity, EqualDuration, Jump, Linkage, Mirror, Periodic, SameParameter
+from robotraj.objectives import (
+    AbsolutePower,
+    CostOfTransport,
+    Duration,
+    Effort,
+    Jerk,
+    Lagrange,
+    Mayer,
+    MechanicalWork,
+    TerminalPose,
+    TorqueRate,
+    Tracking,
+)
 from robotraj.planning import plan
 from robotraj.problem import Phase, Problem
 from robotraj.refinement import RaiseOrder, SplitAndMerge, SplitOrRaise
@@ -49,12 +61,15 @@ from robotraj.transcription import Nlp, transcribe
 from robotraj.witness import validate
 
 __all__ = [
+    "AbsolutePower",
     "AtEnd",
     "AtStart",
     "ConstantControl",
     "Continuity",
+    "CostOfTransport",
     "Duration",
     "Effort",
+    "EqualDuration",
     "FifthDegree",
     "Flat",
     "ForwardDynamics",
@@ -68,22 +83,28 @@ __all__ = [
     "InputError",
     "InverseDynamics",
     "Ipopt",
+    "Jerk",
     "JointAcceleration",
     "JointEffort",
     "JointPosition",
     "JointVelocity",
+    "Jump",
     "Keyframes",
     "Lagrange",
     "Limits",
     "LinearControl",
+    "Linkage",
     "LobattoIIIA",
     "Mayer",
+    "MechanicalWork",
     "Mesh",
+    "Mirror",
     "MovingMesh",
     "Nlp",
     "NoSolutionFound",
     "OwnQuadrature",
     "PathConstraint",
+    "Periodic",
     "Phase",
     "PolynomialControl",
     "Problem",
@@ -91,6 +112,7 @@ __all__ = [
     "RaiseOrder",
     "Robot",
     "RobotrajError",
+    "SameParameter",
     "Slope",
     "Solution",
     "SplitAndMerge",
@@ -99,6 +121,9 @@ __all__ = [
     "Status",
     "StraightLine",
     "System",
+    "TerminalPose",
+    "TorqueRate",
+    "Tracking",
     "Trapezoidal",
     "TrapezoidalQuadrature",
     "UnknownName",

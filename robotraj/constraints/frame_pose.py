@@ -74,7 +74,7 @@ class FramePose(Constraint):
         """Write three rows of position and four of orientation."""
         robot_of(dynamics, "FramePose").frame(self.frame)
         what = f"pose of frame {self.frame!r}"
-        position, rotation = _pose(self.pose, what)
+        position, rotation = as_pose(self.pose, what)
         lower, upper = as_bounds(position, AXES, what, "axis")
         rows = [Row(f"frame position {AXES[i]}", "m", lower[i], upper[i], self.frame) for i in range(3)]
         rows += [Row(f"frame orientation {axis}", "rad", 0.0, 0.0, self.frame) for axis in AXES]
@@ -91,7 +91,8 @@ class FramePose(Constraint):
         return BoundConstraint("frame pose", tuple(rows), expression)
 
 
-def _pose(pose: Any, what: str) -> tuple[Any, NDArray[np.float64]]:
+def as_pose(pose: Any, what: str) -> tuple[Any, NDArray[np.float64]]:
+    """Read a pose as its position and rotation matrix; ``what`` names it in errors."""
     if isinstance(pose, pin.SE3):
         return pose.translation, np.array(pose.rotation)
     if not isinstance(pose, Sequence) or len(pose) != 2:

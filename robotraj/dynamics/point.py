@@ -46,6 +46,7 @@ class RobotPoint(Point):
 
     Attributes
     ----------
+    robot : Robot
     q, v, a : column (nv,)
         Joint positions [rad, m], velocities and accelerations.
     tau : column (nu,)
@@ -58,7 +59,7 @@ class RobotPoint(Point):
         self, t: Any, x: Named, z: Named, u: Named, p: Named, robot: Robot, q: Any, v: Any, a: Any, tau: Any
     ) -> None:
         super().__init__(t, x, z, u, p)
-        self._robot = robot
+        self.robot = robot
         self._a = a
         self._tau = tau
         self._frames: dict[str, FrameView] = {}
@@ -82,15 +83,15 @@ class RobotPoint(Point):
 
     def frame(self, name: str) -> FrameView:
         """Pose and motion of a frame of the robot, in world axes."""
-        self._robot.frame(name)
+        self.robot.frame(name)
         if name not in self._frames:
             self._frames[name] = FrameView(self, name)
         return self._frames[name]
 
     @cached_property
     def _center_of_mass(self) -> Any:
-        still = ca.SX.zeros(self._robot.nv)
-        return self._robot.symbolic.center_of_mass(self.q, self.v, still if self._a is None else self._a)
+        still = ca.SX.zeros(self.robot.nv)
+        return self.robot.symbolic.center_of_mass(self.q, self.v, still if self._a is None else self._a)
 
     @property
     def com(self) -> Any:
@@ -100,7 +101,7 @@ class RobotPoint(Point):
     @cached_property
     def momentum(self) -> Any:
         """Centroidal momentum (6,): linear [kg m/s], angular [kg m^2/s]."""
-        return self._robot.symbolic.centroidal_momentum(self.q, self.v)
+        return self.robot.symbolic.centroidal_momentum(self.q, self.v)
 
 
 class FrameView:
@@ -109,7 +110,7 @@ class FrameView:
     def __init__(self, point: RobotPoint, name: str) -> None:
         self._point = point
         self._name = name
-        self._symbolic = point._robot.symbolic
+        self._symbolic = point.robot.symbolic
 
     @cached_property
     def _placement(self) -> Any:

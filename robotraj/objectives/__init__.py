@@ -7,11 +7,15 @@ from robotraj.objectives.effort import Effort
 from robotraj.objectives.lagrange import Lagrange
 from robotraj.objectives.mayer import Mayer
 from robotraj.objectives.rates import Jerk, TorqueRate
+from robotraj.objectives.terminal_pose import TerminalPose
+from robotraj.objectives.tracking import Tracking
+from robotraj.objectives.transport import CostOfTransport
 from robotraj.objectives.work import AbsolutePower, MechanicalWork
 
 __all__ = [
     "AbsolutePower",
     "Augmented",
+    "CostOfTransport",
     "Duration",
     "Effort",
     "EndCost",
@@ -22,6 +26,8 @@ __all__ = [
     "MechanicalWork",
     "Objective",
     "Sum",
+    "TerminalPose",
     "TorqueRate",
+    "Tracking",
     "body_of",
 ]

@@ -1,14 +1,16 @@
-"""Dynamics with the variables that an objective brings along: rates of controls, slacks, jerks, running integrals.
+"""Dynamics with the variables that an objective brings along: rates, slacks, jerks, running integrals.
 
-An objective may need more than a point knows: the time derivative of a torque, a slack for an absolute value. It then wraps
-the dynamics of the phase in a larger DAE of the same physics, which schemes and transcription treat as any other:
+An objective may need more than a point knows: the time derivative of a torque, a slack for an absolute value.
+It then wraps the dynamics of the phase in a larger DAE of the same physics, which schemes and transcription
+treat as any other:
 
     ControlRates        u becomes a state, its rate the control:   udot = r
     Slacks              further controls s, bounded by rows of the objective
     Jerks               further algebraic variables j = da/dt of a robot
     RunningIntegral     a further state W from W = 0:   Wdot = l(x, z, u, p, t)
 
-Points of a wrapped phase read as before, ``point.u`` and ``point.tau`` among them; what is new stands in ``point.extra``.
+Points of a wrapped phase read as before, ``point.u`` and ``point.tau`` among them; what is new stands in
+``point.extra``.
 """
 
 from __future__ import annotations
@@ -101,7 +103,8 @@ class ControlRates(Augmented):
     def controls(self) -> tuple[Variable, ...]:
         """Rates ``rate.<control>``, then further inner controls."""
         rates = tuple(
-            Variable(f"rate.{c.name}", f"{c.unit}/s" if c.unit else "", f"{c.quantity} rate", c.joint) for c in self._moved
+            Variable(f"rate.{c.name}", f"{c.unit}/s" if c.unit else "", f"{c.quantity} rate", c.joint)
+            for c in self._moved
         )
         return rates + self.inner.controls[len(rates) :]
 
@@ -118,7 +121,9 @@ class ControlRates(Augmented):
 
     def rates(self, point: Any) -> ca.SX:
         """Inner rates, then r."""
-        return ca.vertcat(self.inner.rates(point), *(point.extra[v.name] for v in self.controls[: len(self._moved)]))
+        return ca.vertcat(
+            self.inner.rates(point), *(point.extra[v.name] for v in self.controls[: len(self._moved)])
+        )
 
 
 @dataclass(frozen=True)
@@ -147,7 +152,8 @@ class Slacks(Augmented):
 class Jerks(Augmented):
     """Jerks j = da/dt of a robot as algebraic variables, from the time derivative of the torque balance.
 
-    0 = d/dt [RNEA(q, v, a) + d(v) - B tau] along (v, a, j, taudot), linear in j with the mass matrix in front.
+    0 = d/dt [RNEA(q, v, a) + d(v) - B tau] along (v, a, j, taudot), linear in j with the mass matrix in
+    front.
     """
 
     @cached_property
@@ -234,5 +240,7 @@ class RunningIntegral(Augmented):
 def _robot(dynamics: Dynamics) -> Any:
     body = body_of(dynamics)
     if not isinstance(body, RigidBody):
-        raise InputError("Jerk() needs a robot, but the phase moves a System; integrate a rate of yours with rt.Lagrange.")
+        raise InputError(
+            "Jerk() needs a robot, but the phase moves a System; integrate a rate of yours with rt.Lagrange."
+        )
     return body.robot

@@ -21,4 +21,4 @@ class Duration(EndCost):
         return end.t - start.t
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
-        """Always defined."""
+        """Accept any dynamics."""

@@ -21,8 +21,8 @@ class Effort(Integral):
     Parameters
     ----------
     weights : None, sequence or mapping by joint
-        One weight per actuated joint (per control of a System); None weighs all with 1, joints that a mapping does
-        not name weigh 0.
+        One weight per actuated joint (per control of a System); None weighs all with 1, joints that a mapping
+        does not name weigh 0.
     """
 
     weights: Any = None

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 class TorqueRate(Integral):
     """Integral over the phase of sum_j w_j (d tau_j / dt)^2 [N^2 m^2 / s].
 
-    The torques (controls of a System) become states and their rates the controls, so that torques are continuous within the
-    phase and as smooth as the scheme's states; their ends are free.
+    The torques (controls of a System) become states and their rates the controls, so that torques are
+    continuous within the phase and as smooth as the scheme's states; their ends are free.
 
     Parameters
     ----------
@@ -37,7 +37,9 @@ class TorqueRate(Integral):
         """Weighted sum of squared rates."""
         names = list(point.u)
         weights = weights_of(self.weights, [n.removeprefix("tau.") for n in names], "TorqueRate")
-        return sum((w * point.extra[f"rate.{n}"] ** 2 for w, n in zip(weights, names, strict=True) if w), ca.SX(0))
+        return sum(
+            (w * point.extra[f"rate.{n}"] ** 2 for w, n in zip(weights, names, strict=True) if w), ca.SX(0)
+        )
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Check the weights against the controls."""
@@ -54,8 +56,8 @@ class TorqueRate(Integral):
 class Jerk(Integral):
     """Integral over the phase of sum_j w_j (d a_j / dt)^2 [rad^2/s^5, m^2/s^5], of a robot.
 
-    Torques become states, as for ``TorqueRate``; the jerks follow from the time derivative of the torque balance, also where
-    joints have no motor.
+    Torques become states, as for ``TorqueRate``; the jerks follow from the time derivative of the torque
+    balance, also where joints have no motor.
 
     Parameters
     ----------
@@ -69,7 +71,9 @@ class Jerk(Integral):
         """Weighted sum of squared jerks."""
         joints = [name.removeprefix("jerk.") for name in point.extra if name.startswith("jerk.")]
         weights = weights_of(self.weights, joints, "Jerk")
-        return sum((w * point.extra[f"jerk.{j}"] ** 2 for w, j in zip(weights, joints, strict=True) if w), ca.SX(0))
+        return sum(
+            (w * point.extra[f"jerk.{j}"] ** 2 for w, j in zip(weights, joints, strict=True) if w), ca.SX(0)
+        )
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Check that there is a robot, and the weights against its joints."""

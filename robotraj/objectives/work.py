@@ -24,27 +24,27 @@ if TYPE_CHECKING:
 class MechanicalWork(Integral):
     """Integral over the phase of sum_j w_j (max(P_j, 0) + braking max(-P_j, 0)) with P_j = tau_j v_j [J].
 
-    The exact form has one slack s_j >= 0 per joint with P_j + s_j >= 0, and integrates P_j + (1 + braking) s_j: at the
-    optimum s_j = max(-P_j, 0) at every collocation point. It is the pair s+, s- >= 0 with P = s+ - s- and cost
-    s+ + braking s-, with s+ eliminated.
+    The exact form has one slack s_j >= 0 per joint with P_j + s_j >= 0, and integrates P_j + (1 + braking)
+    s_j: at the optimum s_j = max(-P_j, 0) at every collocation point. It is the pair s+, s- >= 0 with P = s+
+    - s- and cost s+ + braking s-, with s+ eliminated.
 
-    The smooth form has sqrt(P^2 + e^2) - e in place of |P| = max(P, 0) + max(-P, 0), which lies below it by e at most:
-    its optimum lies below the exact one, by e T sum_j w_j (1 + braking) / 2 at most.
+    The smooth form has sqrt(P^2 + e^2) - e in place of |P| = max(P, 0) + max(-P, 0), which lies below it by e
+    at most: its optimum lies below the exact one, by e T sum_j w_j (1 + braking) / 2 at most.
 
     Parameters
     ----------
     weights : None, number, sequence or mapping by joint
         One weight per actuated joint (per control of ``speeds``), 1 by default.
     braking : float
-        What a joule of braking costs, above -1: 0 counts positive work alone, 1 the absolute power; a negative price
-        rewards recuperation.
+        What a joule of braking costs, above -1: 0 counts positive work alone, 1 the absolute power; a
+        negative price rewards recuperation.
     smoothing : float, optional
         e > 0 [W]; None takes the exact form.
     speeds : mapping of str to str, optional
         For a System, the state that is the speed of each control: ``{"F": "v"}`` has the power F v.
 
-    Sources: Srinivasan and Ruina, Nature 439 (2006), for the objective; Betts, Practical Methods for Optimal Control (2010),
-    section 1.16, for slacks in place of absolute values.
+    Sources: Srinivasan and Ruina, Nature 439 (2006), for the objective; Betts, Practical Methods for Optimal
+    Control (2010), section 1.16, for slacks in place of absolute values.
     """
 
     weights: Any = None
@@ -56,7 +56,9 @@ class MechanicalWork(Integral):
         if not -1.0 < self.braking < np.inf:
             raise InputError(f"MechanicalWork: braking is {self.braking}; it must be a number above -1.")
         if self.smoothing is not None and not 0.0 < self.smoothing < np.inf:
-            raise InputError(f"MechanicalWork: smoothing is {self.smoothing}; it must be a power above 0 W, or None.")
+            raise InputError(
+                f"MechanicalWork: smoothing is {self.smoothing}; it must be a power above 0 W, or None."
+            )
 
     def rate(self, point: Any) -> Any:
         """Weighted price of the powers [W]."""
@@ -73,7 +75,9 @@ class MechanicalWork(Integral):
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Check weights and speeds against the controls and states."""
         if self.speeds is None and not isinstance(dynamics, RigidBody):
-            raise InputError('MechanicalWork of a System needs speeds=, such as {"F": "v"} for the power F v.')
+            raise InputError(
+                'MechanicalWork of a System needs speeds=, such as {"F": "v"} for the power F v.'
+            )
         for kind, given, known in (
             ("control", self.speeds or {}, dynamics.controls),
             ("state", (self.speeds or {}).values(), dynamics.states),
@@ -81,7 +85,9 @@ class MechanicalWork(Integral):
             names = [v.name for v in known]
             for name in given:
                 if name not in names:
-                    raise unknown_name(kind, name, names, "MechanicalWork(speeds=...) pairs controls with states.")
+                    raise unknown_name(
+                        kind, name, names, "MechanicalWork(speeds=...) pairs controls with states."
+                    )
         self._weighed([c.name for c in dynamics.controls])
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
@@ -89,14 +95,21 @@ class MechanicalWork(Integral):
         body = body_of(dynamics)
         pairs = self._weighed([c.name for c in body.controls])
         joints = {c.name: c.joint for c in body.controls}
-        slacks = tuple(Variable(_slack(c), "W", "slack power", joints[c]) for _, (c, _) in pairs if not has(dynamics, [_slack(c)]))
+        slacks = tuple(
+            Variable(_slack(c), "W", "slack power", joints[c])
+            for _, (c, _) in pairs
+            if not has(dynamics, [_slack(c)])
+        )
         return dynamics if self.smoothing is not None or not slacks else Slacks(dynamics, slacks)
 
     def definitions(self, dynamics: Dynamics) -> tuple[BoundConstraint, ...]:
         """s_j >= 0 and P_j + s_j >= 0, for the exact form."""
         if self.smoothing is not None:
             return ()
-        return tuple(_define(control, speed) for _, (control, speed) in self._weighed([c.name for c in body_of(dynamics).controls]))
+        return tuple(
+            _define(control, speed)
+            for _, (control, speed) in self._weighed([c.name for c in body_of(dynamics).controls])
+        )
 
     def _weighed(self, controls: Sequence[str]) -> list[tuple[float, tuple[str, str]]]:
         """Weights that are not zero, with the control and the speed of each power."""
