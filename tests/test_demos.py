@@ -37,6 +37,10 @@ def test_the_cartpole_reaches_the_published_optimum() -> None:
     assert planned(DEFAULT).objective == pytest.approx(58.8076675, rel=1e-6)
 
 
+def test_the_keyframes_lead_the_acrobot_to_its_known_optimum() -> None:
+    assert planned("acrobot").objective == pytest.approx(34.9191, rel=2e-5)
+
+
 def test_an_unknown_demo_is_refused_with_the_known_ones() -> None:
     with pytest.raises(rt.UnknownName, match="no demo named 'cartpol'.*'cartpole'"):
         demo_named("cartpol")
