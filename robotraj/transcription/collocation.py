@@ -130,9 +130,9 @@ def collocate(
     entries = [Entry(index, r.name, r.joint or "", r.unit) for r in kept]
     path = rows.add(entries, fractions, np.array([r.lower for r in kept]), np.array([r.upper for r in kept]))
     scatter.add(path.ravel(), (base + nx + nz + np.arange(len(kept))).ravel(), 1.0)
-    gather, offset, constants = _gather(phase, layout)
+    gather, offset, constants = gather_points(phase, layout)
     if isinstance(layout.mesh, MovingMesh):
-        _tie_intervals(layout.mesh, index, layout, rows, linear)
+        tie_intervals(layout.mesh, index, layout, rows, linear)
     empty = sparse.csr_array((0, 0))
     return Block(stage, empty, offset, constants, empty, weights), gather, scatter
 
@@ -155,7 +155,7 @@ def _fraction(layout: PhaseLayout, place: int) -> float:
     return interval.start + interval.length * float(interval.scheme.nodes[j])
 
 
-def _gather(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array, Array]:
+def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array, Array]:
     """Triplets of G, its offset and the constants, for every evaluation."""
     dae = phase.dae
     nx, nz, nu = len(dae.states), len(dae.algebraic), len(dae.controls)
@@ -180,7 +180,7 @@ def _gather(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array, Array]:
     return gather, np.zeros(size * len(owners)), constants
 
 
-def _tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:
+def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:
     """Rows of a moving mesh: intervals follow each other, fill the phase and keep their lengths within bounds.
 
     s_0 = t0,  s_{k+1} = s_k + h_k,  sum h_k = T,  least d_k T <= h_k <= most d_k T.
