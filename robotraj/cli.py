@@ -8,20 +8,20 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
 from typer.core import TyperGroup
 
 from robotraj import demos
+from robotraj.arguments import configuration_of, duration_of, limits_of
 from robotraj.errors import InputError, RobotrajError
 from robotraj.loading import catalogue
 from robotraj.objectives import Duration, Effort, Objective
 from robotraj.planning import plan
 from robotraj.problem import Phase
 from robotraj.replay import replay
-from robotraj.robot import Limits, Robot, load
+from robotraj.robot import load
 from robotraj.schemes import HermiteSimpson, LinearControl, Mesh, PolynomialControl
 from robotraj.solution import Solution, load_solution
 from robotraj.state import State
@@ -168,11 +168,11 @@ def plan_command(
     cost: Objective = Duration() if objective is Minimise.duration else Effort()
     phase = Phase(
         mover,
-        duration=free if duration is None else _duration(duration),
-        start=State(q=_configuration(mover, start, "--start"), v=0),
-        end=State(q=_configuration(mover, to, "--to"), v=0),
+        duration=free if duration is None else duration_of(duration),
+        start=State(q=configuration_of(mover, start, "--start"), v=0),
+        end=State(q=configuration_of(mover, to, "--to"), v=0),
         objective=cost,
-        limits=_limits(mover, limits, velocity, effort),
+        limits=limits_of(mover, limits, velocity, effort),
         name=f"{mover.name}, least {objective.value}",
     )
     _say(f"{phase}\n")
@@ -274,48 +274,3 @@ def _conclude(solution: Solution, html: Path | None, save: Path | None, plot: Pa
         _say(f"wrote {path}")
     if not report.passed:
         raise typer.Exit(1)
-
-
-def _limits(robot: Robot, own: bool, velocity: float | None, effort: float | None) -> Limits | None:
-    if own:
-        return robot.limits.with_(velocity=velocity, effort=effort)
-    if velocity is not None or effort is not None:
-        raise InputError("--no-limits takes all limits away; leave out --velocity and --effort with it.")
-    return None
-
-
-def _configuration(robot: Robot, text: str | None, option: str) -> Any:
-    """Read ``"0,1.57"`` in the order of the joints, or ``"elbow=1.57"`` by name (the others neutral)."""
-    if text is None:
-        return robot.neutral
-    parts = [part.strip() for part in text.split(",") if part.strip()]
-    if not any("=" in part for part in parts):
-        return robot.configuration([_number(part, option) for part in parts], option)
-    values = {}
-    for part in parts:
-        joint, equals, value = part.partition("=")
-        if not equals:
-            raise InputError(
-                f"{option} {text!r} mixes 'joint=value' with values alone ({part!r}); name every joint."
-            )
-        values[joint.strip()] = _number(value, option)
-    neutral = dict(zip(robot.joint_names, robot.neutral, strict=True))
-    return robot.configuration({**neutral, **values}, option)
-
-
-def _duration(text: str) -> float | tuple[float, float]:
-    """Read ``"2"`` or ``"0.5:3"`` [s]."""
-    least, separator, greatest = text.partition(":")
-    if not separator:
-        return _number(text, "--duration")
-    return _number(least, "--duration"), _number(greatest, "--duration")
-
-
-def _number(text: str, option: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = np.nan
-    if not np.isfinite(value):
-        raise InputError(f"{option} holds {text!r}, which is no number.")
-    return value

@@ -20,7 +20,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
     7: ("sample", "violations", "solution", "storage", "columns", "export", "plotting", "indirect", "solving"),
     8: ("adaptive", "planning"),
     9: ("sweep", "demos"),
-    10: ("cli", "__main__", "__init__"),
+    10: ("arguments", "cli", "__main__", "__init__"),
 }
 """DESIGN.md's layers, with the files that each holds."""
 
