@@ -19,6 +19,7 @@ from robotraj.constraints import (
 from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
 from robotraj.guess import FromSolution, Keyframes, StraightLine
+from robotraj.indirect import PolishFailed, costates, polish
 from robotraj.links import Continuity, EqualDuration, Jump, Linkage, Mirror, Periodic, SameParameter
 from robotraj.objectives import (
     AbsolutePower,
@@ -106,6 +107,7 @@ __all__ = [
     "PathConstraint",
     "Periodic",
     "Phase",
+    "PolishFailed",
     "PolynomialControl",
     "Problem",
     "RadauIIA",
@@ -130,9 +132,11 @@ __all__ = [
     "ValidationFailed",
     "between",
     "catalogue",
+    "costates",
     "load",
     "load_solution",
     "plan",
+    "polish",
     "replay",
     "transcribe",
     "validate",

@@ -1,5 +1,18 @@
-"""The indirect view of a direct solution: costates, the necessary conditions, and Pontryagin's boundary value problem."""
+"""The indirect view of a direct solution: costates, necessary conditions, Pontryagin's equations."""
 
+from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.costates import Costates, CostateSample, PhaseCostates, costates
+from robotraj.indirect.polish import polish
+from robotraj.indirect.polished import Polished, PolishFailed
 
-__all__ = ["CostateSample", "Costates", "PhaseCostates", "costates"]
+__all__ = [
+    "Arc",
+    "CostateSample",
+    "Costates",
+    "PhaseCostates",
+    "PolishFailed",
+    "Polished",
+    "Side",
+    "costates",
+    "polish",
+]

@@ -1,7 +1,7 @@
 """Costates of a solution: callable values in time, named by states.
 
-lambda = dJ/dx: by how much the least cost from here to the end changes with the state here (minimisation, H = l + lambda' f,
-dlambda/dt = -dH/dx).
+lambda = dJ/dx: by how much the least cost from here to the end changes with the state here (minimisation, H =
+l + lambda' f, dlambda/dt = -dH/dx).
 """
 
 from __future__ import annotations
@@ -70,16 +70,16 @@ class PhaseCostates:
 
     @property
     def initial(self) -> Array:
-        """lambda at the start of the phase, (nx,): the sensitivity of the objective to the start state."""
+        """Lambda at the start of the phase, (nx,): the sensitivity of the objective to the start state."""
         return np.array(self.duals.costate.values[0][0])
 
     @property
     def final(self) -> Array:
-        """lambda at the end of the phase, (nx,)."""
+        """Lambda at the end of the phase, (nx,)."""
         return np.array(self.duals.costate.values[-1][-1])
 
     def evaluate(self, t: Array, interval: int | None = None) -> dict[str, Array]:
-        """Everything at times (m,): arguments and derivatives of the Hamiltonian and the bounds' densities, (m, n) each."""
+        """Evaluate the Hamiltonian, its arguments and derivatives, and bounds' densities at times (m,)."""
         t = np.asarray(t, dtype=float)
         curves, duals = self.solution.trajectory, self.duals
         known = {
@@ -96,7 +96,7 @@ class PhaseCostates:
         return known | more | self.hamiltonian(**known)
 
     def _costate(self, t: Array, interval: int | None) -> Array:
-        """lambda on the side of the interval, since it may jump at a knot."""
+        """Lambda on the side of the interval, since it may jump at a knot."""
         if interval is None:
             return self.duals.costate(t)
         knots = self.solution.knots
@@ -130,9 +130,11 @@ class Costates:
     phases: tuple[PhaseCostates, ...]
 
     def at(self, t: Any) -> CostateSample:
-        """Evaluate at a global time, or at times of one phase; at a joint of two phases the later one is used."""
+        """Evaluate at a global time, or at times of one phase; at a joint of phases the later one is used."""
         starts = np.array([part.solution.t0 for part in self.phases])
-        owner = np.clip(np.searchsorted(starts, np.asarray(t, dtype=float), side="right") - 1, 0, len(starts) - 1)
+        owner = np.clip(
+            np.searchsorted(starts, np.asarray(t, dtype=float), side="right") - 1, 0, len(starts) - 1
+        )
         if len(np.unique(owner)) > 1:
             raise InputError("The times lie in several phases; ask costates.phases[i].at(t) for each.")
         return self.phases[int(np.atleast_1d(owner)[0])].at(t)
@@ -163,7 +165,7 @@ def costates(solution: Solution) -> Costates:
     """
     if not solution.duals:
         raise InputError(
-            "This solution has no costates: the solver must have converged, and every interval must use a collocation "
-            "scheme (Lobatto, Radau, Gauss). Plan again with such a scheme."
+            "This solution has no costates: the solver must have converged, and every interval must use a "
+            "collocation scheme (Lobatto, Radau, Gauss). Plan again with such a scheme."
         )
     return Costates(tuple(PhaseCostates(p, d) for p, d in zip(solution.phases, solution.duals, strict=True)))

@@ -1,23 +1,27 @@
 """Covector mapping: from the multipliers of the NLP to costates of the optimal control problem.
 
-An interval of relative length d has rows x_j - x_0 - d sum_k A_jk (T f_k) = 0 with multipliers mu_j, and, where the end is no
-node, a last row with the weights b and the multiplier mu_e. Collecting what multiplies f_k in the Lagrangian and dividing by
-the quadrature weight gives the costate of stage k,
+An interval of relative length d has rows x_j - x_0 - d sum_k A_jk (T f_k) = 0 with multipliers mu_j, and,
+where the end is no node, a last row with the weights b and the multiplier mu_e. Collecting what multiplies
+f_k in the Lagrangian and dividing by the quadrature weight gives the costate of stage k,
 
     Lambda_k = -(sum_j mu_j A_jk + mu_e b_k) / b_k,
 
-for which d b_k T (l_k + Lambda_k' f_k) is the weighted Hamiltonian: stationarity of the NLP in u_k is that of the Hamiltonian.
-The adjoint scheme of a Butcher tableau (A, b) has the coefficients b_k - b_k A_kj / b_j (Lobatto IIIB for Lobatto IIIA, Radau IA
-for Radau IIA, Gauss for Gauss), so the costate has the scheme's full order at the knots,
+for which d b_k T (l_k + Lambda_k' f_k) is the weighted Hamiltonian: stationarity of the NLP in u_k is that of
+the Hamiltonian. The adjoint scheme of a Butcher tableau (A, b) has the coefficients b_k - b_k A_kj / b_j
+(Lobatto IIIB for Lobatto IIIA, Radau IA for Radau IIA, Gauss for Gauss), so the costate has the scheme's full
+order at the knots,
 
     lambda(t_k+) = dL_right / dx_k,    lambda(t) = lambda(t_k+) - int H_x,
 
-with L_right the terms of the Lagrangian that belong to the interval on the right. Multipliers of algebraic rows, path rows
-and bounds divided by the same weights become densities; one that stands out from its neighbours is an impulse instead, at which the
-costate jumps (the contact or the entry of a state-constrained arc).
-Sources: Hager, Runge-Kutta methods in optimal control and the transformed adjoint system, Numerische Mathematik 87 (2000);
-Garg et al., A unified framework for the numerical solution of optimal control problems using pseudospectral methods,
-Automatica 46 (2010); Betts, Practical Methods for Optimal Control (2010), section 4.11.
+with L_right the terms of the Lagrangian that belong to the interval on the right. Multipliers of algebraic
+rows, path rows and bounds divided by the same weights become densities; one that stands out from its
+neighbours is an impulse instead, at which the costate jumps (the contact or the entry of a state-constrained
+arc).
+
+Sources: Hager, Runge-Kutta methods in optimal control and the transformed adjoint system, Numerische
+Mathematik 87 (2000); Garg et al., A unified framework for the numerical solution of optimal control problems
+using pseudospectral methods, Automatica 46 (2010); Betts, Practical Methods for Optimal Control (2010),
+section 4.11.
 """
 
 from __future__ import annotations
@@ -128,7 +132,7 @@ class _Phase:
         return weights
 
     def _bound_density(self, group: str, size: int) -> Density:
-        """Multipliers of the variables' bounds at the places; those of both ends of the phase are boundary conditions."""
+        """Multipliers of the variables' bounds at the places; those at the ends of the phase are left out."""
         values = np.zeros((self.places, size))
         for interval in self.layout.intervals:
             values[interval.places] = self.bounds[getattr(interval, group)]
@@ -150,7 +154,7 @@ class _Phase:
         self.defects = np.split(flat, np.cumsum(counts)[:-1])
 
     def _guards(self, nlp: Nlp, index: int, scatter: sparse.csr_array, rows: Array) -> None:
-        """Rows between collocation points: interval, tau, impulse and what they add to the stages, by interval."""
+        """Rows between collocation points, by interval: tau, impulse and what they add to the stages."""
         rates = (np.arange(self.places)[:, None] * self.stage.outputs + np.arange(self.nx)).ravel()
         reading = scatter[:, rates].tocsr()
         others = np.setdiff1d(np.flatnonzero(np.diff(reading.indptr)), self.defect_rows)
@@ -173,7 +177,9 @@ class _Phase:
         breaks, sites, values = [self.breaks[0]], [], []
         for k, interval in enumerate(self.layout.intervals):
             pushes = self._pushes(k, stages[k], nu[k])
-            start = -self.defects[k].sum(axis=0) + sum((g[1] for g in self.guards.get(k, ())), np.zeros(self.nx))
+            start = -self.defects[k].sum(axis=0) + sum(
+                (g[1] for g in self.guards.get(k, ())), np.zeros(self.nx)
+            )
             if nodes[k][0] == 0.0:
                 start = start + pushes[0]
             cuts, jumps = self._impulses(k)
@@ -203,7 +209,9 @@ class _Phase:
 
     def _seconds(self) -> list[Array]:
         """Seconds of quadrature of every node, by interval."""
-        return [h * i.scheme.weights for h, i in zip(np.diff(self.breaks), self.layout.intervals, strict=True)]
+        return [
+            h * i.scheme.weights for h, i in zip(np.diff(self.breaks), self.layout.intervals, strict=True)
+        ]
 
     def _stage_costates(self, k: int) -> Array:
         """Lambda of every stage of interval k, (s, nx)."""
@@ -250,7 +258,10 @@ class _Phase:
             if np.linalg.matrix_rank(matrix) < self.nz:
                 continue
             share = self._shares(k)[-1]
-            sides = [self._gradient(k, columns, stages[k])[-1], self._gradient(k + 1, columns, stages[k + 1])[0]]
+            sides = [
+                self._gradient(k, columns, stages[k])[-1],
+                self._gradient(k + 1, columns, stages[k + 1])[0],
+            ]
             wanted = share * (sides[0] + sides[1]) - sides[0]
             shift = np.linalg.solve(matrix.T, wanted)
             nu[k][-1] += shift
@@ -283,7 +294,7 @@ class _Phase:
         return self.path.impulse[place] @ self.jacobians[place][first : first + self.nh, : self.nx]
 
     def _control_bounds(self, seconds: list[Array]) -> PiecewisePolynomial:
-        """Densities of the controls' bounds at the control's sites; the weight of a site is what it serves."""
+        """Densities of the controls' bounds at the control's sites, weighed by what a site serves."""
         weights: dict[int, float] = {}
         served = [s @ i.scheme.control_at_nodes for s, i in zip(seconds, self.layout.intervals, strict=True)]
         for interval, part in zip(self.layout.intervals, served, strict=True):

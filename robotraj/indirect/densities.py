@@ -15,7 +15,7 @@ STANDS_OUT = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Density:
-    """Densities (places, n) [per second] and impulses (places, n); multiplier = weight * density + impulse."""
+    """Densities [per second] and impulses, (places, n) each; multiplier = weight * density + impulse."""
 
     density: Array
     impulse: Array

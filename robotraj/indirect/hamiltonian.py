@@ -2,8 +2,8 @@
 
     H(t, x, z, u, p, lambda, nu, eta) = l + lambda' f + nu' g + eta' h
 
-with l the integrand of the objective, f the rates, g the algebraic rows and h the path rows. Its value along a trajectory is
-taken without eta' h: where a row is active, it is measured from its bound and vanishes.
+with l the integrand of the objective, f the rates, g the algebraic rows and h the path rows. Its value along
+a trajectory is taken without eta' h: where a row is active, it is measured from its bound and vanishes.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ARGUMENTS = ("t", "x", "z", "u", "p", "costate", "nu", "eta")
 
 @dataclass(frozen=True)
 class Hamiltonian:
-    """Hamiltonian of a phase, by the phase's own dynamics unless others of the same states and controls are given."""
+    """The Hamiltonian of a phase under given dynamics: its own, or others of the same states and controls."""
 
     phase: Phase
     dae: Dynamics
@@ -80,7 +80,7 @@ class Hamiltonian:
         return ca.Function("hamiltonian", list(self.symbols.values()), values, list(ARGUMENTS), list(outputs))
 
     def __call__(self, **columns: Any) -> dict[str, Array]:
-        """Evaluate at m times: arguments (m, n) by name; H (m,) without eta' h, and ``by_x`` ... the gradients (m, n)."""
+        """Evaluate at m times, arguments (m, n): H (m,) without eta' h, gradients ``by_x`` ... (m, n)."""
         m = len(columns["t"])
         arguments = [np.asarray(columns[name], dtype=float).reshape(m, -1).T for name in ARGUMENTS]
         mapped = self._function.map(m)(*arguments)

@@ -1,0 +1,230 @@
+"""Pontryagin's boundary value problem: arcs joined at switching times, phases without freedom.
+
+Unknown are the states and costates at every knot, the durations of the arcs and the multipliers pi of end
+constraints; given are
+
+    x = value, or lambda(t0) = -dPhi/dx(t0),      Phi = M + pi' psi (Mayer terms and end constraints)
+    x = value, or lambda(tf) = +dPhi/dx(tf)
+    tf = value, or H(tf) = -dPhi/dtf
+    H_u_i = 0 where control i reaches or leaves a bound
+    h(t0) = H(t0),   J(t0) = 0
+
+Source: Bryson and Ho, Applied Optimal Control (1975), sections 2.7, 2.8 and 3.9.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.constraints import AtEnd, AtStart, PathConstraint, Row, Where, between
+from robotraj.constraints.base import BoundConstraint, Constraint
+from robotraj.dynamics.system import as_rows
+from robotraj.errors import InputError
+from robotraj.indirect.arcs import Arc, Side
+from robotraj.indirect.pontryagin import Pontryagin, columns
+from robotraj.links import BoundLink, Continuity, Link
+from robotraj.problem import Phase, Problem
+
+Array = NDArray[np.float64]
+
+ACTIVE = 1e-6
+"""Distance from a bound at which an end constraint or the duration counts as active."""
+
+
+@dataclass(frozen=True)
+class Conditions(Link):
+    """Rows that vanish, of the start of the first arc and the end of the last."""
+
+    arcs: int
+    labels: tuple[str, ...]
+    expression: Callable[[Any, Any], ca.SX]
+
+    def bind(self, phases: Sequence[Phase]) -> BoundLink:
+        """Write one row for each condition."""
+        rows = tuple(Row("boundary condition", "", 0.0, 0.0, label) for label in self.labels)
+        return BoundLink(
+            "boundary conditions",
+            (0, self.arcs - 1),
+            rows,
+            lambda ends: as_rows(self._values(ends), "conditions"),
+        )
+
+    def _values(self, ends: Sequence[tuple[Any, Any]]) -> ca.SX:
+        return self.expression(ends[0][0], ends[-1][1])
+
+
+@dataclass(frozen=True, eq=False)
+class EndData:
+    """What is known of the ends of the direct solution.
+
+    Attributes
+    ----------
+    start, end : ndarray (nx,)
+        Fixed states, NaN where free.
+    time : float or None
+        Fixed end time [s], None where free.
+    constraints : tuple of (bool, BoundConstraint, int, float)
+        Active rows at an end: whether at the end, the constraint, its row, and the value it takes.
+    """
+
+    start: Array
+    end: Array
+    time: float | None
+    constraints: tuple[tuple[bool, BoundConstraint, int, float], ...]
+
+
+def end_data(equations: Pontryagin, x0: Array, xf: Array, duration: float) -> EndData:
+    """Tell which end conditions are active at a solution from 0 to ``duration``."""
+    phase = equations.phase
+    fixed = []
+    for bounds, value in ((phase.start_bounds, x0), (phase.end_bounds, xf)):
+        scale = 1.0 + np.abs(value)
+        low = np.abs(value - bounds.lower) < ACTIVE * scale
+        high = np.abs(value - bounds.upper) < ACTIVE * scale
+        fixed.append(np.where(low, bounds.lower, np.where(high, bounds.upper, np.nan)))
+    least, most = phase.duration_bounds
+    time = next((b for b in (least, most) if abs(duration - b) < ACTIVE * (1.0 + duration)), None)
+    active = []
+    for constraint in phase.bound_constraints:
+        if constraint.where is Where.THROUGHOUT:
+            continue
+        at_end = constraint.where is Where.END
+        state, t = (xf, duration) if at_end else (x0, 0.0)
+        values = _end_values(equations, constraint, t, state)
+        for i, (row, value) in enumerate(zip(constraint.rows, values, strict=True)):
+            for bound in {row.lower, row.upper}:
+                if abs(value - bound) < ACTIVE * (1.0 + abs(value)):
+                    active.append((at_end, constraint, i, float(bound)))
+    return EndData(fixed[0], fixed[1], time, tuple(active))
+
+
+def _end_values(equations: Pontryagin, constraint: BoundConstraint, t: float, state: Array) -> Array:
+    dae, names = equations.phase.dae, equations.phase.parameter_names
+    x = ca.SX.sym("x", len(state))
+    z, u = ca.SX.sym("z", len(dae.algebraic)), ca.SX.sym("u", len(dae.controls))
+    point = dae.point(ca.SX(t), x, z, u, ca.SX(ca.DM(equations.parameters)), names)
+    values = ca.vertcat(*as_rows(constraint.expression(point), f"expression of {constraint.name!r}"))
+    if ca.depends_on(values, ca.vertcat(z, u)):
+        raise InputError(
+            f"{constraint.name!r} at an end reads accelerations or controls; polish knows end constraints "
+            "on states and time alone. Keep the direct solution."
+        )
+    return np.array(ca.Function("ends", [x], [values])(state)).ravel()
+
+
+def boundary_value_problem(equations: Pontryagin, arcs: Sequence[Arc], ends: EndData) -> Problem:
+    """Write the arcs and their conditions as a problem with as many rows as unknowns."""
+    multipliers = {f"pi {i}": between(None, None) for i in range(len(ends.constraints))}
+    phases = [
+        Phase(
+            equations.system(arc.sides),
+            duration=between(0.0, None),
+            constraints=_switching(equations, arcs, k),
+            parameters=multipliers if k == len(arcs) - 1 else {},
+            name=f"arc {k + 1}",
+        )
+        for k, arc in enumerate(arcs)
+    ]
+    links: list[Link] = [Continuity(k, k + 1) for k in range(len(arcs) - 1)]
+    links.append(_conditions(equations, len(arcs), ends))
+    return Problem(phases, links)
+
+
+def _switching(equations: Pontryagin, arcs: Sequence[Arc], k: int) -> list[Constraint]:
+    """H_u = 0 where a control changes sides, on an arc where it is at a bound; h = H at the very start."""
+    sides = arcs[k].sides
+    found: list[Constraint] = []
+    if k == 0:
+        value = equations.quantity("H", None, sides)
+        found.append(
+            AtStart(PathConstraint(lambda p: value(p) - p.x["hamiltonian"], 0.0, 0.0, "Hamiltonian"))
+        )
+    if k > 0:
+        found += [
+            AtStart(PathConstraint(equations.quantity("by_u", i, sides), 0.0, 0.0, f"switching function {i}"))
+            for i in _changed(arcs, k - 1)
+            if arcs[k - 1].sides[i] is Side.INTERIOR
+        ]
+    if k < len(arcs) - 1:
+        found += [
+            AtEnd(PathConstraint(equations.quantity("by_u", i, sides), 0.0, 0.0, f"switching function {i}"))
+            for i in _changed(arcs, k)
+            if sides[i] is not Side.INTERIOR
+        ]
+    return found
+
+
+def _changed(arcs: Sequence[Arc], k: int) -> list[int]:
+    """Name the controls that change sides between arcs k and k + 1."""
+    return [i for i, (a, b) in enumerate(zip(arcs[k].sides, arcs[k + 1].sides, strict=True)) if a is not b]
+
+
+def _conditions(equations: Pontryagin, count: int, ends: EndData) -> Conditions:
+    """Boundary conditions of states, costates and time."""
+    nx = equations.nx
+    phi, symbols = potential(equations, ends)
+    gradients = [ca.densify(ca.gradient(phi, symbols[name])) for name in ("x0", "xf", "tf")]
+    function = ca.Function("potential", list(symbols.values()), gradients)
+    labels = [f"start of {s.name}" for s in equations.phase.dae.states]
+    labels += [f"end of {s.name}" for s in equations.phase.dae.states]
+    labels += [
+        "end time",
+        "cost at the start",
+        *(f"end constraint {i}" for i in range(len(ends.constraints))),
+    ]
+    rows = _active_rows(equations, ends, symbols)
+    active = ca.Function("active", list(symbols.values()), [ca.densify(rows)])
+
+    def expression(start: Any, end: Any) -> ca.SX:
+        y0, yf = (columns(point.x, equations.state_names) for point in (start, end))
+        pi = columns(end.p, [f"pi {i}" for i in range(len(ends.constraints))])
+        arguments = (start.t, y0[:nx], end.t, yf[:nx], pi)
+        by_x0, by_xf, by_tf = function(*arguments)
+        rows = [
+            y0[i] - ends.start[i] if np.isfinite(ends.start[i]) else y0[nx + i] + by_x0[i] for i in range(nx)
+        ]
+        rows += [
+            yf[i] - ends.end[i] if np.isfinite(ends.end[i]) else yf[nx + i] - by_xf[i] for i in range(nx)
+        ]
+        rows.append(end.x["hamiltonian"] + by_tf if ends.time is None else end.t - ends.time)
+        rows.append(start.x["cost"])
+        return ca.vertcat(*rows, active(*arguments))
+
+    return Conditions(count, tuple(labels), expression)
+
+
+def potential(equations: Pontryagin, ends: EndData) -> tuple[ca.SX, dict[str, ca.SX]]:
+    """Phi = M + pi' psi, symbolic, and its arguments t0, x0, tf, xf, pi."""
+    nx, phase = equations.nx, equations.phase
+    symbols = {name: ca.SX.sym(name, n) for name, n in (("t0", 1), ("x0", nx), ("tf", 1), ("xf", nx))}
+    symbols["pi"] = ca.SX.sym("pi", len(ends.constraints))
+    p = ca.SX(ca.DM(equations.parameters))
+    start, end = (
+        phase.dae.point(symbols[t], symbols[x], None, None, p, phase.parameter_names)
+        for t, x in (("t0", "x0"), ("tf", "xf"))
+    )
+    phi = ca.SX(0)
+    for weight, term in phase.end_costs:
+        phi += weight * as_rows(term.value(start, end), "Mayer expression")[0]
+    return phi + ca.dot(symbols["pi"], _active_rows(equations, ends, symbols)), symbols
+
+
+def _active_rows(equations: Pontryagin, ends: EndData, symbols: dict[str, ca.SX]) -> ca.SX:
+    """Active end constraints psi minus their bounds."""
+    dae, names = equations.phase.dae, equations.phase.parameter_names
+    p = ca.SX(ca.DM(equations.parameters))
+    rows = []
+    for at_end, constraint, index, bound in ends.constraints:
+        t, x = (symbols["tf"], symbols["xf"]) if at_end else (symbols["t0"], symbols["x0"])
+        z, u = ca.SX.zeros(len(dae.algebraic)), ca.SX.zeros(len(dae.controls))
+        point = dae.point(t, x, z, u, p, names)
+        rows.append(
+            as_rows(constraint.expression(point), f"expression of {constraint.name!r}")[index] - bound
+        )
+    return ca.vertcat(*rows) if rows else ca.SX(0, 1)

@@ -1,0 +1,160 @@
+"""What Pontryagin's equations do not say: constraints it cannot carry, signs of an optimum."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.constraints import Row, Where
+from robotraj.dynamics.system import as_rows
+from robotraj.errors import InputError
+from robotraj.indirect.arcs import Side
+from robotraj.indirect.costates import PhaseCostates
+from robotraj.indirect.hamiltonian import Hamiltonian
+from robotraj.indirect.polished import Polished
+from robotraj.indirect.pontryagin import Pontryagin
+from robotraj.problem import Phase
+
+Array = NDArray[np.float64]
+
+NOTICED = 1e-3
+"""Share of the largest costate that the multipliers of a state or path constraint may reach unnoticed."""
+SIGN = 1e-6
+"""Share of the largest switching function by which it may have the wrong sign."""
+HELD = 1e-7
+"""How far a bound may be broken [its SI unit], relative to 1 + the bound."""
+TOUCHED = 1e-6
+"""Distance from a bound, relative to 1 + the value, within which a row stands at it."""
+SAMPLES = 12
+"""Places looked at inside an interval."""
+
+
+def refuse_active_constraints(costates: PhaseCostates) -> None:
+    """Raise where a constraint on states, algebraic variables or a mixed path row is active.
+
+    Active is what stands at its bound and has a multiplier that is felt in the costates.
+    """
+    duals, solution = costates.duals, costates.solution
+    size = max(float(np.max(np.abs(v))) for v in duals.costate.values) + 1e-12
+    breaks = duals.costate.breaks
+    jumps = [a[0] - b[-1] for a, b in zip(duals.costate.values[1:], duals.costate.values[:-1], strict=True)]
+    felt = [
+        float(t) for t, jump in zip(breaks[1:-1], jumps, strict=True) if np.max(np.abs(jump)) > NOTICED * size
+    ]
+    for curve in (duals.states, duals.algebraic, duals.path):
+        for k, (h, values) in enumerate(zip(np.diff(curve.breaks), curve.values, strict=True)):
+            busy = np.max(np.abs(values), axis=1, initial=0.0) * h > NOTICED * size
+            felt += [float(t) for t in curve.breaks[k] + h * curve.sites[k][busy]]
+    if not felt:
+        return
+    times = np.unique(felt)
+    held = Held(solution.phase, np.array(list(solution.parameters.values()), dtype=float))
+    at = solution.trajectory
+    controls = [control.name for control in solution.phase.dae.controls]
+    for row, value in held(times, at.x(times), at.z(times), at.u(times)):
+        near = np.abs(value - row.lower) < TOUCHED * (1.0 + np.abs(value))
+        near |= np.abs(value - row.upper) < TOUCHED * (1.0 + np.abs(value))
+        if np.any(near) and row.variable not in controls:
+            raise InputError(
+                f"polish carries bounds on controls alone, but {row.label} is active at t = "
+                f"{times[np.argmax(near)]:.4g} s. Keep the direct solution, with a finer mesh, or relax "
+                "that constraint."
+            )
+
+
+def complaints(result: Polished, affine: NDArray[np.bool_]) -> list[str]:
+    """Sentences on what of the extremal contradicts an optimum, empty where nothing does."""
+    found: list[str] = []
+    names = [control.name for control in result.equations.phase.dae.controls]
+    lower, upper = result.equations.bounds
+    samples = [_samples(result, k) for k in range(len(result.arcs))]
+    largest = np.max([np.max(np.abs(s["by_u"]), axis=0) for s in samples], axis=0)
+    for k, (arc, s) in enumerate(zip(result.arcs, samples, strict=True)):
+        for i, side in enumerate(arc.sides):
+            slope, u = s["by_u"][:, i], s["u"][:, i]
+            if side is Side.INTERIOR:
+                out = np.maximum(lower[i] - u, u - upper[i])
+                if np.max(out) > HELD * (1.0 + np.max(np.abs(u))):
+                    t = s["t"][int(np.argmax(out))]
+                    found.append(
+                        f"{names[i]!r} leaves its bounds by {np.max(out):.2g} at t = {t:.5g} s on arc {k + 1}"
+                    )
+                if not affine[i] and np.min(s["curvature"][:, i]) < 0:
+                    t = s["t"][int(np.argmin(s["curvature"][:, i]))]
+                    found.append(f"the Hamiltonian has no minimum in {names[i]!r} at t = {t:.5g} s")
+                continue
+            wrong = -slope if side is Side.LOWER else slope
+            if np.max(wrong) > SIGN * (largest[i] + 1e-12):
+                t = s["t"][int(np.argmax(wrong))]
+                found.append(
+                    f"{names[i]!r} is at its {side.value} at t = {t:.5g} s where |dH/du| is "
+                    f"{np.max(wrong):.2g} asks for the other side; the sequence of arcs is not that of an optimum"
+                )
+        found += _broken(result.equations, s)
+    return found
+
+
+def _samples(result: Polished, k: int) -> dict[str, Array]:
+    """Values along arc k: times, states, controls and derivatives of the Hamiltonian."""
+    part, equations = result.trajectories[k], result.equations
+    tau = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    times = (part.x.breaks[:-1, None] + np.diff(part.x.breaks)[:, None] * tau).ravel()
+    y, u = result.on_arc(k, times)
+    nx, free = equations.nx, len(equations.interior(result.arcs[k].sides))
+    nz = len(equations.phase.dae.algebraic)
+    a = part.z(times)[:, free:]
+    m = len(times)
+    values = equations.hamiltonian(
+        t=times,
+        x=y[:, :nx],
+        z=a[:, :nz],
+        u=u,
+        p=np.tile(equations.parameters, (m, 1)),
+        costate=y[:, nx : 2 * nx],
+        nu=a[:, nz:],
+        eta=np.zeros((m, len(equations.hamiltonian.path))),
+    )
+    return values | {"t": times, "x": y[:, :nx], "z": a[:, :nz], "u": u}
+
+
+def _broken(equations: Pontryagin, s: dict[str, Array]) -> list[str]:
+    """Say which constraints held throughout the extremal breaks."""
+    found = []
+    for row, value in Held(equations.phase, equations.parameters)(s["t"], s["x"], s["z"], s["u"]):
+        out = np.maximum(row.lower - value, value - row.upper)
+        bound = min((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0)
+        if np.max(out) > HELD * (1.0 + bound):
+            unit = f" {row.unit}" if row.unit else ""
+            found.append(
+                f"{row.label} is broken by {np.max(out):.2g}{unit} at t = {s['t'][int(np.argmax(out))]:.5g} s"
+            )
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """Rows of a phase that hold throughout, with their values along a trajectory."""
+
+    phase: Phase
+    parameters: Array
+
+    def __call__(self, t: Array, x: Array, z: Array, u: Array) -> list[tuple[Row, Array]]:
+        """Pairs of rows and their values (m,) at times (m,), states (m, nx), z and u."""
+        symbols = Hamiltonian.of(self.phase).symbols
+        arguments = [symbols[name] for name in ("t", "x", "z", "u", "p")]
+        time, state, algebraic, control, p = arguments
+        point = self.phase.dae.point(time, state, algebraic, control, p, self.phase.parameter_names)
+        m = len(t)
+        numbers = [t[None, :], x.T, z.T, u.T, np.tile(self.parameters[:, None], (1, m))]
+        found: list[tuple[Row, Array]] = []
+        for constraint in self.phase.bound_constraints:
+            if constraint.where is Where.THROUGHOUT:
+                rows = ca.vertcat(
+                    *as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
+                )
+                function = ca.Function("rows", arguments, [ca.densify(rows)])
+                found += zip(constraint.rows, np.array(function.map(m)(*numbers)).reshape(-1, m), strict=True)
+        return found

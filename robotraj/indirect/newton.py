@@ -1,0 +1,102 @@
+"""Newton's method on an NLP without freedom: as many equality rows as unknowns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from robotraj.transcription import Nlp
+
+Array = NDArray[np.float64]
+
+MOST_STEPS = 60
+LEAST_STEP = 1e-6
+"""Shortest part of a Newton step that is tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class Root:
+    """Where Newton's method stopped.
+
+    Attributes
+    ----------
+    w : ndarray (n_w,)
+        In physical units.
+    residual : float
+        Largest scaled row.
+    steps : int
+    trouble : str
+        Why it stopped short, empty where it converged.
+    """
+
+    w: Array
+    residual: float
+    steps: int
+    trouble: str = ""
+
+
+def find_root(nlp: Nlp, tolerance: float) -> Root:
+    """Solve g(w) = 0 from ``nlp.guess`` by damped Newton steps with the exact sparse Jacobian.
+
+    Converged are rows that cannot be made smaller and are below ``tolerance``, both relative to the rows'
+    scales.
+    """
+    if len(nlp.rows) != len(nlp.variables):
+        return Root(nlp.guess, np.inf, 0, f"{len(nlp.rows)} equations for {len(nlp.variables)} unknowns")
+    blocks = [block.scaled(nlp.scale, nlp.row_scale) for block in nlp.blocks]
+    chains = [block.jacobian_chain() for block in blocks]
+    linear = sparse.csr_array(sparse.diags_array(nlp.row_scale) @ nlp.linear @ sparse.diags_array(nlp.scale))
+    offset = nlp.row_scale * (nlp.constant - nlp.rows.lower)
+
+    def values(w: Array) -> Array:
+        total = linear @ w + offset
+        for block in blocks:
+            total += block.scatter @ block.outputs(w).ravel(order="F")
+        return np.asarray(total)
+
+    def jacobian(w: Array) -> sparse.csc_array:
+        parts = [linear.tocoo()]
+        for block, chain in zip(blocks, chains, strict=True):
+            small = np.array(block.stage.jacobian.map(block.count)(block.places(w), block.constants)).ravel(
+                order="F"
+            )
+            entries = chain.factors * small[chain.source]
+            parts.append(sparse.coo_array((entries, (chain.rows, chain.columns)), shape=linear.shape))
+        return sparse.csc_array(sum(parts[1:], parts[0]))
+
+    w = nlp.guess / nlp.scale
+    g = values(w)
+    settled = 0
+    for step in range(MOST_STEPS):
+        size = float(np.max(np.abs(g)))
+        if not np.isfinite(size):
+            return Root(w * nlp.scale, np.inf, step, "an expression gave NaN or infinity")
+        try:
+            direction = -splu(jacobian(w)).solve(g)
+        except RuntimeError:
+            return Root(
+                w * nlp.scale, size, step, "the Jacobian is singular: the arcs do not determine the motion"
+            )
+        part = 1.0
+        while True:
+            trial = w + part * direction
+            after = values(trial)
+            if np.all(np.isfinite(after)) and np.linalg.norm(after) <= (1.0 - 0.1 * part) * np.linalg.norm(g):
+                break
+            if size < tolerance:
+                return Root(w * nlp.scale, size, step)
+            part *= 0.5
+            if part < LEAST_STEP:
+                return Root(w * nlp.scale, size, step, "Newton's steps no longer bring the equations closer")
+        w, g = trial, after
+        settled = settled + 1 if float(np.max(np.abs(g))) < tolerance else 0
+        if settled >= 3:
+            break
+    size = float(np.max(np.abs(g)))
+    return Root(
+        w * nlp.scale, size, step + 1, "" if size < tolerance else f"no convergence in {MOST_STEPS} steps"
+    )

@@ -1,0 +1,171 @@
+"""What polish returns: the extremal on its arcs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.dynamics import Named
+from robotraj.errors import InputError, NoSolutionFound
+from robotraj.indirect.arcs import Arc, Side
+from robotraj.indirect.pontryagin import Pontryagin
+from robotraj.transcription.extract import PhaseTrajectory
+
+Array = NDArray[np.float64]
+
+
+class PolishFailed(NoSolutionFound):
+    """Pontryagin's conditions were not solved; ``solution`` is the last iterate, a ``Polished``."""
+
+
+@dataclass(frozen=True, eq=False)
+class PolishedSample:
+    """Values at a time (floats) or at m times (arrays (m,)).
+
+    Attributes
+    ----------
+    t : float or ndarray (m,)
+        [s].
+    x, u : Named
+        States and controls by name.
+    costate : Named
+        lambda = dJ/dx by state name.
+    q, v, tau : ndarray or None
+        Joint positions, velocities and torques of a robot, (n,) or (m, n).
+    """
+
+    t: Any
+    x: Named
+    u: Named
+    costate: Named
+    q: Array | None = None
+    v: Array | None = None
+    tau: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Polished:
+    """A solution of Pontryagin's boundary value problem.
+
+    Attributes
+    ----------
+    equations : Pontryagin
+    arcs : tuple of Arc
+        Times and sides of the controls.
+    trajectories : tuple of PhaseTrajectory
+        States, costates, Hamiltonian and cost as polynomials, an entry an arc.
+    residual : float
+        Largest scaled equation of the discretised boundary value problem.
+    error : float
+        Largest difference of an interval to an independent integration (DOP853, 1e-12), relative to 1 + the
+        size of the state.
+    steps : int
+        Newton steps, all meshes together.
+    tolerance : float
+    trouble : str
+        Why this is no solution; empty for one.
+    """
+
+    equations: Pontryagin
+    arcs: tuple[Arc, ...]
+    trajectories: tuple[PhaseTrajectory, ...]
+    residual: float
+    error: float
+    steps: int
+    tolerance: float
+    trouble: str = ""
+
+    @property
+    def success(self) -> bool:
+        """Whether the equations hold to the tolerance and every further check passed."""
+        return not self.trouble and self.residual <= self.tolerance and self.error <= self.tolerance
+
+    @property
+    def objective(self) -> float:
+        """The objective: integral and end costs."""
+        equations = self.equations
+        first, last = self.trajectories[0], self.trajectories[-1]
+        t0, tf = first.t0, last.t0 + last.duration
+        nx = equations.nx
+        y0, yf = first.x(t0, 0), last.x(tf)
+        return float(yf[-1]) + equations.end_cost(t0, y0[:nx], tf, yf[:nx])
+
+    @property
+    def duration(self) -> float:
+        """Duration of the motion [s]."""
+        last = self.trajectories[-1]
+        return last.t0 + last.duration - self.trajectories[0].t0
+
+    @property
+    def switching_times(self) -> dict[str, tuple[float, ...]]:
+        """Times at which each control changes sides [s], by control."""
+        found: dict[str, list[float]] = {control.name: [] for control in self.equations.phase.dae.controls}
+        for before, after in zip(self.arcs[:-1], self.arcs[1:], strict=True):
+            for name, a, b in zip(found, before.sides, after.sides, strict=True):
+                if a is not b:
+                    found[name].append(after.start)
+        return {name: tuple(times) for name, times in found.items()}
+
+    @property
+    def knots(self) -> Array:
+        """Times of the knots of all arcs [s]."""
+        return np.unique(np.concatenate([part.x.breaks for part in self.trajectories]))
+
+    def at(self, t: Any) -> PolishedSample:
+        """Evaluate at times [s]; at a switching time, the later arc.
+
+        Raises
+        ------
+        InputError
+            A time outside the motion.
+        """
+        times = np.atleast_1d(np.asarray(t, dtype=float))
+        first, last = self.arcs[0].start, self.arcs[-1].end
+        slack = 1e-9 * max(1.0, last - first)
+        if times.ndim > 1 or not np.all((times >= first - slack) & (times <= last + slack)):
+            raise InputError(f"The polished motion runs from {first:g} s to {last:g} s; got t = {t}.")
+        starts = np.array([arc.start for arc in self.arcs])
+        owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
+        nx, dae = self.equations.nx, self.equations.phase.dae
+        y, u = np.empty((len(times), 2 * nx + 2)), np.empty((len(times), len(dae.controls)))
+        for k in np.unique(owner):
+            chosen = owner == k
+            y[chosen], u[chosen] = self.on_arc(int(k), times[chosen])
+        if np.ndim(t) == 0:
+            y, u = y[0], u[0]
+        names = [s.name for s in dae.states]
+        x = Named("state", names, y[..., :nx].T)
+        costate = Named("state", names, y[..., nx : 2 * nx].T)
+        controls = Named("control", [c.name for c in dae.controls], u.T)
+        robot = self.equations.phase.robot
+        if robot is None:
+            return PolishedSample(t, x, controls, costate)
+        nv = robot.nv
+        return PolishedSample(t, x, controls, costate, y[..., :nv], y[..., nv : 2 * nv], u[..., : robot.nu])
+
+    def on_arc(self, k: int, times: Array) -> tuple[Array, Array]:
+        """States (m, 2 nx + 2) and controls (m, nu) of arc k at times."""
+        part = self.trajectories[k]
+        interior = part.z(times).T
+        values = self.equations.controls(self.arcs[k].sides, interior)
+        return part.x(times), np.column_stack([np.broadcast_to(v, times.shape) for v in values])
+
+    def __str__(self) -> str:
+        state = "polished" if self.success else f"not polished: {self.trouble}"
+        lines = [
+            f"{state}: objective {self.objective:.12g}, duration {self.duration:.12g} s, "
+            f"{len(self.arcs)} arcs, residual {self.residual:.1e}, integration error {self.error:.1e}, "
+            f"{self.steps} Newton steps"
+        ]
+        names = [control.name for control in self.equations.phase.dae.controls]
+        for arc in self.arcs:
+            sides = ", ".join(f"{n} {_word(side)}" for n, side in zip(names, arc.sides, strict=True))
+            lines.append(f"  {arc.start:.10f} to {arc.end:.10f} s: {sides}")
+        return "\n".join(lines)
+
+
+def _word(side: Side) -> str:
+    return "interior" if side is Side.INTERIOR else f"at its {side.value}"
