@@ -25,8 +25,32 @@ from robotraj.schemes.quadrature import OwnQuadrature, Quadrature
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
 class Scheme(ABC):
-    """What a mesh applies on its intervals."""
+    """What a mesh applies on its intervals.
+
+    Parameters
+    ----------
+    control : Control
+        How the control runs inside an interval.
+    """
+
+    control: Control = field(default_factory=PolynomialControl, kw_only=True)
+
+    @property
+    @abstractmethod
+    def nodes(self) -> Array:
+        """Nodes c, (s,), in [0, 1]: where the state is unknown and the rows of the phase hold."""
+
+    @cached_property
+    def control_sites(self) -> Array:
+        """Sites of the control's values in [0, 1]."""
+        return self.control.sites(self.nodes)
+
+    @cached_property
+    def control_at_nodes(self) -> Array:
+        """Matrix from the control's values at its sites to its values at the nodes, (s, m)."""
+        return basis(self.control_sites, self.nodes)
 
 
 @dataclass(frozen=True)
@@ -41,13 +65,7 @@ class Collocation(Scheme):
         How the objective is integrated.
     """
 
-    control: Control = field(default_factory=PolynomialControl, kw_only=True)
     quadrature: Quadrature = field(default_factory=OwnQuadrature, kw_only=True)
-
-    @property
-    @abstractmethod
-    def nodes(self) -> Array:
-        """Nodes c, (s,), in [0, 1]."""
 
     @property
     @abstractmethod
@@ -72,13 +90,3 @@ class Collocation(Scheme):
     def objective_weights(self) -> Array:
         """Weights of the objective's integrand at the nodes, (s,)."""
         return self.quadrature.weights(self.nodes, self.weights)
-
-    @cached_property
-    def control_sites(self) -> Array:
-        """Sites of the control's values in [0, 1]."""
-        return self.control.sites(self.nodes)
-
-    @cached_property
-    def control_at_nodes(self) -> Array:
-        """Matrix from the control's values at its sites to its values at the nodes, (s, m)."""
-        return basis(self.control_sites, self.nodes)
