@@ -150,6 +150,8 @@ class Ipopt(Solver):
         ready = time.perf_counter()
         with watch.interruptible():
             result = solver(**arguments)
+        if watch.error is not None:
+            raise watch.error
         ended = time.perf_counter()
         stats = solver.stats()
         message = str(stats["return_status"])
@@ -180,6 +182,7 @@ class _Watch(ca.Callback):  # type: ignore[misc]
         self._count = 0
         self.last: np.ndarray | None = None
         self.stop = False
+        self.error: Exception | None = None
         self.construct("watch", {})
 
     def get_n_in(self) -> int:
@@ -204,9 +207,19 @@ class _Watch(ca.Callback):  # type: ignore[misc]
             if self._progress is not None:
                 g = np.array(named["g"]).ravel()
                 broken = np.maximum(self._lower - g, g - self._upper)
-                self._progress(Iteration(self._count, float(named["f"]), float(np.max(broken, initial=0.0))))
+                self._report(Iteration(self._count, float(named["f"]), float(np.max(broken, initial=0.0))))
             self._count += 1
         return [int(self.stop)]
+
+    def _report(self, iteration: Iteration) -> None:
+        """Tell the progress callback; CasADi would only print its errors, so they are kept for after the solve."""
+        assert self._progress is not None
+        try:
+            self._progress(iteration)
+        except KeyboardInterrupt:
+            self.stop = True
+        except Exception as error:
+            self.stop, self.error = True, error
 
     @contextmanager
     def interruptible(self) -> Iterator[None]:

@@ -110,7 +110,9 @@ def row_magnitudes(blocks: Sequence[Block], linear: sparse.csr_array, w: Array) 
     for block in blocks:
         chain = block.jacobian_chain()
         nonzeros = np.array(block.stage.jacobian.map(block.count)(block.places(w), block.constants)).ravel(order="F")
-        np.maximum.at(largest, chain.rows, np.abs(chain.factors * nonzeros[chain.source]))
+        # A guess where an expression is not defined gives NaN here; scaling leaves such rows as they are.
+        with np.errstate(invalid="ignore"):
+            np.maximum.at(largest, chain.rows, np.abs(chain.factors * nonzeros[chain.source]))
     return largest
 
 
