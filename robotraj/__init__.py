@@ -19,8 +19,10 @@ from robotraj.constraints import (
 from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
 from robotraj.guess import FromSolution, Keyframes, StraightLine
+from robotraj.guesses import InverseKinematics, MinimumJerk, Perturbed
 from robotraj.indirect import PolishFailed, costates, polish
 from robotraj.links import Continuity, EqualDuration, Jump, Linkage, Mirror, Periodic, SameParameter
+from robotraj.multistart import Multistart, Optimum, multistart
 from robotraj.objectives import (
     AbsolutePower,
     CostOfTransport,
@@ -58,6 +60,7 @@ from robotraj.solution import Solution, load_solution
 from robotraj.solvers import Ipopt
 from robotraj.state import State
 from robotraj.status import Status
+from robotraj.sweep import sweep
 from robotraj.transcription import Nlp, transcribe
 from robotraj.witness import validate
 
@@ -83,6 +86,7 @@ __all__ = [
     "HermiteSimpson",
     "InputError",
     "InverseDynamics",
+    "InverseKinematics",
     "Ipopt",
     "Jerk",
     "JointAcceleration",
@@ -99,13 +103,17 @@ __all__ = [
     "Mayer",
     "MechanicalWork",
     "Mesh",
+    "MinimumJerk",
     "Mirror",
     "MovingMesh",
+    "Multistart",
     "Nlp",
     "NoSolutionFound",
+    "Optimum",
     "OwnQuadrature",
     "PathConstraint",
     "Periodic",
+    "Perturbed",
     "Phase",
     "PolishFailed",
     "PolynomialControl",
@@ -135,9 +143,11 @@ __all__ = [
     "costates",
     "load",
     "load_solution",
+    "multistart",
     "plan",
     "polish",
     "replay",
+    "sweep",
     "transcribe",
     "validate",
 ]

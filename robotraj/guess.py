@@ -18,7 +18,7 @@ from robotraj.state import State
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
-    from robotraj.problem import Phase
+    from robotraj.problem import Phase, Problem
 
 Array = NDArray[np.float64]
 Curve = Callable[[Array], Array]
@@ -51,6 +51,10 @@ class Guess(ABC):
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Guess phase number ``index`` of the problem."""
 
+    def prepared(self, problem: Problem) -> Guess:
+        """Do what needs the whole problem, before its phases are guessed; most guesses need nothing."""
+        return self
+
 
 @dataclass(frozen=True)
 class StraightLine(Guess):
@@ -71,8 +75,8 @@ class StraightLine(Guess):
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Interpolate between the ends."""
-        first, last = _ends(phase)
-        duration = _duration(phase, self.duration)
+        first, last = ends_of(phase)
+        duration = guessed_duration(phase, self.duration)
         nv = phase.robot.nv if phase.robot is not None else 0
 
         def states(s: Array) -> Array:
@@ -85,8 +89,8 @@ class StraightLine(Guess):
         return PhaseGuess(
             duration,
             states,
-            _constant(len(phase.dae.algebraic)),
-            _constant(len(phase.dae.controls)),
+            constant(len(phase.dae.algebraic)),
+            constant(len(phase.dae.controls)),
             default_parameters(phase),
         )
 
@@ -127,10 +131,10 @@ class Keyframes(Guess):
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Interpolate between the keyframes."""
         keys = np.array([_middle(state.bounds(phase.dae, "keyframe"), 0.0) for state in self.states])
-        duration = _duration(phase, self.duration)
+        duration = guessed_duration(phase, self.duration)
         states, algebraic = _through(phase, self.fractions, keys, duration)
         return PhaseGuess(
-            duration, states, algebraic, _constant(len(phase.dae.controls)), default_parameters(phase)
+            duration, states, algebraic, constant(len(phase.dae.controls)), default_parameters(phase)
         )
 
 
@@ -189,7 +193,7 @@ def _through(phase: Phase, fractions: Sequence[float], keys: Array, duration: fl
     """States and algebraic variables of a motion through key states (m, nx)."""
     nz = len(phase.dae.algebraic)
     if phase.robot is None:
-        return make_interp_spline(fractions, keys, k=1), _constant(nz)
+        return make_interp_spline(fractions, keys, k=1), constant(nz)
     # What an objective added comes last and starts from 0.
     nv, further = phase.robot.nv, len(phase.dae.states) - len(phase.body.states)
     q = PchipInterpolator(fractions, keys[:, :nv])
@@ -208,7 +212,8 @@ def _through(phase: Phase, fractions: Sequence[float], keys: Array, duration: fl
     return states, algebraic
 
 
-def _constant(size: int) -> Curve:
+def constant(size: int) -> Curve:
+    """Give zeros (m, size)."""
     return lambda s: np.zeros((len(s), size))
 
 
@@ -228,7 +233,7 @@ def _middle(bounds: Bounds, free: float) -> Array:
     return np.where(np.isfinite(middle), middle, free)
 
 
-def _ends(phase: Phase) -> tuple[Array, Array]:
+def ends_of(phase: Phase) -> tuple[Array, Array]:
     """States at both ends; what one leaves free is taken from the other, else the neutral pose or 0."""
     rest = np.zeros(len(phase.dae.states))
     if phase.robot is not None:
@@ -239,7 +244,14 @@ def _ends(phase: Phase) -> tuple[Array, Array]:
     return first, last
 
 
-def _duration(phase: Phase, given: float | None) -> float:
+def guessed_duration(phase: Phase, given: float | None) -> float:
+    """Duration to start from [s]: the given one, or one from the bounds and the speed limits.
+
+    Raises
+    ------
+    InputError
+        The given duration lies outside the phase's bounds.
+    """
     low, high = phase.duration_bounds
     if given is not None:
         if not low <= given <= high:
@@ -254,7 +266,7 @@ def _duration(phase: Phase, given: float | None) -> float:
     else:
         guess = min(max(1.0, high / 20), high / 2) if np.isfinite(high) else 1.0
     if phase.robot is not None and isinstance(phase.limits, Limits):
-        first, last = _ends(phase)
+        first, last = ends_of(phase)
         gaps = np.abs(last - first)[: phase.robot.nv]
         # At 1.5 times the constant-speed time a smooth motion keeps its speed limit.
         guess = max(guess, 1.5 * float(np.max(gaps / phase.limits.velocity, initial=0.0)))

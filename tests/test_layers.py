@@ -14,7 +14,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
     1: ("dynamics", "trajectory"),
     2: ("constraints", "objectives"),
     3: ("state", "links", "feasibility", "printing", "problem"),
-    4: ("schemes", "guess"),
+    4: ("schemes", "guess", "guesses"),
     5: ("transcription", "refinement"),
     6: ("solvers", "status", "progress"),
     7: ("sample", "violations", "solution", "storage", "columns", "export", "plotting", "indirect", "solving"),

@@ -75,7 +75,7 @@ def transcribe(
     every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]
     every += [widen(block, *shape) for block in blocks]
     matrix = linear.matrix(shape)
-    start = _guess(problem, layouts, guess or StraightLine(), len(variables))
+    start = _guess(problem, layouts, (guess or StraightLine()).prepared(problem), len(variables))
     start = np.clip(start, variables.lower, variables.upper)
     scale = variable_scale(variables, start)
     return Nlp(

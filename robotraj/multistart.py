@@ -1,0 +1,205 @@
+"""Many seeded starts, and the distinct local optima that they reach."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.errors import InputError
+from robotraj.guess import Guess, StraightLine, as_guess
+from robotraj.guesses import Perturbed
+from robotraj.planning import plan
+from robotraj.problem import Phase, Problem
+from robotraj.solution import PhaseSolution, Solution
+from robotraj.status import Status
+from robotraj.sweep import attach, detach
+from robotraj.workers import run
+
+SAMPLES = 201
+"""Fractions of a phase at which two trajectories are compared."""
+LEAST_RANGE = 1e-3
+"""States that move less than this are compared as if they moved this far [their SI unit]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """A local optimum and the starts that reached it.
+
+    Attributes
+    ----------
+    solution : Solution
+        The best of them.
+    starts : tuple of int
+        Numbers of the starts; 0 is the guess without perturbation.
+    """
+
+    solution: Solution
+    starts: tuple[int, ...]
+
+    @property
+    def objective(self) -> float:
+        """Objective of the best solution."""
+        return self.solution.objective
+
+
+@dataclass(frozen=True, eq=False)
+class Multistart:
+    """What many starts found.
+
+    Attributes
+    ----------
+    optima : tuple of Optimum
+        Distinct local optima, the lowest objective first.
+    failures : mapping of Status to int
+        How many starts ended without a solution, by status.
+    starts : int
+    objective_tolerance, trajectory_tolerance : float
+        Within which two solutions count as one.
+    """
+
+    optima: tuple[Optimum, ...]
+    failures: Mapping[Status, int]
+    starts: int
+    objective_tolerance: float
+    trajectory_tolerance: float
+
+    @property
+    def best(self) -> Solution:
+        """The lowest optimum found.
+
+        Raises
+        ------
+        InputError
+            No start reached a solution.
+        """
+        if not self.optima:
+            raise InputError(f"None of the {self.starts} starts reached a solution.\n{self}")
+        return self.optima[0].solution
+
+    def __str__(self) -> str:
+        failed = sum(self.failures.values())
+        count = len(self.optima)
+        lines = [
+            f"{self.starts} starts: {count} distinct local optim{'um' if count == 1 else 'a'}, {failed}
+            failed", f"{'':>4}  {'objective':>14}  {'duration [s]':>12}  {'starts':>6}  {'iterations':>10}
+            first start",
+        ]
+        lines += [
+            f"{i:>4}  {o.objective:>14.8g}  {o.solution.duration:>12.6g}  {len(o.starts):>6}  "
+            f"{o.solution.iterations:>10}  {o.starts[0]}"
+            for i, o in enumerate(self.optima, 1)
+        ]
+        lines += [f"failed, {status.value}: {number}" for status, number in self.failures.items()]
+        lines.append(
+            f"one optimum: objectives within {self.objective_tolerance:g} (relative) and states within "
+            f"{self.trajectory_tolerance:g} of their range"
+        )
+        return "\n".join(lines)
+
+
+def multistart(
+    problem: Problem | Phase,
+    starts: int = 20,
+    seed: int = 0,
+    *,
+    spread: float = 0.2,
+    guess: Guess | Solution | None = None,
+    executor: Executor | None = None,
+    objective_tolerance: float = 1e-5,
+    trajectory_tolerance: float = 1e-2,
+    **options: Any,
+) -> Multistart:
+    """Plan from a guess and from seeded random variations of it, and tell the distinct local optima.
+
+    No number of starts proves that the lowest optimum found is the lowest there is.
+
+    Parameters
+    ----------
+    problem : Problem or Phase
+    starts : int
+        The first is the guess itself, the others are ``rt.Perturbed`` variations.
+    seed : int
+        The same seed gives the same starts and the same answer, whatever the executor.
+    spread : float
+        Size of the perturbations, relative to the ranges of the variables; see ``rt.Perturbed``.
+    guess : Guess or Solution, optional
+        A straight line by default.
+    executor : concurrent.futures.Executor, optional
+        As of ``rt.sweep``: one fresh process per core by default.
+    objective_tolerance : float
+        Two solutions are one optimum if their objectives differ by less than this times 1 + |objective| ...
+    trajectory_tolerance : float
+        ... and if, at equal fractions of each phase, no state differs by more than this times its range, nor
+        the duration by more than this times itself.
+    **options
+        Of ``rt.plan``: mesh, solver, tolerance, stages ...
+
+    Returns
+    -------
+    Multistart
+        Print it for the table of optima and failures.
+
+    Raises
+    ------
+    InputError
+        No starts, a negative spread, or a problem that cannot be posed.
+    """
+    problem = Problem([problem]) if isinstance(problem, Phase) else problem
+    if not isinstance(problem, Problem):
+        raise InputError(f"rt.multistart takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
+    if starts < 1 or not 0 <= spread < np.inf:
+        raise InputError(f"rt.multistart needs at least 1 start and a spread of 0 or more; got {starts} and {spread}.")
+    for name in ("check", "progress"):
+        if name in options:
+            raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
+    first = as_guess(guess) or StraightLine()
+    guesses = [first, *(Perturbed(first, (seed, i), spread) for i in range(1, starts))]
+    found: Sequence[Solution] = run(_plan, (problem, options), guesses, executor)
+    solved = sorted((s.objective, i) for i, s in enumerate(found) if s.success)
+    groups: list[list[int]] = []
+    for _, i in solved:
+        for group in groups:
+            if _same(found[group[0]], found[i], objective_tolerance, trajectory_tolerance, problem):
+                group.append(i)
+                break
+        else:
+            groups.append([i])
+    failures = Counter(s.status for s in found if not s.success)
+    return Multistart(
+        tuple(Optimum(attach(found[group[0]], problem), tuple(sorted(group))) for group in groups),
+        dict(sorted(failures.items(), key=lambda entry: entry[0].value)),
+        starts,
+        objective_tolerance,
+        trajectory_tolerance,
+    )
+
+
+def _plan(shared: tuple[Problem, Mapping[str, Any]], guess: Guess) -> Solution:
+    problem, options = shared
+    return detach(plan(problem, guess=guess, check=False, progress=False, **options))
+
+
+def _same(a: Solution, b: Solution, objective: float, trajectory: float, problem: Problem) -> bool:
+    if abs(a.objective - b.objective) > objective * (1.0 + abs(a.objective)):
+        return False
+    parts = zip(a.phases, b.phases, problem.phases, strict=True)
+    return all(_distance(p, q, len(phase.body.states)) <= trajectory for p, q, phase in parts)
+
+
+def _distance(a: PhaseSolution, b: PhaseSolution, states: int) -> float:
+    """Largest difference of a state relative to its range, or of the durations relative to the longer one."""
+    x, y = (_sampled(part)[:, :states] for part in (a, b))
+    span = np.maximum(np.maximum(np.ptp(x, axis=0), np.ptp(y, axis=0)), LEAST_RANGE)
+    longer = max(a.duration, b.duration)
+    late = abs(a.duration - b.duration) / longer if longer > 0 else 0.0
+    return float(np.max(np.abs(x - y).max(axis=0) / span, initial=late))
+
+
+def _sampled(part: PhaseSolution) -> NDArray[np.float64]:
+    return part.trajectory.x(part.t0 + part.duration * np.linspace(0.0, 1.0, SAMPLES))

@@ -1,0 +1,79 @@
+"""Many problems planned side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from typing import Any
+
+from robotraj.errors import InputError
+from robotraj.planning import plan
+from robotraj.problem import Phase, Problem
+from robotraj.solution import Solution
+from robotraj.workers import run
+
+
+def sweep(
+    problems: Sequence[Problem | Phase], *, executor: Executor | None = None, **options: Any
+) -> list[Solution]:
+    """Plan many problems with the same options.
+
+    Parameters
+    ----------
+    problems : sequence of Problem or Phase
+        Lambdas in them may travel to workers; what they close over must be picklable by cloudpickle.
+    executor : concurrent.futures.Executor, optional
+        Any: processes, threads, ``dask.distributed.Client.get_executor()``. By default one fresh process per
+        core (spawned, so a script needs ``if __name__ == "__main__":`` around the call);
+        ``ThreadPoolExecutor(1)`` plans here, one after the other.
+    **options
+        Of ``rt.plan``: mesh, guess, solver, tolerance, stages ...
+
+    Returns
+    -------
+    list of Solution
+        In the order of the problems, whatever the executor. A plan that failed is among them with its status.
+
+    Raises
+    ------
+    InputError
+        A problem cannot be posed or pickled.
+
+    Examples
+    --------
+    >>> import robotraj as rt >>> block = rt.System(states=["x", "v"], controls=["u"], dynamics=lambda point:
+    [point.x["v"], point.u["u"]]) >>> moves = [ ...     rt.Phase(block, duration=T, start=rt.State([0, 0]),
+    end=rt.State([1, 0]), objective=rt.Effort()) ...     for T in (1.0, 2.0) ... ] >>> from concurrent.futures
+    import ThreadPoolExecutor >>> with ThreadPoolExecutor(1) as here: ...     [round(solution.objective, 3)
+    for solution in rt.sweep(moves, executor=here, mesh=rt.Mesh(10))] [12.0, 1.5]
+    """
+    for name in ("check", "progress"):
+        if name in options:
+            raise InputError(f"rt.sweep keeps failed plans and shows no iterations: leave {name}= out.")
+    posed = [Problem([problem]) if isinstance(problem, Phase) else problem for problem in problems]
+    for i, problem in enumerate(posed):
+        if not isinstance(problem, Problem):
+            raise InputError(f"rt.sweep takes problems or phases; number {i} is a {type(problem).__name__}.")
+    found = run(_plan, options, posed, executor)
+    return [attach(solution, problem) for solution, problem in zip(found, posed, strict=True)]
+
+
+def _plan(options: Mapping[str, Any], problem: Problem) -> Solution:
+    return detach(plan(problem, check=False, progress=False, **options))
+
+
+def detach(solution: Solution) -> Solution:
+    """Leave the problem out of a solution, for the way back to a process that has it."""
+    bare: Any = None
+    return replace(
+        solution, problem=bare, phases=tuple(replace(part, phase=bare) for part in solution.phases)
+    )
+
+
+def attach(solution: Solution, problem: Problem) -> Solution:
+    """Give a detached solution its problem back."""
+    pairs = zip(solution.phases, problem.phases, strict=True)
+    return replace(
+        solution, problem=problem, phases=tuple(replace(part, phase=phase) for part, phase in pairs)
+    )

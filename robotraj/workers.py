@@ -1,0 +1,76 @@
+"""Work handed to any ``concurrent.futures`` executor, with results in the order of the tasks.
+
+What is shared by all tasks travels once per task but is unpacked once per worker, so that graphs built for a
+problem serve all its tasks. Everything travels by cloudpickle, because equations of Systems and expressions
+of constraints are mostly lambdas, which the standard library refuses to pickle.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from functools import lru_cache
+from typing import Any
+
+import cloudpickle
+
+from robotraj.errors import InputError, RobotrajError
+
+
+def run(work: Callable[[Any, Any], Any], shared: Any, tasks: Sequence[Any], executor: Executor | None) ->
+list[Any]:
+    """Return ``[work(shared, task) for task in tasks]``, computed by an executor.
+
+    Parameters
+    ----------
+    work : callable
+        A function of a module.
+    shared, tasks : picklable by cloudpickle
+    executor : concurrent.futures.Executor, optional
+        Threads, processes, Dask's ``client.get_executor()`` ... By default as many fresh processes as there
+        are cores, started by spawn: nothing of this process leaks into them.
+
+    Raises
+    ------
+    InputError
+        Something cannot be pickled, ``executor`` is none, or a task was refused; the message says which.
+    RobotrajError
+        A worker process died.
+    """
+    if executor is None:
+        if not tasks:
+            return []
+        workers = min(len(tasks), os.cpu_count() or 1)
+        with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as own:
+            return run(work, shared, tasks, own)
+    if not isinstance(executor, Executor) and not hasattr(executor, "submit"):
+        raise InputError(f"executor= must be a concurrent.futures executor; got {type(executor).__name__}.")
+    try:
+        common = cloudpickle.dumps((work, shared))
+        packed = [cloudpickle.dumps(task) for task in tasks]
+    except (TypeError, AttributeError, RuntimeError, NotImplementedError) as error:
+        raise InputError(
+            f"A problem cannot be sent to workers, because a part of it cannot be pickled: {error}"
+        ) from error
+    try:
+        futures = [executor.submit(_call, common, task) for task in packed]
+        return [cloudpickle.loads(future.result()) for future in futures]
+    except BrokenProcessPool as error:
+        raise RobotrajError(
+            "A worker process died. In a script, start it from under `if __name__ == '__main__':`, because
+            every " "worker imports the script; else a worker ran out of memory: use fewer of them, with
+            executor=."
+        ) from error
+
+
+def _call(common: bytes, task: bytes) -> bytes:
+    work, shared = _unpacked(common)
+    return cloudpickle.dumps(work(shared, cloudpickle.loads(task)))
+
+
+@lru_cache(maxsize=4)
+def _unpacked(common: bytes) -> Any:
+    return cloudpickle.loads(common)
