@@ -85,14 +85,14 @@ class Multistart:
     def __str__(self) -> str:
         failed = sum(self.failures.values())
         count = len(self.optima)
+        plural = "um" if count == 1 else "a"
         lines = [
-            f"{self.starts} starts: {count} distinct local optim{'um' if count == 1 else 'a'}, {failed}
-            failed", f"{'':>4}  {'objective':>14}  {'duration [s]':>12}  {'starts':>6}  {'iterations':>10}
-            first start",
+            f"{self.starts} starts: {count} distinct local optim{plural}, {failed} failed",
+            "        objective  duration [s]  starts  iterations  first start",
         ]
         lines += [
-            f"{i:>4}  {o.objective:>14.8g}  {o.solution.duration:>12.6g}  {len(o.starts):>6}  "
-            f"{o.solution.iterations:>10}  {o.starts[0]}"
+            f"{i:>3}  {o.objective:>12.8g}  {o.solution.duration:>12.6g}  {len(o.starts):>6}  "
+            f"{o.solution.iterations:>10}  {o.starts[0]:>11}"
             for i, o in enumerate(self.optima, 1)
         ]
         lines += [f"failed, {status.value}: {number}" for status, number in self.failures.items()]
@@ -154,10 +154,14 @@ def multistart(
     if not isinstance(problem, Problem):
         raise InputError(f"rt.multistart takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
     if starts < 1 or not 0 <= spread < np.inf:
-        raise InputError(f"rt.multistart needs at least 1 start and a spread of 0 or more; got {starts} and {spread}.")
+        raise InputError(
+            f"rt.multistart needs at least 1 start and a spread of 0 or more; got {starts} and {spread}."
+        )
     for name in ("check", "progress"):
         if name in options:
-            raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
+            raise InputError(
+                f"rt.multistart counts failed starts and shows no iterations: leave {name}= out."
+            )
     first = as_guess(guess) or StraightLine()
     guesses = [first, *(Perturbed(first, (seed, i), spread) for i in range(1, starts))]
     found: Sequence[Solution] = run(_plan, (problem, options), guesses, executor)

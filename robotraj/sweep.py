@@ -42,11 +42,18 @@ def sweep(
 
     Examples
     --------
-    >>> import robotraj as rt >>> block = rt.System(states=["x", "v"], controls=["u"], dynamics=lambda point:
-    [point.x["v"], point.u["u"]]) >>> moves = [ ...     rt.Phase(block, duration=T, start=rt.State([0, 0]),
-    end=rt.State([1, 0]), objective=rt.Effort()) ...     for T in (1.0, 2.0) ... ] >>> from concurrent.futures
-    import ThreadPoolExecutor >>> with ThreadPoolExecutor(1) as here: ...     [round(solution.objective, 3)
-    for solution in rt.sweep(moves, executor=here, mesh=rt.Mesh(10))] [12.0, 1.5]
+    >>> import robotraj as rt
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    >>> moves = [
+    ...     rt.Phase(
+    ...         block, duration=T, start=rt.State([0, 0]), end=rt.State([1, 0]), objective=rt.Effort()
+    ...     )
+    ...     for T in (1.0, 2.0)
+    ... ]
+    >>> with ThreadPoolExecutor(1) as here:
+    ...     [round(solution.objective, 3) for solution in rt.sweep(moves, executor=here, mesh=rt.Mesh(10))]
+    [12.0, 1.5]
     """
     for name in ("check", "progress"):
         if name in options:

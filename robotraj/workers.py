@@ -20,8 +20,9 @@ import cloudpickle
 from robotraj.errors import InputError, RobotrajError
 
 
-def run(work: Callable[[Any, Any], Any], shared: Any, tasks: Sequence[Any], executor: Executor | None) ->
-list[Any]:
+def run(
+    work: Callable[[Any, Any], Any], shared: Any, tasks: Sequence[Any], executor: Executor | None
+) -> list[Any]:
     """Return ``[work(shared, task) for task in tasks]``, computed by an executor.
 
     Parameters
@@ -60,9 +61,8 @@ list[Any]:
         return [cloudpickle.loads(future.result()) for future in futures]
     except BrokenProcessPool as error:
         raise RobotrajError(
-            "A worker process died. In a script, start it from under `if __name__ == '__main__':`, because
-            every " "worker imports the script; else a worker ran out of memory: use fewer of them, with
-            executor=."
+            "A worker process died. In a script, start it from under `if __name__ == '__main__':`, because "
+            "every worker imports the script; else a worker ran out of memory: use fewer, with executor=."
         ) from error
 
 

@@ -124,9 +124,9 @@ def reach(
     miss = _error(robot, robot.model.createData(), index, position, rotation, best)
     turned = f" and {np.linalg.norm(miss[3:]):.3g} rad" if rotation is not None else ""
     raise InputError(
-        f"Frame {frame!r} of {robot.name!r} cannot reach the {what} {np.round(position, 6).tolist()}: the
-        nearest " f"configuration found is {np.linalg.norm(miss[:3]):.3g} m{turned} away{bounds}. Move the
-        target, or the bounds."
+        f"Frame {frame!r} of {robot.name!r} cannot reach the {what} {np.round(position, 6).tolist()}: the "
+        f"nearest configuration found is {np.linalg.norm(miss[:3]):.3g} m{turned} away{bounds}. Move the "
+        "target, or the bounds."
     )
 
 

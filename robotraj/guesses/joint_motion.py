@@ -12,11 +12,11 @@ from scipy.interpolate import make_interp_spline
 
 from robotraj.errors import InputError
 from robotraj.guess import Curve, PhaseGuess
+from robotraj.robot import Limits, Robot
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
     from robotraj.problem import Phase
-    from robotraj.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -79,7 +79,9 @@ def quintic(fractions: Array, keys: Array, first: Array, last: Array) -> Any:
     Neuroscience 5 (1985); de Boor, A Practical Guide to Splines (2001), chapter XIII.
     """
     still = np.zeros(keys.shape[1])
-    return make_interp_spline(fractions, keys, k=5, bc_type=([(1, first), (2, still)], [(1, last), (2, still)]))
+    return make_interp_spline(
+        fractions, keys, k=5, bc_type=([(1, first), (2, still)], [(1, last), (2, still)])
+    )
 
 
 def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, who: str) -> Array:
@@ -95,8 +97,9 @@ def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, who:
         # Keys that coincide still take a share of the time.
         steps = np.maximum(gaps.max(axis=1), 1e-2 * max(gaps.max(), 1e-9))
         return np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
-    fractions = np.asarray(given, dtype=float) if fractions.shape != (len(keys),) or not
-    np.all(np.diff(fractions) > 0) or fractions[0] or fractions[-1] != 1:
+    fractions = np.asarray(given, dtype=float)
+    sorted_ends = len(fractions) == len(keys) and fractions[0] == 0.0 and fractions[-1] == 1.0
+    if not sorted_ends or not np.all(np.diff(fractions) > 0):
         raise InputError(
             f"The fractions of {who} must ascend from 0 to 1, one for the start, each waypoint and the end "
             f"({len(keys)}); got {list(given)}."
@@ -106,4 +109,5 @@ def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, who:
 
 def speeds_of(phase: Phase, robot: Robot) -> Array:
     """Speed limits of a phase (nv,), infinite where there are none."""
-    return np.full(robot.nv, np.inf) if phase.limits is None else np.asarray(phase.limits.velocity)  # type: ignore[union-attr]
+    limits = phase.limits
+    return limits.velocity if isinstance(limits, Limits) else np.full(robot.nv, np.inf)

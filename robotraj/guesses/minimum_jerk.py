@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -62,8 +62,10 @@ class MinimumJerk(Guess):
         names = [s.name for s in phase.body.states]
         middle = []
         for value in self.waypoints:
-            row = first.copy() row[: len(names)] = [value[n] for n in names] if hasattr(value, "keys") else
-            np.asarray(value, dtype=float) middle.append(row)
+            row = first.copy()
+            known = isinstance(value, Mapping)
+            row[: len(names)] = [value[n] for n in names] if known else np.asarray(value, dtype=float)
+            middle.append(row)
         keys = np.array([first, *middle, last])
         still = np.zeros(keys.shape[1])
         fractions = fractions_of(self.fractions, keys, np.full(keys.shape[1], np.inf), "MinimumJerk")
@@ -95,4 +97,6 @@ def through(
     at = fractions_of(fractions, keys, speeds_of(phase, robot), who)
     q = quintic(at, keys, first[nv : 2 * nv] * pace, last[nv : 2 * nv] * pace)
     v, a = q.derivative(1), q.derivative(2)
-    return joint_motion(phase, time, q, lambda s: v(s) / pace, lambda s: a(s) / pace**2, default_parameters(phase))
+    return joint_motion(
+        phase, time, q, lambda s: v(s) / pace, lambda s: a(s) / pace**2, default_parameters(phase)
+    )
