@@ -20,7 +20,7 @@ from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
 from robotraj.guess import FromSolution, Keyframes, StraightLine
 from robotraj.guesses import InverseKinematics, MinimumJerk, Perturbed
-from robotraj.indirect import PolishFailed, costates, polish
+from robotraj.indirect import PolishFailed, conditions, costates, polish
 from robotraj.links import Continuity, EqualDuration, Jump, Linkage, Mirror, Periodic, SameParameter
 from robotraj.multistart import Multistart, Optimum, multistart
 from robotraj.objectives import (
@@ -140,6 +140,7 @@ __all__ = [
     "ValidationFailed",
     "between",
     "catalogue",
+    "conditions",
     "costates",
     "load",
     "load_solution",

@@ -91,7 +91,7 @@ def complaints(result: Polished, affine: NDArray[np.bool_]) -> list[str]:
                 t = s["t"][int(np.argmax(wrong))]
                 found.append(
                     f"{names[i]!r} is at its {side.value} at t = {t:.5g} s where |dH/du| is "
-                    f"{np.max(wrong):.2g} asks for the other side; the sequence of arcs is not that of an optimum"
+                    f"{np.max(wrong):.2g} asks for the other side; its arcs are not those of an optimum"
                 )
         found += _broken(result.equations, s)
     return found

@@ -1,0 +1,97 @@
+"""A report on the necessary conditions: what each one asks, of whom, how far it is off, and when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robotraj.errors import ValidationFailed
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One necessary condition.
+
+    Attributes
+    ----------
+    phase : str
+    name : str
+        ``"costate equation"``, ``"stationarity"``, ``"saturation"``, ``"transversality"``, ``"Hamiltonian"``,
+        ``"complementarity"``.
+    label : str
+        The state, control, joint or row it is about.
+    residual : float
+        How far it is off, relative to the size of its terms.
+    time : float
+        When it is worst [s].
+    note : str
+        What was found, in words.
+    """
+
+    phase: str
+    name: str
+    label: str
+    residual: float
+    time: float
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class ConditionsReport:
+    """The first-order necessary conditions of Pontryagin along a direct solution.
+
+    Attributes
+    ----------
+    conditions : tuple of Condition
+    tolerance : float
+        Largest relative residual of a condition that counts as held.
+    """
+
+    conditions: tuple[Condition, ...]
+    tolerance: float
+
+    @property
+    def failed(self) -> tuple[Condition, ...]:
+        """Conditions that are off by more than the tolerance, worst first."""
+        off = [c for c in self.conditions if not c.residual <= self.tolerance]
+        return tuple(sorted(off, key=lambda c: -c.residual))
+
+    @property
+    def passed(self) -> bool:
+        """Whether every condition holds to the tolerance."""
+        return not self.failed
+
+    def worst(self, name: str) -> float:
+        """Largest relative residual of the conditions of that name, 0 where there are none."""
+        return max((c.residual for c in self.conditions if c.name == name), default=0.0)
+
+    def check(self) -> None:
+        """Raise ``ValidationFailed`` where a condition does not hold."""
+        if not self.passed:
+            worst = self.failed[0]
+            raise ValidationFailed(
+                f"{worst.name} of {worst.label} is off by {worst.residual:.2g} at t = {worst.time:.4g} s, "
+                f"more than {self.tolerance:g}; refine the mesh there.",
+                self,
+            )
+
+    def __str__(self) -> str:
+        head = ("phase", "condition", "of", "off by", "t [s]", "", "found")
+        rows = [
+            (
+                c.phase,
+                c.name,
+                c.label,
+                f"{c.residual:.1e}",
+                f"{c.time:.4g}",
+                "holds" if c.residual <= self.tolerance else "OFF",
+                c.note,
+            )
+            for c in self.conditions
+        ]
+        widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
+        lines = [
+            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+            for row in [head, *rows]
+        ]
+        verdict = "all hold" if self.passed else f"{len(self.failed)} of {len(self.conditions)} are off"
+        return "\n".join([f"necessary conditions, to {self.tolerance:g} of their terms: {verdict}", *lines])
