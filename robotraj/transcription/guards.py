@@ -56,7 +56,9 @@ def guardable(phase: Phase) -> list[tuple[int, int, BoundConstraint, Row]]:
     """Rows held throughout that read the state, time and parameters alone."""
     point = symbols_of(phase.dae, phase.parameter_names)
     states = {s.name for s in phase.dae.states}
-    inner = ca.vertcat(*point.z.values(), *point.u.values())
+    # By forward dynamics a robot's accelerations are expressions, not variables: its algebraic variables are none.
+    z = (point.z[variable.name] for variable in phase.dae.algebraic)
+    inner = ca.vertcat(ca.SX(0, 1), *z, *point.u.values())
     found = []
     for c, constraint in enumerate(phase.bound_constraints):
         if constraint.where is not Where.THROUGHOUT:

@@ -1,0 +1,71 @@
+"""IPOPT's options are a value; what it is handed is enough for it."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.solvers import Iteration
+
+BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+MOVE = rt.Phase(
+    BLOCK, (0.1, 20), rt.State([0, 0]), rt.State([10, 0]), rt.Duration(), controls={"u": rt.between(-1, 1)}
+)
+
+
+def test_a_solver_is_a_frozen_value() -> None:
+    assert rt.Ipopt(tolerance=1e-6) == rt.Ipopt(tolerance=1e-6) != rt.Ipopt()
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        rt.Ipopt().tolerance = 1.0  # type: ignore[misc]
+
+
+def test_a_tighter_tolerance_comes_closer() -> None:
+    exact = 2 * np.sqrt(10)
+    errors = [abs(rt.plan(MOVE, rt.Mesh(20), solver=rt.Ipopt(tolerance=t)).objective - exact) for t in (1e-3, 1e-6, 1e-11)]
+    assert errors[0] > 10 * errors[1] > 100 * errors[2]
+
+
+def test_own_options_win_over_the_fields() -> None:
+    solution = rt.plan(MOVE, solver=rt.Ipopt(max_iterations=500, options={"max_iter": 2}), check=False)
+    assert solution.status is rt.Status.ITERATION_LIMIT and solution.iterations == 2
+
+
+@pytest.mark.parametrize("barrier", ["monotone", "adaptive"])
+def test_both_barriers_find_the_minimum_time(barrier: str) -> None:
+    assert rt.plan(MOVE, solver=rt.Ipopt(barrier=barrier)).objective == pytest.approx(2 * np.sqrt(10), rel=1e-6)
+
+
+def test_progress_tells_every_iteration_in_order() -> None:
+    seen: list[Iteration] = []
+    nlp = rt.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
+    outcome = rt.Ipopt().solve(nlp, seen.append)
+    assert [iteration.number for iteration in seen] == list(range(outcome.iterations + 1))
+    assert seen[0].infeasibility > 1e-2 > 1e-7 > seen[-1].infeasibility
+    assert seen[-1].objective == pytest.approx(nlp.objective(outcome.w), abs=1e-6)
+
+
+def test_its_answer_is_a_stationary_point_in_physical_units() -> None:
+    """Gradient plus the rows' and the bounds' multipliers is zero: grad f + J' lam_g + lam_x = 0."""
+    nlp = rt.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
+    outcome = rt.Ipopt(tolerance=1e-10).solve(nlp)
+    rows, bounds = outcome.multipliers.rows * nlp.row_scale, outcome.multipliers.bounds / nlp.scale
+    residual = nlp.gradient(outcome.w) + nlp.jacobian(outcome.w).T @ rows + bounds
+    # A fixed variable is no unknown of IPOPT's: its multiplier is not reported.
+    free = nlp.variables.lower < nlp.variables.upper
+    np.testing.assert_allclose(residual[free], 0, atol=1e-7)
+
+
+def test_multipliers_of_the_same_mesh_restart_at_the_answer() -> None:
+    first = rt.plan(MOVE, rt.Mesh(20))
+    again = rt.plan(MOVE, rt.Mesh(20), guess=first)
+    assert again.iterations <= 5 < first.iterations
+    assert again.objective == pytest.approx(first.objective, rel=1e-8)
+
+
+def test_bounds_hold_exactly_at_the_answer() -> None:
+    solution = rt.plan(MOVE, rt.Mesh(20))
+    u = np.concatenate(solution.phases[0].trajectory.u.values)
+    assert u.max() <= 1.0 and u.min() >= -1.0
