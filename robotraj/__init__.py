@@ -42,6 +42,8 @@ from robotraj.refinement import RaiseOrder, SplitAndMerge, SplitOrRaise
 from robotraj.replay import replay
 from robotraj.robot import Limits, Robot, catalogue, load
 from robotraj.schemes import (
+    Adaptive,
+    CompressedHermiteSimpson,
     ConstantControl,
     FifthDegree,
     GaussLegendre,
@@ -50,9 +52,12 @@ from robotraj.schemes import (
     LobattoIIIA,
     Mesh,
     MovingMesh,
+    MultipleShooting,
     OwnQuadrature,
     PolynomialControl,
     RadauIIA,
+    RungeKutta4,
+    SingleShooting,
     Trapezoidal,
     TrapezoidalQuadrature,
 )
@@ -66,8 +71,10 @@ from robotraj.witness import validate
 
 __all__ = [
     "AbsolutePower",
+    "Adaptive",
     "AtEnd",
     "AtStart",
+    "CompressedHermiteSimpson",
     "ConstantControl",
     "Continuity",
     "CostOfTransport",
@@ -106,6 +113,7 @@ __all__ = [
     "MinimumJerk",
     "Mirror",
     "MovingMesh",
+    "MultipleShooting",
     "Multistart",
     "Nlp",
     "NoSolutionFound",
@@ -122,7 +130,9 @@ __all__ = [
     "RaiseOrder",
     "Robot",
     "RobotrajError",
+    "RungeKutta4",
     "SameParameter",
+    "SingleShooting",
     "Slope",
     "Solution",
     "SplitAndMerge",

@@ -36,7 +36,8 @@ def adapt(
     """
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     steps: list[MeshStep] = []
-    between = min(GUARD_TOLERANCE, 0.1 * tolerance)
+    # Below 1e-7 a guard would chase the solver's own round-off.
+    between = min(GUARD_TOLERANCE, max(1e-7, 0.1 * tolerance))
     total: dict[str, float] = {}
     known: Guess | Solution | None = guess
     while True:

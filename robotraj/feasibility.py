@@ -9,6 +9,7 @@ import numpy as np
 
 from robotraj.constraints import Bounds, Row, Where
 from robotraj.constraints.base import BoundConstraint, symbols_of
+from robotraj.dynamics.missing import MissingEquations
 from robotraj.errors import InputError
 from robotraj.robot import Limits
 
@@ -26,7 +27,7 @@ def check_phase(phase: Phase) -> None:
         if complaints:
             raise InputError(f"Phase {phase.name!r}: " + " ".join(complaints))
     _ = phase.parameter_bounds, phase.duration_bounds
-    if phase.system is not None:
+    if phase.system is not None and not isinstance(phase.system.dynamics, MissingEquations):
         point = symbols_of(phase.dae, phase.parameter_names)
         _ = phase.dae.rates(point), phase.dae.residual(point)
     _check_against_each_other(phase)

@@ -45,8 +45,8 @@ class PathConstraint(Constraint):
         """Try the expression on symbols, count its rows and pair them with bounds."""
         what = f"expression of {self.name!r}"
         count = len(as_rows(self.expression(symbols_of(dynamics, parameters)), what))
-        lower = self._side(self.lower, -np.inf, count)
-        upper = self._side(self.upper, np.inf, count)
+        lower = side(self.lower, -np.inf, count, self.name)
+        upper = side(self.upper, np.inf, count, self.name)
         for i in range(count):
             if not lower[i] <= upper[i]:
                 raise InputError(
@@ -63,13 +63,15 @@ class PathConstraint(Constraint):
 
         return BoundConstraint(self.name, rows, expression)
 
-    def _side(self, value: Any, default: float, count: int) -> list[float]:
-        array = np.asarray(default if value is None else value, dtype=float).ravel()
-        if array.size not in (1, count):
-            raise InputError(f"{self.name!r} has {count} rows but a bound of {array.size} values.")
-        if np.isnan(array).any():
-            raise InputError(f"{self.name!r} has a bound that is NaN; use None for an open side.")
-        return [float(b) for b in np.broadcast_to(array, (count,))]
+
+def side(value: Any, default: float, count: int, name: str) -> list[float]:
+    """Broadcast one side of the bounds to the rows of an expression."""
+    array = np.asarray(default if value is None else value, dtype=float).ravel()
+    if array.size not in (1, count):
+        raise InputError(f"{name!r} has {count} rows but a bound of {array.size} values.")
+    if np.isnan(array).any():
+        raise InputError(f"{name!r} has a bound that is NaN; use None for an open side.")
+    return [float(b) for b in np.broadcast_to(array, (count,))]
 
 
 def flat(values: Any) -> list[Any]:

@@ -1,17 +1,24 @@
-"""Links: rows that join the ends of phases."""
+"""What a link is: rows that join the ends of phases."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from robotraj.constraints import Row
 from robotraj.errors import InputError
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
+
+
+class Ends(NamedTuple):
+    """The points at both ends of a phase; they know ``t``, ``x``, ``p`` and, for robots, ``q``, ``v`` and frames."""
+
+    start: Any
+    end: Any
 
 
 @dataclass(frozen=True)
@@ -25,13 +32,13 @@ class BoundLink:
         The phases whose ends it reads.
     rows : tuple of Row
     expression : callable
-        ``expression(ends)`` gives len(rows) scalars; ``ends[i]`` is the pair (start, end) of points of ``phases[i]``.
+        ``expression(ends)`` gives len(rows) scalars; ``ends[i]`` are the ends of ``phases[i]``.
     """
 
     name: str
     phases: tuple[int, ...]
     rows: tuple[Row, ...]
-    expression: Callable[[Sequence[tuple[Any, Any]]], Sequence[Any]]
+    expression: Callable[[Sequence[Ends]], Sequence[Any]]
 
 
 class Link(ABC):
@@ -49,35 +56,22 @@ def phase_at(phases: Sequence[Phase], index: int, who: str) -> Phase:
     return phases[index]
 
 
-@dataclass(frozen=True)
-class Continuity(Link):
-    """Time and state run on: t and x at the end of ``first`` equal t and x at the start of ``second``."""
+def normal(phases: Sequence[Phase], index: int) -> int:
+    """Index counted from the front, where -1 means the last phase."""
+    return index % len(phases)
 
-    first: int
-    second: int
 
-    def bind(self, phases: Sequence[Phase]) -> BoundLink:
-        """Write one row of time and one per state.
+def state_names(phase: Phase) -> list[str]:
+    """Names of the states of a phase."""
+    return [state.name for state in phase.body.states]
 
-        Raises
-        ------
-        InputError
-            The phases do not exist or have different states.
-        """
-        who = f"Continuity({self.first}, {self.second})"
-        before, after = (phase_at(phases, i, who) for i in (self.first, self.second))
-        names = [s.name for s in before.body.states]
-        if names != [s.name for s in after.body.states]:
-            raise InputError(
-                f"{who}: phase {before.name!r} has states {names}, phase {after.name!r} has "
-                f"{[s.name for s in after.body.states]}; they must be the same."
-            )
-        rows = (Row("continuity", "s", 0.0, 0.0, "time"),) + tuple(
-            Row("continuity", s.unit, 0.0, 0.0, s.name) for s in before.body.states
+
+def same_states(before: Phase, after: Phase, who: str) -> list[str]:
+    """Names of the states of two phases that must have the same ones."""
+    names = state_names(before)
+    if names != state_names(after):
+        raise InputError(
+            f"{who}: phase {before.name!r} has states {names}, phase {after.name!r} has {state_names(after)}; "
+            "they must be the same."
         )
-
-        def expression(ends: Sequence[tuple[Any, Any]]) -> list[Any]:
-            end, start = ends[0][1], ends[1][0]
-            return [start.t - end.t, *(start.x[name] - end.x[name] for name in names)]
-
-        return BoundLink(who, (self.first % len(phases), self.second % len(phases)), rows, expression)
+    return names

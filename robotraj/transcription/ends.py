@@ -13,7 +13,7 @@ from scipy import sparse
 from robotraj.constraints import Where
 from robotraj.dynamics.system import as_rows
 from robotraj.errors import InputError
-from robotraj.links import BoundLink
+from robotraj.links import BoundLink, Ends
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import path_constraints, path_rows, phase_scalars, point_symbols
 from robotraj.transcription.layout import PhaseLayout
@@ -91,7 +91,7 @@ def link_block(
 ) -> Block:
     """Rows of a link between phases."""
     ends = [EndSymbols(phases[i], layouts[i]) for i in link.phases]
-    values: Any = link.expression([e.points for e in ends])
+    values: Any = link.expression([Ends(*e.points) for e in ends])
     y = ca.vertcat(*as_rows(values, f"expression of {link.name}"))
     entries = [Entry(link.phases[0], r.name, r.joint or "", r.unit) for r in link.rows]
     bounds = np.array([r.lower for r in link.rows]), np.array([r.upper for r in link.rows])
