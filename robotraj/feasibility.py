@@ -94,7 +94,7 @@ def _check_expressions(phase: Phase, which: str, bounds: Bounds) -> None:
         return
     point = symbols_of(phase.body, phase.parameter_names)
     x = ca.vertcat(*(point.x[s.name] for s in phase.body.states))
-    skipped = (Where.END if which == "start" else Where.START, Where.AT_NODES)
+    skipped = (Where.END if which == "start" else Where.START, Where.AT_NODES, Where.INTEGRAL)
     for constraint in phase.bound_constraints:
         if constraint.where in skipped or all(row.variable is not None for row in constraint.rows):
             continue

@@ -5,6 +5,7 @@ from robotraj.constraints.between import Between, Bounds, as_bounds, between
 from robotraj.constraints.clearance import GroundClearance
 from robotraj.constraints.frame_pose import FramePose, FramePosition
 from robotraj.constraints.ground import Flat, Ground, HeightFunction, Slope
+from robotraj.constraints.integral import IntegralConstraint
 from robotraj.constraints.joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity, own_limits
 from robotraj.constraints.path import PathConstraint
 from robotraj.constraints.variable_bounds import VariableBounds
@@ -22,6 +23,7 @@ __all__ = [
     "Ground",
     "GroundClearance",
     "HeightFunction",
+    "IntegralConstraint",
     "JointAcceleration",
     "JointEffort",
     "JointPosition",

@@ -31,6 +31,7 @@ class Where(Enum):
     """
 
     THROUGHOUT = "throughout"
+    INTEGRAL = "integral"
     AT_NODES = "collocation points"
     START = "start"
     END = "end"

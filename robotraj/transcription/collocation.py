@@ -2,9 +2,9 @@
 
 The stage function gives, at a node with unknowns (x, z, u, t0, T, p) and constant fraction tau,
 
-    y = ( T f,  g,  h,  T l ),    t = t0 + tau T,
+    y = ( T f,  g,  h,  T m,  T l ),    t = t0 + tau T,
 
-with f the rates, g the residual, h the path rows and l the integrand. Since T is inside, every row of the NLP is linear in
+with f the rates, g the residual, h the path rows, m the rates of integral constraints and l the integrand. Since T is inside, every row of the NLP is linear in
 the outputs with constant coefficients: the defect of node j on an interval of relative length d is
 
     x_j - x_0 - d sum_k A_jk (T f_k) = 0.
@@ -130,6 +130,11 @@ def collocate(
     entries = [Entry(index, r.name, r.joint or "", r.unit) for r in kept]
     path = rows.add(entries, fractions, np.array([r.lower for r in kept]), np.array([r.upper for r in kept]))
     scatter.add(path.ravel(), (base + nx + nz + np.arange(len(kept))).ravel(), 1.0)
+    sums = [r for c in path_constraints(phase, Where.INTEGRAL) for r in c.rows]
+    entries = [Entry(index, r.name, r.joint or "", r.unit) for r in sums]
+    totals = rows.add(entries, np.ones(1), np.array([r.lower for r in sums]), np.array([r.upper for r in sums]))[0]
+    for i, total in enumerate(totals):
+        scatter.add(np.full(len(weights), total), base[:, 0] + nx + nz + len(kept) + i, weights)
     gather, offset, constants = gather_points(phase, layout)
     if isinstance(layout.mesh, MovingMesh):
         tie_intervals(layout.mesh, index, layout, rows, linear)
@@ -145,7 +150,9 @@ def _stage(phase: Phase, layout: PhaseLayout) -> Stage:
         (w * as_rows(term.rate(point), "integrand")[0] for w, term in phase.integrals), ca.SX(0)
     )
     path = path_rows(path_constraints(phase, Where.THROUGHOUT), point)
-    y = ca.vertcat(s.duration * dae.rates(point), dae.residual(point), path, s.duration * integrand)
+    sums = path_rows(path_constraints(phase, Where.INTEGRAL), point)
+    rates = (s.duration * part for part in (dae.rates(point), sums, integrand))
+    y = ca.vertcat(next(rates), dae.residual(point), path, *rates)
     return Stage(s.unknowns, s.constants, y, costed=int(y.numel()) - 1 if phase.integrals else None)
 
 

@@ -114,6 +114,7 @@ def violations_of(planned: PhaseSolutionLike, samples: int) -> tuple[Violation, 
             _see(throughout, stretch.times, _points(planned, stretch.times, stretch.interval))
     ends = [(0, Where.START, phase.start_bounds), (-1, Where.END, phase.end_bounds)]
     at_ends = [entry for end in ends for entry in _at_end(planned, bound, *end)]
+    at_ends += _integrals(planned, [c for c in bound if c.where is Where.INTEGRAL], samples)
     every = watched + [watch for _, watches in throughout for watch in watches] + at_ends
     found = [watch.worst(phase.name) for watch in every if watch.values]
     return tuple(sorted((v for v in found if v is not None), key=lambda v: -v.amount))
@@ -203,6 +204,29 @@ def _at_end(
         for name, unit, lower, upper in zip(point.x, units, state.lower[:count], state.upper[:count], strict=True):
             watch = _Watch(Row(f"{where.value} state", unit, float(lower), float(upper), name))
             watch.see(times, np.array([float(point.x[name])]))
+            watches.append(watch)
+    return watches
+
+
+def _integrals(planned: PhaseSolutionLike, constraints: Sequence[Any], samples: int) -> list[_Watch]:
+    """Watch what integral constraints add up to, by Gauss-Legendre quadrature on every interval."""
+    if not constraints:
+        return []
+    sites, weights = np.polynomial.legendre.leggauss(samples)
+    knots = np.asarray(planned.knots, dtype=float)
+    totals = [np.zeros(len(c.rows)) for c in constraints]
+    for k, (begin, end) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
+        half = 0.5 * (end - begin)
+        points = _points(planned, begin + half * (sites + 1.0), k)
+        for constraint, total in zip(constraints, totals, strict=True):
+            what = f"expression of {constraint.name!r}"
+            rates = np.array([as_numbers(constraint.expression(point), what) for point in points])
+            total += half * weights @ rates
+    watches = []
+    for constraint, total in zip(constraints, totals, strict=True):
+        for row, value in zip(constraint.rows, total, strict=True):
+            watch = _Watch(row)
+            watch.see(knots[-1:], np.array([value]))
             watches.append(watch)
     return watches
 
