@@ -22,6 +22,7 @@ from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownN
 from robotraj.guess import FromSolution, Keyframes, StraightLine
 from robotraj.guesses import InverseKinematics, MinimumJerk, Perturbed
 from robotraj.indirect import PolishFailed, conditions, costates, polish
+from robotraj.kinematic import Kinematic
 from robotraj.links import Continuity, EqualDuration, Jump, Linkage, Mirror, Periodic, SameParameter
 from robotraj.multistart import Multistart, Optimum, multistart
 from robotraj.objectives import (
@@ -64,6 +65,7 @@ from robotraj.schemes import (
 )
 from robotraj.solution import Solution, load_solution
 from robotraj.solvers import Ipopt
+from robotraj.stages import Stage
 from robotraj.state import State
 from robotraj.status import Status
 from robotraj.sweep import sweep
@@ -91,9 +93,9 @@ __all__ = [
     "GaussLegendre",
     "GroundClearance",
     "HeightFunction",
-    "IntegralConstraint",
     "HermiteSimpson",
     "InputError",
+    "IntegralConstraint",
     "InverseDynamics",
     "InverseKinematics",
     "Ipopt",
@@ -104,6 +106,7 @@ __all__ = [
     "JointVelocity",
     "Jump",
     "Keyframes",
+    "Kinematic",
     "Lagrange",
     "Limits",
     "LinearControl",
@@ -139,6 +142,7 @@ __all__ = [
     "Solution",
     "SplitAndMerge",
     "SplitOrRaise",
+    "Stage",
     "State",
     "Status",
     "StraightLine",

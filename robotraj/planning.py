@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from robotraj.adaptive import adapt
 from robotraj.errors import InputError, NoSolutionFound
@@ -14,6 +15,7 @@ from robotraj.schemes import Mesh, RadauIIA
 from robotraj.solution import Solution
 from robotraj.solvers import Ipopt, Solver
 from robotraj.solving import solve
+from robotraj.stages import Stage, run_stages
 
 
 def plan(
@@ -24,6 +26,7 @@ def plan(
     *,
     tolerance: float | None = None,
     refinement: Refinement | None = None,
+    stages: Sequence[Stage] = (),
     check: bool = True,
     progress: bool | None = None,
 ) -> Solution:
@@ -44,6 +47,9 @@ def plan(
         the objective has settled to it.
     refinement : Refinement, optional
         How meshes are refined; ``rt.SplitOrRaise()`` (hp) by default.
+    stages : sequence of Stage
+        Easier problems solved first, each the guess of the next: coarser meshes, fewer constraints, simpler
+        objectives. The last stage, the problem itself, is understood.
     check : bool
         Raise where no solution was found; else return it with its status.
     progress : bool, optional
@@ -72,10 +78,12 @@ def plan(
     if tolerance is not None and not 0 < tolerance < 1:
         raise InputError(f"tolerance= is a relative error between 0 and 1, such as 1e-6; got {tolerance}.")
     with watching(solver, progress) as show:
+        guess, records = run_stages(problem, stages, mesh, guess, solver, show)
         if tolerance is None:
             solution = solve(problem, mesh, guess, solver, show)
         else:
             solution = adapt(problem, mesh, guess, solver, show, tolerance, refinement or SplitOrRaise())
+    solution = replace(solution, stages=records)
     if check and not solution.success:
         raise NoSolutionFound(f"{problem.phases[0].name!r} was not solved.\n{solution}", solution)
     return solution

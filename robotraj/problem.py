@@ -12,6 +12,7 @@ import numpy as np
 from robotraj.constraints import Between, Bounds, Constraint, VariableBounds, as_bounds, between, own_limits
 from robotraj.constraints.base import BoundConstraint
 from robotraj.dynamics import Dynamics, ForwardDynamics, InverseDynamics, System, SystemDynamics
+from robotraj.dynamics.kinematics import Kinematics
 from robotraj.errors import InputError
 from robotraj.feasibility import check_phase
 from robotraj.links import BoundLink, Link
@@ -70,7 +71,7 @@ class Phase:
     controls: Mapping[str, Any] = field(default_factory=dict)
     algebraic: Mapping[str, Any] = field(default_factory=dict)
     limits: Limits | OwnLimits | None = field(default_factory=OwnLimits)
-    dynamics: InverseDynamics | ForwardDynamics = field(default_factory=InverseDynamics)
+    dynamics: InverseDynamics | ForwardDynamics | Kinematics = field(default_factory=InverseDynamics)
     name: str = "phase"
 
     def __post_init__(self) -> None:

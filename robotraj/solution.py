@@ -163,6 +163,26 @@ class MeshStep:
     seconds: float
 
 
+@dataclass(frozen=True)
+class StageRecord:
+    """One stage that was solved before the problem itself.
+
+    Attributes
+    ----------
+    name : str
+    status : Status
+    objective : float
+    iterations : int
+    seconds : float
+    """
+
+    name: str
+    status: Status
+    objective: float
+    iterations: int
+    seconds: float
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """What a solver found, checked outside the solver.
@@ -187,6 +207,8 @@ class Solution:
         The meshes that led here, when a tolerance was asked for.
     duals : tuple of PhaseDuals
         Costates and densities of multipliers, one entry a phase; read them with ``rt.costates``.
+    stages : tuple of StageRecord
+        The stages that led here, when some were asked for.
     """
 
     problem: Problem
@@ -200,6 +222,7 @@ class Solution:
     multipliers: Multipliers | None = None
     refinement: tuple[MeshStep, ...] = ()
     duals: tuple[PhaseDuals, ...] = ()
+    stages: tuple[StageRecord, ...] = ()
 
     @property
     def success(self) -> bool:
@@ -275,6 +298,11 @@ class Solution:
         lines = [
             f"{self.status.value}: objective {self.objective:.8g}, duration {self.duration:.6g} s, "
             f"{self.iterations} iterations, {sum(self.times.values()):.3g} s"
+        ]
+        lines += [
+            f"  {stage.name}: {stage.status.value}, objective {stage.objective:.8g}, "
+            f"{stage.iterations} iterations, {stage.seconds:.3g} s"
+            for stage in self.stages
         ]
         lines += [
             f"  mesh {i}: {step.intervals} intervals, {step.points} points, error {step.error:.2e}, "

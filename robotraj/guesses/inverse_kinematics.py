@@ -31,7 +31,7 @@ RESTARTS = 30
 
 @dataclass(frozen=True)
 class InverseKinematics(Guess):
-    """Joint positions that bring a frame to a target at the end of the phase, and minimum jerk from the start to them.
+    """Joint positions that bring a frame to a target at the end, and minimum jerk to them.
 
     Damped least squares from the start, then from seeded random configurations, inside the position limits of
     the phase and the bounds of its end. Torques are those of the inverse dynamics, as for ``rt.MinimumJerk``.

@@ -72,7 +72,7 @@ def joint_motion(
 
 
 def quintic(fractions: Array, keys: Array, first: Array, last: Array) -> Any:
-    """Minimum-jerk curve through keys (m, n) at fractions (m,), with given slopes and no curvature at both ends.
+    """Minimum-jerk curve through keys (m, n) at fractions (m,), with given slopes at its ends.
 
     The curve that minimises the integral of the squared third derivative is the quintic spline with four
     continuous derivatives; through two keys it is one quintic. Sources: Flash and Hogan, Journal of

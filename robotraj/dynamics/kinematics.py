@@ -1,0 +1,62 @@
+"""A robot whose joints move as they like: the double integrator of its joints, without masses or torques."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.variable import Named, Variable
+
+if TYPE_CHECKING:
+    from robotraj.robot import Robot
+
+
+@dataclass(frozen=True)
+class KinematicBody(RigidBody):
+    """x = (q, v), u = a; f = (v, a). Points know no torques."""
+
+    algebraic: tuple[Variable, ...] = ()
+    residuals: tuple[Variable, ...] = ()
+
+    @cached_property
+    def controls(self) -> tuple[Variable, ...]:
+        """Accelerations ``a.<joint>``."""
+        return self._accelerations
+
+    def point(
+        self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
+    ) -> RobotPoint:
+        """Wrap columns of symbols as a RobotPoint; accelerations are read as of the other forms."""
+        nv = self.robot.nv
+        accelerations = self._names["algebraic variable"] if u is not None else []
+        return RobotPoint(
+            t,
+            Named("state", self._names["state"], x),
+            Named("algebraic variable", accelerations, u),
+            Named("control", accelerations, u),
+            Named("parameter", names, p),
+            self.robot,
+            x[:nv],
+            x[nv:],
+            u,
+            None,
+        )
+
+    def residual(self, point: RobotPoint) -> ca.SX:
+        """No algebraic rows."""
+        return ca.SX(0, 1)
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Choose no dynamics: joints accelerate freely within their limits."""
+
+    def of(self, robot: Robot) -> KinematicBody:
+        """Bind to a robot."""
+        return KinematicBody(robot)

@@ -1,0 +1,120 @@
+"""Stages: easier problems solved first, each the guess of the next; the problem itself comes last."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Any
+
+from robotraj.errors import InputError, unknown_name
+from robotraj.guess import Guess
+from robotraj.problem import Phase, Problem
+from robotraj.schemes import Mesh
+from robotraj.solution import Solution, StageRecord
+from robotraj.solvers import Progress, Solver
+from robotraj.solving import solve
+
+
+class Same(Enum):
+    """What a stage does not change."""
+
+    SAME = "same"
+
+
+SAME = Same.SAME
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What differs in one stage; what is not given is as in the problem.
+
+    Parameters
+    ----------
+    mesh : Mesh or sequence of Mesh, optional
+        Of this stage.
+    objective, constraints, limits : optional
+        Of every phase, or a mapping from names of phases to theirs (phases not named stay as they are). None
+        for ``objective`` looks for any feasible motion, for ``limits`` drops the joint limits; ``()`` for
+        ``constraints`` drops those.
+    solver : Solver, optional
+        Of this stage.
+    name : str
+
+    Examples
+    --------
+    >>> easier_first = [Stage(mesh=Mesh(10), constraints=(), name="coarse, without obstacles")]
+    """
+
+    mesh: Mesh | Sequence[Mesh] | None = None
+    objective: Any = SAME
+    constraints: Any = SAME
+    limits: Any = SAME
+    solver: Solver | None = None
+    name: str = ""
+
+    def of(self, problem: Problem) -> Problem:
+        """Give the problem of this stage.
+
+        Raises
+        ------
+        InputError
+            A mapping names a phase that does not exist, or the changed phase cannot be posed.
+        """
+        names = [phase.name for phase in problem.phases]
+        given = {key: getattr(self, key) for key in ("objective", "constraints", "limits")}
+        for value in given.values():
+            for name in value if isinstance(value, Mapping) else ():
+                if name not in names:
+                    raise unknown_name("phase", name, names, "A stage changes phases by name.")
+        changes = [_changes(given, phase) for phase in problem.phases]
+        if not any(changes):
+            return problem
+        pairs = zip(problem.phases, changes, strict=True)
+        return Problem([replace(phase, **change) for phase, change in pairs], problem.links)
+
+
+def _changes(given: Mapping[str, Any], phase: Phase) -> dict[str, Any]:
+    mine = {
+        key: value.get(phase.name, SAME) if isinstance(value, Mapping) else value
+        for key, value in given.items()
+    }
+    return {key: value for key, value in mine.items() if value is not SAME}
+
+
+def run_stages(
+    problem: Problem,
+    stages: Sequence[Stage],
+    mesh: Mesh | Sequence[Mesh],
+    guess: Guess | Solution | None,
+    solver: Solver,
+    progress: Progress | None = None,
+) -> tuple[Guess | Solution | None, tuple[StageRecord, ...]]:
+    """Solve the stages in order; return the guess they leave for the problem itself, and what each did.
+
+    A stage that fails is recorded, and the next one starts from where the failed one had started.
+
+    Parameters
+    ----------
+    problem : Problem
+    stages : sequence of Stage
+    mesh, guess, solver
+        For stages that do not bring their own; ``guess`` starts the first.
+    """
+    records = []
+    for i, stage in enumerate(stages):
+        if not isinstance(stage, Stage):
+            raise InputError(f"stages= is a list of rt.Stage(...); number {i} is a {type(stage).__name__}.")
+        solution = solve(stage.of(problem), stage.mesh or mesh, guess, stage.solver or solver, progress)
+        records.append(
+            StageRecord(
+                stage.name or f"stage {i + 1}",
+                solution.status,
+                solution.objective,
+                solution.iterations,
+                sum(solution.times.values()),
+            )
+        )
+        if solution.success:
+            guess = solution
+    return guess, tuple(records)
