@@ -26,7 +26,9 @@ weak = rt.Phase(
     limits=pendulum.limits.with_(effort=0.5),
     name="pendulum with a weak motor",
 )
-solution = rt.plan(weak, mesh=rt.Mesh(60, rt.HermiteSimpson()))
+solution = rt.plan(weak, mesh=rt.Mesh(80, rt.HermiteSimpson(control=rt.LinearControl())))
 print(solution)
-print(rt.validate(solution))
+report = rt.validate(solution)
+print(report)
+report.check(drift=1e-3, limits=1e-3)
 print("wrote", rt.replay(solution, "02_pendulum.html"))
