@@ -26,6 +26,12 @@ def _interval(low: float, high: float) -> str:
     return f"{_number(low)} .. {_number(high)}"
 
 
+def _parameter(phase: Phase, name: str, lower: float, upper: float) -> tuple[str, str, str, str, str]:
+    """Row of a parameter, with what it is of the robot."""
+    what, unit = phase.bound_design.describe(name) if phase.bound_design is not None else ("", "")
+    return "parameter", f"{name} ({what})" if what else name, "", _interval(lower, upper), unit
+
+
 def phase_table(phase: Phase) -> str:
     """Write the phase as a table of what, of whom, when, bounds and unit."""
     dae = phase.dae
@@ -46,7 +52,7 @@ def phase_table(phase: Phase) -> str:
     rows += [("defect", s.name, "throughout", "= 0", s.unit) for s in dae.states]
     bounds = phase.parameter_bounds
     rows += [
-        ("parameter", name, "", _interval(lower, upper), "")
+        _parameter(phase, name, lower, upper)
         for name, lower, upper in zip(phase.parameter_names, bounds.lower, bounds.upper, strict=True)
     ]
     widths = [max(len(row[i]) for row in rows) for i in range(5)]

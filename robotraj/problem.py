@@ -11,6 +11,7 @@ import numpy as np
 
 from robotraj.constraints import Between, Bounds, Constraint, VariableBounds, as_bounds, between, own_limits
 from robotraj.constraints.base import BoundConstraint
+from robotraj.design import Design, Quantity
 from robotraj.dynamics import Dynamics, ForwardDynamics, InverseDynamics, System, SystemDynamics
 from robotraj.dynamics.kinematics import Kinematics
 from robotraj.errors import InputError
@@ -45,6 +46,8 @@ class Phase:
         Held at every collocation point (or at one end, with ``AtStart`` and ``AtEnd``).
     parameters : mapping of str to number or Between
         Unknown or fixed constants, ``point.p[name]``.
+    design : mapping of str to Quantity or sequence of Quantity
+        Parameters that are numbers of the robot: ``{"m": rt.BodyMass("forearm")}``.
     states, controls, algebraic : mapping of str to number or Between
         Bounds by variable name, throughout the phase.
     limits : Limits or None
@@ -67,6 +70,7 @@ class Phase:
     objective: Objective | None = None
     constraints: Sequence[Constraint] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    design: Mapping[str, Quantity | Sequence[Quantity]] = field(default_factory=dict)
     states: Mapping[str, Any] = field(default_factory=dict)
     controls: Mapping[str, Any] = field(default_factory=dict)
     algebraic: Mapping[str, Any] = field(default_factory=dict)
@@ -90,6 +94,8 @@ class Phase:
         object.__setattr__(self, "constraints", tuple(self._checked_constraints()))
         if self.objective is not None and not isinstance(self.objective, Objective):
             raise InputError(f"The objective of phase {self.name!r} must be an objective such as rt.Effort().")
+        if self.bound_design is not None:
+            self.bound_design.check(self.parameter_names, self.parameter_bounds.lower)
         for _, term in self.objective.terms if self.objective else ():
             term.check(self.body, self.parameter_names)
         check_phase(self)
@@ -116,9 +122,24 @@ class Phase:
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     @cached_property
+    def bound_design(self) -> Design | None:
+        """The design bound to the robot; None without one."""
+        if not self.design:
+            return None
+        if self.robot is None:
+            raise InputError(
+                f"Phase {self.name!r} has a design, which is for robots, but moves an rt.System; "
+                "read the parameter in its equations as point.p[name]."
+            )
+        return Design(self.robot, self.design)
+
+    @cached_property
     def body(self) -> Dynamics:
         """What moves, as a semi-explicit DAE, without variables that the objective brings along."""
-        return SystemDynamics(self.subject) if isinstance(self.subject, System) else self.dynamics.of(self.subject)
+        if isinstance(self.subject, System):
+            return SystemDynamics(self.subject)
+        design = self.bound_design
+        return self.dynamics.of(self.subject) if design is None else self.dynamics.of(self.subject, design)
 
     @cached_property
     def dae(self) -> Dynamics:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.design import realised
 from robotraj.dynamics import Named
 from robotraj.errors import InputError
 from robotraj.export import to_csv, to_json
@@ -29,6 +30,8 @@ from robotraj.violations import Violation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from robotraj.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -73,6 +76,12 @@ class PhaseSolution:
     def parameters(self) -> dict[str, float]:
         """Values of the phase's parameters."""
         return self.trajectory.parameters
+
+    @cached_property
+    def robot(self) -> Robot | None:
+        """The robot in plain numbers, with the values of the phase's design written in; None for a System."""
+        robot: Robot | None = realised(self)
+        return robot
 
     @cached_property
     def _rates(self) -> PiecewisePolynomial:

@@ -15,7 +15,9 @@ from robotraj.dynamics.variable import Named
 from robotraj.errors import InputError
 
 if TYPE_CHECKING:
+    from robotraj.design.model import DesignedModel
     from robotraj.robot import Robot
+    from robotraj.symbolic import SymbolicModel
 
 
 class Point:
@@ -47,6 +49,10 @@ class RobotPoint(Point):
     Attributes
     ----------
     robot : Robot
+    symbolic : SymbolicModel or DesignedModel
+        Pinocchio's algorithms with the phase's design put in, where it has one.
+    damping : array or column (nv,)
+        Viscous damping, the design's where it has one [N m s/rad, N s/m].
     q, v, a : column (nv,)
         Joint positions [rad, m], velocities and accelerations.
     tau : column (nu,)
@@ -56,10 +62,24 @@ class RobotPoint(Point):
     """
 
     def __init__(
-        self, t: Any, x: Named, z: Named, u: Named, p: Named, robot: Robot, q: Any, v: Any, a: Any, tau: Any
+        self,
+        t: Any,
+        x: Named,
+        z: Named,
+        u: Named,
+        p: Named,
+        robot: Robot,
+        q: Any,
+        v: Any,
+        a: Any,
+        tau: Any,
+        symbolic: SymbolicModel | DesignedModel | None = None,
+        damping: Any = None,
     ) -> None:
         super().__init__(t, x, z, u, p)
         self.robot = robot
+        self.symbolic = robot.symbolic if symbolic is None else symbolic
+        self.damping = robot.damping if damping is None else damping
         self._a = a
         self._tau = tau
         self._frames: dict[str, FrameView] = {}
@@ -91,7 +111,7 @@ class RobotPoint(Point):
     @cached_property
     def _center_of_mass(self) -> Any:
         still = ca.SX.zeros(self.robot.nv)
-        return self.robot.symbolic.center_of_mass(self.q, self.v, still if self._a is None else self._a)
+        return self.symbolic.center_of_mass(self.q, self.v, still if self._a is None else self._a)
 
     @property
     def com(self) -> Any:
@@ -101,7 +121,7 @@ class RobotPoint(Point):
     @cached_property
     def momentum(self) -> Any:
         """Centroidal momentum (6,): linear [kg m/s], angular [kg m^2/s]."""
-        return self.robot.symbolic.centroidal_momentum(self.q, self.v)
+        return self.symbolic.centroidal_momentum(self.q, self.v)
 
 
 class FrameView:
@@ -110,7 +130,7 @@ class FrameView:
     def __init__(self, point: RobotPoint, name: str) -> None:
         self._point = point
         self._name = name
-        self._symbolic = point.robot.symbolic
+        self._symbolic = point.symbolic
 
     @cached_property
     def _placement(self) -> Any:

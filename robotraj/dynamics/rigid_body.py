@@ -20,6 +20,7 @@ from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Named, Variable
 
 if TYPE_CHECKING:
+    from robotraj.design import Design
     from robotraj.robot import Robot
 
 RATE_UNITS = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
@@ -27,9 +28,17 @@ RATE_UNITS = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
 
 @dataclass(frozen=True)
 class RigidBody:
-    """What both forms share: states (q, v), controls tau of the actuated joints."""
+    """What both forms share: states (q, v), controls tau of the actuated joints.
+
+    Attributes
+    ----------
+    robot : Robot
+    design : Design or None
+        Which parameters are numbers of the robot.
+    """
 
     robot: Robot
+    design: Design | None = None
 
     @cached_property
     def states(self) -> tuple[Variable, ...]:
@@ -59,18 +68,35 @@ class RigidBody:
     def _accelerations(self) -> tuple[Variable, ...]:
         return self._joints("a", "acceleration", lambda unit: RATE_UNITS[unit][1])
 
-    def _applied(self, v: ca.SX, tau: ca.SX) -> ca.SX:
+    def _numbers(self, p: ca.SX, names: Sequence[str]) -> tuple[Any, Any]:
+        """Pinocchio's algorithms and the damping, with the parameters of the design put in."""
+        if self.design is None:
+            return self.robot.symbolic, self.robot.damping
+        bodies = self.design.bodies(Named("parameter", names, p))
+        return self.design.model(bodies), bodies.damping
+
+    def _applied(self, v: ca.SX, tau: ca.SX, damping: Any) -> ca.SX:
         """Generalised force B tau - d(v) of the motors, the damping and the friction, (nv,)."""
         robot = self.robot
         force = ca.mtimes(ca.DM(robot.actuation), tau)
-        force -= robot.damping * v
+        force -= damping * v
         # Frictionless joints keep no tanh in the graph.
-        rough = np.flatnonzero(robot.friction)
+        rough = np.flatnonzero(robot.friction).tolist()
         for i in rough:
             force[i] -= robot.friction[i] * ca.tanh(v[i] / robot.friction_speed)
         return force
 
-    def _point(self, t: ca.SX, x: ca.SX, a: Any, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> RobotPoint:
+    def _point(
+        self,
+        t: ca.SX,
+        x: ca.SX,
+        a: Any,
+        u: ca.SX | None,
+        p: ca.SX,
+        names: Sequence[str],
+        symbolic: Any,
+        damping: Any,
+    ) -> RobotPoint:
         nv = self.robot.nv
         kinds = self._names
         return RobotPoint(
@@ -84,6 +110,8 @@ class RigidBody:
             x[nv:],
             a,
             u,
+            symbolic,
+            damping,
         )
 
     def rates(self, point: RobotPoint) -> ca.SX:
@@ -109,14 +137,13 @@ class InverseRigidBody(RigidBody):
         self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
     ) -> RobotPoint:
         """Wrap columns of symbols as a RobotPoint."""
-        return self._point(t, x, z, u, p, names)
+        return self._point(t, x, z, u, p, names, *self._numbers(p, names))
 
     def residual(self, point: RobotPoint) -> ca.SX:
         """Torque balance RNEA(q, v, a) - B tau + d(v), (nv,) [N m, N]."""
-        robot = self.robot
-        no_force = ca.SX(6, robot.model.njoints)
-        torque = robot.symbolic.inverse_dynamics(point.q, point.v, point.a, no_force)
-        return torque - self._applied(point.v, point.tau)
+        no_force = ca.SX(6, self.robot.model.njoints)
+        torque = point.symbolic.inverse_dynamics(point.q, point.v, point.a, no_force)
+        return torque - self._applied(point.v, point.tau, point.damping)
 
 
 @dataclass(frozen=True)
@@ -132,11 +159,12 @@ class ForwardRigidBody(RigidBody):
         """Wrap columns of symbols as a RobotPoint whose acceleration is ABA's."""
         robot = self.robot
         a = None
+        symbolic, damping = self._numbers(p, names)
         if u is not None:
             no_force = ca.SX(6, robot.model.njoints)
             v = x[robot.nv :]
-            a = robot.symbolic.forward_dynamics(x[: robot.nv], v, self._applied(v, u), no_force)
-        return self._point(t, x, a, u, p, names)
+            a = symbolic.forward_dynamics(x[: robot.nv], v, self._applied(v, u, damping), no_force)
+        return self._point(t, x, a, u, p, names, symbolic, damping)
 
     def residual(self, point: RobotPoint) -> ca.SX:
         """No algebraic rows."""
@@ -147,15 +175,15 @@ class ForwardRigidBody(RigidBody):
 class InverseDynamics:
     """Choose RNEA with the accelerations as unknowns: fewer operations, the default."""
 
-    def of(self, robot: Robot) -> InverseRigidBody:
+    def of(self, robot: Robot, design: Design | None = None) -> InverseRigidBody:
         """Bind to a robot."""
-        return InverseRigidBody(robot)
+        return InverseRigidBody(robot, design)
 
 
 @dataclass(frozen=True)
 class ForwardDynamics:
     """Choose ABA: no algebraic unknowns, a denser and larger derivative."""
 
-    def of(self, robot: Robot) -> ForwardRigidBody:
+    def of(self, robot: Robot, design: Design | None = None) -> ForwardRigidBody:
         """Bind to a robot."""
-        return ForwardRigidBody(robot)
+        return ForwardRigidBody(robot, design)

@@ -177,15 +177,16 @@ class Jerks(Augmented):
             *(Variable(f"rate.{r.name}", f"{r.unit}/s", f"{r.quantity} rate", r.joint) for r in rows),
         )
 
-    @cached_property
-    def _balance_rate(self) -> ca.Function:
+    def _balance_rate(self, names: Sequence[str]) -> ca.Function:
         robot = _robot(self.inner)
-        body = InverseDynamics().of(robot)
+        inner = body_of(self.inner)
+        body = InverseDynamics().of(robot, inner.design if isinstance(inner, RigidBody) else None)
         q, v, a, j = (ca.SX.sym(name, robot.nv) for name in "qvaj")
         tau, rate = ca.SX.sym("tau", robot.nu), ca.SX.sym("rate", robot.nu)
-        point = body.point(ca.SX(0), ca.vertcat(q, v), a, tau, ca.SX(0, 1), ())
+        p = ca.SX.sym("p", len(names))
+        point = body.point(ca.SX(0), ca.vertcat(q, v), a, tau, p, names)
         along = ca.jtimes(body.residual(point), ca.vertcat(q, v, a, tau), ca.vertcat(v, a, j, rate))
-        return ca.Function("balance_rate", [q, v, a, tau, j, rate], [along])
+        return ca.Function("balance_rate", [q, v, a, tau, j, rate, p], [along])
 
     def point(
         self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
@@ -202,7 +203,8 @@ class Jerks(Augmented):
         robot = _robot(self.inner)
         jerk = ca.vertcat(*(point.extra[v.name] for v in self.jerks))
         rate = ca.vertcat(*(point.extra[f"rate.tau.{joint}"] for joint in robot.actuated))
-        row = self._balance_rate(point.q, point.v, point.a, point.tau, jerk, rate)
+        p = ca.vertcat(ca.SX(0, 1), *point.p.values())
+        row = self._balance_rate(list(point.p))(point.q, point.v, point.a, point.tau, jerk, rate, p)
         return ca.vertcat(self.inner.residual(point), row)
 
 

@@ -10,9 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from robotraj.design import realised
 from robotraj.errors import InputError
 from robotraj.replay.curves import curves
 from robotraj.replay.page import Heading, page
+
+SAME_PLACE = 1e-6
+"""Dimensions [m] of two phases' robots that differ by less are one: so far a solver may let them differ."""
 
 
 def replay(
@@ -109,19 +113,29 @@ def _checked_path(path: str | os.PathLike[str]) -> Path:
 
 
 def _one_robot(solution: Any) -> Any:
-    """Return the robot that all phases move, or None if all are systems."""
-    robots = [result.phase.robot for result in solution.phases]
+    """Return the robot that all phases move, in the dimensions of its design, or None if all are systems."""
+    robots = [realised(result) for result in solution.phases]
     if not robots:
         raise InputError("replay: the solution has no phase, so there is nothing to show.")
     first = robots[0]
     for result, robot in zip(solution.phases, robots, strict=True):
-        if robot is first or (robot is not None and first is not None and robot.model == first.model):
+        if robot is first or (robot is not None and first is not None and _looks_like(robot, first)):
             continue
         raise InputError(
             f"replay shows one robot, but phase {result.phase.name!r} moves {_name(result.phase)!r} and the "
             f"first moves {_name(solution.phases[0].phase)!r}; replay them separately."
         )
     return first
+
+
+def _looks_like(robot: Any, other: Any) -> bool:
+    """Whether two robots are one, loads apart: the same joints and frames in the same places."""
+    if robot.joint_names != other.joint_names or robot.frame_names != other.frame_names:
+        return False
+    pairs = [*zip(robot.model.jointPlacements, other.model.jointPlacements, strict=True)]
+    pairs += [(f.placement, g.placement) for f, g in zip(robot.model.frames, other.model.frames, strict=True)]
+    same_joints = all(a == b for a, b in zip(robot.model.joints, other.model.joints, strict=True))
+    return same_joints and all(a.isApprox(b, SAME_PLACE) for a, b in pairs)
 
 
 def _name(phase: Any) -> str:

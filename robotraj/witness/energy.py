@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from robotraj.design import realised
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import stretches
 
@@ -56,7 +57,7 @@ class Energy:
 
 def energy_of(planned: PhaseSolutionLike, samples: int = QUADRATURE_POINTS) -> Energy:
     """Integrate power over every interval of a robot's phase and compare with the change of energy."""
-    robot: RobotLike = planned.phase.robot
+    robot: RobotLike = realised(planned)
     actuation = np.asarray(robot.actuation, dtype=float)
     nodes, weights = np.polynomial.legendre.leggauss(samples)
     data = robot.model.createData()

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.optimize import root
 
+from robotraj.design import realised
 from robotraj.witness.integration import Rates
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.point import system_point
@@ -81,7 +82,7 @@ class RobotPlant:
         def torque(t: float, k: int, q: Array, v: Array) -> Any:
             return planned.at(t, interval=k).tau
 
-        return robot_rates(planned.phase.robot, torque)
+        return robot_rates(realised(planned), torque)
 
 
 class SystemPlant:

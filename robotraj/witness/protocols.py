@@ -86,7 +86,7 @@ class PhaseSolutionLike(Protocol):
 
     @property
     def phase(self) -> Any:
-        """The phase: name, robot or system, limits, bound_constraints, start_bounds, end_bounds."""
+        """The phase: name, robot or system, limits, bounds and rows, perhaps bound_design."""
 
     @property
     def knots(self) -> Any:

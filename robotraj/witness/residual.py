@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pinocchio as pin
 
+from robotraj.design import realised
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak, peaks
 from robotraj.witness.plant import RATE_UNITS, columns, plant_of
@@ -73,7 +74,7 @@ def _jumps(planned: PhaseSolutionLike) -> dict[str, Peak]:
 
 
 def _robot(planned: PhaseSolutionLike, samples: int) -> Peaks:
-    robot = planned.phase.robot
+    robot = realised(planned)
     data = robot.model.createData()
     actuation = np.asarray(robot.actuation, dtype=float)
     times: list[Array] = []

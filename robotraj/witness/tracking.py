@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from robotraj.design import realised
 from robotraj.errors import InputError
 from robotraj.witness import drift as drifts
 from robotraj.witness.drift import Drift, DriftRow, drift_of
@@ -81,7 +82,7 @@ def track(
     x: Array | None = None
     failure = None
     for planned in solution.phases:
-        robot, plant = planned.phase.robot, RobotPlant(planned)
+        robot, plant = realised(planned), RobotPlant(planned)
         gains = _gains(kp, "kp", robot.actuated), _gains(kd, "kd", robot.actuated)
         knots = np.asarray(planned.knots, dtype=float)
         if x is None:

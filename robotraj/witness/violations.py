@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from robotraj.constraints.base import Row, Where
+from robotraj.design import realised
 from robotraj.errors import InputError
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.plant import RATE_UNITS, columns
@@ -153,9 +154,10 @@ def _points(planned: PhaseSolutionLike, times: Array, interval: int) -> list[Any
     """Wrap the plan at times of one interval as user expressions read it."""
     sample, phase = planned.at(times, interval=interval), planned.phase
     if phase.robot is not None:
+        robot = realised(planned)
         return [
             NumericPoint(
-                phase.robot,
+                robot,
                 t,
                 *(getattr(sample, name)[i] for name in ("q", "v", "a", "tau")),
                 parameters=planned.parameters,
