@@ -17,6 +17,7 @@ from robotraj.constraints import (
     Slope,
     between,
 )
+from robotraj.design import BodyMass, JointDamping, LinkLength, Payload
 from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
 from robotraj.guess import FromSolution, Keyframes, StraightLine
@@ -77,6 +78,7 @@ __all__ = [
     "Adaptive",
     "AtEnd",
     "AtStart",
+    "BodyMass",
     "CompressedHermiteSimpson",
     "ConstantControl",
     "Continuity",
@@ -101,6 +103,7 @@ __all__ = [
     "Ipopt",
     "Jerk",
     "JointAcceleration",
+    "JointDamping",
     "JointEffort",
     "JointPosition",
     "JointVelocity",
@@ -110,6 +113,7 @@ __all__ = [
     "Lagrange",
     "Limits",
     "LinearControl",
+    "LinkLength",
     "Linkage",
     "LobattoIIIA",
     "Mayer",
@@ -125,6 +129,7 @@ __all__ = [
     "Optimum",
     "OwnQuadrature",
     "PathConstraint",
+    "Payload",
     "Periodic",
     "Perturbed",
     "Phase",

@@ -1,4 +1,4 @@
-"""Imports point down only: a module reads its own layer and those below, also where only types are checked."""
+"""Imports point down only: a module reads its own layer and those below, even where only types are checked."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).parents[1] / "robotraj"
 
 LAYERS: dict[int, tuple[str, ...]] = {
     0: ("errors", "robot", "loading", "symbolic", "polynomials"),
-    1: ("dynamics", "trajectory"),
+    1: ("design", "dynamics", "trajectory"),
     2: ("constraints", "objectives"),
     3: ("state", "links", "feasibility", "printing", "problem"),
     4: ("schemes", "guess", "guesses"),

@@ -14,6 +14,7 @@ from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.variable import Named, Variable
 
 if TYPE_CHECKING:
+    from robotraj.design import Design
     from robotraj.robot import Robot
 
 
@@ -46,6 +47,7 @@ class KinematicBody(RigidBody):
             x[nv:],
             u,
             None,
+            *self._numbers(p, names),
         )
 
     def residual(self, point: RobotPoint) -> ca.SX:
@@ -57,6 +59,6 @@ class KinematicBody(RigidBody):
 class Kinematics:
     """Choose no dynamics: joints accelerate freely within their limits."""
 
-    def of(self, robot: Robot) -> KinematicBody:
-        """Bind to a robot."""
-        return KinematicBody(robot)
+    def of(self, robot: Robot, design: Design | None = None) -> KinematicBody:
+        """Bind to a robot; of a design its lengths count."""
+        return KinematicBody(robot, design)
