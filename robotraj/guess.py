@@ -62,8 +62,8 @@ class StraightLine(Guess):
 
     A robot's positions run on the line and its velocities are the rate of that line, (q_end - q_start) / T,
     so that the guess moves as its velocities say; the velocities given for the ends hold there. Against
-    velocities on a line of their own this halves the iterations and keeps minimum-time problems from shrinking
-    the duration to nothing.
+    velocities on a line of their own this halves the iterations and keeps minimum-time problems from
+    shrinking the duration to nothing.
 
     Parameters
     ----------
@@ -100,7 +100,8 @@ class Keyframes(Guess):
     """States through key poses.
 
     States of a System run on straight lines. A robot's positions run on the monotone piecewise cubic through
-    the poses, without overshoot and at rest where they turn; velocities and accelerations are that curve's own.
+    the poses, without overshoot and at rest where they turn; velocities and accelerations are that curve's
+    own.
     Source: Fritsch and Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984).
 
     Parameters

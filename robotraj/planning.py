@@ -70,7 +70,8 @@ def plan(
         raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
     if mesh is None:
         mesh = Mesh() if tolerance is None else Mesh(20, RadauIIA(3))
-    if not isinstance(mesh, Mesh) and not (isinstance(mesh, Sequence) and all(isinstance(m, Mesh) for m in mesh)):
+    several = isinstance(mesh, Sequence) and all(isinstance(m, Mesh) for m in mesh)
+    if not isinstance(mesh, Mesh) and not several:
         raise InputError(f"mesh= must be an rt.Mesh, or one for each phase; got {mesh!r}.")
     solver = solver or Ipopt()
     if not isinstance(solver, Solver):

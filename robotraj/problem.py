@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.constraints import Between, Bounds, Constraint, VariableBounds, as_bounds, between, own_limits
+from robotraj.constraints import Bounds, Constraint, VariableBounds, as_bounds, between, own_limits
 from robotraj.constraints.base import BoundConstraint
 from robotraj.design import Design, Quantity
 from robotraj.dynamics import Dynamics, ForwardDynamics, InverseDynamics, System, SystemDynamics

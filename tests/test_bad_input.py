@@ -17,7 +17,12 @@ NAN = float("nan")
 def block(**more: Any) -> rt.Phase:
     """A good phase of the double integrator, spoilt by ``more``."""
     system = more.pop("system", None) or double_integrator()
-    good = {"duration": (0.1, 20), "start": rt.State([0, 0]), "end": rt.State([1, 0]), "objective": rt.Duration()}
+    good = {
+        "duration": (0.1, 20),
+        "start": rt.State([0, 0]),
+        "end": rt.State([1, 0]),
+        "objective": rt.Duration(),
+    }
     good["controls"] = {"u": rt.between(-1, 1)}
     return rt.Phase(system, **(good | more))
 
@@ -28,7 +33,12 @@ def double_integrator() -> rt.System:
 
 def cartpole(**more: Any) -> rt.Phase:
     """A good phase of the cart-pole, spoilt by ``more``."""
-    good = {"duration": 2.0, "start": rt.State(q=[0, 0], v=0), "end": rt.State(q=[1, np.pi], v=0), "objective": rt.Effort()}
+    good = {
+        "duration": 2.0,
+        "start": rt.State(q=[0, 0], v=0),
+        "end": rt.State(q=[1, np.pi], v=0),
+        "objective": rt.Effort(),
+    }
     return rt.Phase(more.pop("robot", None) or rt.load("cartpole"), **(good | more))
 
 
@@ -45,7 +55,9 @@ def system_of(dynamics: Any, **more: Any) -> Callable[[], Any]:
 
 
 def path(expression: Any, **more: Any) -> Callable[[], Any]:
-    return lambda: block(constraints=[rt.PathConstraint(expression, **({"upper": 1, "name": "power"} | more))])
+    return lambda: block(
+        constraints=[rt.PathConstraint(expression, **({"upper": 1, "name": "power"} | more))]
+    )
 
 
 def pose(rotation: Any) -> Callable[[], Any]:
@@ -58,46 +70,112 @@ def good(point: Any) -> list[Any]:
 
 TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
     # the ends
-    "NaN in the start": (lambda: cartpole(start=rt.State(q=[0, NAN], v=0)), rt.InputError, ["start position", "'pole'", "NaN"]),
-    "NaN in a named state": (lambda: block(start=rt.State({"v": NAN})), rt.InputError, ["start state", "'v'", "NaN"]),
-    "infinite end": (lambda: cartpole(end=rt.State(q=[np.inf, 0])), rt.InputError, ["end position", "'slider'", "infinite"]),
+    "NaN in the start": (
+        lambda: cartpole(start=rt.State(q=[0, NAN], v=0)),
+        rt.InputError,
+        ["start position", "'pole'", "NaN"],
+    ),
+    "NaN in a named state": (
+        lambda: block(start=rt.State({"v": NAN})),
+        rt.InputError,
+        ["start state", "'v'", "NaN"],
+    ),
+    "infinite end": (
+        lambda: cartpole(end=rt.State(q=[np.inf, 0])),
+        rt.InputError,
+        ["end position", "'slider'", "infinite"],
+    ),
     "start of the wrong length": (
-        lambda: cartpole(start=rt.State(q=[0, 0, 0])), rt.InputError, ["start position", "3 values", "needs 2", "slider, pole"]
+        lambda: cartpole(start=rt.State(q=[0, 0, 0])),
+        rt.InputError,
+        ["start position", "3 values", "needs 2", "slider, pole"],
     ),
-    "end of the wrong length": (lambda: block(end=rt.State([1])), rt.InputError, ["end state", "1 values", "needs 2", "x, v"]),
+    "end of the wrong length": (
+        lambda: block(end=rt.State([1])),
+        rt.InputError,
+        ["end state", "1 values", "needs 2", "x, v"],
+    ),
     "unknown joint": (
-        lambda: cartpole(start=rt.State(q={"pol": 0})), rt.UnknownName, ["joint", "'pol'", "Did you mean 'pole'?", "start position"]
+        lambda: cartpole(start=rt.State(q={"pol": 0})),
+        rt.UnknownName,
+        ["joint", "'pol'", "Did you mean 'pole'?", "start position"],
     ),
-    "unknown state": (lambda: block(end=rt.State({"y": 1})), rt.UnknownName, ["state", "'y'", "Valid names: x, v", "end state"]),
+    "unknown state": (
+        lambda: block(end=rt.State({"y": 1})),
+        rt.UnknownName,
+        ["state", "'y'", "Valid names: x, v", "end state"],
+    ),
     "start outside a limit": (
-        lambda: cartpole(start=rt.State(q=[-3, 0], v=0)), rt.InputError, ["start position", "'slider'", "-3 m", "position limit", "[-2, 2] m", "Move the start"]
+        lambda: cartpole(start=rt.State(q=[-3, 0], v=0)),
+        rt.InputError,
+        ["start position", "'slider'", "-3 m", "position limit", "[-2, 2] m", "Move the start"],
     ),
     "end outside a state bound": (
-        lambda: block(states={"x": rt.between(-1, 0.5)}), rt.InputError, ["end state of 'x' is 1", "[-1, 0.5]"]
+        lambda: block(states={"x": rt.between(-1, 0.5)}),
+        rt.InputError,
+        ["end state of 'x' is 1", "[-1, 0.5]"],
     ),
-    "state of a system given as q": (lambda: block(start=rt.State(q=[0])), rt.InputError, ["start of a System", "q= and v= are for robots"]),
-    "state of a robot given by position": (lambda: cartpole(start=rt.State([0, 0, 0, 0])), rt.InputError, ["rt.State(q=..., v=...)"]),
-    "start that is no State": (lambda: block(start=[0, 0]), rt.InputError, ["start of phase 'phase'", "rt.State"]),
+    "state of a system given as q": (
+        lambda: block(start=rt.State(q=[0])),
+        rt.InputError,
+        ["start of a System", "q= and v= are for robots"],
+    ),
+    "state of a robot given by position": (
+        lambda: cartpole(start=rt.State([0, 0, 0, 0])),
+        rt.InputError,
+        ["rt.State(q=..., v=...)"],
+    ),
+    "start that is no State": (
+        lambda: block(start=[0, 0]),
+        rt.InputError,
+        ["start of phase 'phase'", "rt.State"],
+    ),
     "a list for one joint": (
-        lambda: cartpole(start=rt.State(q={"pole": [0, 1]})), rt.InputError, ["start position of joint 'pole'", "one number"]
+        lambda: cartpole(start=rt.State(q={"pole": [0, 1]})),
+        rt.InputError,
+        ["start position of joint 'pole'", "one number"],
     ),
-    "a word for a number": (lambda: block(start=rt.State({"x": "far"})), rt.InputError, ["start state of state 'x'", "'far'"]),
+    "a word for a number": (
+        lambda: block(start=rt.State({"x": "far"})),
+        rt.InputError,
+        ["start state of state 'x'", "'far'"],
+    ),
     # bounds
     "crossed bounds": (lambda: rt.between(2, 1), rt.InputError, ["between(2, 1)", "swap"]),
     "NaN bound": (lambda: rt.between(NAN, 1), rt.InputError, ["between(nan, 1)", "NaN"]),
     "a word for a bound": (lambda: rt.between("low", 1), rt.InputError, ["between('low', 1)", "numbers"]),
-    "bounds of an unknown control": (lambda: block(controls={"F": 1}), rt.UnknownName, ["control", "'F'", "Valid names: u"]),
+    "bounds of an unknown control": (
+        lambda: block(controls={"F": 1}),
+        rt.UnknownName,
+        ["control", "'F'", "Valid names: u"],
+    ),
     "bounds that contradict each other": (
         lambda: cartpole(constraints=[rt.JointPosition({"pole": rt.between(7, 9)})], end=None),
         rt.InputError,
         ["position limit, pole", "[7, 9] rad", "[-6.28319, 6.28319]"],
     ),
-    "bounds of a constant": (lambda: block(constraints=[rt.PathConstraint(lambda point: 2.0, upper=1, name="two")]), rt.InputError, ["two is 2", "[-inf, 1]"]),
+    "bounds of a constant": (
+        lambda: block(constraints=[rt.PathConstraint(lambda point: 2.0, upper=1, name="two")]),
+        rt.InputError,
+        ["two is 2", "[-inf, 1]"],
+    ),
     # durations
-    "negative duration": (lambda: block(duration=-1.0), rt.InputError, ["duration of phase 'phase'", "-1.0", "above 0"]),
+    "negative duration": (
+        lambda: block(duration=-1.0),
+        rt.InputError,
+        ["duration of phase 'phase'", "-1.0", "above 0"],
+    ),
     "no duration": (lambda: block(duration=None), rt.InputError, ["duration of phase 'phase'", "None"]),
-    "duration fixed at zero by bounds": (lambda: block(duration=(0, 0)), rt.InputError, ["duration of phase 'phase'", "(0, 0)", "above 0"]),
-    "crossed durations": (lambda: block(duration=(3, 0.5)), rt.InputError, ["duration of phase 'phase'", "(3, 0.5)"]),
+    "duration fixed at zero by bounds": (
+        lambda: block(duration=(0, 0)),
+        rt.InputError,
+        ["duration of phase 'phase'", "(0, 0)", "above 0"],
+    ),
+    "crossed durations": (
+        lambda: block(duration=(3, 0.5)),
+        rt.InputError,
+        ["duration of phase 'phase'", "(3, 0.5)"],
+    ),
     "NaN duration": (lambda: block(duration=NAN), rt.InputError, ["duration", "NaN"]),
     "a word for a duration": (lambda: block(duration="long"), rt.InputError, ["duration", "'long'"]),
     "impossible duration": (
@@ -106,98 +184,232 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         ["joint 'pole'", "3.142 rad", "1 rad/s", "2 s", "at least 3.142 s"],
     ),
     # robots
-    "root floating": (lambda: rt.load("acrobot", root="floating"), rt.InputError, ["root='floating'", "root='fixed'"]),
+    "root floating": (
+        lambda: rt.load("acrobot", root="floating"),
+        rt.InputError,
+        ["root='floating'", "root='fixed'"],
+    ),
     "unknown robot": (lambda: rt.load("acrobat"), rt.UnknownName, ["'acrobat'", "'acrobot'"]),
     "unknown motor": (lambda: rt.load("acrobot", actuated=["elbo"]), rt.UnknownName, ["'elbo'", "'elbow'"]),
     "limits of zero": (
-        lambda: rt.Phase(rt.load("double_pendulum"), 1.0), rt.InputError, ["Phase 'phase'", "limit", "0"]
+        lambda: rt.Phase(rt.load("double_pendulum"), 1.0),
+        rt.InputError,
+        ["Phase 'phase'", "limit", "0"],
     ),
-    "limits of a system": (lambda: block(limits=rt.load("block").limits), rt.InputError, ["limits=", "Systems use states="]),
-    "limits that are no Limits": (lambda: cartpole(limits={"pole": 1}), rt.InputError, ["limits=", "robot.limits.with_"]),
+    "limits of a system": (
+        lambda: block(limits=rt.load("block").limits),
+        rt.InputError,
+        ["limits=", "Systems use states="],
+    ),
+    "limits that are no Limits": (
+        lambda: cartpole(limits={"pole": 1}),
+        rt.InputError,
+        ["limits=", "robot.limits.with_"],
+    ),
     "nothing that moves": (lambda: rt.Phase("cartpole", 1.0), rt.InputError, ["rt.load(...)", "str"]),
     # constraints
-    "unknown frame": (lambda: cartpole(constraints=[rt.GroundClearance("tp", 0)]), rt.UnknownName, ["frame", "'tp'", "'tip'"]),
+    "unknown frame": (
+        lambda: cartpole(constraints=[rt.GroundClearance("tp", 0)]),
+        rt.UnknownName,
+        ["frame", "'tp'", "'tip'"],
+    ),
     "clearance violated at the fixed start": (
         lambda: cartpole(constraints=[rt.GroundClearance("tip", 5)]),
         rt.InputError,
         ["at the start", "ground clearance, tip", "[5, inf] m", "Move the start"],
     ),
-    "matrix that is no rotation": (pose(2 * np.eye(3)), rt.InputError, ["pose of frame 'tip'", "not a rotation"]),
+    "matrix that is no rotation": (
+        pose(2 * np.eye(3)),
+        rt.InputError,
+        ["pose of frame 'tip'", "not a rotation"],
+    ),
     "reflection": (pose(np.diag([1.0, 1, -1])), rt.InputError, ["pose of frame 'tip'", "not a rotation"]),
-    "quaternion that is not normalised": (pose([0, 0, 0, 2]), rt.InputError, ["frame 'tip'", "norm 2", "normalise"]),
+    "quaternion that is not normalised": (
+        pose([0, 0, 0, 2]),
+        rt.InputError,
+        ["frame 'tip'", "norm 2", "normalise"],
+    ),
     "Pinocchio's quaternion, not normalised": (
-        pose(pin.Quaternion(2.0, 0, 0, 0)), rt.InputError, ["frame 'tip'", "norm 2", "normalise"]
+        pose(pin.Quaternion(2.0, 0, 0, 0)),
+        rt.InputError,
+        ["frame 'tip'", "norm 2", "normalise"],
     ),
     "rotation of a wrong shape": (pose(np.eye(2)), rt.InputError, ["frame 'tip'", "(2, 2)", "(3, 3)"]),
     "frame position that bounds nothing": (
-        lambda: cartpole(constraints=[rt.FramePosition("tip", [None, None, None])]), rt.InputError, ["FramePosition of 'tip'", "free"]
+        lambda: cartpole(constraints=[rt.FramePosition("tip", [None, None, None])]),
+        rt.InputError,
+        ["FramePosition of 'tip'", "free"],
     ),
     "clearance in a system": (
-        lambda: block(constraints=[rt.GroundClearance("tip")]), rt.InputError, ["GroundClearance needs a robot", "PathConstraint"]
+        lambda: block(constraints=[rt.GroundClearance("tip")]),
+        rt.InputError,
+        ["GroundClearance needs a robot", "PathConstraint"],
     ),
-    "clearance of NaN": (lambda: cartpole(constraints=[rt.GroundClearance("tip", NAN)]), rt.InputError, ["tip", "height is nan"]),
-    "ground that is no ground": (lambda: cartpole(constraints=[rt.GroundClearance("tip", 0, 3.0)]), rt.InputError, ["ground", "rt.Flat", "3.0"]),
-    "expression that returns text": (path(lambda point: "fast"), rt.InputError, ["expression of 'power'", "CasADi", "str"]),
-    "expression that returns nothing": (path(lambda point: None), rt.InputError, ["expression of 'power'", "NoneType"]),
-    "expression that reads an unknown state": (path(lambda point: point.x["w"]), rt.UnknownName, ["state", "'w'", "Valid names: x, v"]),
-    "expression that reads an unknown parameter": (path(lambda point: point.p["m"]), rt.UnknownName, ["parameter", "'m'"]),
-    "path constraint that bounds nothing": (path(good, upper=None), rt.InputError, ["'power'", "lower= or upper="]),
-    "path constraint with crossed bounds": (path(good, lower=2, upper=1), rt.InputError, ["'power'", "2", "above", "1"]),
-    "path constraint with a wrong number of bounds": (path(good, upper=[1, 2, 3]), rt.InputError, ["'power'", "2 rows", "3 values"]),
+    "clearance of NaN": (
+        lambda: cartpole(constraints=[rt.GroundClearance("tip", NAN)]),
+        rt.InputError,
+        ["tip", "height is nan"],
+    ),
+    "ground that is no ground": (
+        lambda: cartpole(constraints=[rt.GroundClearance("tip", 0, 3.0)]),
+        rt.InputError,
+        ["ground", "rt.Flat", "3.0"],
+    ),
+    "expression that returns text": (
+        path(lambda point: "fast"),
+        rt.InputError,
+        ["expression of 'power'", "CasADi", "str"],
+    ),
+    "expression that returns nothing": (
+        path(lambda point: None),
+        rt.InputError,
+        ["expression of 'power'", "NoneType"],
+    ),
+    "expression that reads an unknown state": (
+        path(lambda point: point.x["w"]),
+        rt.UnknownName,
+        ["state", "'w'", "Valid names: x, v"],
+    ),
+    "expression that reads an unknown parameter": (
+        path(lambda point: point.p["m"]),
+        rt.UnknownName,
+        ["parameter", "'m'"],
+    ),
+    "path constraint that bounds nothing": (
+        path(good, upper=None),
+        rt.InputError,
+        ["'power'", "lower= or upper="],
+    ),
+    "path constraint with crossed bounds": (
+        path(good, lower=2, upper=1),
+        rt.InputError,
+        ["'power'", "2", "above", "1"],
+    ),
+    "path constraint with a wrong number of bounds": (
+        path(good, upper=[1, 2, 3]),
+        rt.InputError,
+        ["'power'", "2 rows", "3 values"],
+    ),
     "constraint that is none": (lambda: block(constraints=[3]), rt.InputError, ["3", "not a constraint"]),
     "AtEnd of no constraint": (lambda: rt.AtEnd(3), rt.InputError, ["AtEnd", "3", "constraint"]),
     # objectives
-    "objective that is none": (lambda: block(objective="time"), rt.InputError, ["objective of phase 'phase'", "rt.Effort()"]),
-    "objective without parentheses": (lambda: block(objective=rt.Duration), rt.InputError, ["objective of phase 'phase'", "rt.Effort()"]),
+    "objective that is none": (
+        lambda: block(objective="time"),
+        rt.InputError,
+        ["objective of phase 'phase'", "rt.Effort()"],
+    ),
+    "objective without parentheses": (
+        lambda: block(objective=rt.Duration),
+        rt.InputError,
+        ["objective of phase 'phase'", "rt.Effort()"],
+    ),
     "objective times a word": (lambda: rt.Duration() * "two", rt.InputError, ["finite number", "'two'"]),
-    "effort with too many weights": (lambda: cartpole(objective=rt.Effort([1, 2, 3])), rt.InputError, ["Effort", "3 weights", "slider"]),
-    "effort of an unactuated joint": (lambda: cartpole(objective=rt.Effort({"pole": 1})), rt.UnknownName, ["'pole'", "slider", "Effort"]),
+    "effort with too many weights": (
+        lambda: cartpole(objective=rt.Effort([1, 2, 3])),
+        rt.InputError,
+        ["Effort", "3 weights", "slider"],
+    ),
+    "effort of an unactuated joint": (
+        lambda: cartpole(objective=rt.Effort({"pole": 1})),
+        rt.UnknownName,
+        ["'pole'", "slider", "Effort"],
+    ),
     "negative effort": (lambda: arm(objective=rt.Effort([1, -1])), rt.InputError, ["'elbow'", "-1"]),
-    "effort with a word for a weight": (lambda: arm(objective=rt.Effort({"elbow": "low"})), rt.InputError, ["'elbow'", "'low'"]),
+    "effort with a word for a weight": (
+        lambda: arm(objective=rt.Effort({"elbow": "low"})),
+        rt.InputError,
+        ["'elbow'", "'low'"],
+    ),
     "Mayer term that reads a control": (
-        lambda: block(objective=rt.Mayer(lambda start, end: end.u["u"])), rt.InputError, ["control", "'u'"]
+        lambda: block(objective=rt.Mayer(lambda start, end: end.u["u"])),
+        rt.InputError,
+        ["control", "'u'"],
     ),
     "Mayer term that reads accelerations": (
-        lambda: cartpole(objective=rt.Mayer(lambda start, end: end.a[0])), rt.InputError, ["Accelerations", "end points"]
+        lambda: cartpole(objective=rt.Mayer(lambda start, end: end.a[0])),
+        rt.InputError,
+        ["Accelerations", "end points"],
     ),
-    "Lagrange term of two values": (lambda: block(objective=rt.Lagrange(good)), rt.InputError, ["Lagrange", "one scalar", "2"]),
+    "Lagrange term of two values": (
+        lambda: block(objective=rt.Lagrange(good)),
+        rt.InputError,
+        ["Lagrange", "one scalar", "2"],
+    ),
     # systems
     "dynamics of the wrong number": (
-        system_of(lambda point: [point.x["v"]]), rt.InputError, ["dynamics of 'block'", "1 values", "must return 2"]
+        system_of(lambda point: [point.x["v"]]),
+        rt.InputError,
+        ["dynamics of 'block'", "1 values", "must return 2"],
     ),
-    "dynamics that return text": (system_of(lambda point: ["v", "u"]), rt.InputError, ["dynamics of 'block'", "str"]),
+    "dynamics that return text": (
+        system_of(lambda point: ["v", "u"]),
+        rt.InputError,
+        ["dynamics of 'block'", "str"],
+    ),
     "missing residual": (system_of(good, algebraic=["z"]), rt.InputError, ["'block'", "residual", "missing"]),
     "residual of the wrong number": (
-        system_of(good, algebraic=["z"], residual=lambda point: [point.z["z"], 0]), rt.InputError, ["residual of 'block'", "2 values", "must return 1"]
+        system_of(good, algebraic=["z"], residual=lambda point: [point.z["z"], 0]),
+        rt.InputError,
+        ["residual of 'block'", "2 values", "must return 1"],
     ),
     "missing dynamics": (lambda: rt.System(["x"]), rt.InputError, ["'system'", "dynamics="]),
     "a name used twice": (lambda: rt.System(["x"], ["x"], good), rt.InputError, ["'x'", "twice"]),
-    "names given as one word": (lambda: rt.System("xv", ["u"], good), rt.InputError, ["states", "list of names", "'xv'"]),
-    "unit of an unknown variable": (lambda: rt.System(["x"], ["u"], good, units={"y": "m"}), rt.UnknownName, ["'y'", "units="]),
+    "names given as one word": (
+        lambda: rt.System("xv", ["u"], good),
+        rt.InputError,
+        ["states", "list of names", "'xv'"],
+    ),
+    "unit of an unknown variable": (
+        lambda: rt.System(["x"], ["u"], good, units={"y": "m"}),
+        rt.UnknownName,
+        ["'y'", "units="],
+    ),
     # problems, meshes, guesses, solvers
     "no phase": (lambda: rt.Problem([]), rt.InputError, ["at least one phase"]),
-    "link to a missing phase": (lambda: rt.Problem([block()], [rt.Continuity(0, 1)]), rt.InputError, ["Continuity(0, 1)", "phase 1", "0 to 0"]),
-    "link between other states": (
-        lambda: rt.Problem([block(), cartpole()], [rt.Continuity(0, 1)]), rt.InputError, ["Continuity(0, 1)", "'x'", "'q.slider'", "same"]
+    "link to a missing phase": (
+        lambda: rt.Problem([block()], [rt.Continuity(0, 1)]),
+        rt.InputError,
+        ["Continuity(0, 1)", "phase 1", "0 to 0"],
     ),
-    "link that is none": (lambda: rt.Problem([block()], ["continuity"]), rt.InputError, ["'continuity'", "rt.Continuity"]),
+    "link between other states": (
+        lambda: rt.Problem([block(), cartpole()], [rt.Continuity(0, 1)]),
+        rt.InputError,
+        ["Continuity(0, 1)", "'x'", "'q.slider'", "same"],
+    ),
+    "link that is none": (
+        lambda: rt.Problem([block()], ["continuity"]),
+        rt.InputError,
+        ["'continuity'", "rt.Continuity"],
+    ),
     "mesh of no interval": (lambda: rt.Mesh(0), rt.InputError, ["at least 1 interval", "0"]),
     "mesh of half an interval": (lambda: rt.Mesh(2.5), rt.InputError, ["whole number", "2.5"]),
     "knots that do not ascend": (lambda: rt.Mesh([0, 0.6, 0.5, 1]), rt.InputError, ["ascend", "0.6, 0.5"]),
     "knots that do not reach the end": (lambda: rt.Mesh([0, 0.5]), rt.InputError, ["from 0 to 1", "0.5"]),
     "scheme without parentheses": (
-        lambda: rt.Mesh(10, rt.HermiteSimpson), rt.InputError, ["rt.HermiteSimpson()", "parentheses"]
+        lambda: rt.Mesh(10, rt.HermiteSimpson),
+        rt.InputError,
+        ["rt.HermiteSimpson()", "parentheses"],
     ),
     "fewer schemes than intervals": (
-        lambda: rt.Mesh(3, [rt.Trapezoidal(), rt.HermiteSimpson()]), rt.InputError, ["3 intervals", "2 schemes"]
+        lambda: rt.Mesh(3, [rt.Trapezoidal(), rt.HermiteSimpson()]),
+        rt.InputError,
+        ["3 intervals", "2 schemes"],
     ),
-    "Lobatto scheme of one point": (lambda: rt.LobattoIIIA(points=1), rt.InputError, ["at least 2 points", "1"]),
+    "Lobatto scheme of one point": (
+        lambda: rt.LobattoIIIA(points=1),
+        rt.InputError,
+        ["at least 2 points", "1"],
+    ),
     "trapezoidal quadrature of a Radau scheme": (
         lambda: rt.plan(block(), rt.Mesh(4, rt.RadauIIA(quadrature=rt.TrapezoidalQuadrature()))),
         rt.InputError,
         ["TrapezoidalQuadrature", "Lobatto"],
     ),
-    "two meshes for one phase": (lambda: rt.plan(block(), [rt.Mesh(2), rt.Mesh(2)]), rt.InputError, ["1 phases", "2 meshes"]),
+    "two meshes for one phase": (
+        lambda: rt.plan(block(), [rt.Mesh(2), rt.Mesh(2)]),
+        rt.InputError,
+        ["1 phases", "2 meshes"],
+    ),
     "mesh that is none": (lambda: rt.plan(block(), 40), rt.InputError, ["mesh=", "rt.Mesh"]),
     "constraint on the start where the scheme has no point": (
         lambda: rt.plan(
@@ -213,28 +425,60 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         ["'phase'", "start", "RadauIIA", "Lobatto"],
     ),
     "problem that is none": (lambda: rt.plan(double_integrator()), rt.InputError, ["rt.Problem", "System"]),
-    "guess that is none": (lambda: rt.plan(block(), guess=[0, 1]), rt.InputError, ["guess", "rt.StraightLine()", "list"]),
+    "guess that is none": (
+        lambda: rt.plan(block(), guess=[0, 1]),
+        rt.InputError,
+        ["guess", "rt.StraightLine()", "list"],
+    ),
     "guessed duration outside its bounds": (
-        lambda: rt.plan(block(), guess=rt.StraightLine(duration=50)), rt.InputError, ["50", "'phase'", "0.1 to 20"]
+        lambda: rt.plan(block(), guess=rt.StraightLine(duration=50)),
+        rt.InputError,
+        ["50", "'phase'", "0.1 to 20"],
     ),
     "keyframes without fractions": (
-        lambda: rt.Keyframes([0, 1], [rt.State([0, 0])]), rt.InputError, ["Keyframes", "2 fractions", "1 states"]
+        lambda: rt.Keyframes([0, 1], [rt.State([0, 0])]),
+        rt.InputError,
+        ["Keyframes", "2 fractions", "1 states"],
     ),
     "keyframes that do not ascend": (
-        lambda: rt.Keyframes([0, 0.5, 0.2, 1], [rt.State([0, 0])] * 4), rt.InputError, ["Keyframes", "ascend"]
+        lambda: rt.Keyframes([0, 0.5, 0.2, 1], [rt.State([0, 0])] * 4),
+        rt.InputError,
+        ["Keyframes", "ascend"],
     ),
-    "solver that is none": (lambda: rt.plan(block(), solver="ipopt"), rt.InputError, ["solver=", "rt.Ipopt()", "'ipopt'"]),
-    "solver without parentheses": (lambda: rt.plan(block(), solver=rt.Ipopt), rt.InputError, ["solver=", "rt.Ipopt()"]),
+    "solver that is none": (
+        lambda: rt.plan(block(), solver="ipopt"),
+        rt.InputError,
+        ["solver=", "rt.Ipopt()", "'ipopt'"],
+    ),
+    "solver without parentheses": (
+        lambda: rt.plan(block(), solver=rt.Ipopt),
+        rt.InputError,
+        ["solver=", "rt.Ipopt()"],
+    ),
     "unknown option of the solver": (
-        lambda: rt.plan(block(), solver=rt.Ipopt(options={"tool": 1})), rt.InputError, ["IPOPT", "tool"]
+        lambda: rt.plan(block(), solver=rt.Ipopt(options={"tool": 1})),
+        rt.InputError,
+        ["IPOPT", "tool"],
     ),
     "tolerance of zero": (lambda: rt.Ipopt(tolerance=0), rt.InputError, ["tolerance", "above 0"]),
     # solutions
-    "time outside the solution": (lambda: solved().at(99), rt.InputError, ["t = 99 s", "'phase'", "from 0 s to"]),
+    "time outside the solution": (
+        lambda: solved().at(99),
+        rt.InputError,
+        ["t = 99 s", "'phase'", "from 0 s to"],
+    ),
     "NaN for a time": (lambda: solved().at(NAN), rt.InputError, ["t = nan s"]),
     "times in a matrix": (lambda: solved().at([[0.0, 1.0]]), rt.InputError, ["vector", "(1, 2)"]),
-    "unknown state of a sample": (lambda: solved().at(0).x["speed"], rt.UnknownName, ["'speed'", "Valid names: x, v"]),
-    "interval that the plan has not": (lambda: solved().phases[0].at(0, interval=9), rt.InputError, ["interval 9", "0 to 3"]),
+    "unknown state of a sample": (
+        lambda: solved().at(0).x["speed"],
+        rt.UnknownName,
+        ["'speed'", "Valid names: x, v"],
+    ),
+    "interval that the plan has not": (
+        lambda: solved().phases[0].at(0, interval=9),
+        rt.InputError,
+        ["interval 9", "0 to 3"],
+    ),
 }
 
 

@@ -166,7 +166,8 @@ def test_an_error_in_the_progress_callback_is_not_swallowed() -> None:
 
 
 @pytest.mark.parametrize(
-    "mesh", [rt.Mesh(20), rt.Mesh(40), rt.Mesh(25, rt.Trapezoidal()), rt.Mesh(12, rt.RadauIIA(points=3))],
+    "mesh",
+    [rt.Mesh(20), rt.Mesh(40), rt.Mesh(25, rt.Trapezoidal()), rt.Mesh(12, rt.RadauIIA(points=3))],
     ids=["same", "finer", "trapezoid", "Radau"],
 )
 @pytest.mark.parametrize("task", [move, cartpole])

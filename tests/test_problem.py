@@ -10,21 +10,32 @@ import pytest
 
 import robotraj as rt
 
-BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]], units={"x": "m", "v": "m/s", "u": "N"})
+BLOCK = rt.System(
+    ["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]], units={"x": "m", "v": "m/s", "u": "N"}
+)
 
 
 def cartpole(**more: Any) -> rt.Phase:
-    given = {"duration": (1, 3), "start": rt.State(q=[0, 0], v=0), "end": rt.State(q=[1, np.pi], v=0), "objective": rt.Effort()}
+    given = {
+        "duration": (1, 3),
+        "start": rt.State(q=[0, 0], v=0),
+        "end": rt.State(q=[1, np.pi], v=0),
+        "objective": rt.Effort(),
+    }
     return rt.Phase(rt.load("cartpole"), **(given | more))
 
 
 def table_of(phase: rt.Phase) -> list[list[str]]:
     """The printed table as cells, two spaces apart, without its two head lines."""
-    return [[cell.strip() for cell in line.split("  ") if cell.strip()] for line in str(phase).splitlines()[2:]]
+    return [
+        [cell.strip() for cell in line.split("  ") if cell.strip()] for line in str(phase).splitlines()[2:]
+    ]
 
 
 def test_a_phase_prints_every_row_with_when_bounds_and_unit() -> None:
-    phase = cartpole(constraints=[rt.GroundClearance("tip", -0.7), rt.AtEnd(rt.FramePosition("tip", [1, None, None]))])
+    phase = cartpole(
+        constraints=[rt.GroundClearance("tip", -0.7), rt.AtEnd(rt.FramePosition("tip", [1, None, None]))]
+    )
     lines = table_of(phase)
     assert ["duration", "1 .. 3", "s"] in lines
     assert ["position", "pole", "start", "= 0", "rad"] in lines
@@ -43,7 +54,11 @@ def test_what_is_printed_is_what_is_imposed() -> None:
     printed = {(line[0], line[1]) for line in table_of(cartpole()) if "throughout" in line}
     rows = {(entry.name, entry.label.removeprefix("q.")) for entry in nlp.rows.entries}
     assert {("torque balance", "pole"), ("torque balance", "slider")} <= printed & rows
-    bounds = {(e.name, e.label) for i, e in enumerate(nlp.variables.entries) if i in set(nlp.variables.upper_meaning)}
+    bounds = {
+        (e.name, e.label)
+        for i, e in enumerate(nlp.variables.entries)
+        if i in set(nlp.variables.upper_meaning)
+    }
     limits = {line for line in printed if line[0].endswith("limit")}
     assert limits == {bound for bound in bounds if bound[0].endswith("limit")}
 
@@ -51,7 +66,10 @@ def test_what_is_printed_is_what_is_imposed() -> None:
 def test_a_problem_prints_its_phases_and_links() -> None:
     first, second = cartpole(end=None, name="one"), cartpole(start=None, name="two")
     text = str(rt.Problem([first, second], [rt.Continuity(0, 1)]))
-    assert all(part in text for part in ("phase 'one'", "phase 'two'", "Continuity(0, 1)", "continuity, time", "q.pole"))
+    assert all(
+        part in text
+        for part in ("phase 'one'", "phase 'two'", "Continuity(0, 1)", "continuity, time", "q.pole")
+    )
 
 
 def test_phases_and_problems_are_frozen() -> None:
@@ -67,7 +85,12 @@ def test_limits_hold_unless_they_are_none() -> None:
     assert names == {"position limit", "effort limit"}
     assert cartpole(limits=None).bound_constraints == ()
     slower = rt.load("cartpole").limits.with_(velocity={"pole": 4.0})
-    rows = [row for c in cartpole(limits=slower).bound_constraints for row in c.rows if row.name == "velocity limit"]
+    rows = [
+        row
+        for c in cartpole(limits=slower).bound_constraints
+        for row in c.rows
+        if row.name == "velocity limit"
+    ]
     assert [(row.joint, row.lower, row.upper) for row in rows] == [("pole", -4.0, 4.0)]
 
 
@@ -81,13 +104,19 @@ def test_without_limits_the_start_may_lie_anywhere() -> None:
         (rt.State(), [-np.inf] * 4, [np.inf] * 4),
         (rt.State(q=0, v=[1, None]), [0, 0, 1, -np.inf], [0, 0, 1, np.inf]),
         (rt.State(q={"pole": rt.between(-1, 2)}, v=0), [-np.inf, -1, 0, 0], [np.inf, 2, 0, 0]),
-        (rt.State(q=np.array([[1.0], [2.0]], dtype=np.float32)), [1, 2, -np.inf, -np.inf], [1, 2, np.inf, np.inf]),
+        (
+            rt.State(q=np.array([[1.0], [2.0]], dtype=np.float32)),
+            [1, 2, -np.inf, -np.inf],
+            [1, 2, np.inf, np.inf],
+        ),
         (rt.State(v=rt.between([-1, -2], [3, 4])), [-np.inf, -np.inf, -1, -2], [np.inf, np.inf, 3, 4]),
         (rt.State(v=rt.between(None, 3)), [-np.inf] * 4, [np.inf, np.inf, 3, 3]),
         (rt.State(q=[rt.between(0, 1), None]), [0, -np.inf, -np.inf, -np.inf], [1, np.inf, np.inf, np.inf]),
     ],
 )
-def test_ends_are_written_free_fixed_or_bounded(state: rt.State, lower: list[float], upper: list[float]) -> None:
+def test_ends_are_written_free_fixed_or_bounded(
+    state: rt.State, lower: list[float], upper: list[float]
+) -> None:
     bounds = cartpole(start=state, limits=None).start_bounds
     np.testing.assert_array_equal(bounds.lower, lower)
     np.testing.assert_array_equal(bounds.upper, upper)
@@ -95,7 +124,13 @@ def test_ends_are_written_free_fixed_or_bounded(state: rt.State, lower: list[flo
 
 @pytest.mark.parametrize(
     ("duration", "bounds"),
-    [(2, (2, 2)), ((0.5, 3), (0.5, 3)), (rt.between(0.5, 3), (0.5, 3)), ((0.5, None), (0.5, np.inf)), (np.array([1, 2]), (1, 2))],
+    [
+        (2, (2, 2)),
+        ((0.5, 3), (0.5, 3)),
+        (rt.between(0.5, 3), (0.5, 3)),
+        ((0.5, None), (0.5, np.inf)),
+        (np.array([1, 2]), (1, 2)),
+    ],
 )
 def test_durations_are_fixed_or_bounded(duration: Any, bounds: tuple[float, float]) -> None:
     assert rt.Phase(BLOCK, duration).duration_bounds == bounds
@@ -110,7 +145,10 @@ def test_an_end_outside_a_limit_by_round_off_is_let_through_and_kept() -> None:
 
 
 def test_two_bounds_on_one_variable_hold_both() -> None:
-    more = [rt.JointPosition({"slider": rt.between(-1, 5)}), rt.JointPosition({"slider": rt.between(-9, 1.5)})]
+    more = [
+        rt.JointPosition({"slider": rt.between(-1, 5)}),
+        rt.JointPosition({"slider": rt.between(-9, 1.5)}),
+    ]
     nlp = rt.transcribe(rt.Problem([cartpole(constraints=more)]), rt.Mesh(2))
     column = nlp.layouts[0].knots[1, 0]
     assert (nlp.variables.lower[column], nlp.variables.upper[column]) == (-1, 1.5)

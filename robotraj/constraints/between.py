@@ -40,7 +40,9 @@ def between(lower: Any, upper: Any) -> Between:
         low = np.asarray(-np.inf if lower is None else lower, dtype=float)
         high = np.asarray(np.inf if upper is None else upper, dtype=float)
     except (TypeError, ValueError) as error:
-        raise InputError(f"between({lower!r}, {upper!r}): bounds are numbers, or None for an open side.") from error
+        raise InputError(
+            f"between({lower!r}, {upper!r}): bounds are numbers, or None for an open side."
+        ) from error
     if np.isnan(low).any() or np.isnan(high).any():
         raise InputError(f"between({lower}, {upper}) contains NaN; use None for an open side.")
     try:
@@ -87,7 +89,9 @@ def as_bounds(value: Any, names: Sequence[str], what: str, kind: str = "joint") 
             i = list(names).index(name)
             low, high = _pair(entry, f"{what} of {kind} {name!r}")
             if np.size(low) != 1 or np.size(high) != 1:
-                raise InputError(f"The {what} of {kind} {name!r} must be one number, None or rt.between; got {entry!r}.")
+                raise InputError(
+                    f"The {what} of {kind} {name!r} must be one number, None or rt.between; got {entry!r}."
+                )
             lower[i], upper[i] = np.asarray(low).item(), np.asarray(high).item()
         return Bounds(lower, upper)
     if isinstance(value, Between) or value is None or np.isscalar(value) or _is_plain_array(value):
@@ -99,7 +103,9 @@ def as_bounds(value: Any, names: Sequence[str], what: str, kind: str = "joint") 
                 raise InputError(f"The {what} has {flat.size} values; it needs {n}: {', '.join(names)}.")
             sides.append(np.broadcast_to(flat, (n,)).copy())
         for side in sides:
-            bad = np.isnan(side) | (np.isinf(side) if not isinstance(value, Between) and value is not None else False)
+            # Only bounds may be infinite; a value that fixes may not.
+            fixes = value is not None and not isinstance(value, Between)
+            bad = ~np.isfinite(side) if fixes else np.isnan(side)
             if np.any(bad):
                 i = int(np.flatnonzero(bad)[0])
                 wrong = "NaN" if np.isnan(side[i]) else "infinite"

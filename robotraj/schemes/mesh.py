@@ -50,7 +50,8 @@ class Mesh:
             if not isinstance(scheme, Scheme):
                 shown = f"the class {scheme.__name__}" if isinstance(scheme, type) else repr(scheme)
                 raise InputError(
-                    f"Mesh(scheme) must be a scheme value such as rt.HermiteSimpson(), with its parentheses; got {shown}."
+                    "Mesh(scheme) must be a scheme value such as rt.HermiteSimpson(), with its parentheses; "
+                    f"got {shown}."
                 )
         if len(schemes) not in (1, len(knots) - 1):
             raise InputError(f"The mesh has {len(knots) - 1} intervals but {len(schemes)} schemes.")

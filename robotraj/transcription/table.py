@@ -104,7 +104,8 @@ class ScalarTable:
         lower_meaning, upper_meaning = meaning.copy(), meaning.copy()
         for bound in bounds:
             number = self.entry(bound.entry)
-            # Ends come first. Where one lies outside a limit by round-off, the phase let it through: the limit gives way.
+            # Ends come first. Where one lies outside a limit by round-off, the phase let it through: the limit
+            # gives way.
             tighter = bound.columns[bound.lower > lower[bound.columns]]
             lower[tighter], lower_meaning[tighter] = np.minimum(bound.lower, upper[tighter]), number
             tighter = bound.columns[bound.upper < upper[bound.columns]]

@@ -1,4 +1,4 @@
-"""The table's mechanisms as robots: inverse dynamics of a URDF gives the optima of the written-out equations."""
+"""The table's mechanisms as robots: a URDF's inverse dynamics give the optima of the written-out equations."""
 
 from __future__ import annotations
 
@@ -48,7 +48,9 @@ def pendulum() -> tuple[rt.Phase, rt.StraightLine]:
 
 
 def two_link_arm() -> tuple[rt.Phase, rt.StraightLine]:
-    phase = rt.Phase(rt.load("two_link_arm"), (1, 10), rest(0, 0.5), rest(0.522, 0.5), objective=rt.Duration())
+    phase = rt.Phase(
+        rt.load("two_link_arm"), (1, 10), rest(0, 0.5), rest(0.522, 0.5), objective=rt.Duration()
+    )
     return phase, rt.StraightLine(duration=3)
 
 

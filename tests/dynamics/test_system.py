@@ -81,5 +81,8 @@ def test_eliminating_an_algebraic_variable_does_not_change_the_optimum() -> None
 
 def test_names_and_units_are_those_given() -> None:
     system = rt.System(["x"], ["u"], lambda point: [point.u["u"]], units={"u": "m/s"}, name="cart")
-    assert [(v.name, v.unit, v.label) for v in system.states + system.controls] == [("x", "", "x"), ("u", "m/s", "u")]
+    assert [(v.name, v.unit, v.label) for v in system.states + system.controls] == [
+        ("x", "", "x"),
+        ("u", "m/s", "u"),
+    ]
     assert system.name == "cart"

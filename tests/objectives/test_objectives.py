@@ -34,7 +34,9 @@ def test_sums_multiples_and_python_sum_agree() -> None:
     written = SQUARE + 2 * rt.Duration()
     summed = sum([SQUARE, rt.Duration(), rt.Duration()])
     nested = 2 * (0.5 * SQUARE + rt.Duration())
-    found = [rt.plan(move(objective, (0.5, 3)), rt.Mesh(4)).objective for objective in (written, summed, nested)]
+    found = [
+        rt.plan(move(objective, (0.5, 3)), rt.Mesh(4)).objective for objective in (written, summed, nested)
+    ]
     assert found == pytest.approx([found[0]] * 3, rel=1e-9)
 
 
@@ -63,7 +65,9 @@ def test_mayer_of_a_robot_reads_frames_and_the_centre_of_mass() -> None:
     robot = rt.load("pendulum")
     cost = rt.Mayer(lambda start, end: -100 * end.frame("tip").position[2] - 0 * end.com[2]) + rt.Effort()
     limits = robot.limits.with_(effort=50.0)
-    solution = rt.plan(rt.Phase(robot, 2.0, rt.State(q=[0], v=0), rt.State(q=[rt.between(0.5, 6)], v=0), cost, limits=limits))
+    solution = rt.plan(
+        rt.Phase(robot, 2.0, rt.State(q=[0], v=0), rt.State(q=[rt.between(0.5, 6)], v=0), cost, limits=limits)
+    )
     assert solution.at(2.0).q[0] == pytest.approx(np.pi, abs=0.2)
 
 

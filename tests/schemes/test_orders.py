@@ -1,7 +1,7 @@
 """Orders of convergence, measured on a smooth optimal control problem with a closed form.
 
-With y = exp(x), the problem  min int_0^1 y^2 + u^2 dt,  y' = u,  y(0) = 1  has y = cosh(1 - t) / cosh(1) and the cost
-tanh(1). Written in x it is nonlinear: x' = u exp(-x).
+With y = exp(x), the problem  min int_0^1 y^2 + u^2 dt,  y' = u,  y(0) = 1  has y = cosh(1 - t) / cosh(1)
+and the cost tanh(1). Written in x it is nonlinear: x' = u exp(-x).
 """
 
 from __future__ import annotations
@@ -47,7 +47,9 @@ def errors(scheme: Collocation, intervals: int) -> tuple[float, float]:
         (rt.GaussLegendre(points=3), 6, (2, 4, 8)),
         (LECTURE, 2, (16, 32, 64)),
     ],
-    ids=lambda value: f"{type(value).__name__}-{len(value.nodes)}" if isinstance(value, Collocation) else None,
+    ids=lambda value: (
+        f"{type(value).__name__}-{len(value.nodes)}" if isinstance(value, Collocation) else None
+    ),
 )
 def test_the_last_state_converges_with_the_order_of_the_scheme(
     scheme: Collocation, order: int, meshes: tuple[int, ...]

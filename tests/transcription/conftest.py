@@ -15,7 +15,10 @@ HALF = [0, 0.4, 1]
 
 def _pendulum(**more: object) -> rt.System:
     return rt.System(
-        ["q", "w"], ["u"], lambda point: [point.x["w"], point.u["u"] - ca.sin(point.x["q"]) - 0.1 * point.x["w"]], **more
+        ["q", "w"],
+        ["u"],
+        lambda point: [point.x["w"], point.u["u"] - ca.sin(point.x["q"]) - 0.1 * point.x["w"]],
+        **more,
     )
 
 
@@ -44,7 +47,9 @@ def dae() -> tuple[rt.Problem, rt.Mesh]:
         ["u"],
         lambda point: [point.x["w"], point.z["a"]],
         algebraic=["a"],
-        residual=lambda point: [point.z["a"] + 0.05 * point.z["a"] ** 3 - point.u["u"] + ca.sin(point.x["q"])],
+        residual=lambda point: [
+            point.z["a"] + 0.05 * point.z["a"] ** 3 - point.u["u"] + ca.sin(point.x["q"])
+        ],
     )
     phase = rt.Phase(
         system, (1, 3), rt.State([0, 0]), rt.State([2, 0]), _effort(), algebraic={"a": rt.between(-9, 9)}
@@ -55,7 +60,9 @@ def dae() -> tuple[rt.Problem, rt.Mesh]:
 def parameters() -> tuple[rt.Problem, rt.Mesh]:
     """An unknown and a known parameter in the dynamics, a row and a cost."""
     system = rt.System(
-        ["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"] / point.p["mass"] - point.p["drag"] * point.x["v"]]
+        ["x", "v"],
+        ["u"],
+        lambda point: [point.x["v"], point.u["u"] / point.p["mass"] - point.p["drag"] * point.x["v"]],
     )
     phase = rt.Phase(
         system,
@@ -63,7 +70,11 @@ def parameters() -> tuple[rt.Problem, rt.Mesh]:
         rt.State([0, 0]),
         rt.State([1, 0]),
         _mass_cost(),
-        [rt.PathConstraint(lambda point: point.x["v"] * point.p["mass"], upper=3, name="momentum", unit="kg m/s")],
+        [
+            rt.PathConstraint(
+                lambda point: point.x["v"] * point.p["mass"], upper=3, name="momentum", unit="kg m/s"
+            )
+        ],
         parameters={"mass": rt.between(0.5, 2), "drag": 0.3},
     )
     return rt.Problem([phase]), rt.Mesh(HALF, rt.RadauIIA(points=2))
@@ -89,14 +100,17 @@ def time_dependent() -> tuple[rt.Problem, rt.Mesh]:
 
 def ends() -> tuple[rt.Problem, rt.Mesh]:
     """Rows at one end, a cost of both ends, a free start."""
-    energy = rt.PathConstraint(lambda point: point.x["w"] ** 2 / 2 - ca.cos(point.x["q"]), lower=0.5, upper=2, name="energy")
+    energy = rt.PathConstraint(
+        lambda point: point.x["w"] ** 2 / 2 - ca.cos(point.x["q"]), lower=0.5, upper=2, name="energy"
+    )
     power = rt.PathConstraint(lambda point: point.x["w"] * point.u["u"], upper=1, name="power", unit="W")
     phase = rt.Phase(
         _pendulum(),
         (0.5, 4),
         rt.State({"q": rt.between(-1, 1)}),
         rt.State({"q": 3}),
-        _effort() + 3 * rt.Mayer(lambda start, end: (end.x["w"] - start.x["w"]) ** 2 * end.t + start.x["q"] ** 3),
+        _effort()
+        + 3 * rt.Mayer(lambda start, end: (end.x["w"] - start.x["w"]) ** 2 * end.t + start.x["q"] ** 3),
         [rt.AtEnd(energy), rt.AtStart(power), power],
     )
     return rt.Problem([phase]), rt.Mesh(3)
@@ -109,9 +123,17 @@ def two_phases() -> tuple[rt.Problem, Sequence[rt.Mesh]]:
     )
     first = rt.Phase(_pendulum(), (0.2, 2), rt.State([0, 0]), None, _effort(), name="first")
     second = rt.Phase(
-        clocked, (0.2, 2), None, rt.State([2, 0]), _effort() + rt.Mayer(lambda start, end: end.t**2), name="second"
+        clocked,
+        (0.2, 2),
+        None,
+        rt.State([2, 0]),
+        _effort() + rt.Mayer(lambda start, end: end.t**2),
+        name="second",
     )
-    return rt.Problem([first, second], [rt.Continuity(0, 1)]), [rt.Mesh(2), rt.Mesh(HALF, rt.RadauIIA(points=2))]
+    return rt.Problem([first, second], [rt.Continuity(0, 1)]), [
+        rt.Mesh(2),
+        rt.Mesh(HALF, rt.RadauIIA(points=2)),
+    ]
 
 
 def mixed_schemes() -> tuple[rt.Problem, rt.Mesh]:
@@ -149,7 +171,9 @@ def _cartpole(dynamics: object) -> tuple[rt.Problem, rt.Mesh]:
         [
             rt.GroundClearance("tip", -0.6, rt.Slope(0.1)),
             rt.JointAcceleration(rt.between(-100, 100)),
-            rt.PathConstraint(lambda point: point.tau[0] * point.v[0] + point.momentum[0] + point.com[2], upper=50),
+            rt.PathConstraint(
+                lambda point: point.tau[0] * point.v[0] + point.momentum[0] + point.com[2], upper=50
+            ),
         ],
         dynamics=dynamics,
     )

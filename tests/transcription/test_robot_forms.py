@@ -20,7 +20,11 @@ TASKS = {
 }
 
 
-@pytest.mark.parametrize("scheme", [rt.Trapezoidal(), rt.HermiteSimpson(), rt.RadauIIA(points=3)], ids=["trapezoid", "Hermite-Simpson", "Radau"])
+@pytest.mark.parametrize(
+    "scheme",
+    [rt.Trapezoidal(), rt.HermiteSimpson(), rt.RadauIIA(points=3)],
+    ids=["trapezoid", "Hermite-Simpson", "Radau"],
+)
 @pytest.mark.parametrize("name", TASKS)
 def test_both_forms_have_the_same_optimum(name: str, scheme: rt.HermiteSimpson) -> None:
     start, end, duration = TASKS[name]
