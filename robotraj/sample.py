@@ -52,8 +52,6 @@ def join(samples: list[Sample], order: NDArray[np.int_]) -> Sample:
         names = list(parts[0])
         return Named(parts[0].kind, names, [stack([part[name] for part in parts]) for name in names])
 
-    return Sample(
-        stack([s.t for s in samples]),
-        *(stack_named([getattr(s, key) for s in samples]) for key in ("x", "z", "u")),
-        *(stack([getattr(s, key) for s in samples]) for key in ("q", "v", "a", "tau")),
-    )
+    x, z, u = (stack_named([getattr(s, key) for s in samples]) for key in ("x", "z", "u"))
+    vectors = {key: stack([getattr(s, key) for s in samples]) for key in ("q", "v", "a", "tau")}
+    return Sample(stack([s.t for s in samples]), x, z, u, **vectors)

@@ -115,7 +115,9 @@ class PhaseSolution:
             raise InputError(f"Times must be a number or a vector; got shape {times.shape}.")
         count = len(self.knots) - 1
         if interval is not None and not 0 <= interval < count:
-            raise InputError(f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}.")
+            raise InputError(
+                f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}."
+            )
         dae = self.phase.dae
         x, z, u = (curve(times, interval) for curve in (self.trajectory.x, self.trajectory.z, self.trajectory.u))
         controls = dae.controls
@@ -124,20 +126,16 @@ class PhaseSolution:
             known = {v.name: column for v, column in zip((*dae.states, *controls), (*x.T, *u.T), strict=True)}
             controls = (*self.phase.body.controls, *(c for c in controls if c not in self.phase.body.controls))
             u = np.stack([known[c.name] for c in controls], axis=-1)
-        named = [
-            Named(kind, [v.name for v in group], values.T)
-            for kind, group, values in (
-                ("state", dae.states, x),
-                ("algebraic variable", dae.algebraic, z),
-                ("control", controls, u),
-            )
-        ]
+        states = Named("state", [v.name for v in dae.states], x.T)
+        algebraic = Named("algebraic variable", [v.name for v in dae.algebraic], z.T)
+        named_controls = Named("control", [v.name for v in controls], u.T)
         robot = self.phase.robot
         if robot is None:
-            return Sample(t, *named)
+            return Sample(t, states, algebraic, named_controls)
         nv = robot.nv
         accelerations = self._rates(times, interval)[..., nv : 2 * nv]
-        return Sample(t, *named, q=x[..., :nv], v=x[..., nv : 2 * nv], a=accelerations, tau=u[..., : robot.nu])
+        q, v, tau = x[..., :nv], x[..., nv : 2 * nv], u[..., : robot.nu]
+        return Sample(t, states, algebraic, named_controls, q, v, accelerations, tau)
 
     def columns(self, times: Array, names: Sequence[str]) -> list[Array]:
         """Values of named variables at times, (m,) each; accelerations come from the states, unknown names are 0."""

@@ -170,7 +170,7 @@ class Ipopt(Solver):
         )
 
 
-class _Watch(ca.Callback):  # type: ignore[misc]
+class _Watch(ca.Callback):
     """Called by IPOPT once an iteration: keeps the iterate, reports progress, stops on Ctrl-C."""
 
     def __init__(self, n_w: int, lower: np.ndarray, upper: np.ndarray, progress: Progress | None) -> None:

@@ -98,8 +98,8 @@ class Block:
         row, factor, position = _expand(self.gather, a)
         column, factor_in, inner = _expand(self.gather, b[position])
         upper = row[inner] <= column
-        chain = Chain(row[inner], column, factor[inner] * factor_in, source[position][inner])
-        return Chain(*(part[upper] for part in (chain.rows, chain.columns, chain.factors, chain.source)))
+        factors = factor[inner] * factor_in
+        return Chain(row[inner][upper], column[upper], factors[upper], source[position][inner][upper])
 
 
 @dataclass(frozen=True)

@@ -96,11 +96,10 @@ class ScalarTable:
 
     def finish(self, bounds: Sequence[ColumnBound] = ()) -> Scalars:
         """Freeze the table, tightening it by further bounds."""
-        meaning, fraction, lower, upper = (
-            np.concatenate(parts) if parts else np.array([])
-            for parts in (self._meaning, self._fraction, self._lower, self._upper)
-        )
-        meaning = meaning.astype(int)
+        meaning: Indices = np.concatenate([np.empty(0, dtype=int), *self._meaning])
+        fraction: Array = np.concatenate([np.empty(0), *self._fraction])
+        lower: Array = np.concatenate([np.empty(0), *self._lower])
+        upper: Array = np.concatenate([np.empty(0), *self._upper])
         lower_meaning, upper_meaning = meaning.copy(), meaning.copy()
         for bound in bounds:
             number = self.entry(bound.entry)
@@ -110,10 +109,9 @@ class ScalarTable:
             lower[tighter], lower_meaning[tighter] = np.minimum(bound.lower, upper[tighter]), number
             tighter = bound.columns[bound.upper < upper[bound.columns]]
             upper[tighter], upper_meaning[tighter] = np.maximum(bound.upper, lower[tighter]), number
-        parts = (meaning, fraction, lower, upper, lower_meaning, upper_meaning)
-        for part in parts:
+        for part in (meaning, fraction, lower, upper, lower_meaning, upper_meaning):
             part.setflags(write=False)
-        return Scalars(tuple(self._entries), *parts)
+        return Scalars(tuple(self._entries), meaning, fraction, lower, upper, lower_meaning, upper_meaning)
 
 
 @dataclass(frozen=True)
