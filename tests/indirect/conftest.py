@@ -1,0 +1,114 @@
+"""Problems with closed-form costates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+
+@dataclass(frozen=True)
+class Known:
+    """A phase for a start state, and its exact costates (m, 2) at times (m,)."""
+
+    phase: Callable[..., rt.Phase]
+    costates: Callable[[Any], Any]
+
+
+def half_square(point: Any) -> Any:
+    return 0.5 * point.u["u"] ** 2
+
+
+@pytest.fixture(scope="session")
+def kirk() -> Known:
+    """Kirk's example 5.1-1: xdd = -xd + u, least effort, (0, 0) to (5, 2) in 2 s.
+
+    lambda_x is a constant c2 and lambda_v = c2 + (c3 - c2) e^t; x and v are linear in (c2, c3), which the end fixes.
+    """
+    system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], -point.x["v"] + point.u["u"]])
+
+    def phase(start: Any = (0.0, 0.0), **more: Any) -> rt.Phase:
+        return rt.Phase(
+            system, 2.0, rt.State(list(start)), rt.State([5, 2]), rt.Lagrange(half_square),
+            controls={"u": rt.between(-50, 50)}, **more,
+        )
+
+    grown, decayed = np.exp(2.0) / 2, np.exp(-2.0) / 2
+    ends = [[-2 - decayed + grown, 1 - decayed - grown], [-1 + decayed + grown, decayed - grown]]
+    c2, c3 = np.linalg.solve(ends, [5, 2])
+
+    def costates(t: Any) -> Any:
+        return np.column_stack([np.full(len(t), c2), c2 + (c3 - c2) * np.exp(t)])
+
+    return Known(phase, costates)
+
+
+@pytest.fixture(scope="session")
+def bryson_denham() -> Known:
+    """Double integrator from v = 1 back to v = -1 in 1 s below x = 1/9: three arcs, cut at 1/3 and 2/3.
+
+    Before the contact u = -6 (1 - 3 t) = -lambda_v and lambda_x = 18; on the arc both vanish; then the mirror image.
+    """
+    system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+
+    def phase(start: Any = (0.0, 1.0), as_path: bool = False) -> rt.Phase:
+        top = 1 / 9
+        path = [rt.PathConstraint(lambda point: point.x["x"], upper=top)]
+        return rt.Phase(
+            system, 1.0, rt.State(list(start)), rt.State([0, -1]), rt.Lagrange(half_square),
+            constraints=path if as_path else [], states={} if as_path else {"x": rt.between(None, top)},
+        )
+
+    def costates(t: Any) -> Any:
+        away = np.minimum(t, 1 - t)
+        by_v = np.where(away < 1 / 3, 6 * (1 - 3 * away), 0.0)
+        return np.column_stack([np.where(t < 1 / 3, 18.0, np.where(t < 2 / 3, 0.0, -18.0)), by_v])
+
+    return Known(phase, costates)
+
+
+@pytest.fixture(scope="session")
+def block() -> Callable[..., rt.Phase]:
+    """1 kg, 1 N, 10 m, in minimum time: 2 sqrt(10) s, one switch half-way."""
+    system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+
+    def phase(start: Any = (0.0, 0.0)) -> rt.Phase:
+        return rt.Phase(
+            system, (0.1, 20), rt.State(list(start)), rt.State([10, 0]), rt.Duration(), controls={"u": rt.between(-1, 1)}
+        )
+
+    return phase
+
+
+@pytest.fixture(scope="session")
+def swing_up() -> Callable[..., rt.Phase]:
+    """Kelly's cart-pole swing-up of a robot, least effort in 2 s."""
+    robot = rt.load("cartpole")
+
+    def phase(start: Any = (0.0, 0.0), force: float = 20.0, **more: Any) -> rt.Phase:
+        limits = robot.limits.with_(effort=force)
+        return rt.Phase(
+            robot, 2.0, rt.State(q=list(start), v=0), rt.State(q=[1, np.pi], v=0), rt.Effort(), limits=limits, **more
+        )
+
+    return phase
+
+
+@pytest.fixture(scope="session")
+def algebraic() -> Callable[..., rt.Phase]:
+    """An index-1 DAE, w + 0.1 w^3 = u, xdot = w - x, with a Mayer term on the free end."""
+    system = rt.System(
+        ["x"], ["u"], lambda point: [point.z["w"] - point.x["x"]],
+        algebraic=["w"], residual=lambda point: [point.z["w"] + 0.1 * point.z["w"] ** 3 - point.u["u"]],
+    )
+
+    def phase(start: float = 1.0) -> rt.Phase:
+        cost = rt.Lagrange(lambda point: point.u["u"] ** 2) + 5 * rt.Mayer(lambda a, b: (b.x["x"] - 2) ** 2)
+        return rt.Phase(system, 1.0, rt.State([start]), objective=cost)
+
+    return phase
