@@ -103,6 +103,11 @@ class NumericPoint(Point):
         return self._frames[name]
 
     @cached_property
+    def mass(self) -> float:
+        """Mass of all bodies that move [kg]."""
+        return float(sum(inertia.mass for inertia in list(self._robot.model.inertias)[1:]))
+
+    @cached_property
     def com(self) -> Any:
         """Centre of mass (3,) [m] in the world."""
         model = self._robot.model

@@ -106,3 +106,7 @@ class SolutionLike(Protocol):
     @property
     def phases(self) -> Sequence[Any]:
         """Phases in the order they are moved through."""
+
+    @property
+    def problem(self) -> Any:
+        """The problem that was solved; its ``bound_links`` say which states may jump between phases."""

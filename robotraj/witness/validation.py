@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from robotraj.errors import InputError
@@ -87,20 +89,34 @@ def _simulate(solution: SolutionLike, rtol: float, atol: float, samples: int) ->
     """Drift through all phases, and why the simulation stopped early if it did.
 
     The simulated state is handed on where the next phase has the same states, so that a jump of the plan
-    between phases shows as drift; a phase with other states starts from its own plan.
+    between phases shows as drift; where a link lets states jump, the planned jump is added. A phase with other
+    states starts from its own plan.
     """
     rows: list[tuple[DriftRow, ...]] = []
     x: Array | None = None
     names: tuple[str, ...] = ()
-    for planned in solution.phases:
+    last = np.zeros(0)
+    for i, planned in enumerate(solution.phases):
         plant = plant_of(planned)
         knots = np.asarray(planned.knots, dtype=float)
         if x is None or plant.names != names:
             x = plant.states(knots[:1], 0)[0]
+        elif free := _free_to_jump(solution, i, names):
+            jump = plant.states(knots[:1], 0)[0] - last
+            x = x + np.where([name in free for name in names], jump, 0.0)
         motion = integrate(plant.rates, x, knots, rtol=rtol, atol=atol, samples_per_interval=samples)
         rows.append(drift_of(plant, motion, planned.phase.name))
         if motion.failure is not None:
             where = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s"
             return drifts.merge(rows), f"{where}: {motion.failure}"
         x, names = motion.states[-1], plant.names
+        last = plant.states(knots[-1:], len(knots) - 2)[0]
     return drifts.merge(rows), None
+
+
+def _free_to_jump(solution: SolutionLike, phase: int, names: Sequence[str]) -> set[str]:
+    """States that the links between the phase before and this one do not hold continuous; none without a link."""
+    between = [link for link in solution.problem.bound_links if tuple(link.phases) == (phase - 1, phase)]
+    if not between:
+        return set()
+    return set(names) - {row.joint for link in between for row in link.rows if row.name == "continuity"}
