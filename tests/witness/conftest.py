@@ -129,7 +129,7 @@ class FakePlan:
 class FakeSolution:
     phases: tuple[FakePlan, ...]
     success: bool = True
-    problem: Any = SimpleNamespace(bound_links=())
+    problem: Any = field(default_factory=lambda: SimpleNamespace(bound_links=()))
 
 
 def fit(knots: Any, degree: int, function: Curve) -> PiecewisePolynomial:
