@@ -51,6 +51,11 @@ class DesignedModel:
             for i in bodies.moved_frames
         }
 
+    @property
+    def mass(self) -> ca.SX:
+        """Mass of all bodies that move [kg]."""
+        return ca.sum2(self._inputs[0][0, 1:])
+
     def __getattr__(self, name: str) -> Call:
         if name not in EXPRESSIONS:
             raise AttributeError(name)

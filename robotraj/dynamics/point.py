@@ -108,6 +108,11 @@ class RobotPoint(Point):
             self._frames[name] = FrameView(self, name)
         return self._frames[name]
 
+    @property
+    def mass(self) -> Any:
+        """Mass of all bodies that move [kg], the design's included."""
+        return self.symbolic.mass
+
     @cached_property
     def _center_of_mass(self) -> Any:
         still = ca.SX.zeros(self.robot.nv)

@@ -46,9 +46,7 @@ class CostOfTransport(EndCost):
 
     def value(self, start: Any, end: Any) -> Any:
         """W / (m g d)."""
-        model = end.robot.model
-        mass = sum(inertia.mass for inertia in list(model.inertias)[1:])
-        weight = mass * float(np.linalg.norm(model.gravity.linear))
+        weight = end.mass * float(np.linalg.norm(end.robot.model.gravity.linear))
         direction = np.asarray(self.direction, dtype=float) / np.linalg.norm(self.direction)
         before, after = (p.com if self.frame is None else p.frame(self.frame).position for p in (start, end))
         distance = sum(float(e) * (after[i] - before[i]) for i, e in enumerate(direction) if e)

@@ -111,6 +111,11 @@ class SymbolicModel:
         """The model's own value of the input ``translations``, 3 x njoints [m]."""
         return np.column_stack([placement.translation for placement in self._model.jointPlacements])
 
+    @property
+    def mass(self) -> float:
+        """Mass of all bodies that move [kg]."""
+        return float(sum(inertia.mass for inertia in list(self._model.inertias)[1:]))
+
     # -- dynamics -------------------------------------------------------------------------------------------
 
     @property
