@@ -209,7 +209,7 @@ class Solution:
     violation_list : tuple of Violation
         Every row and bound broken by more than the tolerance, worst first.
     multipliers : Multipliers or None
-        Of the scaled NLP, for warm starts on the same mesh.
+        In physical units, for warm starts on the same mesh.
     refinement : tuple of MeshStep
         The meshes that led here, when a tolerance was asked for.
     duals : tuple of PhaseDuals

@@ -76,15 +76,14 @@ def covectors(nlp: Nlp, w: Array, multipliers: Multipliers) -> tuple[PhaseDuals,
     w : ndarray (n_w,)
         The solution, in physical units.
     multipliers : Multipliers
-        Of the scaled rows and variables.
+        Of rows and variables, in physical units.
 
     Returns
     -------
     tuple of PhaseDuals
         Empty where a scheme is no collocation scheme.
     """
-    rows = multipliers.rows * nlp.row_scale
-    bounds = multipliers.bounds / nlp.scale
+    rows, bounds = multipliers.rows, multipliers.bounds
     for layout in nlp.layouts:
         if not all(isinstance(interval.scheme, Collocation) for interval in layout.intervals):
             return ()
@@ -177,9 +176,7 @@ class _Phase:
         breaks, sites, values = [self.breaks[0]], [], []
         for k, interval in enumerate(self.layout.intervals):
             pushes = self._pushes(k, stages[k], nu[k])
-            start = -self.defects[k].sum(axis=0) + sum(
-                (g[1] for g in self.guards.get(k, ())), np.zeros(self.nx)
-            )
+            start = -self.defects[k].sum(axis=0) + sum((g[1] for g in self.guards.get(k, ())), np.zeros(self.nx))
             if nodes[k][0] == 0.0:
                 start = start + pushes[0]
             cuts, jumps = self._impulses(k)
@@ -209,9 +206,7 @@ class _Phase:
 
     def _seconds(self) -> list[Array]:
         """Seconds of quadrature of every node, by interval."""
-        return [
-            h * i.scheme.weights for h, i in zip(np.diff(self.breaks), self.layout.intervals, strict=True)
-        ]
+        return [h * i.scheme.weights for h, i in zip(np.diff(self.breaks), self.layout.intervals, strict=True)]
 
     def _stage_costates(self, k: int) -> Array:
         """Lambda of every stage of interval k, (s, nx)."""

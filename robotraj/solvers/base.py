@@ -32,7 +32,10 @@ Progress = Callable[[Iteration], None]
 
 @dataclass(frozen=True, eq=False)
 class Multipliers:
-    """Multipliers of the scaled NLP: of rows (n_g,) and of variable bounds (n_w,)."""
+    """Multipliers of rows (n_g,) and of variable bounds (n_w,), in physical units: grad f + J' rows + bounds = 0.
+
+    Physical units carry them from one scaling to the next, as a warm start needs.
+    """
 
     rows: Array
     bounds: Array

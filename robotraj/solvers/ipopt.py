@@ -146,7 +146,7 @@ class Ipopt(Solver):
             "ubg": upper,
         }
         if multipliers is not None:
-            arguments |= {"lam_g0": multipliers.rows, "lam_x0": multipliers.bounds}
+            arguments |= {"lam_g0": multipliers.rows / nlp.row_scale, "lam_x0": multipliers.bounds * nlp.scale}
         ready = time.perf_counter()
         with watch.interruptible():
             result = solver(**arguments)
@@ -164,7 +164,7 @@ class Ipopt(Solver):
             status,
             message.replace("_", " "),
             point * nlp.scale,
-            Multipliers(lam_g, lam_x),
+            Multipliers(lam_g * nlp.row_scale, lam_x / nlp.scale),
             int(stats["iter_count"]),
             {"setup": ready - began, "solve": ended - ready, "evaluate": float(evaluate)},
         )

@@ -56,7 +56,7 @@ def test_its_answer_is_a_stationary_point_in_physical_units() -> None:
     """Gradient plus the rows' and the bounds' multipliers is zero: grad f + J' lam_g + lam_x = 0."""
     nlp = rt.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
     outcome = rt.Ipopt(tolerance=1e-10).solve(nlp)
-    rows, bounds = outcome.multipliers.rows * nlp.row_scale, outcome.multipliers.bounds / nlp.scale
+    rows, bounds = outcome.multipliers.rows, outcome.multipliers.bounds
     residual = nlp.gradient(outcome.w) + nlp.jacobian(outcome.w).T @ rows + bounds
     # A fixed variable is no unknown of IPOPT's: its multiplier is not reported.
     free = nlp.variables.lower < nlp.variables.upper
@@ -66,7 +66,7 @@ def test_its_answer_is_a_stationary_point_in_physical_units() -> None:
 def test_multipliers_of_the_same_mesh_restart_at_the_answer() -> None:
     first = rt.plan(MOVE, rt.Mesh(20))
     again = rt.plan(MOVE, rt.Mesh(20), guess=first)
-    assert again.iterations <= 5 < first.iterations
+    assert again.iterations <= 2 < first.iterations
     assert again.objective == pytest.approx(first.objective, rel=1e-8)
 
 
