@@ -11,8 +11,9 @@ import numpy as np
 
 from robotraj.guess import Guess, as_guess
 from robotraj.indirect.covector import covectors
+from robotraj.indirect.transfer import transfer
 from robotraj.problem import Problem
-from robotraj.schemes import Mesh
+from robotraj.schemes import Collocation, Mesh
 from robotraj.solution import PhaseSolution, Solution
 from robotraj.solvers import Multipliers, Progress, Solver
 from robotraj.solvers.base import Outcome
@@ -51,6 +52,7 @@ def solve(
         found = [
             guard
             for i, part in enumerate(solution.phases)
+            if all(isinstance(scheme, Collocation) for scheme in part.mesh.schemes)
             for guard in find_guards(part.phase, i, part.trajectory, between)
             if guard not in guards
         ]
@@ -110,5 +112,5 @@ def _multipliers(guess: Any, nlp: Nlp, guarded: bool) -> Multipliers | None:
     known = guess.multipliers
     more = len(nlp.rows) - len(known.rows), len(nlp.variables) - len(known.bounds)
     if (more != (0, 0) and not guarded) or min(more) < 0:
-        return None
+        return transfer(guess.duals, nlp) if guess.problem is nlp.problem else None
     return Multipliers(np.append(known.rows, np.zeros(more[0])), np.append(known.bounds, np.zeros(more[1])))
