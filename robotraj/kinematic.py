@@ -34,8 +34,8 @@ class Kinematic(Guess):
 
     Accelerations are the controls; ends, limits of position, velocity and acceleration, links and every
     constraint that does not depend on torques hold. What is minimised is the integral of the squared
-    accelerations and, where the duration is free, time, weighed so that a rest-to-rest motion takes the guessed
-    duration. The guess then has the torques of the inverse dynamics along that motion.
+    accelerations and, where the duration is free, time, weighed so that a rest-to-rest motion takes the
+    guessed duration. The guess then has the torques of the inverse dynamics along that motion.
 
     Parameters
     ----------

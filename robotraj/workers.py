@@ -47,7 +47,7 @@ def run(
         workers = min(len(tasks), os.cpu_count() or 1)
         with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as own:
             return run(work, shared, tasks, own)
-    if not isinstance(executor, Executor) and not hasattr(executor, "submit"):
+    if not hasattr(executor, "submit"):
         raise InputError(f"executor= must be a concurrent.futures executor; got {type(executor).__name__}.")
     try:
         common = cloudpickle.dumps((work, shared))

@@ -71,10 +71,11 @@ def target_of(value: Any, what: str) -> tuple[np.ndarray, np.ndarray | None]:
     InputError
         Neither three numbers nor a pose; ``what`` names it.
     """
-    if not hasattr(value, "rotation") and np.shape(np.asarray(value, dtype=object)) == (3,):
-        position = np.asarray(value, dtype=float)
-        if not np.all(np.isfinite(position)):
-            raise InputError(f"The {what} must be finite; got {value!r}.")
-        return position, None
-    position, rotation = as_pose(value, what)
-    return np.asarray(position, dtype=float), np.asarray(rotation, dtype=float)
+    if hasattr(value, "rotation") or len(value) != 3:
+        position, rotation = as_pose(value, what)
+    else:
+        position, rotation = value, None
+    place = np.asarray(position, dtype=float)
+    if place.shape != (3,) or not np.all(np.isfinite(place)):
+        raise InputError(f"The position of the {what} must be three finite numbers; got {position!r}.")
+    return place, rotation

@@ -57,7 +57,7 @@ def guardable(phase: Phase) -> list[tuple[int, int, BoundConstraint, Row]]:
     point = symbols_of(phase.dae, phase.parameter_names)
     states = {s.name for s in phase.dae.states}
     # By forward dynamics a robot's accelerations are expressions, not variables: its algebraic variables are none.
-    z = (point.z[variable.name] for variable in phase.dae.algebraic)
+    z = (point.z[variable.name] for variable in phase.body.algebraic)
     inner = ca.vertcat(ca.SX(0, 1), *z, *point.u.values())
     found = []
     for c, constraint in enumerate(phase.bound_constraints):
