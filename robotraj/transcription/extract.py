@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.polynomials import integrals, lobatto_sites
+from robotraj.schemes import OneStep
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.shooting_trajectory import shot_polynomials
 
 Array = NDArray[np.float64]
 
@@ -45,8 +47,12 @@ def extract(nlp: Nlp, w: Array) -> tuple[PhaseTrajectory, ...]:
 def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
     layout, block = nlp.layouts[index], nlp.blocks[index]
     phase = nlp.problem.phases[index]
-    rates = block.outputs(w)[: len(phase.dae.states)].T
     t0, duration = layout.t0.of(w), layout.duration.of(w)
+    parameters = {name: s.of(w) for name, s in zip(phase.parameter_names, layout.parameters, strict=True)}
+    if isinstance(layout.intervals[0].scheme, OneStep):
+        curves = shot_polynomials(phase, layout, block, w)
+        return PhaseTrajectory(t0, duration, *curves, curves[0].breaks, parameters)
+    rates = block.outputs(w)[: len(phase.dae.states)].T
     breaks = layout.breaks(w)
     x_sites, x_values, z_sites, z_values, u_sites, u_values = [], [], [], [], [], []
     points = []
@@ -67,5 +73,5 @@ def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
         PiecewisePolynomial(breaks, z_sites, z_values),
         PiecewisePolynomial(breaks, u_sites, u_values),
         np.unique(np.concatenate(points)),
-        {name: s.of(w) for name, s in zip(phase.parameter_names, layout.parameters, strict=True)},
+        parameters,
     )

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.schemes import Collocation, Mesh, MovingMesh
+from robotraj.schemes import Mesh, MovingMesh, SingleShooting
 from robotraj.transcription.table import Entry, ScalarTable
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class IntervalLayout:
 
     Attributes
     ----------
-    scheme : Collocation
+    scheme : Scheme
     start, length : float
         As fractions of the phase; on a moving mesh, before it moves.
     clock : Clock
@@ -76,7 +76,7 @@ class IntervalLayout:
         The evaluation of the stage function that serves each node.
     """
 
-    scheme: Collocation
+    scheme: Any
     start: float
     length: float
     clock: Clock
@@ -95,6 +95,7 @@ class PhaseLayout:
     Attributes
     ----------
     knots : Indices (K + 1, nx)
+        In single shooting, whose phase is one interval, those of both ends.
     intervals : tuple of IntervalLayout
     t0, duration : Scalar
     parameters : tuple of Scalar
@@ -110,10 +111,18 @@ class PhaseLayout:
     parameters: tuple[Scalar, ...]
     place_owner: tuple[tuple[int, int], ...]
 
+    @property
+    def fractions(self) -> Array:
+        """Fractions of the phase where ``knots`` stand: those of the mesh, and in single shooting both ends."""
+        return np.array([*(interval.start for interval in self.intervals), 1.0])
+
     def breaks(self, w: Array) -> Array:
-        """Times of the knots for a decision vector w [s], (K + 1,)."""
+        """Times of the knots of the mesh for a decision vector w [s], (K + 1,)."""
+        t0, duration = self.t0.of(w), self.duration.of(w)
+        if not isinstance(self.mesh, MovingMesh):
+            return np.asarray(t0 + duration * self.mesh.knots)
         first = [interval.clock.ends(w)[0] for interval in self.intervals]
-        return np.array([*first, self.t0.of(w) + self.duration.of(w)])
+        return np.array([*first, t0 + duration])
 
 
 def entries_of(phase: int, variables: Sequence[Variable]) -> list[Entry]:
@@ -131,15 +140,16 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
         _scalar(table, Entry(index, "parameter", name, ""), low, high)
         for name, low, high in zip(phase.parameter_names, *phase.parameter_bounds, strict=True)
     )
-    breaks = mesh.knots
+    schemes, breaks = mesh.schemes, mesh.knots
+    if isinstance(schemes[0], SingleShooting):
+        schemes, breaks = (schemes[0].over(breaks),), np.array([0.0, 1.0])
     lengths = np.diff(breaks)
     knots = [table.add(x, breaks[:1])[0]]
-    clocks = _clocks(mesh, index, t0, duration, table)
+    clocks = _clocks(mesh, breaks, index, t0, duration, table)
     moving = isinstance(mesh, MovingMesh)
     intervals: list[IntervalLayout] = []
     owners: list[tuple[int, int]] = []
-    for k, (scheme, start, length) in enumerate(zip(mesh.schemes, breaks[:-1], lengths, strict=True)):
-        assert isinstance(scheme, Collocation)
+    for k, (scheme, start, length) in enumerate(zip(schemes, breaks[:-1], lengths, strict=True)):
         before = intervals[-1] if intervals else None
         nodes, sites = scheme.nodes, scheme.control_sites
         shared_control = not moving and before is not None and sites[0] == 0.0 and before.scheme.control_sites[-1] == 1.0
@@ -167,9 +177,11 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     return PhaseLayout(mesh, np.array(knots), tuple(intervals), t0, duration, parameters, tuple(owners))
 
 
-def _clocks(mesh: Mesh, index: int, t0: Scalar, duration: Scalar, table: ScalarTable) -> list[Clock]:
+def _clocks(
+    mesh: Mesh, breaks: Array, index: int, t0: Scalar, duration: Scalar, table: ScalarTable
+) -> list[Clock]:
     """Clocks of all intervals; a moving mesh adds the start and the length of each as unknowns."""
-    breaks, lengths = mesh.knots, np.diff(mesh.knots)
+    lengths = np.diff(breaks)
     if not isinstance(mesh, MovingMesh):
         return [Clock(t0, duration, float(a), float(d)) for a, d in zip(breaks[:-1], lengths, strict=True)]
     starts = table.add([Entry(index, "start of interval", "", "s")], breaks[:-1])[:, 0]

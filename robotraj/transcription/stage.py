@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Pattern = tuple[NDArray[np.int_], NDArray[np.int_]]
+Symbols = ca.SX | ca.MX
 
 
 class Stage:
@@ -19,13 +20,14 @@ class Stage:
 
     Parameters
     ----------
-    v, c, y : casadi.SX
-        Symbols of the unknowns (n_v,) and of the constants (n_c,), and the outputs (n_y,).
+    v, c, y : casadi.SX or casadi.MX
+        Symbols of the unknowns (n_v,) and of the constants (n_c,), and the outputs (n_y,). SX is one scalar graph; MX
+        may call functions that are none, such as integrators.
     costed : int or None
         The output that carries cost, if one does.
     """
 
-    def __init__(self, v: ca.SX, c: ca.SX, y: ca.SX, costed: int | None = None) -> None:
+    def __init__(self, v: Symbols, c: Symbols, y: Symbols, costed: int | None = None) -> None:
         self._v, self._c, self._y = v, c, ca.densify(y)
         self.costed = costed
         self.function = ca.Function("stage", [v, c], [self._y], ["v", "c"], ["y"])
@@ -67,7 +69,7 @@ class Stage:
 
     @cached_property
     def _hessian(self) -> tuple[ca.Function, Pattern]:
-        m = ca.SX.sym("m", self.outputs)
+        m = type(self._v).sym("m", self.outputs)
         matrix = ca.tril(ca.hessian(ca.dot(m, self._y), self._v)[0])
         return ca.Function("hessian", [self._v, self._c, m], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
 
@@ -82,8 +84,8 @@ class Stage:
         return self._hessian[1]
 
 
-def _nonzeros(matrix: ca.SX) -> ca.SX:
-    return ca.vertcat(*matrix.nonzeros()) if matrix.nnz() else ca.SX(0, 1)
+def _nonzeros(matrix: Symbols) -> Symbols:
+    return ca.densify(matrix.nz[:]) if matrix.nnz() else type(matrix)(0, 1)
 
 
 def _pattern(sparsity: ca.Sparsity) -> Pattern:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robotraj.constraints import Where
 from robotraj.errors import InputError
 from robotraj.guess import Guess, PhaseGuess, StraightLine
-from robotraj.schemes import Collocation, Mesh, MovingMesh
+from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import collocate
 from robotraj.transcription.ends import end_constraint_blocks, link_block, mayer_block, widen
@@ -20,6 +20,8 @@ from robotraj.transcription.guards import Guard, add_guards
 from robotraj.transcription.layout import PhaseLayout, lay_out
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scaling import row_scale, variable_scale
+from robotraj.transcription.shooting import shoot
+from robotraj.transcription.shooting_problem import explicit
 from robotraj.transcription.table import ColumnBound, Entry, ScalarTable
 from robotraj.transcription.triplets import Triplets
 
@@ -35,7 +37,7 @@ INSIDE = 1e-9
 def transcribe(
     problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | None = None, guards: Sequence[Guard] = ()
 ) -> Nlp:
-    """Transcribe a problem by direct collocation.
+    """Transcribe a problem by the schemes of its meshes.
 
     Parameters
     ----------
@@ -53,6 +55,7 @@ def transcribe(
         Every row and variable named; solve it with a solver value such as ``rt.Ipopt()``.
     """
     meshes = _meshes(problem, mesh)
+    problem = explicit(problem, meshes)
     columns, rows, linear = ScalarTable(), ScalarTable(), Triplets()
     layouts = tuple(
         lay_out(phase, i, m, columns) for i, (phase, m) in enumerate(zip(problem.phases, meshes, strict=True))
@@ -62,7 +65,12 @@ def transcribe(
     points = []
     for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
         bounds += _bounds(phase, i, layout)
-        points.append(collocate(phase, i, layout, rows, linear))
+        if isinstance(layout.intervals[0].scheme, OneStep):
+            point, more = shoot(phase, i, layout, columns, rows, linear)
+            points.append(point)
+            blocks += more
+        else:
+            points.append(collocate(phase, i, layout, rows, linear))
         blocks += end_constraint_blocks(phase, i, layout, rows)
         mayer = mayer_block(phase, layout)
         blocks += [mayer] if mayer else []
@@ -96,10 +104,6 @@ def _meshes(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> list[Mesh]:
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     if len(meshes) != len(problem.phases):
         raise InputError(f"The problem has {len(problem.phases)} phases but {len(meshes)} meshes were given.")
-    for m in meshes:
-        for scheme in m.schemes:
-            if not isinstance(scheme, Collocation):
-                raise InputError(f"{scheme!r} is not a collocation scheme.")
     return meshes
 
 
@@ -142,8 +146,8 @@ def _require_point(phase: Phase, layout: PhaseLayout, variable: str, where: Wher
     constant = is_control and len(sites) == 1
     if not constant and sites[at] != (0.0 if where is Where.START else 1.0):
         raise InputError(
-            f"Phase {phase.name!r}: {variable!r} is bounded at the {where.value}, but {type(interval.scheme).__name__} "
-            "has no collocation point there; use a Lobatto scheme."
+            f"Phase {phase.name!r}: {variable!r} is bounded at the {where.value}, but "
+            f"{type(interval.scheme).__name__} has no collocation point there; use a Lobatto scheme."
         )
 
 
@@ -181,7 +185,7 @@ def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: Guess, size:
 
 
 def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
-    w[layout.knots.ravel()] = known.states(layout.mesh.knots).ravel()
+    w[layout.knots.ravel()] = known.states(layout.fractions).ravel()
     for interval in layout.intervals:
         nodes = interval.start + interval.length * interval.scheme.nodes
         # Controls and accelerations may jump at knots: the interval's own side is asked for.
