@@ -55,8 +55,7 @@ def imported_parts(path: Path) -> list[tuple[str, int]]:
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}:{node.lineno}: a relative import"
             names = [
-                f"{node.module}.{alias.name}" if node.module == "robotraj" else str(node.module)
-                for alias in node.names
+                f"{node.module}.{alias.name}" if node.module == "robotraj" else str(node.module) for alias in node.names
             ]
         else:
             continue
@@ -97,3 +96,16 @@ def test_symbolic_stands_alone(path: Path) -> None:
 def test_schemes_transcription_and_solvers_know_nothing_of_robots(folder: str) -> None:
     for path in (PACKAGE / folder).glob("*.py"):
         assert not {part for part, _ in imported_parts(path)} & {"robot", "loading", "symbolic"}, path
+
+
+def test_imports_in_functions_and_for_types_alone_are_seen(tmp_path: Path) -> None:
+    path = tmp_path / "module.py"
+    path.write_text(
+        "from typing import TYPE_CHECKING\n"
+        "import robotraj.errors\n"
+        "if TYPE_CHECKING:\n"
+        "    from robotraj.solution import Solution\n"
+        "def late():\n"
+        "    from robotraj import planning\n"
+    )
+    assert imported_parts(path) == [("errors", 2), ("solution", 4), ("planning", 6)]
