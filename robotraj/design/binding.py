@@ -62,7 +62,7 @@ class Design:
         return tuple(
             (name, one)
             for name, given in self.quantities.items()
-            for one in (given if isinstance(given, Sequence) else (given,))
+            for one in (given if isinstance(given, list | tuple) else (given,))
         )
 
     def check(self, names: Sequence[str], lower: Iterable[float]) -> None:

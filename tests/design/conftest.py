@@ -28,9 +28,7 @@ def beam_model(masses: Array, points: Array, length: float) -> pin.Model:
     model.gravity = pin.Motion.Zero()
     hinge = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "hinge")
     model.appendBodyToJoint(hinge, inertia_of(masses, points), pin.SE3.Identity())
-    model.addFrame(
-        pin.Frame("tip", hinge, 0, pin.SE3(np.eye(3), np.array([length, 0, 0])), pin.FrameType.OP_FRAME)
-    )
+    model.addFrame(pin.Frame("tip", hinge, 0, pin.SE3(np.eye(3), np.array([length, 0, 0])), pin.FrameType.OP_FRAME))
     model.lowerPositionLimit[:], model.upperPositionLimit[:] = -10, 10
     model.upperEffortLimit[:] = model.upperVelocityLimit[:] = 1e30
     return model
