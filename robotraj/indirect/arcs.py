@@ -118,9 +118,7 @@ def _refuse_singular(name: str, times: Array, values: Array, low: float, high: f
             )
 
 
-def _bang_bang(
-    times: Array, values: Array, low: float, high: float, least: float
-) -> list[tuple[float, Side]]:
+def _bang_bang(times: Array, values: Array, low: float, high: float, least: float) -> list[tuple[float, Side]]:
     """Cut into runs at one bound, where the control passes the middle; runs under ``least`` are noise."""
     offset = values - 0.5 * (low + high)
     runs = [(float(times[0]), Side.UPPER if offset[0] > 0 else Side.LOWER)]

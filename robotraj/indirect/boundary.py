@@ -142,9 +142,7 @@ def _switching(equations: Pontryagin, arcs: Sequence[Arc], k: int) -> list[Const
     found: list[Constraint] = []
     if k == 0:
         value = equations.quantity("H", None, sides)
-        found.append(
-            AtStart(PathConstraint(lambda p: value(p) - p.x["hamiltonian"], 0.0, 0.0, "Hamiltonian"))
-        )
+        found.append(AtStart(PathConstraint(lambda p: value(p) - p.x["hamiltonian"], 0.0, 0.0, "Hamiltonian")))
     if k > 0:
         found += [
             AtStart(PathConstraint(equations.quantity("by_u", i, sides), 0.0, 0.0, f"switching function {i}"))
@@ -186,12 +184,8 @@ def _conditions(equations: Pontryagin, count: int, ends: EndData) -> Conditions:
         pi = columns(end.p, [f"pi {i}" for i in range(len(ends.constraints))])
         arguments = (start.t, y0[:nx], end.t, yf[:nx], pi)
         by_x0, by_xf, by_tf = function(*arguments)
-        rows = [
-            y0[i] - ends.start[i] if np.isfinite(ends.start[i]) else y0[nx + i] + by_x0[i] for i in range(nx)
-        ]
-        rows += [
-            yf[i] - ends.end[i] if np.isfinite(ends.end[i]) else yf[nx + i] - by_xf[i] for i in range(nx)
-        ]
+        rows = [y0[i] - ends.start[i] if np.isfinite(ends.start[i]) else y0[nx + i] + by_x0[i] for i in range(nx)]
+        rows += [yf[i] - ends.end[i] if np.isfinite(ends.end[i]) else yf[nx + i] - by_xf[i] for i in range(nx)]
         rows.append(end.x["hamiltonian"] + by_tf if ends.time is None else end.t - ends.time)
         rows.append(start.x["cost"])
         return ca.vertcat(*rows, active(*arguments))
@@ -224,7 +218,5 @@ def _active_rows(equations: Pontryagin, ends: EndData, symbols: dict[str, ca.SX]
         t, x = (symbols["tf"], symbols["xf"]) if at_end else (symbols["t0"], symbols["x0"])
         z, u = ca.SX.zeros(len(dae.algebraic)), ca.SX.zeros(len(dae.controls))
         point = dae.point(t, x, z, u, p, names)
-        rows.append(
-            as_rows(constraint.expression(point), f"expression of {constraint.name!r}")[index] - bound
-        )
+        rows.append(as_rows(constraint.expression(point), f"expression of {constraint.name!r}")[index] - bound)
     return ca.vertcat(*rows) if rows else ca.SX(0, 1)

@@ -41,9 +41,7 @@ def refuse_active_constraints(costates: PhaseCostates) -> None:
     size = max(float(np.max(np.abs(v))) for v in duals.costate.values) + 1e-12
     breaks = duals.costate.breaks
     jumps = [a[0] - b[-1] for a, b in zip(duals.costate.values[1:], duals.costate.values[:-1], strict=True)]
-    felt = [
-        float(t) for t, jump in zip(breaks[1:-1], jumps, strict=True) if np.max(np.abs(jump)) > NOTICED * size
-    ]
+    felt = [float(t) for t, jump in zip(breaks[1:-1], jumps, strict=True) if np.max(np.abs(jump)) > NOTICED * size]
     for curve in (duals.states, duals.algebraic, duals.path):
         for k, (h, values) in enumerate(zip(np.diff(curve.breaks), curve.values, strict=True)):
             busy = np.max(np.abs(values), axis=1, initial=0.0) * h > NOTICED * size
@@ -79,9 +77,7 @@ def complaints(result: Polished, affine: NDArray[np.bool_]) -> list[str]:
                 out = np.maximum(lower[i] - u, u - upper[i])
                 if np.max(out) > HELD * (1.0 + np.max(np.abs(u))):
                     t = s["t"][int(np.argmax(out))]
-                    found.append(
-                        f"{names[i]!r} leaves its bounds by {np.max(out):.2g} at t = {t:.5g} s on arc {k + 1}"
-                    )
+                    found.append(f"{names[i]!r} leaves its bounds by {np.max(out):.2g} at t = {t:.5g} s on arc {k + 1}")
                 if not affine[i] and np.min(s["curvature"][:, i]) < 0:
                     t = s["t"][int(np.argmin(s["curvature"][:, i]))]
                     found.append(f"the Hamiltonian has no minimum in {names[i]!r} at t = {t:.5g} s")
@@ -128,9 +124,7 @@ def _broken(equations: Pontryagin, s: dict[str, Array]) -> list[str]:
         bound = min((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0)
         if np.max(out) > HELD * (1.0 + bound):
             unit = f" {row.unit}" if row.unit else ""
-            found.append(
-                f"{row.label} is broken by {np.max(out):.2g}{unit} at t = {s['t'][int(np.argmax(out))]:.5g} s"
-            )
+            found.append(f"{row.label} is broken by {np.max(out):.2g}{unit} at t = {s['t'][int(np.argmax(out))]:.5g} s")
     return found
 
 
@@ -152,9 +146,7 @@ class Held:
         found: list[tuple[Row, Array]] = []
         for constraint in self.phase.bound_constraints:
             if constraint.where is Where.THROUGHOUT:
-                rows = ca.vertcat(
-                    *as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
-                )
+                rows = ca.vertcat(*as_rows(constraint.expression(point), f"expression of {constraint.name!r}"))
                 function = ca.Function("rows", arguments, [ca.densify(rows)])
                 found += zip(constraint.rows, np.array(function.map(m)(*numbers)).reshape(-1, m), strict=True)
         return found

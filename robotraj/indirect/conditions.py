@@ -86,9 +86,7 @@ class _Along:
             *self._complementarity(),
         ]
 
-    def _line(
-        self, name: str, variable: Variable | str, residual: Array | float, note: str = ""
-    ) -> Condition:
+    def _line(self, name: str, variable: Variable | str, residual: Array | float, note: str = "") -> Condition:
         """Make a line of residuals at the nodes, (m,), or of one at the end."""
         label = variable if isinstance(variable, str) else variable.name
         if np.ndim(residual) == 0:
@@ -104,9 +102,7 @@ class _Along:
         nudge = 1e-9 * self.solution.duration
         rates = np.vstack([slope(np.clip(t, t[0] + nudge, t[-1] - nudge)) for t in self._inner()])
         push = self.at["by_x"] + self.at["states"]
-        size = (
-            np.max(np.abs(push), axis=0) + np.max(np.abs(self.at["costate"]), axis=0) / self.solution.duration
-        )
+        size = np.max(np.abs(push), axis=0) + np.max(np.abs(self.at["costate"]), axis=0) / self.solution.duration
         off = np.abs(rates + push) / (size + SMALL)
         return [self._line("costate equation", s, off[:, i]) for i, s in enumerate(self.dae.states)]
 
@@ -151,9 +147,7 @@ class _Along:
         phi, symbols = potential(equations, ends)
         gradient = ca.vertcat(*(ca.gradient(phi, symbols[name]) for name in ("x0", "xf", "tf")))
         pi = symbols["pi"]
-        function = ca.Function(
-            "phi", list(symbols.values()), [ca.densify(gradient), ca.jacobian(gradient, pi)]
-        )
+        function = ca.Function("phi", list(symbols.values()), [ca.densify(gradient), ca.jacobian(gradient, pi)])
         value, matrix = (np.array(v) for v in function(t0, x0, tf, xf, np.zeros(pi.numel())))
         hamiltonian = float(self.at["H"][-1])
         wanted = np.concatenate([-self.known.initial, self.known.final, [-hamiltonian]]) - value.ravel()
@@ -163,9 +157,7 @@ class _Along:
         size = np.max(np.abs(self.at["costate"]), axis=0) + SMALL
         scale = np.concatenate([size, size, [self._size() + SMALL]])
         nx = len(self.dae.states)
-        labels = [f"{s.name} at the {end}" for end in ("start", "end") for s in self.dae.states] + [
-            "final time"
-        ]
+        labels = [f"{s.name} at the {end}" for end in ("start", "end") for s in self.dae.states] + ["final time"]
         off = np.abs(wanted) / scale
         found = []
         for i in np.flatnonzero(free):

@@ -132,9 +132,7 @@ class Costates:
     def at(self, t: Any) -> CostateSample:
         """Evaluate at a global time, or at times of one phase; at a joint of phases the later one is used."""
         starts = np.array([part.solution.t0 for part in self.phases])
-        owner = np.clip(
-            np.searchsorted(starts, np.asarray(t, dtype=float), side="right") - 1, 0, len(starts) - 1
-        )
+        owner = np.clip(np.searchsorted(starts, np.asarray(t, dtype=float), side="right") - 1, 0, len(starts) - 1)
         if len(np.unique(owner)) > 1:
             raise InputError("The times lie in several phases; ask costates.phases[i].at(t) for each.")
         return self.phases[int(np.atleast_1d(owner)[0])].at(t)

@@ -95,6 +95,7 @@ class _Phase:
 
     def __init__(self, nlp: Nlp, index: int, w: Array, rows: Array, bounds: Array) -> None:
         self.layout: PhaseLayout = nlp.layouts[index]
+        self.schemes = [i.scheme for i in self.layout.intervals if isinstance(i.scheme, Collocation)]
         dae = nlp.problem.phases[index].dae
         self.nx, self.nz, self.nu = len(dae.states), len(dae.algebraic), len(dae.controls)
         self.ng = len(dae.residuals)
@@ -126,8 +127,8 @@ class _Phase:
     def _weights(self) -> Array:
         """Seconds of quadrature that each place stands for, (places,)."""
         weights = np.zeros(self.places)
-        for interval, h in zip(self.layout.intervals, np.diff(self.breaks), strict=True):
-            np.add.at(weights, interval.places, h * interval.scheme.weights)
+        for k, seconds in enumerate(self._seconds()):
+            np.add.at(weights, self.layout.intervals[k].places, seconds)
         return weights
 
     def _bound_density(self, group: str, size: int) -> Density:
@@ -174,13 +175,13 @@ class _Phase:
         stages = [self._stage_costates(k) for k in range(len(nodes))]
         nu = self._residual_shares(stages)
         breaks, sites, values = [self.breaks[0]], [], []
-        for k, interval in enumerate(self.layout.intervals):
+        for k in range(len(self.layout.intervals)):
             pushes = self._pushes(k, stages[k], nu[k])
             start = -self.defects[k].sum(axis=0) + sum((g[1] for g in self.guards.get(k, ())), np.zeros(self.nx))
             if nodes[k][0] == 0.0:
                 start = start + pushes[0]
             cuts, jumps = self._impulses(k)
-            rates = pushes / interval.scheme.weights[:, None]
+            rates = pushes / self.schemes[k].weights[:, None]
             low = 0.0
             for tau, jump in zip([*cuts, 1.0], [*jumps, None], strict=True):
                 inner = lobatto_sites(len(nodes[k]) + 1)
@@ -206,11 +207,11 @@ class _Phase:
 
     def _seconds(self) -> list[Array]:
         """Seconds of quadrature of every node, by interval."""
-        return [h * i.scheme.weights for h, i in zip(np.diff(self.breaks), self.layout.intervals, strict=True)]
+        return [h * scheme.weights for h, scheme in zip(np.diff(self.breaks), self.schemes, strict=True)]
 
     def _stage_costates(self, k: int) -> Array:
         """Lambda of every stage of interval k, (s, nx)."""
-        scheme, mu = self.layout.intervals[k].scheme, self.defects[k]
+        scheme, mu = self.schemes[k], self.defects[k]
         reached = scheme.matrix[scheme.nodes > 0.0]
         coefficients = -(reached.T @ mu[: len(reached)])
         if scheme.nodes[-1] < 1.0:
@@ -222,14 +223,12 @@ class _Phase:
 
     def _shares(self, k: int) -> Array:
         """Part of each place's quadrature weight that interval k holds, (s,)."""
-        interval = self.layout.intervals[k]
-        h = self.breaks[k + 1] - self.breaks[k]
-        return h * interval.scheme.weights / self.weights[interval.places]
+        return self._seconds()[k] / self.weights[self.layout.intervals[k].places]
 
     def _gradient(self, k: int, columns: slice, stage: Array) -> Array:
         """Weighted gradient of l + Lambda' f + eta' h by v[columns] at the nodes of interval k, (s, .)."""
         interval = self.layout.intervals[k]
-        scheme, length = interval.scheme, interval.clock.length
+        scheme, length = self.schemes[k], interval.clock.length
         parts = self.jacobians[interval.places][:, :, columns]
         out = length * scheme.weights[:, None] * np.einsum("ji,jik->jk", stage, parts[:, : self.nx])
         out += length * scheme.objective_weights[:, None] * parts[:, -1]
@@ -268,7 +267,7 @@ class _Phase:
         interval = self.layout.intervals[k]
         columns = slice(0, self.nx)
         parts = self.jacobians[interval.places][:, self.nx : self.nx + self.ng, columns]
-        seconds = (self.breaks[k + 1] - self.breaks[k]) * interval.scheme.weights
+        seconds = (self.breaks[k + 1] - self.breaks[k]) * self.schemes[k].weights
         bounds = self.state_bounds.density[interval.places] * seconds[:, None]
         return self._gradient(k, columns, stage) + np.einsum("ji,jik->jk", nu, parts) + bounds
 
@@ -291,7 +290,7 @@ class _Phase:
     def _control_bounds(self, seconds: list[Array]) -> PiecewisePolynomial:
         """Densities of the controls' bounds at the control's sites, weighed by what a site serves."""
         weights: dict[int, float] = {}
-        served = [s @ i.scheme.control_at_nodes for s, i in zip(seconds, self.layout.intervals, strict=True)]
+        served = [s @ scheme.control_at_nodes for s, scheme in zip(seconds, self.schemes, strict=True)]
         for interval, part in zip(self.layout.intervals, served, strict=True):
             for site, columns in enumerate(interval.controls):
                 for column in columns:

@@ -61,9 +61,7 @@ def find_root(nlp: Nlp, tolerance: float) -> Root:
     def jacobian(w: Array) -> sparse.csc_array:
         parts = [linear.tocoo()]
         for block, chain in zip(blocks, chains, strict=True):
-            small = np.array(block.stage.jacobian.map(block.count)(block.places(w), block.constants)).ravel(
-                order="F"
-            )
+            small = np.array(block.stage.jacobian.map(block.count)(block.places(w), block.constants)).ravel(order="F")
             entries = chain.factors * small[chain.source]
             parts.append(sparse.coo_array((entries, (chain.rows, chain.columns)), shape=linear.shape))
         return sparse.csc_array(sum(parts[1:], parts[0]))
@@ -78,9 +76,7 @@ def find_root(nlp: Nlp, tolerance: float) -> Root:
         try:
             direction = -splu(jacobian(w)).solve(g)
         except RuntimeError:
-            return Root(
-                w * nlp.scale, size, step, "the Jacobian is singular: the arcs do not determine the motion"
-            )
+            return Root(w * nlp.scale, size, step, "the Jacobian is singular: the arcs do not determine the motion")
         part = 1.0
         while True:
             trial = w + part * direction
@@ -97,6 +93,4 @@ def find_root(nlp: Nlp, tolerance: float) -> Root:
         if settled >= 3:
             break
     size = float(np.max(np.abs(g)))
-    return Root(
-        w * nlp.scale, size, step + 1, "" if size < tolerance else f"no convergence in {MOST_STEPS} steps"
-    )
+    return Root(w * nlp.scale, size, step + 1, "" if size < tolerance else f"no convergence in {MOST_STEPS} steps")

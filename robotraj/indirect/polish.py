@@ -12,6 +12,7 @@ optimization, Annals of Operations Research 37 (1992); Bryson and Ho, Applied Op
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -83,9 +84,7 @@ def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
     phase = known.solution.phase
     for name, low, high in zip(phase.parameter_names, *phase.parameter_bounds, strict=True):
         if low < high:
-            raise InputError(
-                f"polish keeps parameters fixed, but {name!r} is unknown; fix it at its planned value."
-            )
+            raise InputError(f"polish keeps parameters fixed, but {name!r} is unknown; fix it at its planned value.")
     refuse_active_constraints(known)
     arcs = find_arcs(known)
     parameters = np.array(list(known.solution.parameters.values()), dtype=float)
@@ -95,7 +94,7 @@ def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
     ends = end_data(equations, x0, xf, known.solution.duration)
     found = _solve(equations, known, arcs, ends, tolerance)
     trouble = found.trouble or "; ".join(complaints(found, affine_controls(known)))
-    result = Polished(**{**vars(found), "trouble": trouble})
+    result = replace(found, trouble=trouble)
     if not result.success:
         raise PolishFailed(f"The plan {phase.name!r} was not polished: {trouble}.\n{result}", result)
     return result
@@ -163,8 +162,7 @@ def _refined(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
     ratio = np.where(np.isfinite(errors[bad]), errors[bad], 1.0) / (0.1 * tolerance)
     pieces[bad] = np.clip(np.ceil(ratio ** (1.0 / (2 * POINTS - 1))), 2, 4).astype(int)
     knots = [
-        np.linspace(a, b, n, endpoint=False)
-        for a, b, n in zip(mesh.knots[:-1], mesh.knots[1:], pieces, strict=True)
+        np.linspace(a, b, n, endpoint=False) for a, b, n in zip(mesh.knots[:-1], mesh.knots[1:], pieces, strict=True)
     ]
     return Mesh([*np.concatenate(knots), 1.0], mesh.scheme)
 
@@ -187,9 +185,7 @@ def _multipliers(equations: Pontryagin, known: PhaseCostates, ends: EndData) -> 
 class FromDirect(Guess):
     """States, costates and controls of a direct solution, arc by arc."""
 
-    def __init__(
-        self, equations: Pontryagin, known: PhaseCostates, arcs: tuple[Arc, ...], multipliers: Array
-    ) -> None:
+    def __init__(self, equations: Pontryagin, known: PhaseCostates, arcs: tuple[Arc, ...], multipliers: Array) -> None:
         self._equations, self._known, self._arcs, self._multipliers = equations, known, arcs, multipliers
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
@@ -212,9 +208,7 @@ class FromDirect(Guess):
             return np.hstack(parts)
 
         multipliers = dict(zip(phase.parameter_names, self._multipliers, strict=False))
-        return PhaseGuess(
-            arc.end - arc.start, states, algebraic, lambda s: np.zeros((len(s), 0)), multipliers
-        )
+        return PhaseGuess(arc.end - arc.start, states, algebraic, lambda s: np.zeros((len(s), 0)), multipliers)
 
 
 class FromArcs(Guess):

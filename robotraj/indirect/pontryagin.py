@@ -82,9 +82,7 @@ class Pontryagin:
         which = self.interior(sides)
         values: list[Any] = []
         for i, side in enumerate(sides):
-            values.append(
-                interior[which.index(i)] if i in which else float(self.bounds[int(side is Side.UPPER), i])
-            )
+            values.append(interior[which.index(i)] if i in which else float(self.bounds[int(side is Side.UPPER), i]))
         return values
 
     @cached_property
@@ -115,9 +113,7 @@ class Pontryagin:
         p = ca.SX(ca.DM(self.parameters))
         pairs = (symbols[:2], symbols[2:])
         start, end = (phase.dae.point(t, x, None, None, p, phase.parameter_names) for t, x in pairs)
-        value = sum(
-            (w * as_rows(t.value(start, end), "Mayer expression")[0] for w, t in phase.end_costs), ca.SX(0)
-        )
+        value = sum((w * as_rows(t.value(start, end), "Mayer expression")[0] for w, t in phase.end_costs), ca.SX(0))
         return float(ca.Function("mayer", symbols, [value])(t0, x0, tf, xf))
 
     def evaluate(self, t: Any, y: Any, a: Any, sides: Sequence[Side]) -> dict[str, ca.SX]:
@@ -144,9 +140,7 @@ class Pontryagin:
             return self.equations(point.t, y, a, sides)
 
         residual = (lambda point: read(point)[1]) if algebraic else None
-        return System(
-            states, [], lambda point: read(point)[0], algebraic=algebraic, residual=residual, name="arc"
-        )
+        return System(states, [], lambda point: read(point)[0], algebraic=algebraic, residual=residual, name="arc")
 
     def quantity(self, name: str, index: int | None, sides: Sequence[Side]) -> Any:
         """Give an output as an expression of a point of an arc: ``"H"``, or entry ``index`` of ``"by_u"``."""

@@ -34,8 +34,13 @@ def kirk() -> Known:
 
     def phase(start: Any = (0.0, 0.0), **more: Any) -> rt.Phase:
         return rt.Phase(
-            system, 2.0, rt.State(list(start)), rt.State([5, 2]), rt.Lagrange(half_square),
-            controls={"u": rt.between(-50, 50)}, **more,
+            system,
+            2.0,
+            rt.State(list(start)),
+            rt.State([5, 2]),
+            rt.Lagrange(half_square),
+            controls={"u": rt.between(-50, 50)},
+            **more,
         )
 
     grown, decayed = np.exp(2.0) / 2, np.exp(-2.0) / 2
@@ -60,8 +65,13 @@ def bryson_denham() -> Known:
         top = 1 / 9
         path = [rt.PathConstraint(lambda point: point.x["x"], upper=top)]
         return rt.Phase(
-            system, 1.0, rt.State(list(start)), rt.State([0, -1]), rt.Lagrange(half_square),
-            constraints=path if as_path else [], states={} if as_path else {"x": rt.between(None, top)},
+            system,
+            1.0,
+            rt.State(list(start)),
+            rt.State([0, -1]),
+            rt.Lagrange(half_square),
+            constraints=path if as_path else [],
+            states={} if as_path else {"x": rt.between(None, top)},
         )
 
     def costates(t: Any) -> Any:
@@ -79,7 +89,12 @@ def block() -> Callable[..., rt.Phase]:
 
     def phase(start: Any = (0.0, 0.0)) -> rt.Phase:
         return rt.Phase(
-            system, (0.1, 20), rt.State(list(start)), rt.State([10, 0]), rt.Duration(), controls={"u": rt.between(-1, 1)}
+            system,
+            (0.1, 20),
+            rt.State(list(start)),
+            rt.State([10, 0]),
+            rt.Duration(),
+            controls={"u": rt.between(-1, 1)},
         )
 
     return phase
@@ -103,8 +118,11 @@ def swing_up() -> Callable[..., rt.Phase]:
 def algebraic() -> Callable[..., rt.Phase]:
     """An index-1 DAE, w + 0.1 w^3 = u, xdot = w - x, with a Mayer term on the free end."""
     system = rt.System(
-        ["x"], ["u"], lambda point: [point.z["w"] - point.x["x"]],
-        algebraic=["w"], residual=lambda point: [point.z["w"] + 0.1 * point.z["w"] ** 3 - point.u["u"]],
+        ["x"],
+        ["u"],
+        lambda point: [point.z["w"] - point.x["x"]],
+        algebraic=["w"],
+        residual=lambda point: [point.z["w"] + 0.1 * point.z["w"] ** 3 - point.u["u"]],
     )
 
     def phase(start: float = 1.0) -> rt.Phase:

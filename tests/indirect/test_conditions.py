@@ -1,0 +1,105 @@
+"""The report on Pontryagin's necessary conditions: quiet on optima, loud on what is none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.trajectory import PiecewisePolynomial
+
+
+def tampered(solution: rt.Solution, factor: Any) -> rt.Solution:
+    """The solution with costates multiplied by ``factor``, one number a state."""
+    duals = solution.duals[0]
+    curve = duals.costate
+    wrong = PiecewisePolynomial(curve.breaks, curve.sites, [v * np.asarray(factor) for v in curve.values])
+    return replace(solution, duals=(replace(duals, costate=wrong),))
+
+
+@pytest.mark.parametrize(
+    "scheme", [rt.HermiteSimpson(), rt.FifthDegree(), rt.RadauIIA(3), rt.GaussLegendre(3)], ids=str
+)
+def test_all_conditions_hold_on_a_smooth_optimum_and_the_finer_the_mesh_the_better(kirk: Any, scheme: Any) -> None:
+    coarse, fine = (rt.conditions(rt.plan(kirk.phase(), rt.Mesh(n, scheme))) for n in (8, 32))
+    assert fine.passed
+    fine.check()
+    for name in ("costate equation", "stationarity", "Hamiltonian"):
+        assert fine.worst(name) < max(0.2 * coarse.worst(name), 1e-8)
+
+
+def test_a_state_constraint_that_is_touched_is_part_of_the_costate_equation(bryson_denham: Any) -> None:
+    for as_path in (False, True):
+        report = rt.conditions(rt.plan(bryson_denham.phase(as_path=as_path), rt.Mesh(30)), tolerance=1e-3)
+        assert report.passed, str(report)
+
+
+def test_a_robot_with_a_saturated_motor_is_reported_by_joint(swing_up: Any) -> None:
+    report = rt.conditions(rt.plan(swing_up(force=12.0), rt.Mesh(80)))
+    assert report.passed, str(report)
+    saturated = [c for c in report.conditions if c.name == "saturation"]
+    assert [c.label for c in saturated] == ["tau.slider"]
+    assert "costate equation  v.pole" in str(report)
+    assert "effort limit, slider" in str(report)
+
+
+def test_minimum_time_asks_for_a_hamiltonian_of_minus_one(block: Any) -> None:
+    # The interval beside the switch bends, and moves H there by the square of its length.
+    report = rt.conditions(rt.plan(block(), rt.Mesh(20)), tolerance=2e-2)
+    assert report.passed, str(report)
+    final = next(c for c in report.conditions if c.label == "final time")
+    assert final.residual < 1e-5
+    assert "H = -1" in final.note
+
+
+def test_free_ends_ask_for_the_gradient_of_the_end_cost(algebraic: Any) -> None:
+    report = rt.conditions(rt.plan(algebraic(), rt.Mesh(20)))
+    assert report.passed, str(report)
+    line = next(c for c in report.conditions if c.name == "transversality")
+    assert line.label == "x at the end"
+    assert line.residual < 1e-6
+
+
+def test_a_hamiltonian_that_depends_on_time_changes_by_its_explicit_rate() -> None:
+    system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], 2 * p.u["u"] - ca.sin(3 * p.t)])
+    phase = rt.Phase(
+        system, (0.5, 4), rt.State([0, 0]), rt.State([2, None]), rt.Lagrange(lambda p: p.u["u"] ** 2) + rt.Duration()
+    )
+    solution = rt.plan(phase, rt.Mesh(40))
+    report = rt.conditions(solution)
+    assert report.passed, str(report)
+    assert report.worst("Hamiltonian") < 1e-4
+    assert np.ptp(rt.costates(solution).at(solution.knots).hamiltonian) > 0.1
+
+
+def test_wrong_costates_are_found_out_and_named(kirk: Any) -> None:
+    solution = rt.plan(kirk.phase(), rt.Mesh(20))
+    report = rt.conditions(tampered(solution, [1.0, 1.2]))
+    assert not report.passed
+    assert {(c.name, c.label) for c in report.failed} >= {("costate equation", "v"), ("stationarity", "u")}
+    with pytest.raises(rt.ValidationFailed, match="refine the mesh"):
+        report.check()
+    assert "OFF" in str(report)
+
+
+def test_a_control_at_the_wrong_bound_is_found_out(block: Any) -> None:
+    report = rt.conditions(tampered(rt.plan(block(), rt.Mesh(20)), [-1.0, -1.0]))
+    assert report.worst("saturation") > 0.5
+
+
+def test_end_constraints_carry_their_multipliers_into_transversality() -> None:
+    arm = rt.load("two_link_arm")
+    tip = rt.PathConstraint(lambda p: [p.frame("tip").position[i] for i in (0, 1)], [1.7, 0.95], [1.7, 0.95], "tip")
+    phase = rt.Phase(arm, 2.0, rt.State(q=[0.3, 0.2], v=0), rt.State(v=0), rt.Effort(), constraints=[rt.AtEnd(tip)])
+    report = rt.conditions(rt.plan(phase, rt.Mesh(40)))
+    assert report.worst("transversality") < 1e-5
+    assert report.passed, str(report)
+
+
+def test_a_tolerance_below_zero_is_refused(kirk: Any) -> None:
+    with pytest.raises(rt.InputError, match="above 0"):
+        rt.conditions(rt.plan(kirk.phase(), rt.Mesh(5)), tolerance=0)
