@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.constraints import Row, Where
+from robotraj.dynamics.system import as_rows
 from robotraj.refinement.error import interval_errors
 from robotraj.refinement.strategy import Assessment
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.guards import SAMPLES, guardable
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
@@ -19,7 +23,9 @@ Array = NDArray[np.float64]
 
 def assess(phase: Phase, trajectory: PhaseTrajectory, settled: bool) -> Assessment:
     """Errors and control jumps of every interval of a phase."""
-    return Assessment(interval_errors(phase, trajectory), _jumps(trajectory), _decays(trajectory), settled)
+    return Assessment(
+        interval_errors(phase, trajectory), _jumps(trajectory), _decays(trajectory), _broken(phase, trajectory), settled
+    )
 
 
 def _jumps(trajectory: PhaseTrajectory) -> Array:
@@ -33,6 +39,36 @@ def _jumps(trajectory: PhaseTrajectory) -> Array:
     # A switch may also stand between the last node of one interval and the first of the next.
     ends = np.array([np.max(np.abs(b[0] - a[-1]) / span) for a, b in zip(values[:-1], values[1:], strict=True)])
     return np.maximum(inside, np.maximum(np.append(ends, 0.0), np.append(0.0, ends)))
+
+
+def _broken(phase: Phase, trajectory: PhaseTrajectory) -> Array:
+    """Look between the nodes at path rows that read more than the state; those of states alone have guards."""
+    breaks, count = trajectory.x.breaks, len(trajectory.x.values)
+    guarded = {(constraint, row) for constraint, row, *_ in guardable(phase)}
+    dae = phase.dae
+    sizes = {"t": 1, "x": len(dae.states), "z": len(dae.algebraic), "u": len(dae.controls), "p": len(trajectory.parameters)}
+    t, x, z, u, p = symbols = [ca.SX.sym(name, size) for name, size in sizes.items()]
+    point = dae.point(t, x, z, u, p, phase.parameter_names)
+    rows: list[Row] = []
+    values: list[ca.SX] = []
+    for c, constraint in enumerate(phase.bound_constraints):
+        if constraint.where is Where.THROUGHOUT and any(row.variable is None for row in constraint.rows):
+            entries = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
+            chosen = [r for r, row in enumerate(constraint.rows) if row.variable is None and (c, r) not in guarded]
+            rows += [constraint.rows[r] for r in chosen]
+            values += [entries[r] for r in chosen]
+    if not rows:
+        return np.zeros(count)
+    inner = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    times = (breaks[:-1, None] + np.diff(breaks)[:, None] * inner).ravel()
+    curves = [curve(times).T for curve in (trajectory.x, trajectory.z, trajectory.u)]
+    parameters = np.tile(np.array(list(trajectory.parameters.values()))[:, None], len(times))
+    function = ca.Function("rows", symbols, [ca.densify(ca.vertcat(*values))]).map(len(times))
+    seen = np.array(function(times[None, :], *curves, parameters)).reshape(len(rows), count, SAMPLES)
+    lower, upper = (np.array([getattr(row, side) for row in rows])[:, None, None] for side in ("lower", "upper"))
+    over = np.maximum((lower - seen) / (1 + np.abs(np.where(np.isfinite(lower), lower, 0.0))),
+                      (seen - upper) / (1 + np.abs(np.where(np.isfinite(upper), upper, 0.0))))
+    return np.asarray(over.max(axis=(0, 2)))
 
 
 def _decays(trajectory: PhaseTrajectory) -> Array:

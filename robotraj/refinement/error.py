@@ -1,7 +1,8 @@
 """Error of a collocated trajectory between its nodes, interval by interval.
 
-At any time the collocated polynomial x(t) has the residual e(t) = xdot(t) - f(x, z, u, p, t), zero at the nodes only. Betts
-measures an interval by the integral of its absolute value, relative to the size of each state,
+At any time the collocated polynomial x(t) has the residual e(t) = xdot(t) - f(x, z, u, p, t), zero at the nodes only. Kelly
+measures an interval by the integral of its absolute value, state by state and in the state's own unit; Betts relates that to
+the size of each state and takes the largest,
 
     eta_i = integral |e_i| dt,    error = max_i eta_i / (1 + max over t of |x_i|, |xdot_i|).
 
@@ -30,7 +31,21 @@ NEWTON_STEPS = 4
 
 
 def interval_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
-    """Relative error of every interval, (K,).
+    """Relative error of every interval by Betts's definition, (K,).
+
+    Parameters
+    ----------
+    phase : Phase
+    trajectory : PhaseTrajectory
+        Its polynomials.
+    """
+    x, rates = trajectory.x, trajectory.x.derivative()
+    size = 1.0 + np.max([np.abs(value).max(axis=0) for curve in (x, rates) for value in curve.values], axis=0)
+    return np.asarray((state_errors(phase, trajectory) / size).max(axis=1))
+
+
+def state_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
+    """Integral of |xdot - f| over every interval by Kelly's definition, (K, nx), each in its state's unit.
 
     Parameters
     ----------
@@ -41,44 +56,39 @@ def interval_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
     breaks = trajectory.x.breaks
     rates = trajectory.x.derivative()
     counts = [len(sites) + 2 for sites in trajectory.z.sites]
-    times, weights, owner = [], [], []
+    times: list[Array] = []
+    weights: list[Array] = []
     for k, count in enumerate(counts):
         points, w = np.polynomial.legendre.leggauss(count)
         length = breaks[k + 1] - breaks[k]
         times.append(breaks[k] + 0.5 * length * (points + 1.0))
         weights.append(0.5 * length * w)
-        owner.append(np.full(count, k))
-    t, weight, k = (np.concatenate(part) for part in (times, weights, owner))
+    t, weight = np.concatenate(times), np.concatenate(weights)
+    owner = np.repeat(np.arange(len(counts)), counts)
     x, xdot, z, u = (curve(t) for curve in (trajectory.x, rates, trajectory.z, trajectory.u))
     f = _rates(phase, t, x, z, u, np.array(list(trajectory.parameters.values())))
     eta = np.zeros((len(counts), x.shape[1]))
-    np.add.at(eta, k, weight[:, None] * np.abs(xdot - f))
-    size = 1.0 + np.maximum(np.abs(x).max(axis=0), np.abs(xdot).max(axis=0))
-    return np.asarray((eta / size).max(axis=1))
+    np.add.at(eta, owner, weight[:, None] * np.abs(xdot - f))
+    return eta
 
 
 def _rates(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Array:
     """f at samples with z solved from g = 0, (m, nx)."""
     dae = phase.dae
-    symbols = [ca.SX.sym("t")] + [
-        ca.SX.sym(name, size)
-        for name, size in (
-            ("x", len(dae.states)),
-            ("z", len(dae.algebraic)),
-            ("u", len(dae.controls)),
-            ("p", len(p)),
-        )
-    ]
-    point = dae.point(*symbols, phase.parameter_names)
+    sizes = {"t": 1, "x": len(dae.states), "z": len(dae.algebraic), "u": len(dae.controls), "p": len(p)}
+    symbols = [ca.SX.sym(name, size) for name, size in sizes.items()]
+    time, state, algebraic, control, parameter = symbols
+    point = dae.point(time, state, algebraic, control, parameter, phase.parameter_names)
     f = ca.Function("f", symbols, [ca.densify(dae.rates(point))]).map(len(t))
     parameters = np.tile(p[:, None], len(t))
     if z.shape[1]:
         g = dae.residual(point)
-        step = ca.Function("g", symbols, [ca.densify(g), ca.densify(ca.jacobian(g, symbols[2]))]).map(len(t))
+        step = ca.Function("g", symbols, [ca.densify(g), ca.densify(ca.jacobian(g, algebraic))]).map(len(t))
         for _ in range(NEWTON_STEPS):
             rows, slopes = step(t[None, :], x.T, z.T, u.T, parameters)
-            matrices = np.array(slopes).reshape(z.shape[1], len(t), z.shape[1]).transpose(1, 0, 2)
-            change = np.linalg.solve(matrices, np.array(rows).T[:, :, None])[:, :, 0]
+            matrices = np.array(slopes).reshape(len(dae.residuals), len(t), z.shape[1]).transpose(1, 0, 2)
+            # Slack variables that an objective brought leave more unknowns than rows: the least change holds them.
+            change = (np.linalg.pinv(matrices) @ np.array(rows).T[:, :, None])[:, :, 0]
             z = z - change
             if np.max(np.abs(change)) <= 1e-12 * (1.0 + np.max(np.abs(z))):
                 break

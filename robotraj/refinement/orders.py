@@ -73,12 +73,12 @@ class SplitOrRaise(Refinement):
 
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
         """Decide interval by interval."""
+        switching = self.splitting.switching(assessment)
         knots, schemes = [0.0], list[Scheme]()
         for k, scheme in enumerate(mesh.schemes):
-            rough = assessment.jumps[k] > self.splitting.jump or assessment.decays[k] < self.decay
+            rough = switching[k] or assessment.decays[k] < self.decay
             wanted = self.raising.points(scheme, assessment, k, tolerance)
-            switching = assessment.jumps[k] > self.splitting.jump and not assessment.settled
-            split = switching or (wanted > points_of(scheme) and (rough or wanted > self.raising.most))
+            split = (switching[k] and not assessment.settled) or (wanted > points_of(scheme) and (rough or wanted > self.raising.most))
             parts = max(2, self.splitting.parts(assessment.errors[k], scheme, tolerance)) if split else 1
             assert isinstance(scheme, Collocation)
             ends = np.linspace(mesh.knots[k], mesh.knots[k + 1], parts + 1)

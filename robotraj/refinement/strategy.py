@@ -26,6 +26,8 @@ class Assessment:
         Largest change of a control inside every interval, relative to its range over the phase.
     decays : ndarray (K,)
         Decades by which the Legendre coefficients of the states fall per degree; large where they are smooth.
+    broken : ndarray (K,)
+        How far path rows that read controls or accelerations are broken inside every interval, relative to 1 + |bound|.
     settled : bool
         Whether the objective changed by less than the tolerance since the last mesh.
     """
@@ -33,6 +35,7 @@ class Assessment:
     errors: Array
     jumps: Array
     decays: Array
+    broken: Array
     settled: bool
 
 
@@ -58,10 +61,13 @@ class SplitAndMerge(Refinement):
         Largest number of parts that one interval is cut into at once.
     jump : float
         Relative change of a control, inside an interval, that counts as a switch.
+    path : float
+        How far a path row that reads controls may be broken between nodes, relative to 1 + |bound|.
     """
 
     most: int = 4
     jump: float = 0.2
+    path: float = 1e-3
 
     def __post_init__(self) -> None:
         if self.most < 2:
@@ -77,7 +83,7 @@ class SplitAndMerge(Refinement):
             ]
         )
         if not assessment.settled:
-            switching = assessment.jumps > self.jump
+            switching = self.switching(assessment)
             parts[switching] = np.maximum(parts[switching], 2)
         new_knots, new_schemes = [0.0], list[Scheme]()
         k = 0
@@ -90,6 +96,10 @@ class SplitAndMerge(Refinement):
             new_schemes += [schemes[k]] * parts[k]
             k = last
         return Mesh(tuple(new_knots), tuple(new_schemes))
+
+    def switching(self, assessment: Assessment) -> NDArray[np.bool_]:
+        """Intervals inside which a control jumps or a path row is broken, (K,)."""
+        return np.asarray((assessment.jumps > self.jump) | (assessment.broken > self.path))
 
     def parts(self, error: float, scheme: Scheme, tolerance: float) -> int:
         """Parts that an interval of this error should be cut into."""
