@@ -111,11 +111,11 @@ def collocate(
         scheme = interval.scheme
         nodes, places, length = scheme.nodes, interval.places, interval.clock.length
         targets = [(j, interval.states[j], scheme.matrix[j]) for j in range(len(nodes)) if nodes[j] > 0.0]
-        fractions = [interval.start + interval.length * nodes[j] for j, _, _ in targets]
+        reached = [interval.start + interval.length * nodes[j] for j, _, _ in targets]
         if nodes[-1] < 1.0:
             targets.append((-1, interval.right, scheme.weights))
-            fractions.append(interval.start + interval.length)
-        added = rows.add(defects, np.array(fractions), 0.0, 0.0)
+            reached.append(interval.start + interval.length)
+        added = rows.add(defects, np.array(reached), 0.0, 0.0)
         for at, (_, state, coefficients) in zip(added, targets, strict=True):
             linear.add(at, state, 1.0)
             linear.add(at, interval.left, -1.0)

@@ -6,13 +6,14 @@ Only these small SX graphs are ever differentiated; the NLP's derivatives follow
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any, TypeAlias
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 Pattern = tuple[NDArray[np.int_], NDArray[np.int_]]
-Symbols = ca.SX | ca.MX
+Symbols: TypeAlias = Any
 
 
 class Stage:
