@@ -27,6 +27,7 @@ section 4.11.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,6 +91,12 @@ def covectors(nlp: Nlp, w: Array, multipliers: Multipliers) -> tuple[PhaseDuals,
     return tuple(_Phase(nlp, i, w, rows, bounds).duals() for i in range(len(nlp.layouts)))
 
 
+@lru_cache(maxsize=1024)
+def _integrals(nodes: tuple[float, ...], tau: tuple[float, ...]) -> Array:
+    """Integrals of the Lagrange polynomials, the same on every interval of a scheme."""
+    return integrals(np.array(nodes), np.array(tau))
+
+
 class _Phase:
     """The arrays of one phase while its multipliers are mapped."""
 
@@ -127,7 +134,7 @@ class _Phase:
     def _weights(self) -> Array:
         """Seconds of quadrature that each place stands for, (places,)."""
         weights = np.zeros(self.places)
-        for k, seconds in enumerate(self._seconds()):
+        for k, seconds in enumerate(self._seconds):
             np.add.at(weights, self.layout.intervals[k].places, seconds)
         return weights
 
@@ -185,11 +192,11 @@ class _Phase:
             low = 0.0
             for tau, jump in zip([*cuts, 1.0], [*jumps, None], strict=True):
                 inner = lobatto_sites(len(nodes[k]) + 1)
-                values.append(start - integrals(nodes[k], low + (tau - low) * inner) @ rates)
+                values.append(start - _integrals(tuple(nodes[k]), tuple(low + (tau - low) * inner)) @ rates)
                 sites.append(inner)
                 breaks.append(self.breaks[k] + tau * (self.breaks[k + 1] - self.breaks[k]))
                 start, low = (start if jump is None else start - jump), tau
-        seconds = self._seconds()
+        seconds = self._seconds
 
         def at_nodes(per_place: Array) -> PiecewisePolynomial:
             each = [per_place[interval.places] for interval in self.layout.intervals]
@@ -205,6 +212,7 @@ class _Phase:
             self._control_bounds(seconds),
         )
 
+    @cached_property
     def _seconds(self) -> list[Array]:
         """Seconds of quadrature of every node, by interval."""
         return [h * scheme.weights for h, scheme in zip(np.diff(self.breaks), self.schemes, strict=True)]
@@ -223,7 +231,7 @@ class _Phase:
 
     def _shares(self, k: int) -> Array:
         """Part of each place's quadrature weight that interval k holds, (s,)."""
-        return self._seconds()[k] / self.weights[self.layout.intervals[k].places]
+        return self._seconds[k] / self.weights[self.layout.intervals[k].places]
 
     def _gradient(self, k: int, columns: slice, stage: Array) -> Array:
         """Weighted gradient of l + Lambda' f + eta' h by v[columns] at the nodes of interval k, (s, .)."""
