@@ -1,0 +1,128 @@
+"""Multistart: distinct optima told apart, counted and ranked, the same on any executor."""
+
+from __future__ import annotations
+
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.errors import InputError
+
+
+def two_ways(cost_of_left: float = 1.0) -> rt.Phase:
+    """Ways past a disc of radius 1 at the origin: left (y > 0) and right are optima, left the dearer one."""
+    system = rt.System(["x", "y"], ["u", "w"], lambda point: [point.u["u"], point.u["w"]])
+    return rt.Phase(
+        system,
+        duration=1.0,
+        start=rt.State([-2, 0.01]),
+        end=rt.State([2, 0.01]),
+        states={"y": rt.between(-3, 3)},
+        objective=rt.Effort() + rt.Lagrange(lambda point: cost_of_left * point.x["y"]),
+        constraints=[rt.PathConstraint(lambda p: p.x["x"] ** 2 + p.x["y"] ** 2, lower=1.0, name="obstacle")],
+    )
+
+
+def search(phase: rt.Phase, **options: object) -> rt.Multistart:
+    with ThreadPoolExecutor(1) as here:
+        return rt.multistart(phase, **({"starts": 8, "mesh": rt.Mesh(12), "executor": here} | options))
+
+
+def test_both_ways_are_found_counted_and_ranked() -> None:
+    found = search(two_ways())
+    right, left = found.optima
+    assert right.objective < left.objective
+    assert right.solution.at(0.5).x["y"] < -0.9 and left.solution.at(0.5).x["y"] > 0.9
+    numbers = sorted([*right.starts, *left.starts])
+    assert len(set(numbers)) == len(numbers)
+    assert len(numbers) + sum(found.failures.values()) == found.starts == 8
+    assert found.best is right.solution
+    assert "2 distinct local optima" in str(found)
+
+
+def test_mirror_images_of_equal_cost_are_two_optima() -> None:
+    system = two_ways(0.0)
+    even = rt.Phase(
+        system.subject,
+        duration=1.0,
+        start=rt.State([-2, 0]),
+        end=rt.State([2, 0]),
+        states=system.states,
+        objective=rt.Effort(),
+        constraints=system.constraints,
+    )
+    found = search(even, guess=rt.Perturbed(rt.StraightLine(), (7,), 0.3))
+    costs = [optimum.objective for optimum in found.optima]
+    assert len(costs) == 2
+    assert costs[0] == pytest.approx(costs[1], rel=1e-6)
+
+
+def test_a_convex_problem_has_one_optimum() -> None:
+    system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    phase = rt.Phase(system, duration=1.0, start=rt.State([0, 0]), end=rt.State([1, 0]), objective=rt.Effort())
+    found = search(phase, spread=1.0)
+    assert [len(optimum.starts) for optimum in found.optima] == [8]
+    assert found.best.objective == pytest.approx(12.0, rel=1e-8)
+    assert "1 distinct local optimum" in str(found)
+
+
+def test_failures_are_counted_by_status() -> None:
+    found = search(two_ways(), solver=rt.Ipopt(max_iterations=2))
+    assert found.failures == {rt.Status.ITERATION_LIMIT: 8}
+    assert found.optima == ()
+    with pytest.raises(InputError, match="None of the 8 starts"):
+        _ = found.best
+    assert "failed, iteration limit: 8" in str(found)
+
+
+def test_seeds_decide_the_answer() -> None:
+    one, same, other = (search(two_ways(), seed=seed) for seed in (1, 1, 2))
+    assert str(one) == str(same)
+    assert [o.starts for o in one.optima] != [o.starts for o in other.optima]
+
+
+@pytest.mark.slow
+def test_the_executor_does_not() -> None:
+    with ThreadPoolExecutor(2) as threads, ProcessPoolExecutor(2, get_context("spawn")) as processes:
+        found = [search(two_ways(), executor=executor) for executor in (threads, processes)]
+    reference = search(two_ways())
+    for result in found:
+        assert str(result) == str(reference)
+        for mine, known in zip(result.optima, reference.optima, strict=True):
+            np.testing.assert_array_equal(
+                mine.solution.phases[0].trajectory.u.values, known.solution.phases[0].trajectory.u.values
+            )
+
+
+def test_wrong_arguments_are_named() -> None:
+    with pytest.raises(InputError, match="at least 1 start"):
+        rt.multistart(two_ways(), starts=0)
+    with pytest.raises(InputError, match="check="):
+        rt.multistart(two_ways(), check=True)
+    with pytest.raises(InputError, match="got int"):
+        rt.multistart(3)
+
+
+@pytest.mark.slow
+def test_cartpole_has_two_optima_and_the_straight_line_leads_to_the_dearer_one() -> None:
+    swing_up = rt.Phase(
+        rt.load("cartpole"),
+        duration=2.0,
+        start=rt.State(q=0, v=0),
+        end=rt.State(q=[1.0, np.pi], v=0),
+        objective=rt.Effort(),
+    )
+    found = search(swing_up, starts=20, mesh=rt.Mesh(40))
+    best, known = found.optima[:2]
+    # References, from another implementation on finer meshes; Hermite-Simpson at 40 intervals errs by 5e-6.
+    assert best.objective == pytest.approx(57.94478030, rel=1e-5)
+    assert known.objective == pytest.approx(58.8076675, rel=1e-5)
+    assert 0 in known.starts and 0 not in best.starts
+    assert len(best.starts) >= 3 and len(known.starts) >= 3
+    times = np.linspace(0.0, 2.0, 401)
+    assert best.solution.at(times).q[:, 0].min() == pytest.approx(-0.1035, abs=1e-3)
+    assert known.solution.at(times).q[:, 0].max() == pytest.approx(1.1792, abs=1e-3)
+    assert "57.945" in str(found) and "58.807" in str(found)

@@ -1,0 +1,148 @@
+"""Sweeps: the same answers in the same order on any executor, failures among them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.errors import InputError
+
+MESH = rt.Mesh(8)
+
+
+def moves() -> list[rt.Phase]:
+    """Rest to rest over 1 m: effort 12 / T^3; the third is too fast for its control."""
+    system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    bounds = [20.0, 20.0, 1.0, 20.0]
+    return [
+        rt.Phase(
+            system,
+            duration=duration,
+            start=rt.State([0, 0]),
+            end=rt.State([1, 0]),
+            controls={"u": rt.between(-bound, bound)},
+            objective=rt.Lagrange(lambda point: point.u["u"] ** 2),
+        )
+        for duration, bound in zip((1.0, 2.0, 0.5, 4.0), bounds, strict=True)
+    ]
+
+
+class Backwards(Executor):
+    """Starts nothing until everything was submitted, then runs the last task first."""
+
+    def __init__(self) -> None:
+        self._tasks: list[tuple[Future, object, tuple]] = []
+
+    def submit(self, function, /, *arguments):  # type: ignore[no-untyped-def]
+        future: Future = Future()
+        self._tasks.append((future, function, arguments))
+        if len(self._tasks) == 4:
+            threading.Thread(target=self._run).start()
+        return future
+
+    def _run(self) -> None:
+        for future, function, arguments in reversed(self._tasks):
+            future.set_result(function(*arguments))
+
+
+def check(found: list[rt.Solution], problems: list[rt.Phase]) -> None:
+    expected = [12.0, 1.5, None, 12.0 / 64.0]
+    for solution, objective, phase in zip(found, expected, problems, strict=True):
+        assert solution.problem.phases[0] is phase
+        assert solution.phases[0].phase is phase
+        if objective is None:
+            assert solution.status is rt.Status.INFEASIBLE
+            assert solution.violations()
+        else:
+            assert solution.objective == pytest.approx(objective, rel=1e-7)
+            assert solution.at(0.0).x["x"] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("make", [lambda: ThreadPoolExecutor(1), lambda: ThreadPoolExecutor(2), Backwards])
+def test_order_and_failures_are_kept_on_threads(make: object) -> None:
+    problems = moves()
+    with make() as executor:
+        check(rt.sweep(problems, executor=executor, mesh=MESH), problems)
+
+
+@pytest.mark.slow
+def test_lambdas_travel_to_processes_and_answers_are_identical() -> None:
+    problems = moves()
+    with ProcessPoolExecutor(2, get_context("spawn")) as executor:
+        there = rt.sweep(problems, executor=executor, mesh=MESH)
+    check(there, problems)
+    with ThreadPoolExecutor(1) as executor:
+        here = rt.sweep(problems, executor=executor, mesh=MESH)
+    for one, other in zip(there, here, strict=True):
+        np.testing.assert_array_equal(one.phases[0].trajectory.u.values, other.phases[0].trajectory.u.values)
+        assert one.iterations == other.iterations
+
+
+@pytest.mark.slow
+def test_robots_travel_to_the_default_processes_of_a_script(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import robotraj as rt\n"
+        "def problem(weight):\n"
+        "    ends = dict(start=rt.State(q=0, v=0), end=rt.State(q=[0.5, 0.5], v=0))\n"
+        "    speed = rt.Lagrange(lambda point: weight * point.v[0] ** 2)\n"
+        "    return rt.Phase(rt.load('two_link_arm'), duration=5.0, objective=rt.Effort() + speed, **ends)\n"
+        "if __name__ == '__main__':\n"
+        "    found = rt.sweep([problem(w) for w in (0.0, 1.0)], mesh=rt.Mesh(30))\n"
+        "    assert all(s.success for s in found)\n"
+        "    assert found[0].objective < found[1].objective\n"
+        "    assert rt.validate(found[1]).passed\n"
+        "    print('done')\n"
+    )
+    run = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120)
+    assert run.stdout.strip() == "done", run.stderr
+
+
+@pytest.mark.slow
+def test_a_script_without_a_guard_is_told_what_to_do(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import robotraj as rt\n"
+        "system = rt.System(['x'], ['u'], lambda point: [point.u['u']])\n"
+        "phase = rt.Phase(system, duration=1.0, start=rt.State([0]), end=rt.State([1]), objective=rt.Effort())\n"
+        "rt.sweep([phase])\n"
+    )
+    run = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120)
+    assert run.returncode != 0
+    assert "if __name__ == '__main__':" in run.stderr.splitlines()[-1]
+
+
+def test_nothing_to_plan_gives_nothing() -> None:
+    assert rt.sweep([]) == []
+
+
+def test_problems_and_phases_keep_no_derived_state_when_pickled() -> None:
+    import cloudpickle
+
+    phase = moves()[0]
+    _ = phase.bound_constraints, phase.dae
+    again = cloudpickle.loads(cloudpickle.dumps(rt.Problem([phase])))
+    assert set(vars(again.phases[0])) <= set(vars(moves()[0])) | {"bound_links"}
+    assert rt.plan(again, mesh=MESH).objective == pytest.approx(12.0, rel=1e-7)
+
+
+def test_wrong_arguments_are_named() -> None:
+    with pytest.raises(InputError, match="number 1 is a int"):
+        rt.sweep([moves()[0], 3])
+    with pytest.raises(InputError, match="check="):
+        rt.sweep(moves(), check=False)
+    with pytest.raises(InputError, match="executor"):
+        rt.sweep(moves(), executor=2)
+    lock = threading.Lock()
+    system = rt.System(["x"], ["u"], lambda point: [point.u["u"] * (1 if lock else 0)])
+    phase = rt.Phase(system, duration=1.0)
+    with ThreadPoolExecutor(1) as executor, pytest.raises(InputError, match="cannot be pickled"):
+        rt.sweep([phase], executor=executor)
