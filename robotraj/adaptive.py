@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from robotraj.errors import InputError
 from robotraj.guess import Guess
 from robotraj.problem import Problem
 from robotraj.refinement import Assessment, Refinement, assess
-from robotraj.schemes import Mesh
+from robotraj.schemes import Collocation, Mesh
 from robotraj.solution import MeshStep, Solution
 from robotraj.solvers import Progress, Solver
 from robotraj.solving import GUARD_TOLERANCE, solve
@@ -33,8 +34,19 @@ def adapt(
 
     Each mesh starts from the solution on the one before. A solution whose tolerance was not reached says so in its
     status.
+
+    Raises
+    ------
+    InputError
+        A scheme of a mesh is no collocation scheme.
     """
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+    for scheme in (scheme for m in meshes for scheme in m.schemes):
+        if not isinstance(scheme, Collocation):
+            raise InputError(
+                f"tolerance= refines meshes of collocation schemes; {type(scheme).__name__} has no estimate of its "
+                "error from residuals. Give rt.Adaptive(tolerance) to shooting, or a finer mesh."
+            )
     steps: list[MeshStep] = []
     # Below 1e-7 a guard would chase the solver's own round-off.
     between = min(GUARD_TOLERANCE, max(1e-7, 0.1 * tolerance))

@@ -2,9 +2,11 @@
 
     x_m = (x_0 + x_1) / 2 + h (f_0 - f_1) / 8,    x_1 - x_0 - h (f_0 + 4 f(x_m, u_m) + f_1) / 6 = 0
 
-Half the states and defects of the separated form (``HermiteSimpson``), with the same answer; its derivatives are denser, since
-f is composed with itself.
-Source: Kelly, SIAM Review 59 (2017), section 4; Betts, Practical Methods for Optimal Control (2010), section 4.6.6.
+Half the states and defects of the separated form (``HermiteSimpson``), with the same answer. Since f is
+composed with itself, the rows are more nonlinear: from afar it takes many more iterations (Kelly's cart-pole
+with 40 intervals from a straight line: 263 against 20), from a near guess as many.
+Source: Kelly, SIAM Review 59 (2017), section 4; Betts, Practical Methods for Optimal Control (2010), section
+4.6.6.
 """
 
 from __future__ import annotations

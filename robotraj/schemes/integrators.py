@@ -1,7 +1,7 @@
 """Integrators that carry a state over a unit interval, as CasADi functions that can be differentiated.
 
-An integrator takes dx/dc = rate(c, x, q) from c = 0 to c = 1, with q whatever else the rate reads. Its dense output is sampled
-at any sites of [0, 1].
+An integrator takes dx/dc = rate(c, x, q) from c = 0 to c = 1, with q whatever else the rate reads. Its dense
+output is sampled at any sites of [0, 1].
 """
 
 from __future__ import annotations
@@ -39,11 +39,13 @@ class Integrator(ABC):
 class RungeKutta4(Integrator):
     """The classical method of order 4 with equal substeps; its dense output is the cubic Hermite of each substep.
 
-    With h = 1 / substeps, k1 = f(c, x), k2 = f(c + h/2, x + h k1/2), k3 = f(c + h/2, x + h k2/2), k4 = f(c + h, x + h k3),
+    With h = 1 / substeps, k1 = f(c, x), k2 = f(c + h/2, x + h k1/2), k3 = f(c + h/2, x + h k2/2), k4 = f(c +
+    h, x + h k3),
 
         x(c + h) = x + h (k1 + 2 k2 + 2 k3 + k4) / 6.
 
-    Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sections II.1 and II.6.
+    Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sections II.1 and
+    II.6.
 
     Parameters
     ----------
@@ -105,14 +107,14 @@ class RungeKutta4(Integrator):
 
 @dataclass(frozen=True)
 class Adaptive(Integrator):
-    """Variable order and step to a tolerance: CVODES (Adams for smooth, BDF for stiff equations), with its sensitivities.
+    """Variable order and step to a tolerance: CVODES (Adams, or BDF for stiff equations).
 
-    First and second derivatives are integrated as well (forward and adjoint sensitivity equations), so the NLP keeps an exact
-    Hessian; they cost about ten integrations an interval, and are as accurate as the tolerance. Prefer ``RungeKutta4`` where a
-    fixed step will do.
+    First and second derivatives are integrated as well (forward and adjoint sensitivity equations), so the
+    NLP keeps an exact Hessian; they cost about ten integrations an interval, and are as accurate as the
+    tolerance. Prefer ``RungeKutta4`` where a fixed step will do.
 
-    Source: Hindmarsh et al., SUNDIALS: suite of nonlinear and differential/algebraic equation solvers, ACM Transactions on
-    Mathematical Software 31 (2005).
+    Source: Hindmarsh et al., SUNDIALS: suite of nonlinear and differential/algebraic equation solvers, ACM
+    Transactions on Mathematical Software 31 (2005).
 
     Parameters
     ----------
@@ -158,7 +160,8 @@ class Adaptive(Integrator):
             "abstol": self.tolerance,
             "linear_multistep_method": "bdf" if self.stiff else "adams",
             "max_num_steps": 100_000,
-            # Derivatives by parameters are quadratures; without error control they are wrong (casadi issue 4383).
+            # Derivatives by parameters are quadratures; without error control they are wrong (casadi issue
+            # 4383).
             "quad_err_con": True,
             "show_eval_warnings": False,
         }

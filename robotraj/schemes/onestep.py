@@ -1,4 +1,4 @@
-"""Schemes that step from knot to knot: one defect per interval, x_1 - Phi(x_0, x_1, u, T, p) = 0, by explicit dynamics."""
+"""Schemes that step from knot to knot by explicit dynamics: one defect per interval, x_1 - Phi = 0."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 class OneStep(Scheme):
     """What shooting and compressed collocation share: the states of an interval are unknown at its knots alone.
 
-    A scheme says how one piece of an interval is stepped over; the control of a piece is one polynomial. An interval is one
-    piece, but in single shooting, where all intervals of the mesh are the pieces of one.
+    A scheme says how one piece of an interval is stepped over; the control of a piece is one polynomial. An
+    interval is one piece, but in single shooting, where all intervals of the mesh are the pieces of one.
     """
 
     @property

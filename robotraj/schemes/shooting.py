@@ -2,17 +2,18 @@
 
     x_{k+1} - Phi(x_k, u_k, T, p) = 0
 
-Multiple shooting has the states at all knots as unknowns; single shooting those at both ends of the phase alone, and carries
-the first through all intervals. Rows of the phase hold at knots. Dynamics must be explicit: a robot is planned by
-its forward dynamics.
-Sources: Bock and Plitt, A multiple shooting algorithm for direct solution of optimal control problems, IFAC World Congress
-(1984); Betts, Practical Methods for Optimal Control (2010), sections 3.4 and 4.2.
+Multiple shooting has the states at all knots as unknowns; single shooting those at both ends of the phase
+alone, and carries the first through all intervals. Rows of the phase hold at knots. Dynamics must be
+explicit: a robot is planned by its forward dynamics.
+Sources: Bock and Plitt, A multiple shooting algorithm for direct solution of optimal control problems, IFAC
+World Congress (1984); Betts, Practical Methods for Optimal Control (2010), sections 3.4 and 4.2.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -34,7 +35,8 @@ class Shooting(OneStep):
     integrator : Integrator
         ``RungeKutta4(substeps)`` or ``Adaptive(tolerance)``.
     control : Control
-        Constant by default, or linear; a polynomial one is linear here, since there are no nodes between knots.
+        Constant by default, or linear; a polynomial one is linear here, since there are no nodes between
+        knots.
     """
 
     integrator: Integrator = field(default_factory=RungeKutta4)
@@ -58,7 +60,7 @@ class Shooting(OneStep):
     def step(self, rate: ca.Function) -> ca.Function:
         """Integrate; the state at the end of the piece is not read."""
         flow = self.integrator.flow(rate)
-        kind = ca.SX if self.scalar_graph else ca.MX
+        kind: Any = ca.SX if self.scalar_graph else ca.MX
         x0, x1, q = (kind.sym(n, rate.size1_in(i)) for n, i in (("x0", 1), ("x1", 1), ("q", 2)))
         return ca.Function("step", [x0, x1, q], [flow(x0, q), kind(rate.size1_in(1), 0)])
 
@@ -78,9 +80,9 @@ class MultipleShooting(Shooting):
 class SingleShooting(Shooting):
     """Single shooting: one integration from the first state to the last, controls piece by piece.
 
-    Rows and bounds on states between both ends of the phase are imposed on what the integration gives at the knots. Every
-    unknown acts on all that comes after it: matrices are dense, and motions that are unstable or long do better with multiple
-    shooting or collocation.
+    Rows and bounds on states between both ends of the phase are imposed on what the integration gives at the
+    knots. Every unknown acts on all that comes after it: matrices are dense, and motions that are unstable
+    or long do better with multiple shooting or collocation.
     """
 
     def over(self, knots: Array) -> Shot:

@@ -4,8 +4,8 @@ The stage function is a whole interval. With unknowns (x_0, x_1, u at the contro
 
     y = ( x_1 - Phi,  states inside,  path rows inside,  cost ),
 
-where Phi steps over the pieces of the interval one after the other and the cost is integrated along as one more state. Path rows
-at knots read the knots' own unknowns and are a block of their own.
+where Phi steps over the pieces of the interval one after the other and the cost is integrated along as one
+more state. Path rows at knots read the knots' own unknowns and are a block of their own.
 """
 
 from __future__ import annotations
@@ -68,7 +68,11 @@ def shoot(
     impose([row for row, _ in bounds], inner, states)
     path = [r for c in path_constraints(phase, Where.THROUGHOUT) for r in c.rows if r.variable is None]
     first = nx + len(inner) * nx
-    impose(path, interval.path_at, first + np.arange(len(interval.path_at) * len(path)).reshape(-1, len(path)))
+    impose(
+        path,
+        interval.path_at,
+        first + np.arange(len(interval.path_at))[:, None] * len(path) + np.arange(len(path)),
+    )
     if isinstance(layout.mesh, MovingMesh):
         tie_intervals(layout.mesh, index, layout, rows, linear)
     more = _path_at_knots(phase, index, layout, columns, rows, path) if path else []
@@ -86,8 +90,8 @@ class Rate:
     Attributes
     ----------
     function : casadi.Function
-        (c, X, q) -> dX/dc with q = (control values of the piece, base, span, parameters, start, length); the time is
-        base + (start + length c) span.
+        (c, X, q) -> dX/dc with q = (control values of the piece, base, span, parameters, start, length); the
+        time is base + (start + length c) span.
     """
 
     function: ca.Function
@@ -140,7 +144,7 @@ class _Interval:
         self.inner = _inner_states(scheme)
         path_at: list[float] = []
         scalars = interval_scalars(layout, 0)
-        kind = ca.SX if scheme.scalar_graph else ca.MX
+        kind: Any = ca.SX if scheme.scalar_graph else ca.MX
         rate = Rate.of(phase, scheme)
         step = scheme.step(rate.function)
         sites, nu = len(scheme.control_sites), len(phase.dae.controls)
@@ -151,7 +155,13 @@ class _Interval:
         x0, x1 = v[: self.nx], v[self.nx : 2 * self.nx]
         u = ca.reshape(v[2 * self.nx : 2 * self.nx + sites * nu], nu, sites)
         start, length = constants[0], constants[1]
-        known = dict(zip([*free, *fixed], [*_entries(v)[v.numel() - len(free) :], *_entries(constants)[2:]], strict=True))
+        known = dict(
+            zip(
+                [*free, *fixed],
+                [*_entries(v)[v.numel() - len(free) :], *_entries(constants)[2:]],
+                strict=True,
+            )
+        )
         base, span, *p = (known[i] for i in range(len(scalars)))
         rows = self._path_function()
         now = ca.vertcat(x0, kind.zeros(rate.size - self.nx))
@@ -258,5 +268,3 @@ def _gather(layout: PhaseLayout) -> tuple[Triplets, Array]:
     fixed = [s.value for s in interval_scalars(layout, 0) if s.column is None]
     clocks = [(i.clock.start, i.clock.length, *fixed) for i in layout.intervals]
     return gather, np.array(clocks, dtype=float).T
-
-

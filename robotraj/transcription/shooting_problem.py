@@ -21,8 +21,8 @@ def explicit(problem: Problem, meshes: Sequence[Mesh]) -> Problem:
     Raises
     ------
     InputError
-        A mesh that mixes one-step schemes with others, single shooting on a moving mesh, algebraic variables, or an
-        objective whose slacks hold at collocation points.
+        A mesh that mixes one-step schemes with others, single shooting on a moving mesh, algebraic
+        variables, or an objective whose slacks hold at collocation points.
     """
     phases = [
         _explicit(phase, mesh) if any(isinstance(scheme, OneStep) for scheme in mesh.schemes) else phase

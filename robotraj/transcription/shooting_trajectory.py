@@ -45,9 +45,9 @@ def shot_polynomials(
             read.append(np.concatenate([u.ravel(), scalars, place]))
     zero = np.zeros((len(before), rate.size - nx))
     samples = scheme.samples(rate.function, sites).map(len(before))
-    found = np.array(
-        samples(np.hstack([before, zero]).T, np.hstack([after, zero]).T, np.array(read).T)
-    ).reshape(rate.size, len(before), len(sites))
+    found = np.array(samples(np.hstack([before, zero]).T, np.hstack([after, zero]).T, np.array(read).T)).reshape(
+        rate.size, len(before), len(sites)
+    )
     breaks = layout.breaks(w)
     states = [found[:nx, k].T for k in range(len(before))]
     return (
