@@ -15,7 +15,7 @@ from robotraj.design import realised
 from robotraj.dynamics import Named
 from robotraj.errors import InputError
 from robotraj.export import to_csv, to_json
-from robotraj.indirect.covector import PhaseDuals
+from robotraj.indirect.duals import PhaseDuals
 from robotraj.plotting import plot
 from robotraj.objectives import Augmented
 from robotraj.problem import Phase, Problem

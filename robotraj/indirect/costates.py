@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from robotraj.dynamics import Named
 from robotraj.errors import InputError
-from robotraj.indirect.covector import PhaseDuals
+from robotraj.indirect.duals import PhaseDuals
 from robotraj.indirect.hamiltonian import Hamiltonian
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ def costates(solution: Solution) -> Costates:
     Parameters
     ----------
     solution : Solution
-        From ``rt.plan``, by any collocation scheme; fixed or free duration, ODE or DAE.
+        From ``rt.plan``, by any scheme; fixed or free duration, ODE or DAE.
 
     Returns
     -------
@@ -154,7 +154,7 @@ def costates(solution: Solution) -> Costates:
     Raises
     ------
     InputError
-        The solver did not converge, or the scheme is no collocation scheme.
+        The solver did not converge.
 
     Notes
     -----
@@ -163,7 +163,6 @@ def costates(solution: Solution) -> Costates:
     """
     if not solution.duals:
         raise InputError(
-            "This solution has no costates: the solver must have converged, and every interval must use a "
-            "collocation scheme (Lobatto, Radau, Gauss). Plan again with such a scheme."
+            "This solution has no costates: the solver did not converge. Plan again until solution.success holds."
         )
     return Costates(tuple(PhaseCostates(p, d) for p, d in zip(solution.phases, solution.duals, strict=True)))

@@ -26,7 +26,6 @@ section 4.11.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -34,6 +33,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from robotraj.indirect.densities import Density, split
+from robotraj.indirect.duals import PhaseDuals
+from robotraj.indirect.stepped import stepped_duals
 from robotraj.polynomials import integrals, lobatto_sites
 from robotraj.schemes import Collocation
 from robotraj.solvers import Multipliers
@@ -42,30 +43,6 @@ from robotraj.transcription import Nlp
 from robotraj.transcription.layout import PhaseLayout
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class PhaseDuals:
-    """Duals of one phase, in global time, for the Hamiltonian H = l + lambda' f + nu' g + eta' h.
-
-    Attributes
-    ----------
-    costate : PiecewisePolynomial
-        lambda, one per state; it may jump at its breaks.
-    residual : PiecewisePolynomial
-        nu, one per algebraic row.
-    path : PiecewisePolynomial
-        Densities eta of the rows held throughout that are not single variables; positive at an upper bound.
-    states, algebraic, controls : PiecewisePolynomial
-        Densities of the bounds of the variables at the nodes; positive at an upper bound.
-    """
-
-    costate: PiecewisePolynomial
-    residual: PiecewisePolynomial
-    path: PiecewisePolynomial
-    states: PiecewisePolynomial
-    algebraic: PiecewisePolynomial
-    controls: PiecewisePolynomial
 
 
 def covectors(nlp: Nlp, w: Array, multipliers: Multipliers) -> tuple[PhaseDuals, ...]:
@@ -82,13 +59,14 @@ def covectors(nlp: Nlp, w: Array, multipliers: Multipliers) -> tuple[PhaseDuals,
     Returns
     -------
     tuple of PhaseDuals
-        Empty where a scheme is no collocation scheme.
+        By this mapping for collocation, by ``indirect.stepped`` for shooting and compressed collocation.
     """
     rows, bounds = multipliers.rows, multipliers.bounds
-    for layout in nlp.layouts:
-        if not all(isinstance(interval.scheme, Collocation) for interval in layout.intervals):
-            return ()
-    return tuple(_Phase(nlp, i, w, rows, bounds).duals() for i in range(len(nlp.layouts)))
+    found = []
+    for i, layout in enumerate(nlp.layouts):
+        collocated = isinstance(layout.intervals[0].scheme, Collocation)
+        found.append(_Phase(nlp, i, w, rows, bounds).duals() if collocated else stepped_duals(nlp, i, w, multipliers))
+    return tuple(found)
 
 
 @lru_cache(maxsize=1024)

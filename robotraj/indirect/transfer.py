@@ -1,11 +1,12 @@
 """Multipliers for a new mesh, from the duals found on another: covector mapping, backwards.
 
-On every interval the defects' multipliers mu are chosen so that the stage costates are the known costate at the nodes,
+On every interval the defects' multipliers mu are chosen so that the stage costates are the known costate at
+the nodes,
 
     -(sum_j mu_j A_jk + mu_e b_k) / b_k = lambda(t_k),
 
-in the sense of least squares; densities of algebraic rows, path rows and bounds are multiplied by the quadrature weight that
-a node stands for on the new mesh. Ends, durations and links start without multipliers.
+in the sense of least squares; densities of algebraic rows, path rows and bounds are multiplied by the
+quadrature weight that a node stands for on the new mesh. Ends, durations and links start without multipliers.
 Source: the mapping of ``indirect.covector``, read from right to left.
 """
 
@@ -16,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.indirect.covector import PhaseDuals
+from robotraj.indirect.duals import PhaseDuals
 from robotraj.schemes import Collocation
 from robotraj.solvers import Multipliers
 from robotraj.transcription import Nlp

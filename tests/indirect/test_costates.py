@@ -31,6 +31,9 @@ def costates_at(solution: rt.Solution, t: Any) -> Any:
         rt.Mesh(40, rt.GaussLegendre(points=2)),
         rt.Mesh(10, rt.GaussLegendre(points=3)),
         rt.Mesh(1, rt.GaussLegendre(points=10)),
+        rt.Mesh(20, rt.CompressedHermiteSimpson()),
+        rt.Mesh(20, rt.MultipleShooting(rt.RungeKutta4(2), control=rt.LinearControl())),
+        rt.Mesh(20, rt.SingleShooting(rt.RungeKutta4(2), control=rt.LinearControl())),
         rt.Mesh([0, 0.1, 0.4, 0.6, 1], [rt.FifthDegree(), rt.RadauIIA(5), rt.GaussLegendre(4), rt.LobattoIIIA(6)]),
     ],
     ids=str,
@@ -51,6 +54,9 @@ def test_kirks_costates_are_the_analytic_ones_everywhere(kirk: Any, mesh: rt.Mes
         (rt.RadauIIA(points=1), 1, (80, 160, 320)),
         (rt.RadauIIA(points=2), 3, (8, 16, 32)),
         (rt.RadauIIA(points=3), 5, (4, 8, 16)),
+        (rt.CompressedHermiteSimpson(), 4, (8, 16, 32)),
+        (rt.MultipleShooting(), 2, (10, 20, 40)),
+        (rt.SingleShooting(), 2, (10, 20, 40)),
         (rt.GaussLegendre(points=1), 2, (10, 20, 40)),
         (rt.GaussLegendre(points=2), 4, (8, 16, 32)),
     ],
@@ -107,10 +113,11 @@ def sensitivity(phase: Any, mesh: rt.Mesh, start: Any, i: int, step: float) -> f
     return (costs[0] - costs[1]) / (2 * step)
 
 
+STEPPED = [rt.CompressedHermiteSimpson(), rt.MultipleShooting(), rt.SingleShooting()]
 SCHEMES = [rt.Trapezoidal(), rt.HermiteSimpson(), rt.FifthDegree(), rt.RadauIIA(points=3), rt.GaussLegendre(points=2)]
 
 
-@pytest.mark.parametrize("scheme", [*SCHEMES, LECTURE], ids=str)
+@pytest.mark.parametrize("scheme", [*SCHEMES, LECTURE, *STEPPED], ids=str)
 @pytest.mark.parametrize("i", [0, 1])
 def test_initial_costate_is_the_sensitivity_of_the_discrete_optimum(kirk: Any, scheme: Any, i: int) -> None:
     mesh = rt.Mesh(10, scheme)

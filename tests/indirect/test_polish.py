@@ -26,6 +26,8 @@ HALF = np.sqrt(10.0)
         rt.Mesh(15, rt.Trapezoidal()),
         rt.Mesh(20, rt.RadauIIA(3)),
         rt.Mesh(7, rt.GaussLegendre(3)),
+        rt.Mesh(21, rt.MultipleShooting()),
+        rt.Mesh(21, rt.SingleShooting()),
     ],
     ids=str,
 )

@@ -1,0 +1,31 @@
+"""Duals of a phase as functions of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robotraj.trajectory import PiecewisePolynomial
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseDuals:
+    """Duals of one phase, in global time, for the Hamiltonian H = l + lambda' f + nu' g + eta' h.
+
+    Attributes
+    ----------
+    costate : PiecewisePolynomial
+        lambda, one per state; it may jump at its breaks.
+    residual : PiecewisePolynomial
+        nu, one per algebraic row.
+    path : PiecewisePolynomial
+        Densities eta of the rows held throughout that are not single variables; positive at an upper bound.
+    states, algebraic, controls : PiecewisePolynomial
+        Densities of the bounds of the variables at the nodes; positive at an upper bound.
+    """
+
+    costate: PiecewisePolynomial
+    residual: PiecewisePolynomial
+    path: PiecewisePolynomial
+    states: PiecewisePolynomial
+    algebraic: PiecewisePolynomial
+    controls: PiecewisePolynomial
