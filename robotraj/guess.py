@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator, make_interp_spline
 
 from robotraj.constraints import Bounds
 from robotraj.errors import InputError
@@ -194,10 +194,10 @@ def _through(phase: Phase, fractions: Sequence[float], keys: Array, duration: fl
     """States and algebraic variables of a motion through key states (m, nx)."""
     nz = len(phase.dae.algebraic)
     if phase.robot is None:
-        return make_interp_spline(fractions, keys, k=1), constant(nz)
+        return scipy.interpolate.make_interp_spline(fractions, keys, k=1), constant(nz)
     # What an objective added comes last and starts from 0.
     nv, further = phase.robot.nv, len(phase.dae.states) - len(phase.body.states)
-    q = PchipInterpolator(fractions, keys[:, :nv])
+    q = scipy.interpolate.PchipInterpolator(fractions, keys[:, :nv])
     v, a = q.derivative(1), q.derivative(2)
     pace = duration if duration > 0 else 1.0
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from robotraj.errors import InputError
 from robotraj.guess import Curve, PhaseGuess
@@ -79,7 +79,7 @@ def quintic(fractions: Array, keys: Array, first: Array, last: Array) -> Any:
     Neuroscience 5 (1985); de Boor, A Practical Guide to Splines (2001), chapter XIII.
     """
     still = np.zeros(keys.shape[1])
-    return make_interp_spline(
+    return scipy.interpolate.make_interp_spline(
         fractions, keys, k=5, bc_type=([(1, first), (2, still)], [(1, last), (2, still)])
     )
 

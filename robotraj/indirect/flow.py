@@ -11,8 +11,8 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.pontryagin import Pontryagin
@@ -76,7 +76,7 @@ class Flow:
             y = trajectory.x(stops[:1], k)[0]
             for first, last in zip(stops[:-1], stops[1:], strict=True):
                 absolute = ABSOLUTE * (1.0 + np.abs(y))
-                result = solve_ivp(rhs, (first, last), y, method="DOP853", rtol=RELATIVE, atol=absolute)
+                result = scipy.integrate.solve_ivp(rhs, (first, last), y, method="DOP853", rtol=RELATIVE, atol=absolute)
                 y = result.y[:, -1] if result.success else np.full(len(y), np.inf)
                 found[k] = np.maximum(found[k], np.abs(trajectory.x(np.array([last]), k)[0] - y))
                 if not result.success:

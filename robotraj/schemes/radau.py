@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import roots_jacobi
 
 from robotraj.errors import InputError
 from robotraj.schemes.collocation import Collocation
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 @lru_cache(maxsize=64)
 def legendre_radau(points: int) -> Array:
     """Flipped Legendre-Gauss-Radau nodes on (0, 1]: 1 and the roots of the Jacobi polynomial P^(1, 0)_{s-1}."""
-    inner = roots_jacobi(points - 1, 1.0, 0.0)[0] if points > 1 else np.array([])
+    inner = scipy.special.roots_jacobi(points - 1, 1.0, 0.0)[0] if points > 1 else np.array([])
     nodes = 0.5 * (np.concatenate([np.sort(inner), [1.0]]) + 1.0)
     nodes.setflags(write=False)
     return nodes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.optimize import root
+import scipy
 
 from robotraj.design import realised
 from robotraj.witness.integration import Rates
@@ -137,6 +137,6 @@ def _solve_algebraic(system: SystemLike, t: float, x: Array, z: Array, u: Array,
         return as_numbers(residual(system_point(system, t, x, trial, u, parameters)), "residual")
 
     # MINPACK stops "without progress" once at round-off, so the rows themselves judge.
-    found = root(rows, z, method="hybr", tol=1e-14)
+    found = scipy.optimize.root(rows, z, method="hybr", tol=1e-14)
     solved = np.max(np.abs(found.fun)) <= ALGEBRAIC_TOLERANCE * (1.0 + np.max(np.abs(z)))
     return found.x if solved else np.full_like(z, np.nan)
