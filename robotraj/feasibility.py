@@ -46,7 +46,8 @@ def _complaints(phase: Phase, limits: Limits) -> list[str]:
     return list(limits.complaints(phase.robot.actuated)) if phase.robot else []
 
 
-def _rows_on_states(phase: Phase) -> dict[str, list[Row]]:
+def _rows_on_states(phase: Phase, when: Where) -> dict[str, list[Row]]:
+    """Rows that are single variables, by variable: those held throughout and those held at ``when``."""
     rows: dict[str, list[Row]] = {}
     for constraint in phase.bound_constraints:
         for row in constraint.rows:
@@ -55,14 +56,14 @@ def _rows_on_states(phase: Phase) -> dict[str, list[Row]]:
                     f"Phase {phase.name!r}: {row.label} has its lower bound {row.lower:g} above its upper bound "
                     f"{row.upper:g} {row.unit}.".replace("  ", " ")
                 )
-            if row.variable is not None and constraint.where is Where.THROUGHOUT:
+            if row.variable is not None and constraint.where in (Where.THROUGHOUT, when):
                 rows.setdefault(row.variable, []).append(row)
     return rows
 
 
 def _check_against_each_other(phase: Phase) -> None:
     """Two rows on one variable must leave it a value."""
-    for rows in _rows_on_states(phase).values():
+    for rows in (*_rows_on_states(phase, Where.START).values(), *_rows_on_states(phase, Where.END).values()):
         lowest = max(rows, key=lambda row: row.lower)
         highest = min(rows, key=lambda row: row.upper)
         if lowest.lower > highest.upper:
@@ -74,7 +75,7 @@ def _check_against_each_other(phase: Phase) -> None:
 
 
 def _check_against_limits(phase: Phase, which: str, bounds: Bounds) -> None:
-    rows = _rows_on_states(phase)
+    rows = _rows_on_states(phase, Where.START if which == "start" else Where.END)
     for variable, low, high in zip(phase.dae.states, bounds.lower, bounds.upper, strict=True):
         for row in rows.get(variable.name, ()):
             slack = SLACK * max(1.0, abs(row.lower) if np.isfinite(row.lower) else 1.0)
