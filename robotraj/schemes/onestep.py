@@ -74,7 +74,7 @@ class OneStep(Scheme):
 
     @abstractmethod
     def step(self, rate: ca.Function) -> ca.Function:
-        """(x_0, x_1, q) -> (Phi, states at ``inner`` as columns) for dx/dc = rate(c, x, q) over a piece, c in [0, 1]."""
+        """(x_0, x_1, q) -> (Phi, states at ``inner`` as columns), for dx/dc = rate(c, x, q) over a piece."""
 
     @abstractmethod
     def samples(self, rate: ca.Function, sites: Array) -> ca.Function:

@@ -38,8 +38,8 @@ def _explicit(phase: Phase, mesh: Mesh) -> Phase:
     name = type(next(s for s in mesh.schemes if isinstance(s, OneStep))).__name__
     if any(other != scheme for other in mesh.schemes):
         raise InputError(
-            f"The mesh of phase {phase.name!r} mixes {name} with other schemes; give all its intervals the same one, or "
-            "split the motion into phases joined by rt.Continuity."
+            f"The mesh of phase {phase.name!r} mixes {name} with other schemes; give all its intervals the same "
+            "one, or split the motion into phases joined by rt.Continuity."
         )
     if isinstance(scheme, SingleShooting) and isinstance(mesh, MovingMesh):
         raise InputError(
@@ -48,8 +48,8 @@ def _explicit(phase: Phase, mesh: Mesh) -> Phase:
     if phase.robot is not None and isinstance(phase.dynamics, InverseDynamics):
         if phase.algebraic:
             raise InputError(
-                f"{name} plans phase {phase.name!r} by forward dynamics, where accelerations are no variables to bound by "
-                "algebraic=; use the constraint rt.JointAcceleration."
+                f"{name} plans phase {phase.name!r} by forward dynamics, where accelerations are no variables to "
+                "bound by algebraic=; use the constraint rt.JointAcceleration."
             )
         phase = replace(phase, dynamics=ForwardDynamics())
     if phase.dae.algebraic:
@@ -60,7 +60,7 @@ def _explicit(phase: Phase, mesh: Mesh) -> Phase:
         )
     if isinstance(scheme, Shooting) and any(c.where is Where.AT_NODES for c in phase.bound_constraints):
         raise InputError(
-            f"The objective of phase {phase.name!r} has slacks that are held at collocation points, which {name} does not "
-            "have; use its smooth form, or a collocation scheme such as rt.HermiteSimpson()."
+            f"The objective of phase {phase.name!r} has slacks that are held at collocation points, which {name} does "
+            "not have; use its smooth form, or a collocation scheme such as rt.HermiteSimpson()."
         )
     return phase
