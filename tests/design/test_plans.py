@@ -35,6 +35,27 @@ def test_least_time_takes_the_lightest_block(dynamics) -> None:
     assert solution.duration == pytest.approx(2 * np.sqrt(10 * 0.5), abs=2e-8)
 
 
+def test_phases_share_a_mass() -> None:
+    """The same motion in two phases: one mass, one time."""
+    halves = [
+        rt.Phase(
+            rt.load("block"),
+            duration=(0.5, 20),
+            start=rt.State(q=start, v=0 if start == 0 else None),
+            end=rt.State(q=start + 5, v=None if start == 0 else 0),
+            objective=rt.Duration(),
+            parameters={"m": rt.between(0.5, 2)},
+            design={"m": rt.BodyMass("block")},
+        )
+        for start in (0, 5)
+    ]
+    links = [rt.Continuity(0, 1), rt.SameParameter("m")]
+    solution = rt.plan(rt.Problem(halves, links), mesh=rt.Mesh(2))
+    masses = [part.parameters["m"] for part in solution.phases]
+    assert masses == pytest.approx([0.5, 0.5], abs=1e-8)
+    assert solution.duration == pytest.approx(2 * np.sqrt(10 * 0.5), abs=2e-8)
+
+
 @pytest.mark.parametrize("dynamics", FORMS)
 @pytest.mark.parametrize("name", ["two_link_arm", "ur5"])
 def test_the_urdfs_own_values_give_the_plan_without_design(name: str, dynamics) -> None:
