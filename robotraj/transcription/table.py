@@ -86,10 +86,10 @@ class ScalarTable:
         """Add every entry at every fraction; return indices (len(fractions), len(entries))."""
         shape = (len(fractions), len(entries))
         ids = np.array([self.entry(e) for e in entries], dtype=int)
-        self._meaning.append(np.broadcast_to(ids, shape).ravel())
+        self._meaning.append(np.tile(ids, shape[0]))
         self._fraction.append(np.repeat(np.asarray(fractions, dtype=float), len(entries)))
-        self._lower.append(np.broadcast_to(lower, shape).ravel())
-        self._upper.append(np.broadcast_to(upper, shape).ravel())
+        self._lower.append(np.full(shape, lower, dtype=float).ravel())
+        self._upper.append(np.full(shape, upper, dtype=float).ravel())
         first = self.count
         self.count += shape[0] * shape[1]
         return np.arange(first, self.count).reshape(shape)

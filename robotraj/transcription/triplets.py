@@ -21,7 +21,7 @@ class Triplets:
         """Add ``value`` (a scalar or an array) at the paired rows and columns."""
         self._rows.append(rows)
         self._columns.append(columns)
-        self._values.append(np.broadcast_to(np.asarray(value, dtype=float), rows.shape))
+        self._values.append(np.full(rows.shape, value, dtype=float))
 
     def matrix(self, shape: tuple[int, int]) -> sparse.csr_array:
         """Sum the triplets into a sparse matrix."""
