@@ -19,6 +19,8 @@ from robotraj.status import Status
 
 MOST_MESHES = 25
 """Meshes tried before the tolerance is given up."""
+SMALL = 1e-2
+"""Objectives below this settle to the tolerance times this, not to the tolerance times themselves."""
 
 
 def adapt(
@@ -55,7 +57,8 @@ def adapt(
     while True:
         solution = solve(problem, meshes, known, solver, progress, between)
         before = steps[-1].objective if steps else np.inf
-        settled = abs(solution.objective - before) <= tolerance * (1.0 + abs(solution.objective))
+        # Where each mesh halves the distance to the optimum, what is left is as large as the last change.
+        settled = abs(solution.objective - before) <= 0.5 * tolerance * max(abs(solution.objective), SMALL)
         assessments = [assess(part.phase, part.trajectory, settled) for part in solution.phases]
         worst = max(float(a.errors.max()) for a in assessments)
         steps.append(
@@ -74,7 +77,9 @@ def adapt(
             return solution
         if len(steps) == MOST_MESHES:
             return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
-        meshes = _next(meshes, assessments, refinement, tolerance)
+        # Errors that hold while the objective still moves are too large for the objective.
+        goal = tolerance if worst > tolerance else 0.1 * tolerance
+        meshes = _next(meshes, assessments, refinement, goal)
         known = solution
 
 
