@@ -1,0 +1,69 @@
+"""Every example runs from an empty directory, and the derivatives of every problem it solves are right."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj import solving
+
+EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("[0-9]*.py"))
+
+
+def small(problem: rt.Problem, meshes: object) -> rt.Nlp:
+    """Transcribe a problem of an example on meshes of two intervals, with the example's schemes."""
+    given = [meshes] * len(problem.phases) if isinstance(meshes, rt.Mesh) else list(meshes)  # type: ignore[call-overload]
+    return rt.transcribe(problem, [type(mesh)(2, mesh.schemes[0]) for mesh in given])
+
+
+def assert_derivatives(nlp: rt.Nlp) -> None:
+    """Gradient, Jacobian and Hessian along random directions agree with central differences to 1e-6."""
+    random = np.random.default_rng(7)
+    lower, upper = (np.clip(side, nlp.guess - 0.3 * nlp.scale, nlp.guess + 0.3 * nlp.scale)
+                    for side in (nlp.variables.lower, nlp.variables.upper))
+    w = random.uniform(lower, upper)
+    multipliers = random.normal(size=len(nlp.rows)) * nlp.row_scale
+    step = 1e-5
+
+    def slope(function: object, direction: np.ndarray) -> np.ndarray:
+        return (function(w + step * direction) - function(w - step * direction)) / (2 * step)  # type: ignore[operator]
+
+    for _ in range(4):
+        direction = random.normal(size=len(w)) * nlp.scale
+        rows = slope(nlp.values, direction) * nlp.row_scale
+        exact = nlp.jacobian(w) @ direction * nlp.row_scale
+        assert np.max(np.abs(rows - exact)) < 1e-6 * (1 + np.max(np.abs(exact)))
+        cost = slope(nlp.objective, direction)
+        assert abs(cost - nlp.gradient(w) @ direction) < 1e-6 * (1 + abs(cost))
+        bent = slope(lambda v: nlp.gradient(v) + nlp.jacobian(v).T @ multipliers, direction) * nlp.scale
+        curved = nlp.hessian(w, multipliers) @ direction * nlp.scale
+        assert np.max(np.abs(bent - curved)) < 1e-6 * (1 + np.max(np.abs(curved)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_runs_and_its_derivatives_agree_with_finite_differences(
+    example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    seen: list[tuple[rt.Problem, object]] = []
+    real = solving.transcribe
+
+    def recorded(problem: rt.Problem, mesh: object, *more: object) -> rt.Nlp:
+        seen.append((problem, mesh))
+        return real(problem, mesh, *more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(solving, "transcribe", recorded)
+    runpy.run_path(str(example), run_name="__main__")
+    assert seen
+    for problem, mesh in {id(problem): (problem, mesh) for problem, mesh in seen}.values():
+        assert_derivatives(small(problem, mesh))
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_is_short(example: Path) -> None:
+    assert len(example.read_text().splitlines()) < 40
