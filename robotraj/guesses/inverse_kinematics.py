@@ -11,7 +11,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.errors import InputError
-from robotraj.guess import Guess, PhaseGuess, ends_of
+from robotraj.guess import Guess, PhaseGuess, default_parameters, ends_of
+from robotraj.guesses.joint_motion import designed
 from robotraj.guesses.minimum_jerk import through
 from robotraj.objectives.terminal_pose import target_of
 
@@ -66,6 +67,7 @@ class InverseKinematics(Guess):
         robot = phase.robot
         if robot is None:
             raise InputError(f"InverseKinematics needs a robot, but phase {phase.name!r} moves a System.")
+        robot = designed(phase, default_parameters(phase))
         nv = robot.nv
         lower, upper = np.full(nv, -np.inf), np.full(nv, np.inf)
         if phase.limits is not None:

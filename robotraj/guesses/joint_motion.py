@@ -40,8 +40,7 @@ def joint_motion(
         time.
     parameters : mapping of str to float
     """
-    robot = phase.robot
-    assert robot is not None
+    robot = designed(phase, parameters)
     model, data = robot.model, robot.model.createData()
 
     def columns(variables: Sequence[Variable]) -> Curve:
@@ -69,6 +68,13 @@ def joint_motion(
     return PhaseGuess(
         duration, columns(dae.states), columns(dae.algebraic), columns(dae.controls), parameters
     )
+
+
+def designed(phase: Phase, parameters: Mapping[str, float]) -> Robot:
+    """Robot of a phase, with the design at the given parameters written in."""
+    assert phase.robot is not None
+    design = phase.bound_design
+    return phase.robot if design is None else design.realise(parameters)
 
 
 def quintic(fractions: Array, keys: Array, first: Array, last: Array) -> Any:
