@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,14 @@ from robotraj.errors import InputError, NoSolutionFound
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.flow import Flow
 from robotraj.indirect.pontryagin import Pontryagin
+from robotraj.problem import Problem
+from robotraj.schemes import LobattoIIIA, Mesh
+from robotraj.status import Status
+from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
+
+if TYPE_CHECKING:
+    from robotraj.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -35,6 +42,8 @@ class PolishedSample:
         States and controls by name.
     costate : Named
         lambda = dJ/dx by state name.
+    hamiltonian : float or ndarray (m,)
+        H = l + lambda' f [objective / s].
     q, v, tau : ndarray or None
         Joint positions, velocities and torques of a robot, (n,) or (m, n).
     """
@@ -43,6 +52,7 @@ class PolishedSample:
     x: Named
     u: Named
     costate: Named
+    hamiltonian: Any
     q: Array | None = None
     v: Array | None = None
     tau: Array | None = None
@@ -144,9 +154,10 @@ class Polished:
         controls = Named("control", [c.name for c in dae.controls], u.T)
         robot = self.equations.phase.robot
         if robot is None:
-            return PolishedSample(t, x, controls, costate)
+            return PolishedSample(t, x, controls, costate, y[..., 2 * nx])
         nv = robot.nv
-        return PolishedSample(t, x, controls, costate, y[..., :nv], y[..., nv : 2 * nv], u[..., : robot.nu])
+        motion = y[..., :nv], y[..., nv : 2 * nv], u[..., : robot.nu]
+        return PolishedSample(t, x, controls, costate, y[..., 2 * nx], *motion)
 
     @cached_property
     def _flows(self) -> list[Flow]:
@@ -159,7 +170,49 @@ class Polished:
         # Between the nodes H_u = 0 says more than a polynomial through nodal controls.
         interior = self._flows[k].algebraic(times, y, part.z(times)).T
         values = self.equations.controls(self.arcs[k].sides, interior)
-        return y, np.column_stack([np.broadcast_to(v, times.shape) for v in values])
+        return y, np.array([np.broadcast_to(v, times.shape) for v in values]).reshape(-1, len(times)).T
+
+    def solution(self) -> Solution:
+        """Give the motion as a Solution of one phase: to save, plot, replay, prove with ``rt.validate`` or start from.
+
+        Between the knots its controls are polynomials through their exact values at the collocation points.
+        """
+        from robotraj.solution import PhaseSolution, Solution
+
+        equations, parts = self.equations, self.trajectories
+        nx, nz = equations.nx, len(equations.phase.dae.algebraic)
+        x, z, u, sites, times = [], [], [], [], []
+        for k, part in enumerate(parts):
+            free = len(equations.interior(self.arcs[k].sides))
+            ends = zip(part.x.breaks[:-1], part.x.breaks[1:], strict=True)
+            for values, inner, nodes, (a, b) in zip(part.x.values, part.z.values, part.z.sites, ends, strict=True):
+                at = a + (b - a) * nodes
+                x.append(values[:, :nx])
+                z.append(inner[:, free : free + nz])
+                u.append(self.on_arc(k, np.clip(at, a, b))[1])
+                sites.append(nodes)
+                times.append(at)
+        breaks = np.concatenate([*(part.x.breaks[:-1] for part in parts), parts[-1].x.breaks[-1:]])
+        state_sites = [s for part in parts for s in part.x.sites]
+        motion, inner_values, controls = (
+            PiecewisePolynomial(breaks, s, values) for s, values in ((state_sites, x), (sites, z), (sites, u))
+        )
+        parameters = dict(zip(equations.phase.parameter_names, equations.parameters.tolist(), strict=True))
+        points = np.unique(np.concatenate(times))
+        trajectory = PhaseTrajectory(
+            float(breaks[0]), self.duration, motion, inner_values, controls, points, parameters
+        )
+        fractions = (breaks - breaks[0]) / self.duration
+        mesh = Mesh([0.0, *fractions[1:-1], 1.0], LobattoIIIA(len(sites[0])))
+        return Solution(
+            Problem([equations.phase]),
+            (PhaseSolution(equations.phase, mesh, trajectory),),
+            Status.SOLVED if self.success else Status.STALLED,
+            self.trouble or "Pontryagin's equations solved",
+            self.objective,
+            self.steps,
+            {},
+        )
 
     def __str__(self) -> str:
         state = "polished" if self.success else f"not polished: {self.trouble}"

@@ -39,6 +39,7 @@ def test_the_block_switches_half_way(block: Any, mesh: rt.Mesh) -> None:
     assert polished.objective == pytest.approx(2 * HALF, abs=1e-9)
     assert [arc.sides for arc in polished.arcs] == [(Side.UPPER,), (Side.LOWER,)]
     assert polished.at([1.0, 5.0]).u["u"] == pytest.approx([1.0, -1.0])
+    assert polished.at([1.0, 5.0]).hamiltonian == pytest.approx([-1.0, -1.0], abs=1e-9)
     assert "u at its upper bound" in str(polished)
 
 
@@ -202,6 +203,15 @@ def test_free_duration_explicit_time_and_a_fixed_parameter() -> None:
     assert min(after, before) > polished.objective
 
 
+def test_a_motion_without_controls() -> None:
+    # x0 is free within bounds, J = x(1)^2 falls with it: x0 stands at its lower bound.
+    system = rt.System(["x"], [], lambda p: [-p.x["x"]])
+    cost = rt.Mayer(lambda a, b: b.x["x"] ** 2)
+    polished = rt.polish(rt.plan(rt.Phase(system, 1.0, rt.State([rt.between(0.5, 2)]), objective=cost), rt.Mesh(5)))
+    assert polished.objective == pytest.approx(0.25 * np.exp(-2), abs=1e-9)
+    assert polished.at(0.0).costate["x"] == pytest.approx(np.exp(-2), abs=1e-9)
+
+
 @pytest.mark.slow
 def test_hyper_sensitive_motions_are_no_trouble() -> None:
     system = rt.System(["x"], ["u"], lambda p: [-(p.x["x"] ** 3) + p.u["u"]])
@@ -277,6 +287,24 @@ def test_a_sequence_of_arcs_that_is_no_optimum_is_not_claimed(block: Any) -> Non
     swapped = [Arc(0.0, half, (Side.LOWER,)), Arc(half, 2 * half, (Side.UPPER,))]
     found = _solve(equations, costates, swapped, ends, 1e-9)
     assert not found.success
+
+
+@pytest.mark.parametrize("force", [20.0, 12.0])
+def test_a_polished_plan_is_a_solution_that_the_witness_proves(swing_up: Any, force: float, tmp_path: Any) -> None:
+    polished = rt.polish(rt.plan(swing_up(force=force), rt.Mesh(40)))
+    solution = polished.solution()
+    assert solution.success
+    assert solution.objective == polished.objective
+    t = np.linspace(0, 2, 41)
+    assert solution.at(t).q == pytest.approx(polished.at(t).q, abs=1e-12)
+    assert solution.at(t).tau == pytest.approx(polished.at(t).tau, abs=1e-5)
+    report = rt.validate(solution)
+    assert report.passed, str(report)
+    again = rt.load_solution(solution.save(tmp_path / "polished.npz"))
+    assert np.array_equal(again.at(t).q, solution.at(t).q)
+    # The direct method agrees on a fine mesh of high order with knots where the arcs meet.
+    direct = rt.plan(swing_up(force=force), rt.Mesh(polished.knots / 2.0, rt.LobattoIIIA(5)), guess=solution)
+    assert direct.objective == pytest.approx(polished.objective, rel=1e-6)
 
 
 def test_times_outside_the_motion_are_refused(kirk: Any) -> None:
