@@ -1,0 +1,111 @@
+"""The lecture's experiment, timed: a double integrator moved 10 m in minimum time with |u| <= 1.
+
+Direct collocation by the lecture's scheme at 51, 101 and 201 points, multiple and single shooting at 21, and an adaptive
+mesh against uniform ones. Seconds are medians of five runs of ``rt.plan``, taken in turn; ratios are of this run. The
+lecture reports 2, 7 and 55 s for 51, 101 and 201 points. Run with ``python benchmarks/lecture.py``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+import robotraj as rt
+
+RUNS = 5
+DISTANCE = 10.0
+LECTURE = rt.HermiteSimpson(control=rt.LinearControl(), quadrature=rt.TrapezoidalQuadrature())
+BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+
+
+def move(brake: float = 1.0) -> rt.Phase:
+    return rt.Phase(
+        BLOCK,
+        duration=(0.1, 200.0),
+        start=rt.State([0, 0]),
+        end=rt.State([DISTANCE, 0]),
+        controls={"u": rt.between(-brake, 1)},
+        objective=rt.Duration(),
+    )
+
+
+def optimum(brake: float = 1.0) -> float:
+    """sqrt(2 D (1 + 1 / brake)): v = t1 = brake t2 and v (t1 + t2) / 2 = D."""
+    return float(np.sqrt(2 * DISTANCE * (1 + 1 / brake)))
+
+
+@dataclass(frozen=True)
+class Run:
+    """One method: how it is planned, and the duration it should find."""
+
+    name: str
+    plan: Callable[[], rt.Solution]
+    exact: float
+
+
+def fixed(name: str, intervals: int, scheme: object, brake: float = 1.0) -> Run:
+    return Run(name, lambda: rt.plan(move(brake), rt.Mesh(intervals, scheme)), optimum(brake))
+
+
+def adaptive(name: str, intervals: int, brake: float) -> Run:
+    first = rt.Mesh(intervals, rt.RadauIIA(3))
+    return Run(name, lambda: rt.plan(move(brake), first, tolerance=1e-6), optimum(brake))
+
+
+METHODS = [
+    fixed("collocation, lecture's scheme, 51 points", 50, LECTURE),
+    fixed("collocation, lecture's scheme, 101 points", 100, LECTURE),
+    fixed("collocation, lecture's scheme, 201 points", 200, LECTURE),
+    fixed("collocation, free mid-point, 51 points", 50, rt.HermiteSimpson()),
+    fixed("multiple shooting, RK4, 21 points", 20, rt.MultipleShooting()),
+    fixed("multiple shooting, CVODES, 21 points", 20, rt.MultipleShooting(rt.Adaptive())),
+    fixed("single shooting, RK4, 21 points", 20, rt.SingleShooting()),
+]
+BRAKE = 2.0
+MESHES = [
+    adaptive("adaptive, tolerance 1e-6", 10, BRAKE),
+    *(fixed(f"uniform, {k} intervals of Radau 3", k, rt.RadauIIA(3), BRAKE) for k in (10, 20, 40, 80, 160, 320)),
+]
+"""Braking twice as hard as driving: the switch, at 2/3 of the duration, is at no knot of a uniform mesh of these."""
+
+
+def measure(runs: list[Run]) -> dict[str, float]:
+    """Print one line per run; return median seconds by name."""
+    seconds: dict[str, list[float]] = {run.name: [] for run in runs}
+    found: dict[str, rt.Solution] = {}
+    for _ in range(RUNS):
+        for run in runs:
+            began = time.perf_counter()
+            found[run.name] = run.plan()
+            seconds[run.name].append(time.perf_counter() - began)
+    medians = {name: float(np.median(values)) for name, values in seconds.items()}
+    print(f"{'method':44} {'points':>6} {'iterations':>10} {'seconds':>8} {'relative error':>15}")
+    for run in runs:
+        solution = found[run.name]
+        error = abs(solution.duration / run.exact - 1)
+        points = len(solution.phases[0].points)
+        print(f"{run.name:44} {points:6d} {solution.iterations:10d} {medians[run.name]:8.3f} {error:15.1e}")
+    return medians
+
+
+def main() -> None:
+    print(
+        f"Minimum time, |u| <= 1, exactly {optimum():.7f} s; medians of {RUNS}. Points are collocation points or knots.\n"
+    )
+    medians = measure(METHODS)
+    small, middle, large = (medians[run.name] for run in METHODS[:3])
+    print(f"\n101 points against 51: {middle / small:.2f} times the seconds (lecture: {7 / 2:.1f})")
+    print(f"201 points against 51: {large / small:.2f} times the seconds (lecture: {55 / 2:.1f})")
+    multiple, single = medians[METHODS[4].name], medians[METHODS[6].name]
+    print(f"single against multiple shooting: {single / multiple:.2f} times the seconds\n")
+    print(f"Adaptive against uniform, -{BRAKE:g} <= u <= 1, exactly {optimum(BRAKE):.7f} s.\n")
+    medians = measure(MESHES)
+    fine = MESHES[-1].name
+    print(f"\n{fine} against adaptive: {medians[fine] / medians[MESHES[0].name]:.2f} times the seconds")
+
+
+if __name__ == "__main__":
+    main()
