@@ -46,7 +46,7 @@ def control_bounds(phase: Phase) -> tuple[Array, Array]:
     lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
     for constraint in phase.bound_constraints:
         for row in constraint.rows:
-            if constraint.where is Where.THROUGHOUT and row.variable in names:
+            if constraint.where in (Where.THROUGHOUT, Where.AT_NODES) and row.variable in names:
                 i = names.index(row.variable)
                 lower[i], upper[i] = max(lower[i], row.lower), min(upper[i], row.upper)
     return lower, upper
