@@ -39,6 +39,11 @@ def test_work_converges_to_the_exact_one(block: rt.Robot) -> None:
     assert errors[1] < 5e-4 * EXACT
 
 
+def test_a_tolerance_finds_the_exact_work_without_a_hand_picked_mesh(block: rt.Robot) -> None:
+    solution = rt.plan(move(block, rt.AbsolutePower()), tolerance=1e-6)
+    assert solution.objective == pytest.approx(EXACT, abs=1e-6)
+
+
 def test_half_of_the_absolute_power_drives_from_rest_to_rest(block: rt.Robot) -> None:
     mesh = rt.Mesh(40, RADAU)
     absolute, positive, half = (
