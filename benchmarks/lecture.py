@@ -1,7 +1,7 @@
 """The lecture's experiment, timed: a double integrator moved 10 m in minimum time with |u| <= 1.
 
-Direct collocation by the lecture's scheme at 51, 101 and 201 points, multiple and single shooting at 21, and an adaptive
-mesh against uniform ones. Seconds are medians of five runs of ``rt.plan``, taken in turn; ratios are of this run. The
+Direct collocation by the lecture's scheme at 51, 101 and 201 points, multiple and single shooting at 21, and an
+adaptive mesh against uniform ones. Seconds are medians of five runs of ``rt.plan``, taken in turn; ratios are of this run. The
 lecture reports 2, 7 and 55 s for 51, 101 and 201 points. Run with ``python benchmarks/lecture.py``.
 """
 
@@ -92,9 +92,8 @@ def measure(runs: list[Run]) -> dict[str, float]:
 
 
 def main() -> None:
-    print(
-        f"Minimum time, |u| <= 1, exactly {optimum():.7f} s; medians of {RUNS}. Points are collocation points or knots.\n"
-    )
+    print(f"Minimum time, |u| <= 1, exactly {optimum():.7f} s; medians of {RUNS} runs.")
+    print("Points are collocation points, or knots of shooting.\n")
     medians = measure(METHODS)
     small, middle, large = (medians[run.name] for run in METHODS[:3])
     print(f"\n101 points against 51: {middle / small:.2f} times the seconds (lecture: {7 / 2:.1f})")

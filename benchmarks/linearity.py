@@ -1,7 +1,8 @@
 """Cost per iteration against the number of intervals, and the straight line nearest to it.
 
 Kelly's cart-pole by Hermite-Simpson on 50 to 800 intervals, ten iterations of IPOPT each. Processor time, the least of
-several runs taken in turn, so that other work on the machine counts little. Run with ``python benchmarks/linearity.py``.
+several runs taken in turn, so that other work on the machine counts little. Run with
+``python benchmarks/linearity.py``.
 """
 
 from __future__ import annotations
