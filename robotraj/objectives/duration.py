@@ -14,7 +14,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Duration(EndCost):
-    """Duration of the phase, t_end - t_start [s]."""
+    """Duration of the phase, t_end - t_start [s].
+
+    Least time alone leaves torques free where they do not matter and lets them chatter. A little effort settles them:
+    ``rt.Duration() + 1e-3 * rt.Effort()``. With T* and E* the time and the effort of the fastest motion, the time T
+    found with weight w and effort E lies in T* <= T <= T* + w (E* - E).
+    """
 
     def value(self, start: Any, end: Any) -> Any:
         """Duration [s]."""
