@@ -45,6 +45,20 @@ class Flow:
             ca.Function("rows", arguments, [ca.densify(rows), jacobian]),
         )
 
+    @cached_property
+    def _explicit(self) -> ca.Function | None:
+        """(t, y) -> rates, where the algebraic rows are affine in their unknowns or there are none; else None."""
+        n, m = len(self.equations.state_names), len(self.equations.algebraic_names(self.sides))
+        t, y, a = ca.SX.sym("t"), ca.SX.sym("y", n), ca.SX.sym("a", m)
+        rates, rows = self.equations.equations(t, y, a, self.sides)
+        jacobian = ca.jacobian(rows, a)
+        if m and ca.depends_on(jacobian, a):
+            return None
+        if m:
+            solved = -ca.solve(jacobian, ca.substitute(rows, a, ca.SX.zeros(m)))
+            rates = ca.substitute(rates, a, solved)
+        return ca.Function("rates", [t, y], [ca.densify(rates)])
+
     def algebraic(self, t: Array, y: Array, a: Array) -> Array:
         """Solve the algebraic rows at m times by Newton's method, from guesses ``a`` (m, n)."""
         m, n = a.shape
@@ -63,14 +77,16 @@ class Flow:
     def defects(self, trajectory: PhaseTrajectory) -> Array:
         """Largest difference inside every interval between the trajectory and its integration from the left, (K, n)."""
         breaks = trajectory.x.breaks
-        rates = self._functions[0]
+        explicit = self._explicit
         found = np.zeros((len(breaks) - 1, trajectory.x.size))
         for k in range(len(breaks) - 1):
 
             def rhs(t: float, y: Array, k: int = k) -> Array:
+                if explicit is not None:
+                    return np.array(explicit(t, y)).ravel()
                 times = np.array([t])
                 a = self.algebraic(times, y[None, :], trajectory.z(times, k))
-                return np.array(rates(t, y, a[0])).ravel()
+                return np.array(self._functions[0](t, y, a[0])).ravel()
 
             stops = breaks[k] + (breaks[k + 1] - breaks[k]) * LOOKS
             y = trajectory.x(stops[:1], k)[0]
