@@ -1,8 +1,9 @@
 """The lecture's experiment, timed: a double integrator moved 10 m in minimum time with |u| <= 1.
 
 Direct collocation by the lecture's scheme at 51, 101 and 201 points, multiple and single shooting at 21, and an
-adaptive mesh against uniform ones. Seconds are medians of five runs of ``rt.plan``, taken in turn; ratios are of this run. The
-lecture reports 2, 7 and 55 s for 51, 101 and 201 points. Run with ``python benchmarks/lecture.py``.
+adaptive mesh against uniform ones. Seconds are medians of five runs of ``rt.plan``, taken in turn; ratios are of this
+run. The lecture reports 2, 7 and 55 s for 51, 101 and 201 points. ``python benchmarks/lecture.py`` prints the tables
+and writes the figures into the working directory.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from lecture_figures import draw_costs, draw_errors, draw_mesh
 
 import robotraj as rt
 
@@ -72,8 +74,27 @@ MESHES = [
 """Braking twice as hard as driving: the switch, at 2/3 of the duration, is at no knot of a uniform mesh of these."""
 
 
-def measure(runs: list[Run]) -> dict[str, float]:
-    """Print one line per run; return median seconds by name."""
+SCHEMES = {
+    "trapezoid": rt.Trapezoidal(),
+    "lecture's scheme": LECTURE,
+    "Hermite-Simpson, free mid-point": rt.HermiteSimpson(),
+    "Radau IIA, 3 points": rt.RadauIIA(3),
+    "multiple shooting, constant control": rt.MultipleShooting(),
+}
+"""What is drawn against points, on the problem of ``MESHES``."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Last solution and median seconds of a run."""
+
+    solution: rt.Solution
+    seconds: float
+    error: float
+
+
+def measure(runs: list[Run]) -> dict[str, Measured]:
+    """Solve every run several times, in turn."""
     seconds: dict[str, list[float]] = {run.name: [] for run in runs}
     found: dict[str, rt.Solution] = {}
     for _ in range(RUNS):
@@ -81,29 +102,59 @@ def measure(runs: list[Run]) -> dict[str, float]:
             began = time.perf_counter()
             found[run.name] = run.plan()
             seconds[run.name].append(time.perf_counter() - began)
-    medians = {name: float(np.median(values)) for name, values in seconds.items()}
+    return {
+        run.name: Measured(
+            found[run.name],
+            float(np.median(seconds[run.name])),
+            abs(found[run.name].duration / run.exact - 1),
+        )
+        for run in runs
+    }
+
+
+def table(measured: dict[str, Measured]) -> None:
     print(f"{'method':44} {'points':>6} {'iterations':>10} {'seconds':>8} {'relative error':>15}")
-    for run in runs:
-        solution = found[run.name]
-        error = abs(solution.duration / run.exact - 1)
-        points = len(solution.phases[0].points)
-        print(f"{run.name:44} {points:6d} {solution.iterations:10d} {medians[run.name]:8.3f} {error:15.1e}")
-    return medians
+    for name, each in measured.items():
+        steps = each.solution.refinement
+        iterations = sum(step.iterations for step in steps) if steps else each.solution.iterations
+        points = len(each.solution.phases[0].points)
+        print(f"{name:44} {points:6d} {iterations:10d} {each.seconds:8.3f} {each.error:15.1e}")
+
+
+def figures(methods: dict[str, Measured], adaptive_run: Measured) -> None:
+    series = {}
+    for name, scheme in SCHEMES.items():
+        runs = [fixed(str(n), n, scheme, BRAKE) for n in (10, 20, 40, 80, 160)]
+        each = measure(runs).values()
+        series[name] = [(len(m.solution.phases[0].points), m.error, m.seconds) for m in each]
+    steps = adaptive_run.solution.refinement
+    spent = np.cumsum([step.seconds for step in steps])
+    series["adaptive, Radau IIA"] = [
+        (step.points, abs(step.objective / optimum(BRAKE) - 1), float(total))
+        for step, total in zip(steps, spent, strict=True)
+    ]
+    by_interval = {name: m.solution for name, m in methods.items() if "free" not in name and "CVODES" not in name}
+    print("\nwrote", draw_costs(series, "lecture_costs.png"), end=", ")
+    print(draw_errors(by_interval, "lecture_errors.png"), end=", ")
+    print(draw_mesh(adaptive_run.solution, "lecture_mesh.png"))
 
 
 def main() -> None:
     print(f"Minimum time, |u| <= 1, exactly {optimum():.7f} s; medians of {RUNS} runs.")
     print("Points are collocation points, or knots of shooting.\n")
-    medians = measure(METHODS)
-    small, middle, large = (medians[run.name] for run in METHODS[:3])
+    methods = measure(METHODS)
+    table(methods)
+    small, middle, large = (methods[run.name].seconds for run in METHODS[:3])
     print(f"\n101 points against 51: {middle / small:.2f} times the seconds (lecture: {7 / 2:.1f})")
     print(f"201 points against 51: {large / small:.2f} times the seconds (lecture: {55 / 2:.1f})")
-    multiple, single = medians[METHODS[4].name], medians[METHODS[6].name]
+    multiple, single = methods[METHODS[4].name].seconds, methods[METHODS[6].name].seconds
     print(f"single against multiple shooting: {single / multiple:.2f} times the seconds\n")
     print(f"Adaptive against uniform, -{BRAKE:g} <= u <= 1, exactly {optimum(BRAKE):.7f} s.\n")
-    medians = measure(MESHES)
-    fine = MESHES[-1].name
-    print(f"\n{fine} against adaptive: {medians[fine] / medians[MESHES[0].name]:.2f} times the seconds")
+    meshes = measure(MESHES)
+    table(meshes)
+    fine, own = MESHES[-1].name, meshes[MESHES[0].name]
+    print(f"\n{fine} against adaptive: {meshes[fine].seconds / own.seconds:.2f} times the seconds")
+    figures(methods, own)
 
 
 if __name__ == "__main__":
