@@ -103,6 +103,19 @@ def test_swing_up_with_and_without_saturation(swing_up: Any, force: float) -> No
 
 
 @pytest.mark.slow
+def test_six_joints() -> None:
+    robot = rt.load("ur5")
+    first, last = [0, -1.2, 1.0, 0, 0, 0], [1.0, -1.6, 1.4, 0.3, 0.5, 0]
+    phase = rt.Phase(robot, 2.0, rt.State(q=first, v=0), rt.State(q=last, v=0), rt.Effort(), limits=None)
+    solution = rt.plan(phase, rt.Mesh(50))
+    polished = rt.polish(solution)
+    assert max(polished.error, polished.residual) <= 1e-9
+    assert polished.objective == pytest.approx(solution.objective, rel=2e-3)
+    end = arrives(polished, robot_rates(robot), [*first, *[0] * 6])
+    assert end == pytest.approx([*last, *[0] * 6], abs=1e-5)
+
+
+@pytest.mark.slow
 def test_a_polished_cost_falls_with_the_start_as_its_costate_says(swing_up: Any) -> None:
     costs = [rt.polish(rt.plan(swing_up((h, 0.0)), rt.Mesh(40))) for h in (1e-3, 0.0, -1e-3)]
     slope = (costs[0].objective - costs[2].objective) / 2e-3
