@@ -1,7 +1,8 @@
 """Every case to its optimum, on no mesh of ours: `python benchmarks/cases.py`.
 
 Plans each problem with `rt.plan(problem, guess=..., tolerance=1e-6)`, prints one table and writes it beside this file
-as Markdown. Exits with 1 where an objective misses its optimum by more than the tolerance or the reference's own accuracy.
+as Markdown. Exits with 1 where an objective misses its optimum by more than the tolerance, or than the reference is
+known to.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Kelly's five-link biped: one periodic step over a heel strike, as a System whose accelerations are algebraic.
 
 Links: stance tibia, stance femur, torso, swing femur, swing tibia; q are absolute angles, 0 upright, counter-clockwise.
-The residuals are the angular momentum balances about the ankle, the knees and the hip. A step ends with the heel strike,
-which keeps angular momentum about the same points, and the legs change places.
+The residuals are the angular momentum balances about the ankle, the knees and the hip. A step ends with the heel
+strike, which keeps angular momentum about the same points, and the legs change places.
 Source: Kelly, SIAM Review 59 (2017), section 8 and appendix E.
 """
 
@@ -128,7 +128,7 @@ def heel_strike(chain: Chain) -> rt.Linkage:
 
 
 def biped(torso_from_hip: bool) -> Case:
-    """Take one step; the torso's centre of mass is 0.2 m from the shoulder (Kelly's code) or from the hip (his table)."""
+    """Take one step; the torso's mass lies 0.2 m below the shoulder (Kelly's code) or above the hip (his table)."""
     chain = Chain(torso_from_hip)
 
     def foot(point: Any) -> Plane:

@@ -1,0 +1,91 @@
+"""Adaptive against uniform meshes of one scheme: `python benchmarks/adaptive.py`.
+
+How many collocation points does the objective cost at a relative error of 1e-6, with the mesh that `tolerance=1e-6`
+makes from 21 equal intervals of Radau IIA with 3 points, and with equal intervals of the same scheme?
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import sqrt
+
+from problems.case import TOLERANCE, Case
+from problems.written import TABLE, written
+from rich.console import Console
+from rich.table import Table
+
+import robotraj as rt
+
+SCHEME = rt.RadauIIA(3)
+INTERVALS = [21, 27, 35, 45, 57, 73, 93, 117, 147, 187, 235, 295, 371, 465, 583]
+"""Odd numbers, each a quarter more than the last: no knot stands on a switch at half time."""
+
+
+def block(pull: float) -> Case:
+    """Bring a block from 10 m to rest at 0 in minimum time, -1 <= u <= pull: one switch, at pull / (1 + pull) T."""
+    system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    ends = rt.State([10, 0]), rt.State([0, 0])
+    phase = rt.Phase(system, (0.1, 200), *ends, rt.Duration(), controls={"u": rt.between(-1, pull)})
+    guess = rt.Keyframes([0, 1], ends, duration=10)
+    return Case(f"block, u <= {pull:.4g}", phase, guess, sqrt(20 * (1 + 1 / pull)), 0.0, "closed form")
+
+
+def hypersensitive() -> Case:
+    """Rest for 50 s between two steep ends."""
+    (case,) = (case for case in written(TABLE) if case.name == "hypersensitive")
+    # The table knows it to 1e-5; 800 equal intervals with 4 points and 600 with 6 agree in these digits.
+    return Case("hyper-sensitive", case.problem, case.guess, 1.33080690495, 1e-10, "two fine meshes")
+
+
+def cases() -> Iterator[Case]:
+    """Give switches at half time and at an irrational share of it, and boundary layers."""
+    yield block(1.0)
+    yield block(sqrt(2))
+    yield hypersensitive()
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Points and error of a plan."""
+
+    points: int
+    error: float
+
+
+def adaptive(case: Case) -> Reach:
+    """Plan with the tolerance, from a mesh that knows nothing of the answer."""
+    solution = rt.plan(case.problem, rt.Mesh(INTERVALS[0], SCHEME), case.guess, tolerance=TOLERANCE, progress=False)
+    return Reach(len(solution.phases[0].points), abs(solution.objective / case.exact - 1))
+
+
+def uniform(case: Case, intervals: int) -> Reach:
+    """Plan on equal intervals."""
+    solution = rt.plan(case.problem, rt.Mesh(intervals, SCHEME), case.guess, progress=False)
+    return Reach(len(solution.phases[0].points), abs(solution.objective / case.exact - 1))
+
+
+def needed(case: Case) -> Reach:
+    """Take the coarsest of the equal meshes such that it and all finer ones hold the tolerance."""
+    reaches = [uniform(case, intervals) for intervals in INTERVALS]
+    missed = [i for i, reach in enumerate(reaches) if reach.error > TOLERANCE]
+    first = max(missed, default=-1) + 1
+    return reaches[min(first, len(reaches) - 1)]
+
+
+def main() -> int:
+    """Print the table; fail where the adaptive mesh takes more than a quarter of the points."""
+    table = Table("problem", "adaptive: points", "error", "uniform: points", "error", "ratio")
+    ratios = []
+    for case in cases():
+        ours, theirs = adaptive(case), needed(case)
+        ratios.append(theirs.points / ours.points)
+        figures = (str(ours.points), f"{ours.error:.1e}", str(theirs.points), f"{theirs.error:.1e}")
+        table.add_row(case.name, *figures, f"{ratios[-1]:.1f}")
+    Console(width=None if sys.stdout.isatty() else 100).print(table)
+    return 0 if min(ratios) >= 4 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
