@@ -42,6 +42,9 @@ class Mesh:
             raise InputError(f"A mesh needs at least 1 interval, got {self.intervals}.")
         if np.isscalar(self.intervals) and not isinstance(self.intervals, int | np.integer):
             raise InputError(f"Mesh(intervals) must be a whole number or a list of knots, got {self.intervals!r}.")
+        if not isinstance(self.intervals, int | np.integer):
+            # A tuple compares and hashes as a value; an array does neither.
+            object.__setattr__(self, "intervals", tuple(np.asarray(self.intervals, dtype=float).ravel().tolist()))
         knots = self.knots
         if len(knots) < 2 or knots[0] != 0.0 or knots[-1] != 1.0 or not np.all(np.diff(knots) > 0):
             raise InputError(f"The knots of a mesh must ascend from 0 to 1; got {knots.tolist()}.")
