@@ -170,7 +170,7 @@ class Phase:
                 raise InputError(f"The duration of phase {self.name!r} is {self.duration!r}: {error}") from error
         bounds = as_bounds(value, ["duration"], f"duration of phase {self.name!r}", "value")
         low, high = float(bounds.lower[0]), float(bounds.upper[0])
-        if value is None or high <= 0:
+        if value is None or high <= 0 or -np.inf < low < 0:
             raise InputError(
                 f"The duration of phase {self.name!r} is {self.duration!r}; give seconds above 0, or (least, greatest)."
             )

@@ -16,8 +16,8 @@ from robotraj.dynamics import Named
 from robotraj.errors import InputError
 from robotraj.export import to_csv, to_json
 from robotraj.indirect.duals import PhaseDuals
-from robotraj.plotting import plot
 from robotraj.objectives import Augmented
+from robotraj.plotting import plot
 from robotraj.problem import Phase, Problem
 from robotraj.sample import Sample, join
 from robotraj.schemes import Mesh
@@ -26,6 +26,7 @@ from robotraj.status import Status
 from robotraj.storage import Contents, read, write
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.guards import Guard
 from robotraj.violations import Violation
 
 if TYPE_CHECKING:
@@ -216,6 +217,8 @@ class Solution:
         Costates and densities of multipliers, one entry a phase; read them with ``rt.costates``.
     stages : tuple of StageRecord
         The stages that led here, when some were asked for.
+    guards : tuple of Guard
+        Rows that were imposed between collocation points as well.
     """
 
     problem: Problem
@@ -230,6 +233,7 @@ class Solution:
     refinement: tuple[MeshStep, ...] = ()
     duals: tuple[PhaseDuals, ...] = ()
     stages: tuple[StageRecord, ...] = ()
+    guards: tuple[Guard, ...] = ()
 
     @property
     def success(self) -> bool:

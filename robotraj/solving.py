@@ -12,7 +12,7 @@ import numpy as np
 from robotraj.guess import Guess, as_guess
 from robotraj.indirect.covector import covectors
 from robotraj.indirect.transfer import transfer
-from robotraj.problem import Problem
+from robotraj.problem import Phase, Problem
 from robotraj.schemes import Collocation, Mesh
 from robotraj.solution import PhaseSolution, Solution
 from robotraj.solvers import Multipliers, Progress, Solver
@@ -27,6 +27,8 @@ ROW_TOLERANCE = 1e-6
 """Largest violation of a scaled row or bound that counts as held, when rows are evaluated outside the solver."""
 GUARD_TOLERANCE = 5e-4
 """How far a row on states may be broken between collocation points before guards are set there [its SI unit]."""
+NEAR = 1e-2
+"""Largest violation of a scaled row at a guess from another problem whose multipliers are still worth taking."""
 GUARD_ROUNDS = 4
 """Times that guards are set and the problem is solved again."""
 
@@ -41,11 +43,11 @@ def solve(
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
-    Where a row on states turns out broken between collocation points by more than ``between``, it is imposed there too and the problem solved
-    again, from the last answer.
+    Where a row on states turns out broken between collocation points by more than ``between``, it is imposed there
+    too and the problem solved again, from the last answer. A guess on the same mesh brings its guards along.
     """
-    solution = _solve(problem, mesh, guess, solver, progress, ())
-    guards: list[Guard] = []
+    guards = _known_guards(problem, mesh, guess)
+    solution = _solve(problem, mesh, guess, solver, progress, guards)
     for _ in range(GUARD_ROUNDS):
         if not solution.success:
             break
@@ -62,7 +64,23 @@ def solve(
         again = _solve(problem, mesh, solution, solver, progress, guards)
         total = {key: again.times[key] + solution.times[key] for key in again.times}
         solution = replace(again, times=total, iterations=again.iterations + solution.iterations)
-    return solution
+    return replace(solution, guards=tuple(guards))
+
+
+def _known_guards(problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | Solution | None) -> list[Guard]:
+    """Guards of an earlier solution on the same meshes, of rows that this problem has as well."""
+    if not isinstance(guess, Solution) or len(guess.phases) != len(problem.phases):
+        return []
+    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+
+    def rows(phase: Phase) -> list[tuple[str, str | None]]:
+        return [(row.name, row.joint) for bound in phase.bound_constraints for row in bound.rows]
+
+    same = all(
+        part.mesh == here and rows(part.phase) == rows(phase)
+        for part, here, phase in zip(guess.phases, meshes, problem.phases, strict=True)
+    )
+    return list(guess.guards) if same else []
 
 
 def _solve(
@@ -105,9 +123,20 @@ def _conclude(nlp: Nlp, outcome: Outcome, built: float) -> Solution:
     )
 
 
+def _broken_by(nlp: Nlp) -> float:
+    """Largest violation of a scaled row at the guess."""
+    values = nlp.values(nlp.guess)
+    return float(np.max(np.maximum(nlp.rows.lower - values, values - nlp.rows.upper) * nlp.row_scale, initial=0.0))
+
+
 def _multipliers(guess: Any, nlp: Nlp, guarded: bool) -> Multipliers | None:
-    """Multipliers of an earlier solution of the same NLP; guards come last in it, and start at zero."""
+    """Multipliers of an earlier solution of the same NLP, or of one nearby; new guards come last and start at zero.
+
+    Far from the earlier problem its multipliers, and the small barrier that belongs to them, cost more than they save.
+    """
     if not isinstance(guess, Solution) or guess.multipliers is None or not guess.success:
+        return None
+    if guess.problem is not nlp.problem and _broken_by(nlp) > NEAR:
         return None
     known = guess.multipliers
     more = len(nlp.rows) - len(known.rows), len(nlp.variables) - len(known.bounds)
