@@ -86,5 +86,7 @@ def plan(
             solution = adapt(problem, mesh, guess, solver, show, tolerance, refinement or SplitOrRaise())
     solution = replace(solution, stages=records)
     if check and not solution.success:
-        raise NoSolutionFound(f"{problem.phases[0].name!r} was not solved.\n{solution}", solution)
+        names = " and ".join(repr(phase.name) for phase in problem.phases)
+        raise NoSolutionFound(f"{names} {'was' if len(problem.phases) == 1 else 'were'} not solved.\n{solution}",
+        solution)
     return solution

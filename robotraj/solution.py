@@ -116,9 +116,7 @@ class PhaseSolution:
             raise InputError(f"Times must be a number or a vector; got shape {times.shape}.")
         count = len(self.knots) - 1
         if interval is not None and not 0 <= interval < count:
-            raise InputError(
-                f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}."
-            )
+            raise InputError(f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}.")
         dae = self.phase.dae
         x, z, u = (curve(times, interval) for curve in (self.trajectory.x, self.trajectory.z, self.trajectory.u))
         controls = dae.controls
@@ -281,7 +279,7 @@ class Solution:
         return join(samples, np.argsort(np.concatenate(parts)))
 
     def violations(self, top: int = 3) -> tuple[Violation, ...]:
-        """The worst broken rows and bounds, worst first, relative to their scale."""
+        """List the worst broken rows and bounds, worst first, relative to their scale."""
         return self.violation_list[:top]
 
     def save(self, path: str | Path) -> Path:
@@ -322,7 +320,8 @@ class Solution:
         ]
         if not self.success:
             lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]
-            lines += [f"  {violation}" for violation in self.violations(5)]
+            several = len(self.phases) > 1
+            lines += [f"  {v} (phase {v.phase!r})" if several else f"  {v}" for v in self.violations(5)]
         return "\n".join(lines)
 
 
