@@ -13,7 +13,7 @@ from robotraj.guess import Guess, as_guess
 from robotraj.indirect.covector import covectors
 from robotraj.indirect.transfer import transfer
 from robotraj.problem import Phase, Problem
-from robotraj.schemes import Collocation, Mesh
+from robotraj.schemes import Mesh
 from robotraj.solution import PhaseSolution, Solution
 from robotraj.solvers import Multipliers, Progress, Solver
 from robotraj.solvers.base import Outcome
@@ -54,7 +54,6 @@ def solve(
         found = [
             guard
             for i, part in enumerate(solution.phases)
-            if all(isinstance(scheme, Collocation) for scheme in part.mesh.schemes)
             for guard in find_guards(part.phase, i, part.trajectory, between)
             if guard not in guards
         ]

@@ -3,8 +3,9 @@
     x_{k+1} - Phi(x_k, u_k, T, p) = 0
 
 Multiple shooting has the states at all knots as unknowns; single shooting those at both ends of the phase
-alone, and carries the first through all intervals. Rows of the phase hold at knots. Dynamics must be
-explicit: a robot is planned by its forward dynamics.
+alone, and carries the first through all intervals. Rows of the phase hold at knots, and
+those on states also between them, where a solution is found to break one. Dynamics must be explicit: a robot is
+planned by its forward dynamics.
 Sources: Bock and Plitt, A multiple shooting algorithm for direct solution of optimal control problems, IFAC
 World Congress (1984); Betts, Practical Methods for Optimal Control (2010), sections 3.4 and 4.2.
 """

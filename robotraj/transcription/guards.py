@@ -1,9 +1,9 @@
 """Guards: rows imposed between the collocation points, on the polynomial that was collocated.
 
-Limits hold at collocation points; between them a polynomial may bulge over. A guard holds one row of a constraint at one more
-place tau of one interval, where the state is x(tau) = x_0 + d sum_k (T f_k) int_0^tau l_k: linear in the stage outputs. Guards
-are placed where a dense look at a solution finds a row broken (an exchange method for semi-infinite programs).
-Source: Hettich and Kortanek, Semi-infinite programming, SIAM Review 35 (1993), section 7.
+Limits hold at collocation points; between them a polynomial may bulge over. A guard holds one row of a constraint at
+one more place tau of one interval, where the state is x(tau) = x_0 + d sum_k (T f_k) int_0^tau l_k: linear in the
+stage outputs. Guards are placed where a dense look at a solution finds a row broken (an exchange method for
+semi-infinite programs). Source: Hettich and Kortanek, Semi-infinite programming, SIAM Review 35 (1993), section 7.
 """
 
 from __future__ import annotations
@@ -19,11 +19,13 @@ from robotraj.constraints import Row, Where
 from robotraj.constraints.base import BoundConstraint, symbols_of
 from robotraj.dynamics.system import as_rows
 from robotraj.polynomials import integrals
+from robotraj.schemes import OneStep
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import interval_scalars, point_symbols
 from robotraj.transcription.ends import single
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
+from robotraj.transcription.shooting_guards import shot_guard
 from robotraj.transcription.table import Entry, Indices, ScalarTable
 from robotraj.transcription.triplets import Triplets
 
@@ -119,13 +121,18 @@ def add_guards(
     scatters: Sequence[Triplets],
     outputs: Sequence[int],
 ) -> list[Block]:
-    """Add the guards' rows (and states, for path rows); ``scatters`` and ``outputs`` are those of the phases' blocks."""
+    """Add the guards' rows (and states, for path rows); ``scatters`` and ``outputs`` are those of the phases'
+    blocks."""
     blocks = []
     for guard in guards:
         phase, layout = phases[guard.phase], layouts[guard.phase]
-        interval = layout.intervals[guard.interval]
         constraint = phase.bound_constraints[guard.constraint]
         row = constraint.rows[guard.row]
+        if isinstance(layout.intervals[0].scheme, OneStep):
+            place = guard.phase, layout, guard.interval, guard.tau
+            blocks.append(shot_guard(phase, *place, constraint, row, rows))
+            continue
+        interval = layout.intervals[guard.interval]
         fraction = np.array([interval.start + interval.length * guard.tau])
         entry = Entry(guard.phase, row.name, row.joint or "", row.unit)
         tau = interval.clock.start + interval.clock.length * guard.tau
@@ -148,9 +155,7 @@ def add_guards(
         fixed = [c.value for c in shared if c.column is None]
         kept = ca.vertcat(s.x, s.unknowns[s.x.numel() + s.z.numel() + s.u.numel() :])
         path = rows.add([entry], fraction, row.lower, row.upper)[0]
-        blocks.append(
-            single(kept, s.constants, value, np.concatenate([states, free]), np.array([tau, *fixed]), path)
-        )
+        blocks.append(single(kept, s.constants, value, np.concatenate([states, free]), np.array([tau, *fixed]), path))
     return blocks
 
 

@@ -133,6 +133,53 @@ def _product(factors: list[ca.SX]) -> ca.SX:
     return result
 
 
+@dataclass(frozen=True, eq=False)
+class IntervalSymbols:
+    """What an interval reads: v = (x_0, x_1, u at the control's sites, unknown scalars), and the constants.
+
+    Attributes
+    ----------
+    v, constants : casadi.SX or casadi.MX
+    x0, x1 : columns (nx,)
+    u : matrix (nu, sites)
+    start, length, base, span : scalars
+    p : list of scalars
+    """
+
+    v: Any
+    constants: Any
+    x0: Any
+    x1: Any
+    u: Any
+    start: Any
+    length: Any
+    base: Any
+    span: Any
+    p: list[Any]
+
+    @classmethod
+    def of(cls, phase: Phase, layout: PhaseLayout, kind: Any) -> IntervalSymbols:
+        """Make the symbols, all of one kind: ``casadi.SX`` or ``casadi.MX``."""
+        scheme, scalars = layout.intervals[0].scheme, interval_scalars(layout, 0)
+        nx, nu, sites = len(phase.dae.states), len(phase.dae.controls), len(scheme.control_sites)
+        free = [i for i, scalar in enumerate(scalars) if scalar.column is not None]
+        fixed = [i for i, scalar in enumerate(scalars) if scalar.column is None]
+        v = kind.sym("v", 2 * nx + sites * nu + len(free))
+        constants = kind.sym("c", 2 + len(fixed))
+        values = [*_entries(v)[v.numel() - len(free) :], *_entries(constants)[2:]]
+        known = dict(zip([*free, *fixed], values, strict=True))
+        base, span, *p = (known[i] for i in range(len(scalars)))
+        u = ca.reshape(v[2 * nx : 2 * nx + sites * nu], nu, sites)
+        return cls(v, constants, v[:nx], v[nx : 2 * nx], u, constants[0], constants[1], base, span, p)
+
+    def piece(self, scheme: OneStep, j: int) -> Any:
+        """Gather what the rate of a piece reads beside c and the state."""
+        low, high = scheme.pieces[j], scheme.pieces[j + 1]
+        values = ca.vec(self.u[:, scheme.controls_of(j)])
+        place = (self.start + self.length * low, self.length * (high - low))
+        return ca.vertcat(values, self.base, self.span, *self.p, *place)
+
+
 class _Interval:
     """The stage function of one interval, and where inside it rows hold."""
 
@@ -143,40 +190,24 @@ class _Interval:
         self.nx = len(phase.dae.states)
         self.inner = _inner_states(scheme)
         path_at: list[float] = []
-        scalars = interval_scalars(layout, 0)
-        kind: Any = ca.SX if scheme.scalar_graph else ca.MX
+        known = IntervalSymbols.of(phase, layout, ca.SX if scheme.scalar_graph else ca.MX)
+        x1, kind = known.x1, type(known.x1)
         rate = Rate.of(phase, scheme)
         step = scheme.step(rate.function)
-        sites, nu = len(scheme.control_sites), len(phase.dae.controls)
-        free = [i for i, scalar in enumerate(scalars) if scalar.column is not None]
-        fixed = [i for i, scalar in enumerate(scalars) if scalar.column is None]
-        v = kind.sym("v", 2 * self.nx + sites * nu + len(free))
-        constants = kind.sym("c", 2 + len(fixed))
-        x0, x1 = v[: self.nx], v[self.nx : 2 * self.nx]
-        u = ca.reshape(v[2 * self.nx : 2 * self.nx + sites * nu], nu, sites)
-        start, length = constants[0], constants[1]
-        known = dict(
-            zip(
-                [*free, *fixed],
-                [*_entries(v)[v.numel() - len(free) :], *_entries(constants)[2:]],
-                strict=True,
-            )
-        )
-        base, span, *p = (known[i] for i in range(len(scalars)))
         rows = self._path_function()
-        now = ca.vertcat(x0, kind.zeros(rate.size - self.nx))
+        now = ca.vertcat(known.x0, kind.zeros(rate.size - self.nx))
         after = ca.vertcat(x1, kind.zeros(rate.size - self.nx))
         states, path = [], []
         for j, (low, high) in enumerate(zip(scheme.pieces[:-1], scheme.pieces[1:], strict=True)):
-            values = u[:, scheme.controls_of(j)]
-            q = ca.vertcat(ca.vec(values), base, span, *p, start + length * low, length * (high - low))
+            values = known.u[:, scheme.controls_of(j)]
+            q = known.piece(scheme, j)
 
             def hold(c: float, x: Any, low: float = low, high: float = high, values: Any = values) -> None:
                 """Path rows at c of this piece."""
                 at = low + (high - low) * c
-                t = base + (start + length * at) * span
+                t = known.base + (known.start + known.length * at) * known.span
                 control = ca.mtimes(values, ca.DM(scheme.control_within(np.array([c])).T))
-                path.append(rows(t, x[: self.nx], control, ca.vertcat(*p)))
+                path.append(rows(t, x[: self.nx], control, ca.vertcat(*known.p)))
                 path_at.append(at)
 
             if j > 0 and not _continuous(scheme):
@@ -190,7 +221,7 @@ class _Interval:
                 hold(1.0, now)
         self.path_at = np.array(path_at)
         y = ca.vertcat(x1 - now[: self.nx], *states, *path, now[self.nx :])
-        self.stage = Stage(v, constants, y, costed=int(y.numel()) - 1 if phase.integrals else None)
+        self.stage = Stage(known.v, known.constants, y, costed=int(y.numel()) - 1 if phase.integrals else None)
 
     def _path_function(self) -> ca.Function:
         """(t, x, u, p) -> path rows."""
@@ -259,12 +290,22 @@ def _path_at_knots(
 
 def _gather(layout: PhaseLayout) -> tuple[Triplets, Array]:
     """Triplets of G and the constants, one place per interval."""
-    read = []
-    for k, interval in enumerate(layout.intervals):
-        shared = [s.column for s in interval_scalars(layout, k) if s.column is not None]
-        read.append(np.concatenate([interval.left, interval.right, interval.controls.ravel(), shared]).astype(int))
+    read = [interval_columns(layout, k) for k in range(len(layout.intervals))]
     gather = Triplets()
     gather.add(np.arange(len(read) * len(read[0])), np.concatenate(read), 1.0)
-    fixed = [s.value for s in interval_scalars(layout, 0) if s.column is None]
-    clocks = [(i.clock.start, i.clock.length, *fixed) for i in layout.intervals]
-    return gather, np.array(clocks, dtype=float).T
+    constants = [interval_constants(layout, k) for k in range(len(layout.intervals))]
+    return gather, np.array(constants).T
+
+
+def interval_columns(layout: PhaseLayout, k: int) -> NDArray[np.int_]:
+    """Columns of the unknowns that interval k reads, in the order of ``IntervalSymbols``."""
+    interval = layout.intervals[k]
+    shared = [s.column for s in interval_scalars(layout, k) if s.column is not None]
+    return np.concatenate([interval.left, interval.right, interval.controls.ravel(), shared]).astype(int)
+
+
+def interval_constants(layout: PhaseLayout, k: int) -> Array:
+    """Constants that interval k reads, in the order of ``IntervalSymbols``."""
+    clock = layout.intervals[k].clock
+    fixed = [s.value for s in interval_scalars(layout, k) if s.column is None]
+    return np.array([clock.start, clock.length, *fixed], dtype=float)

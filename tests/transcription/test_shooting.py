@@ -173,6 +173,30 @@ def test_single_shooting_has_no_states_between_the_ends_but_holds_their_rows() -
     assert solution.objective == pytest.approx(multiple.objective, rel=1e-7)
 
 
+GUARDED = {
+    "multiple": rt.MultipleShooting(control=rt.LinearControl()),
+    "multiple, adaptive": rt.MultipleShooting(rt.Adaptive(), control=rt.LinearControl()),
+    "single": rt.SingleShooting(control=rt.LinearControl()),
+    "compressed": rt.CompressedHermiteSimpson(control=rt.LinearControl()),
+}
+
+
+@pytest.mark.parametrize("as_row", [False, True], ids=["bound", "path row"])
+@pytest.mark.parametrize("scheme", GUARDED.values(), ids=GUARDED)
+def test_rows_on_states_are_held_between_knots(scheme: rt.MultipleShooting, as_row: bool) -> None:
+    """At 0.3 s and 0.7 s a block with least effort keeps below 1.4 m/s, half-way it would reach 1.5 m/s."""
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    row = rt.PathConstraint(lambda point: point.x["v"] ** 2, upper=1.4**2, name="speed squared")
+    held = {"constraints": [row]} if as_row else {"states": {"v": rt.between(-1.4, 1.4)}}
+    ends = rt.State([0, 0]), rt.State([1, 0])
+    phase = rt.Phase(block, 1.0, *ends, rt.Lagrange(lambda point: point.u["u"] ** 2), **held)
+    solution = rt.plan(phase, rt.Mesh([0, 0.3, 0.7, 1], scheme))
+    speed = solution.at(np.linspace(0, 1, 401)).x["v"]
+    assert np.max(speed) == pytest.approx(1.4, abs=1e-3)
+    free = rt.plan(rt.Phase(block, 1.0, *ends, phase.objective), rt.Mesh([0, 0.3, 0.7, 1], scheme))
+    assert np.max(free.at(np.linspace(0, 1, 401)).x["v"]) > 1.45
+
+
 def test_knots_move_with_multiple_shooting_onto_the_switching_time() -> None:
     block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
     phase = rt.Phase(
