@@ -31,9 +31,10 @@ class MechanicalWork(Integral):
     The smooth form has sqrt(P^2 + e^2) - e in place of |P| = max(P, 0) + max(-P, 0), which lies below it by e
     at most: its optimum lies below the exact one, by e T sum_j w_j (1 + braking) / 2 at most.
 
-    Powers are priced at collocation points. Between them a torque that swings can hide work, so that coarse meshes
-    lie below the truth, and moving meshes far below, since they put their points where that pays: plan with
-    ``tolerance=``.
+    Powers are priced at collocation points. Between them a torque with a free mid-point can swing and hide work, and
+    the optimum of a coarse mesh does so. Torques that run on lines between knots cannot: plan with
+    ``rt.HermiteSimpson(control=rt.LinearControl())``, also on a moving mesh (never there without), or with
+    ``tolerance=``; integrate |tau v| of the answer densely to be sure.
 
     Parameters
     ----------

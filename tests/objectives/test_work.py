@@ -44,6 +44,35 @@ def test_a_tolerance_finds_the_exact_work_without_a_hand_picked_mesh(block: rt.R
     assert solution.objective == pytest.approx(EXACT, abs=1e-6)
 
 
+LINES = rt.HermiteSimpson(control=rt.LinearControl())
+
+
+def test_lines_on_a_moving_mesh_put_knots_on_the_switches(block: rt.Robot) -> None:
+    solution = rt.plan(move(block, rt.AbsolutePower()), mesh=rt.MovingMesh(10, LINES))
+    assert solution.objective == pytest.approx(EXACT, abs=1e-6)
+    switch = np.sqrt(EXACT) / 20.0
+    for time in (switch, 1.0 - switch):
+        assert np.abs(solution.knots - time).min() < 2e-2
+
+
+def test_torques_on_lines_hide_no_work() -> None:
+    # With free mid-points the same plan pays 4e-7 J and spends 10.6 J.
+    arm = rt.load("ur5")
+    phase = rt.Phase(
+        arm,
+        duration=2.0,
+        start=rt.State(q=[0, -1, 1, 0, 1, 0], v=0),
+        end=rt.State(v=0),
+        objective=rt.AbsolutePower(),
+        constraints=[rt.AtEnd(rt.FramePosition("tool0", [0.4, 0.3, 0.5]))],
+    )
+    solution = rt.plan(phase, mesh=rt.Mesh(20, LINES))
+    times = np.linspace(0.0, 2.0, 20001)
+    sample = solution.at(times)
+    spent = np.trapezoid(np.abs(sample.tau * sample.v).sum(axis=1), times)
+    assert solution.objective == pytest.approx(spent, rel=0.03)
+
+
 def test_half_of_the_absolute_power_drives_from_rest_to_rest(block: rt.Robot) -> None:
     mesh = rt.Mesh(40, RADAU)
     absolute, positive, half = (
