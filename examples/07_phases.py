@@ -10,7 +10,7 @@ for count in (1, 2, 3, 4):
     ends = [rt.State([0, 0]), *(rt.State({"x": k / count}) for k in range(1, count)), rt.State([1, 0])]
     phases = [
         rt.Phase(slider, (0.001, 1.0), start, end, rt.Duration(), controls=force, name=f"part of {count}")
-        for start, end in zip(ends[:-1], ends[1:])
+        for start, end in zip(ends[:-1], ends[1:], strict=True)
     ]
     problem = rt.Problem(phases, [rt.Continuity(k, k + 1) for k in range(count - 1)])
     solution = rt.plan(problem, mesh=mesh, solver=rt.Ipopt(tolerance=1e-11))

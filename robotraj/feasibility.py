@@ -42,7 +42,7 @@ def check_phase(phase: Phase) -> None:
 
 
 def _complaints(phase: Phase, limits: Limits) -> list[str]:
-    """The limits' own complaints about joints that must move: a joint without a motor may have no effort."""
+    """List the limits' own complaints about joints that must move: a joint without a motor may have no effort."""
     return list(limits.complaints(phase.robot.actuated)) if phase.robot else []
 
 
@@ -120,7 +120,7 @@ def _check_expression(
 
 
 def _check_duration(phase: Phase) -> None:
-    """A joint that must travel further than its speed limit allows in the longest duration cannot arrive."""
+    """Refuse a joint that must travel further than its speed limit allows in the longest duration."""
     if phase.robot is None or not isinstance(phase.limits, Limits):
         return
     longest = phase.duration_bounds[1]

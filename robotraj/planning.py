@@ -87,6 +87,6 @@ def plan(
     solution = replace(solution, stages=records)
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)
-        raise NoSolutionFound(f"{names} {'was' if len(problem.phases) == 1 else 'were'} not solved.\n{solution}",
-        solution)
+        verb = "was" if len(problem.phases) == 1 else "were"
+        raise NoSolutionFound(f"{names} {verb} not solved.\n{solution}", solution)
     return solution

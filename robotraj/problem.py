@@ -80,7 +80,9 @@ class Phase:
 
     def __post_init__(self) -> None:
         if not isinstance(self.subject, Robot | System):
-            raise InputError(f"A phase moves a robot (rt.load(...)) or an rt.System; got {type(self.subject).__name__}.")
+            raise InputError(
+                f"A phase moves a robot (rt.load(...)) or an rt.System; got {type(self.subject).__name__}."
+            )
         for which in ("start", "end"):
             if not isinstance(getattr(self, which), State | None):
                 raise InputError(f"The {which} of phase {self.name!r} must be an rt.State or None.")
@@ -193,7 +195,7 @@ class Phase:
 
     @cached_property
     def bound_constraints(self) -> tuple[BoundConstraint, ...]:
-        """Every constraint of the phase bound to its dynamics: limits, variable bounds, the user's own, the objective's."""
+        """Every constraint bound to the dynamics: limits, variable bounds, the user's own, the objective's."""
         every: list[Constraint] = []
         if self.robot is not None and isinstance(self.limits, Limits):
             every += own_limits(self.limits, self.robot.actuated)
@@ -266,6 +268,9 @@ class Problem:
 
     def __str__(self) -> str:
         parts = [str(phase) for phase in self.phases]
-        parts += [f"link {link.name}: {row.label} in [{row.lower:g}, {row.upper:g}] {row.unit}".rstrip()
-                  for link in self.bound_links for row in link.rows]
+        parts += [
+            f"link {link.name}: {row.label} in [{row.lower:g}, {row.upper:g}] {row.unit}".rstrip()
+            for link in self.bound_links
+            for row in link.rows
+        ]
         return "\n\n".join(parts[: len(self.phases)]) + ("\n" + "\n".join(parts[len(self.phases) :]))

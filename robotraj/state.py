@@ -51,7 +51,9 @@ class State:
     def _bounds(self, dynamics: Dynamics, which: str) -> Bounds:
         if isinstance(dynamics, RigidBody):
             if self.values is not None:
-                raise InputError(f"The {which} of a robot is rt.State(q=..., v=...); positional values are for Systems.")
+                raise InputError(
+                    f"The {which} of a robot is rt.State(q=..., v=...); positional values are for Systems."
+                )
             joints = dynamics.robot.joint_names
             q = as_bounds(self.q, joints, f"{which} position")
             v = as_bounds(self.v, joints, f"{which} velocity")

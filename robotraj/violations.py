@@ -72,7 +72,5 @@ def _broken(nlp: Nlp, scalars: Scalars, values: Array, factor: Array, w: Array, 
         meaning = scalars.lower_meaning[i] if below[i] > above[i] else scalars.upper_meaning[i]
         entry = scalars.entries[meaning]
         phase = nlp.problem.phases[entry.phase].name
-        found.append(
-            Violation(phase, str(entry), float(times[i]), float(amount[i]), entry.unit, float(relative[i]))
-        )
+        found.append(Violation(phase, str(entry), float(times[i]), float(amount[i]), entry.unit, float(relative[i])))
     return found

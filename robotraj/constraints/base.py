@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 class Where(Enum):
     """When a constraint holds.
 
-    AT_NODES is for rows that define variables an objective brought along: they say nothing of the motion, so that only the
-    transcription imposes them.
+    AT_NODES is for rows that define variables an objective brought along: they say nothing of the motion, so that
+    only the transcription imposes them.
     """
 
     THROUGHOUT = "throughout"
@@ -137,7 +137,9 @@ def _require_constraint(value: Any, who: str) -> None:
 def robot_of(dynamics: Dynamics, who: str) -> Robot:
     """Return the robot of the dynamics, or say that ``who`` needs one."""
     if not isinstance(dynamics, RigidBody):
-        raise InputError(f"{who} needs a robot, but the phase moves a System; use PathConstraint or the phase's states=.")
+        raise InputError(
+            f"{who} needs a robot, but the phase moves a System; use PathConstraint or the phase's states=."
+        )
     return dynamics.robot
 
 

@@ -40,9 +40,7 @@ def between(lower: Any, upper: Any) -> Between:
         low = np.asarray(-np.inf if lower is None else lower, dtype=float)
         high = np.asarray(np.inf if upper is None else upper, dtype=float)
     except (TypeError, ValueError) as error:
-        raise InputError(
-            f"between({lower!r}, {upper!r}): bounds are numbers, or None for an open side."
-        ) from error
+        raise InputError(f"between({lower!r}, {upper!r}): bounds are numbers, or None for an open side.") from error
     if np.isnan(low).any() or np.isnan(high).any():
         raise InputError(f"between({lower}, {upper}) contains NaN; use None for an open side.")
     try:
@@ -139,7 +137,9 @@ def _pair(value: Any, what: str) -> tuple[Any, Any]:
     if isinstance(value, Between):
         low = -np.inf if value.lower is None else np.asarray(value.lower, dtype=float)
         high = np.inf if value.upper is None else np.asarray(value.upper, dtype=float)
-        return np.where(np.asarray(low) < -UNBOUNDED, -np.inf, low), np.where(np.asarray(high) > UNBOUNDED, np.inf, high)
+        return np.where(np.asarray(low) < -UNBOUNDED, -np.inf, low), np.where(
+            np.asarray(high) > UNBOUNDED, np.inf, high
+        )
     try:
         number = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:

@@ -29,16 +29,24 @@ class Dynamics(Protocol):
     """
 
     @property
-    def states(self) -> tuple[Variable, ...]: ...
+    def states(self) -> tuple[Variable, ...]:
+        """The entries of x."""
+        ...
 
     @property
-    def algebraic(self) -> tuple[Variable, ...]: ...
+    def algebraic(self) -> tuple[Variable, ...]:
+        """The entries of z."""
+        ...
 
     @property
-    def controls(self) -> tuple[Variable, ...]: ...
+    def controls(self) -> tuple[Variable, ...]:
+        """The entries of u."""
+        ...
 
     @property
-    def residuals(self) -> tuple[Variable, ...]: ...
+    def residuals(self) -> tuple[Variable, ...]:
+        """The rows of g."""
+        ...
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Wrap columns of symbols as the Point user expressions read; ``names`` are the parameters'.

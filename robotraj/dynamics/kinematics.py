@@ -30,9 +30,7 @@ class KinematicBody(RigidBody):
         """Accelerations ``a.<joint>``."""
         return self._accelerations
 
-    def point(
-        self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
-    ) -> RobotPoint:
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> RobotPoint:
         """Wrap columns of symbols as a RobotPoint; accelerations are read as of the other forms."""
         nv = self.robot.nv
         accelerations = self._names["algebraic variable"] if u is not None else []

@@ -1,8 +1,8 @@
 """A robot as a DAE: by inverse dynamics (RNEA, the default) or by forward dynamics (ABA).
 
-Both forms carry the same physics, M(q) a + h(q, v) = B tau - d(v), with d the joint damping and smoothed Coulomb friction of
-the URDF. The inverse form makes the accelerations algebraic variables, so that the rates (v, a) are linear and RNEA is
-the only nonlinear block of a point (3.5 times fewer operations than ABA for a ur5).
+Both forms carry the same physics, M(q) a + h(q, v) = B tau - d(v), with d the joint damping and smoothed Coulomb
+friction of the URDF. The inverse form makes the accelerations algebraic variables, so that the rates (v, a) are
+linear and RNEA is the only nonlinear block of a point (3.5 times fewer operations than ABA for a ur5).
 Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5 and 7.
 """
 
@@ -133,9 +133,7 @@ class InverseRigidBody(RigidBody):
         """One torque balance per joint."""
         return self._joints("dynamics", "torque balance", lambda unit: RATE_UNITS[unit][2])
 
-    def point(
-        self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
-    ) -> RobotPoint:
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> RobotPoint:
         """Wrap columns of symbols as a RobotPoint."""
         return self._point(t, x, z, u, p, names, *self._numbers(p, names))
 
@@ -153,9 +151,7 @@ class ForwardRigidBody(RigidBody):
     algebraic: tuple[Variable, ...] = ()
     residuals: tuple[Variable, ...] = ()
 
-    def point(
-        self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
-    ) -> RobotPoint:
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> RobotPoint:
         """Wrap columns of symbols as a RobotPoint whose acceleration is ABA's."""
         robot = self.robot
         a = None

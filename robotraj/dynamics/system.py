@@ -131,7 +131,9 @@ class SystemDynamics:
 
     def rates(self, point: Any) -> ca.SX:
         """Evaluate the state rates f."""
-        return _column(self.system.dynamics(point), len(self.system.states), f"dynamics of {self.system.name!r}", "state")
+        return _column(
+            self.system.dynamics(point), len(self.system.states), f"dynamics of {self.system.name!r}", "state"
+        )
 
     def residual(self, point: Any) -> ca.SX:
         """Evaluate the algebraic rows g."""

@@ -50,7 +50,7 @@ class Link(ABC):
 
 
 def phase_at(phases: Sequence[Phase], index: int, who: str) -> Phase:
-    """The phase of that index, or an error naming the valid ones."""
+    """Return the phase of that index, or raise an error naming the valid ones."""
     if not isinstance(index, int) or not -len(phases) <= index < len(phases):
         raise InputError(f"{who} names phase {index!r}; the problem has phases 0 to {len(phases) - 1}.")
     return phases[index]

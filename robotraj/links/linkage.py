@@ -45,13 +45,14 @@ class Linkage(Link):
         chosen = [phase_at(phases, i, f"linkage {self.name!r}") for i in self.phases]
         symbols = [Ends(*ends_of(phase.dae, phase.parameter_names)) for phase in chosen]
         count = len(as_rows(self.expression(*symbols), f"expression of {self.name!r}"))
-        lower, upper = side(self.lower, -float("inf"), count, self.name), side(self.upper, float("inf"), count, self.name)
+        lower, upper = (
+            side(self.lower, -float("inf"), count, self.name),
+            side(self.upper, float("inf"), count, self.name),
+        )
         names = [self.name] if count == 1 else [f"{self.name}[{i}]" for i in range(count)]
         rows = tuple(Row(n, self.unit, low, high) for n, low, high in zip(names, lower, upper, strict=True))
         user = self.expression
-        return BoundLink(
-            self.name, tuple(normal(phases, i) for i in self.phases), rows, lambda ends: flat(user(*ends))
-        )
+        return BoundLink(self.name, tuple(normal(phases, i) for i in self.phases), rows, lambda ends: flat(user(*ends)))
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,8 @@ def _repeat(
     if not kept:
         raise InputError(f"{who} leaves every state free.")
     rows = tuple(
-        Row(who.lower(), opening.body.states[i].unit, float(bounds.lower[i]), float(bounds.upper[i]), names[i]) for i in kept
+        Row(who.lower(), opening.body.states[i].unit, float(bounds.lower[i]), float(bounds.upper[i]), names[i])
+        for i in kept
     )
 
     def expression(ends: Sequence[Ends]) -> list[Any]:

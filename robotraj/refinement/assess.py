@@ -46,7 +46,13 @@ def _broken(phase: Phase, trajectory: PhaseTrajectory) -> Array:
     breaks, count = trajectory.x.breaks, len(trajectory.x.values)
     guarded = {(constraint, row) for constraint, row, *_ in guardable(phase)}
     dae = phase.dae
-    sizes = {"t": 1, "x": len(dae.states), "z": len(dae.algebraic), "u": len(dae.controls), "p": len(trajectory.parameters)}
+    sizes = {
+        "t": 1,
+        "x": len(dae.states),
+        "z": len(dae.algebraic),
+        "u": len(dae.controls),
+        "p": len(trajectory.parameters),
+    }
     t, x, z, u, p = symbols = [ca.SX.sym(name, size) for name, size in sizes.items()]
     point = dae.point(t, x, z, u, p, phase.parameter_names)
     rows: list[Row] = []
@@ -66,8 +72,10 @@ def _broken(phase: Phase, trajectory: PhaseTrajectory) -> Array:
     function = ca.Function("rows", symbols, [ca.densify(ca.vertcat(*values))]).map(len(times))
     seen = np.array(function(times[None, :], *curves, parameters)).reshape(len(rows), count, SAMPLES)
     lower, upper = (np.array([getattr(row, side) for row in rows])[:, None, None] for side in ("lower", "upper"))
-    over = np.maximum((lower - seen) / (1 + np.abs(np.where(np.isfinite(lower), lower, 0.0))),
-                      (seen - upper) / (1 + np.abs(np.where(np.isfinite(upper), upper, 0.0))))
+    over = np.maximum(
+        (lower - seen) / (1 + np.abs(np.where(np.isfinite(lower), lower, 0.0))),
+        (seen - upper) / (1 + np.abs(np.where(np.isfinite(upper), upper, 0.0))),
+    )
     return np.asarray(over.max(axis=(0, 2)))
 
 

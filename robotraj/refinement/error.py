@@ -1,13 +1,13 @@
 """Error of a collocated trajectory between its nodes, interval by interval.
 
-At any time the collocated polynomial x(t) has the residual e(t) = xdot(t) - f(x, z, u, p, t), zero at the nodes only. Kelly
-measures an interval by the integral of its absolute value, state by state and in the state's own unit; Betts relates that to
-the size of each state and takes the largest,
+At any time the collocated polynomial x(t) has the residual e(t) = xdot(t) - f(x, z, u, p, t), zero at the nodes only.
+Kelly measures an interval by the integral of its absolute value, state by state and in the state's own unit; Betts
+relates that to the size of each state and takes the largest,
 
     eta_i = integral |e_i| dt,    error = max_i eta_i / (1 + max over t of |x_i|, |xdot_i|).
 
-Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at every sample, so that the rows of g count
-as well: for a robot by inverse dynamics this compares the planned acceleration with the true one.
+Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at every sample, so that the rows of g
+count as well: for a robot by inverse dynamics this compares the planned acceleration with the true one.
 Sources: Betts, Practical Methods for Optimal Control (2010), section 4.7.4; Kelly, SIAM Review 59 (2017), section 8.
 """
 
@@ -73,7 +73,7 @@ def state_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
 
 
 def _rates(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Array:
-    """f at samples with z solved from g = 0, (m, nx)."""
+    """Evaluate f at samples with z solved from g = 0, (m, nx)."""
     dae = phase.dae
     sizes = {"t": 1, "x": len(dae.states), "z": len(dae.algebraic), "u": len(dae.controls), "p": len(p)}
     symbols = [ca.SX.sym(name, size) for name, size in sizes.items()]

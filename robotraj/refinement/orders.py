@@ -1,10 +1,10 @@
 """Refinement by order: p, and hp where smoothness decides between order and length.
 
-The residual of s-point collocation on an interval of length h falls about as fast as h^(s + 1); with s points and error e
-the number of points is raised by ceil(log_s(e / tolerance)).
-Sources: Patterson, Hager and Rao, A ph mesh refinement method for optimal control, Optimal Control Applications and Methods
-36 (2015); Liu, Hager and Rao, Adaptive mesh refinement using decay rates of Legendre polynomial coefficients, IEEE
-Transactions on Control Systems Technology 26 (2018).
+The residual of s-point collocation on an interval of length h falls about as fast as h^(s + 1); with s points and
+error e the number of points is raised by ceil(log_s(e / tolerance)).
+Sources: Patterson, Hager and Rao, A ph mesh refinement method for optimal control, Optimal Control Applications and
+Methods 36 (2015); Liu, Hager and Rao, Adaptive mesh refinement using decay rates of Legendre polynomial coefficients,
+IEEE Transactions on Control Systems Technology 26 (2018).
 """
 
 from __future__ import annotations
@@ -78,7 +78,9 @@ class SplitOrRaise(Refinement):
         for k, scheme in enumerate(mesh.schemes):
             rough = switching[k] or assessment.decays[k] < self.decay
             wanted = self.raising.points(scheme, assessment, k, tolerance)
-            split = (switching[k] and not assessment.settled) or (wanted > points_of(scheme) and (rough or wanted > self.raising.most))
+            split = (switching[k] and not assessment.settled) or (
+                wanted > points_of(scheme) and (rough or wanted > self.raising.most)
+            )
             parts = max(2, self.splitting.parts(assessment.errors[k], scheme, tolerance)) if split else 1
             assert isinstance(scheme, Collocation)
             ends = np.linspace(mesh.knots[k], mesh.knots[k + 1], parts + 1)

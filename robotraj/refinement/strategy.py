@@ -52,8 +52,8 @@ class SplitAndMerge(Refinement):
     """h-refinement: split intervals where it hurts, merge neighbours where it does not.
 
     The residual of s-point collocation falls as h^(s + 1), so an interval of error e is cut into
-    ceil((2 e / tolerance)^(1 / (s + 1))) parts. Intervals inside which a control jumps are halved until the objective has
-    settled: the residual does not see that a switch lies between two nodes.
+    ceil((2 e / tolerance)^(1 / (s + 1))) parts. Intervals inside which a control jumps are halved until the objective
+    has settled: the residual does not see that a switch lies between two nodes.
 
     Parameters
     ----------
@@ -77,10 +77,7 @@ class SplitAndMerge(Refinement):
         """Split and merge."""
         knots, schemes = mesh.knots, mesh.schemes
         parts = np.array(
-            [
-                self.parts(error, scheme, tolerance)
-                for error, scheme in zip(assessment.errors, schemes, strict=True)
-            ]
+            [self.parts(error, scheme, tolerance) for error, scheme in zip(assessment.errors, schemes, strict=True)]
         )
         if not assessment.settled:
             switching = self.switching(assessment)

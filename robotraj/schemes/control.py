@@ -42,5 +42,5 @@ class ConstantControl(Control):
     """Piecewise constant: one value per interval, free to jump at knots."""
 
     def sites(self, nodes: Array) -> Array:
-        """The middle of the interval."""
+        """Give the middle of the interval."""
         return np.array([0.5])

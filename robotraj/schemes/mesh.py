@@ -36,9 +36,7 @@ class Mesh:
     scheme: Scheme | Sequence[Scheme] = field(default_factory=HermiteSimpson)
 
     def __post_init__(self) -> None:
-        if isinstance(self.intervals, bool) or (
-            isinstance(self.intervals, int | np.integer) and self.intervals < 1
-        ):
+        if isinstance(self.intervals, bool) or (isinstance(self.intervals, int | np.integer) and self.intervals < 1):
             raise InputError(f"A mesh needs at least 1 interval, got {self.intervals}.")
         if np.isscalar(self.intervals) and not isinstance(self.intervals, int | np.integer):
             raise InputError(f"Mesh(intervals) must be a whole number or a list of knots, got {self.intervals!r}.")
@@ -84,8 +82,8 @@ class Mesh:
 class MovingMesh(Mesh):
     """A mesh whose knots move: interval lengths are unknowns, and controls may jump at every knot.
 
-    A knot can so come to stand on a switching time; give the scheme a constant or linear control, which cannot bulge over its
-    limits inside a long interval. Interval k, of share d_k of the phase as given, keeps
+    A knot can so come to stand on a switching time; give the scheme a constant or linear control, which cannot bulge
+    over its limits inside a long interval. Interval k, of share d_k of the phase as given, keeps
     least d_k T <= h_k <= most d_k T.
 
     Parameters

@@ -26,7 +26,7 @@ class OwnQuadrature(Quadrature):
     """The scheme's own weights b: Simpson's for Hermite-Simpson."""
 
     def weights(self, nodes: Array, own: Array) -> Array:
-        """The scheme's weights."""
+        """Give the scheme's weights."""
         return own
 
 

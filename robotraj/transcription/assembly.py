@@ -4,8 +4,8 @@ The nonzeros of the big matrices are fixed sparse combinations of the nonzeros o
 
     vec(J) = j0 + sum_b M_b vec(J_b),    vec(H) = sum_b N_b vec(H_b),
 
-computed once here. What a solver evaluates is the stage functions, mapped over their places, and a few sparse products; the
-whole graph is never coloured or differentiated.
+computed once here. What a solver evaluates is the stage functions, mapped over their places, and a few sparse
+products; the whole graph is never coloured or differentiated.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
     Y_e = fn(v_e, c_e),    v_e = (G w + g0)_e,    rows += S vec(Y),    cost += sum_e s_e Y_e[costed]
 
-v_e gathers the unknowns the function reads at place e (affine in w), c_e are constants, S scatters the outputs into rows and
-s weighs the costed output in the objective.
+v_e gathers the unknowns the function reads at place e (affine in w), c_e are constants, S scatters the outputs into
+rows and s weighs the costed output in the objective.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ class Chain:
 
 
 def _expand(matrix: sparse.csr_array | sparse.csc_array, which: Indices) -> tuple[Indices, Array, Indices]:
-    """Concatenate the compressed vectors ``which``: their indices, their data, and each entry's position in ``which``."""
+    """Concatenate the compressed vectors ``which``: indices, data, and each entry's position in ``which``."""
     starts = matrix.indptr[which]
     counts = matrix.indptr[which + 1] - starts
     ends = np.cumsum(counts)

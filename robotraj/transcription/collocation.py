@@ -4,8 +4,9 @@ The stage function gives, at a node with unknowns (x, z, u, t0, T, p) and consta
 
     y = ( T f,  g,  h,  T m,  T l ),    t = t0 + tau T,
 
-with f the rates, g the residual, h the path rows, m the rates of integral constraints and l the integrand. Since T is inside, every row of the NLP is linear in
-the outputs with constant coefficients: the defect of node j on an interval of relative length d is
+with f the rates, g the residual, h the path rows, m the rates of integral constraints and l the integrand. Since T is
+inside, every row of the NLP is linear in the outputs with constant coefficients: the defect of node j on an interval
+of relative length d is
 
     x_j - x_0 - d sum_k A_jk (T f_k) = 0.
 """
@@ -27,9 +28,9 @@ from robotraj.dynamics.system import as_rows
 from robotraj.schemes import MovingMesh
 from robotraj.transcription.block import Block
 from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
-from robotraj.transcription.triplets import Triplets
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.table import Entry, ScalarTable
+from robotraj.transcription.triplets import Triplets
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
@@ -71,7 +72,7 @@ def phase_scalars(layout: PhaseLayout) -> list[Scalar]:
 
 
 def interval_scalars(layout: PhaseLayout, interval: int) -> list[Scalar]:
-    """Base, span and parameters as an interval reads them, in the order of the symbols."""
+    """List base, span and parameters as an interval reads them, in the order of the symbols."""
     clock = layout.intervals[interval].clock
     return [clock.base, clock.span, *layout.parameters]
 
@@ -146,9 +147,7 @@ def _stage(phase: Phase, layout: PhaseLayout) -> Stage:
     s = point_symbols(phase, interval_scalars(layout, 0))
     dae = phase.dae
     point = dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
-    integrand = sum(
-        (w * as_rows(term.rate(point), "integrand")[0] for w, term in phase.integrals), ca.SX(0)
-    )
+    integrand = sum((w * as_rows(term.rate(point), "integrand")[0] for w, term in phase.integrals), ca.SX(0))
     path = path_rows(path_constraints(phase, Where.THROUGHOUT), point)
     sums = path_rows(path_constraints(phase, Where.INTEGRAL), point)
     rates = (s.duration * part for part in (dae.rates(point), sums, integrand))
@@ -194,8 +193,7 @@ def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: Scala
     """
     count = len(layout.intervals)
     starts, spans = (
-        np.array([getattr(interval.clock, which).column for interval in layout.intervals])
-        for which in ("base", "span")
+        np.array([getattr(interval.clock, which).column for interval in layout.intervals]) for which in ("base", "span")
     )
     fractions = mesh.knots[:-1]
     shares = np.diff(mesh.knots)

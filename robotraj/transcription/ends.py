@@ -76,7 +76,9 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
             )
         kept = [r for c in constraints for r in c.rows if r.variable is None]
         entries = [Entry(index, r.name, r.joint or "", r.unit) for r in kept]
-        added = rows.add(entries, np.array([fraction]), np.array([r.lower for r in kept]), np.array([r.upper for r in kept]))
+        added = rows.add(
+            entries, np.array([fraction]), np.array([r.lower for r in kept]), np.array([r.upper for r in kept])
+        )
         state = layout.knots[0] if where is Where.START else layout.knots[-1]
         controls = interval.controls[node]
         shared = [scalar.column for scalar in phase_scalars(layout) if scalar.column is not None]
@@ -86,9 +88,7 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
     return blocks
 
 
-def link_block(
-    link: BoundLink, phases: Sequence[Phase], layouts: Sequence[PhaseLayout], rows: ScalarTable
-) -> Block:
+def link_block(link: BoundLink, phases: Sequence[Phase], layouts: Sequence[PhaseLayout], rows: ScalarTable) -> Block:
     """Rows of a link between phases."""
     ends = [EndSymbols(phases[i], layouts[i]) for i in link.phases]
     values: Any = link.expression([Ends(*e.points) for e in ends])
@@ -137,4 +137,6 @@ def widen(block: Block, rows: int, columns: int) -> Block:
     gather, scatter = block.gather.copy(), block.scatter.copy()
     gather.resize((gather.shape[0], columns))
     scatter.resize((rows, block.stage.outputs * block.count))
-    return Block(block.stage, sparse.csr_array(gather), block.offset, block.constants, sparse.csr_array(scatter), block.weights)
+    return Block(
+        block.stage, sparse.csr_array(gather), block.offset, block.constants, sparse.csr_array(scatter), block.weights
+    )

@@ -121,8 +121,7 @@ def add_guards(
     scatters: Sequence[Triplets],
     outputs: Sequence[int],
 ) -> list[Block]:
-    """Add the guards' rows (and states, for path rows); ``scatters`` and ``outputs`` are those of the phases'
-    blocks."""
+    """Add the guards' rows, and states for path rows; ``scatters`` and ``outputs`` are of the phases' blocks."""
     blocks = []
     for guard in guards:
         phase, layout = phases[guard.phase], layouts[guard.phase]

@@ -1,7 +1,7 @@
 """Where the unknowns of a phase stand in the decision vector.
 
-States stand at knots and at the inner nodes of each interval, algebraic variables at nodes, controls at the control's sites.
-Where the schemes on both sides of a knot have a node (or a control site) there, the neighbours share the value.
+States stand at knots and at the inner nodes of each interval, algebraic variables at nodes, controls at the control's
+sites. Where the schemes on both sides of a knot have a node (or a control site) there, the neighbours share the value.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ class PhaseLayout:
         return np.array([*(interval.start for interval in self.intervals), 1.0])
 
     def breaks(self, w: Array) -> Array:
-        """Times of the knots of the mesh for a decision vector w [s], (K + 1,)."""
+        """Give the times of the knots for a decision vector w [s], (K + 1,)."""
         t0, duration = self.t0.of(w), self.duration.of(w)
         if not isinstance(self.mesh, MovingMesh):
             return np.asarray(t0 + duration * self.mesh.knots)
@@ -152,7 +152,9 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     for k, (scheme, start, length) in enumerate(zip(schemes, breaks[:-1], lengths, strict=True)):
         before = intervals[-1] if intervals else None
         nodes, sites = scheme.nodes, scheme.control_sites
-        shared_control = not moving and before is not None and sites[0] == 0.0 and before.scheme.control_sites[-1] == 1.0
+        shared_control = (
+            not moving and before is not None and sites[0] == 0.0 and before.scheme.control_sites[-1] == 1.0
+        )
         shared_node = not moving and before is not None and nodes[0] == 0.0 and before.scheme.nodes[-1] == 1.0
         # A control that jumps at the knot gives the knot two accelerations: it is evaluated on both sides.
         shared_place = shared_node and (shared_control or not u)
@@ -177,9 +179,7 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     return PhaseLayout(mesh, np.array(knots), tuple(intervals), t0, duration, parameters, tuple(owners))
 
 
-def _clocks(
-    mesh: Mesh, breaks: Array, index: int, t0: Scalar, duration: Scalar, table: ScalarTable
-) -> list[Clock]:
+def _clocks(mesh: Mesh, breaks: Array, index: int, t0: Scalar, duration: Scalar, table: ScalarTable) -> list[Clock]:
     """Clocks of all intervals; a moving mesh adds the start and the length of each as unknowns."""
     lengths = np.diff(breaks)
     if not isinstance(mesh, MovingMesh):
@@ -190,7 +190,7 @@ def _clocks(
 
 
 def _scalar(table: ScalarTable, entry: Entry, low: float, high: float) -> Scalar:
-    """Fixed quantities are constants of the stage functions, not columns."""
+    """Add a column; fixed quantities are constants of the stage functions instead."""
     if low == high:
         return Scalar(None, low)
     return Scalar(int(table.add([entry], np.zeros(1), low, high)[0, 0]))

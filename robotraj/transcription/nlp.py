@@ -2,7 +2,8 @@
 
     minimise f(w)  subject to  lower <= g(w) <= upper,  lower <= w <= upper
 
-Public vectors are in physical units; ``functions`` work on the scaled vector w / scale and give scaled rows g * row_scale.
+Public vectors are in physical units; ``functions`` work on the scaled vector w / scale and give scaled rows g *
+row_scale.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Automatic scaling: unknowns of order one, rows with gradients of order one.
 
-A variable is scaled by its bounds where both are finite, else by the guess; all its instances share the scale. Durations are
-scaled by the guess alone: bounds such as 0 to 200 s say little about a motion of 6 s, and a unit that large lets the first
-steps shrink the duration to nothing. A row is scaled by the largest gradient, in scaled variables, of its kind at the guess.
-Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
+A variable is scaled by its bounds where both are finite, else by the guess; all its instances share the scale.
+Durations are scaled by the guess alone: bounds such as 0 to 200 s say little about a motion of 6 s, and a unit that
+large lets the first steps shrink the duration to nothing. A row is scaled by the largest gradient, in scaled
+variables, of its kind at the guess. Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
 """
 
 from __future__ import annotations

@@ -31,6 +31,8 @@ def spy(nlp: Nlp) -> Figure:
     rows, columns = (np.array(part) for part in functions.hessian.sparsity_out(0).get_triplet())
     both = sparse.coo_array((np.ones(rows.size), (rows, columns)), shape=(len(nlp.variables),) * 2)
     right.spy(both + sparse.triu(both, 1).T, markersize=1, color="C0")
-    right.set(title=f"Hessian of the Lagrangian, {rows.size} in the upper triangle", xlabel="variable", ylabel="variable")
+    right.set(
+        title=f"Hessian of the Lagrangian, {rows.size} in the upper triangle", xlabel="variable", ylabel="variable"
+    )
     right.xaxis.set_ticks_position("bottom")
     return figure

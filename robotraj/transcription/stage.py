@@ -1,6 +1,7 @@
 """A stage function y = fn(v, c) and its exact derivatives, built when first asked for.
 
-Only these small SX graphs are ever differentiated; the NLP's derivatives follow by the chain rule (``block``, ``assembly``).
+Only these small SX graphs are ever differentiated; the NLP's derivatives follow by the chain rule (``block``,
+``assembly``).
 """
 
 from __future__ import annotations

@@ -77,7 +77,7 @@ class ScalarTable:
     count: int = 0
 
     def entry(self, entry: Entry) -> int:
-        """Number of an entry, the same for equal entries."""
+        """Return the number of an entry, the same for equal entries."""
         return self._entries.setdefault(entry, len(self._entries))
 
     def add(

@@ -117,7 +117,7 @@ def _finish_points(block: Block, gather: Triplets, scatter: Triplets, shape: tup
 
 
 def _bounds(phase: Phase, index: int, layout: PhaseLayout) -> list[ColumnBound]:
-    """Ends of the phase and rows that are single variables, as bounds of columns."""
+    """Write the ends of the phase and the rows that are single variables as bounds of columns."""
     bounds = []
     for which, knot, given in (("start", 0, phase.start_bounds), ("end", -1, phase.end_bounds)):
         for i, variable in enumerate(phase.dae.states):

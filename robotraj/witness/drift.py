@@ -86,9 +86,7 @@ def drift_of(plant: Plant, motion: Motion, phase: str) -> tuple[DriftRow, ...]:
     peaks = np.nan_to_num(np.abs(planned), nan=0.0).max(axis=0)
     return tuple(
         _row(name, unit, gaps[:, i], motion, phase, float(scale))
-        for i, (name, unit, scale) in enumerate(
-            zip(plant.names, plant.units, plant.scales(peaks), strict=True)
-        )
+        for i, (name, unit, scale) in enumerate(zip(plant.names, plant.units, plant.scales(peaks), strict=True))
     )
 
 

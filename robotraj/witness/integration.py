@@ -129,7 +129,9 @@ def _interval(
         # A first step chosen from NaN would never end; later ones only shrink it until it underflows.
         if not np.isfinite(x).all() or not np.isfinite(rates(begin, x, k)).all():
             raise _Stopped(begin, "the state or its rates are not finite")
-        done = scipy.integrate.solve_ivp(counted, (begin, end), x, method="DOP853", t_eval=sampled, rtol=rtol, atol=atol)
+        done = scipy.integrate.solve_ivp(
+            counted, (begin, end), x, method="DOP853", t_eval=sampled, rtol=rtol, atol=atol
+        )
     found = done.y.T
     if not done.success:
         reached = max(len(found), 1)

@@ -31,9 +31,7 @@ class Peak:
     phase: str
 
 
-def peaks(
-    names: Sequence[str], units: Sequence[str], times: Array, values: Array, phase: str
-) -> dict[str, Peak]:
+def peaks(names: Sequence[str], units: Sequence[str], times: Array, values: Array, phase: str) -> dict[str, Peak]:
     """Largest magnitude of each column of values (m, n) at times (m,); NaN counts as infinite."""
     sizes = np.nan_to_num(np.abs(values), nan=np.inf)
     found = {}

@@ -154,9 +154,7 @@ class NumericFrame:
         return point._vector(motion.vector.copy())
 
 
-def system_point(
-    system: SystemLike, t: float, x: Array, z: Array, u: Array, parameters: Mapping[str, float]
-) -> Point:
+def system_point(system: SystemLike, t: float, x: Array, z: Array, u: Array, parameters: Mapping[str, float]) -> Point:
     """Wrap numbers as the point a System's equations read.
 
     Entries stay NumPy scalars: a square root of a negative trial value gives NaN, which shrinks the step,

@@ -112,9 +112,7 @@ def simulate(
 
 def split(motion: Motion, nv: int) -> Simulation:
     """Separate positions from velocities."""
-    return Simulation(
-        motion.times, motion.states[:, :nv], motion.states[:, nv:], motion.failure, motion.stopped
-    )
+    return Simulation(motion.times, motion.states[:, :nv], motion.states[:, nv:], motion.failure, motion.stopped)
 
 
 def _vector(value: Any, size: int, what: str, robot: RobotLike) -> Array:

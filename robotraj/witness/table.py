@@ -96,9 +96,7 @@ def _residual(report: Report) -> Group:
     shown, left_out = _worst(names, lambda name: max(_value(dynamics.get(name)), _value(rate.get(name))))
     jump = max(report.residual.jumps.values(), key=lambda peak: peak.value, default=None)
     most = (
-        "none"
-        if jump is None
-        else f"{jump.value:.1e} {jump.unit}".rstrip() + f", {jump.name}, t = {jump.time:.4g} s"
+        "none" if jump is None else f"{jump.value:.1e} {jump.unit}".rstrip() + f", {jump.name}, t = {jump.time:.4g} s"
     )
     title = (
         f"  largest jump of the planned polynomials at a knot: {most}\n"

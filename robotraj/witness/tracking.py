@@ -73,9 +73,7 @@ def track(
         The solution moves a System, or the gains do not fit the actuated joints.
     """
     if not solution.phases or any(planned.phase.robot is None for planned in solution.phases):
-        raise InputError(
-            "track() adds joint feedback: it needs a plan of a robot; use validate() for Systems."
-        )
+        raise InputError("track() adds joint feedback: it needs a plan of a robot; use validate() for Systems.")
     rows: list[tuple[DriftRow, ...]] = []
     added: list[dict[str, Peak]] = []
     motions: list[Simulation] = []
@@ -138,9 +136,7 @@ class _Feedback:
 def _gains(value: Any, what: str, joints: Sequence[str]) -> Array:
     array = np.asarray(value, dtype=float).ravel()
     if array.size not in (1, len(joints)):
-        raise InputError(
-            f"{what} has {array.size} values; give one, or one for each of: {', '.join(joints)}."
-        )
+        raise InputError(f"{what} has {array.size} values; give one, or one for each of: {', '.join(joints)}.")
     if not (np.isfinite(array).all() and (array >= 0).all()):
         raise InputError(f"{what} = {value!r} must be finite and at least 0.")
     return np.broadcast_to(array, (len(joints),)).copy()

@@ -60,9 +60,7 @@ def validate(
     if not solution.phases:
         raise InputError("There is nothing to validate: the solution has no phases.")
     if samples_per_interval < 2:
-        raise InputError(
-            f"samples_per_interval is {samples_per_interval}; look at 2 points of an interval or more."
-        )
+        raise InputError(f"samples_per_interval is {samples_per_interval}; look at 2 points of an interval or more.")
     drifted, failure = _simulate(solution, rtol, atol, samples_per_interval)
     residuals = [residual_of(planned, samples_per_interval) for planned in solution.phases]
     balances = [energies.energy_of(planned) for planned in solution.phases if planned.phase.robot is not None]
@@ -72,9 +70,7 @@ def validate(
         drift=drifted,
         violations=tuple(sorted(broken, key=lambda v: -v.amount)),
         energy=energies.add(balances),
-        residual=Residual(
-            *(largest(getattr(r, of) for r in residuals) for of in ("dynamics", "rate", "jumps"))
-        ),
+        residual=Residual(*(largest(getattr(r, of) for r in residuals) for of in ("dynamics", "rate", "jumps"))),
         failure=failure,
         tolerances=Tolerances(drift, limits, energy, residual),
         duration=float(sum(k[-1] - k[0] for k in knots)),

@@ -85,9 +85,7 @@ class _Watch:
         if excess[i] <= SOLVER_NOISE * max(1.0, abs(limit)):
             return None
         row = self.row
-        return Violation(
-            row.name, row.joint, phase, float(times[i]), float(excess[i]), row.unit, limit, above
-        )
+        return Violation(row.name, row.joint, phase, float(times[i]), float(excess[i]), row.unit, limit, above)
 
 
 def violations_of(planned: PhaseSolutionLike, samples: int) -> tuple[Violation, ...]:
@@ -189,9 +187,7 @@ def _see(entries: Sequence[tuple[Any, list[_Watch]]], times: Array, points: Sequ
             watch.see(times, values[:, column])
 
 
-def _at_end(
-    planned: PhaseSolutionLike, bound: Sequence[Any], side: int, where: Where, state: Any
-) -> list[_Watch]:
+def _at_end(planned: PhaseSolutionLike, bound: Sequence[Any], side: int, where: Where, state: Any) -> list[_Watch]:
     """Watch the state and the constraints of one end of a phase."""
     phase, knots = planned.phase, np.asarray(planned.knots, dtype=float)
     times, interval = knots[[side]], (0 if side == 0 else len(knots) - 2)
