@@ -1,0 +1,6 @@
+"""T4 with Crocoddyl."""
+
+from crocoddyl_shooting import solve
+from report import asked
+
+solve(asked("T4"))

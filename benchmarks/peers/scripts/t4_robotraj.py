@@ -1,0 +1,16 @@
+"""T4 with robotraj."""
+
+from plan_robotraj import finish
+from report import asked
+
+import robotraj as rt
+
+task = asked("T4")
+phase = rt.Phase(
+    rt.load("ur5"),
+    duration=task.duration,
+    start=rt.State(q=task.start, v=0),
+    end=rt.State(q=task.end, v=0),
+    objective=rt.Effort(),
+)
+finish(rt.plan(phase, rt.Mesh(task.intervals), rt.StraightLine(task.guess), check=False, progress=False))

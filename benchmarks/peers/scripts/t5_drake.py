@@ -1,0 +1,6 @@
+"""T5 with Drake."""
+
+from drake_collocation import solve
+from report import asked
+
+solve(asked("T5"))
