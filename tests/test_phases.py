@@ -1,5 +1,4 @@
-"""Problems of several phases: one answer however they are cut, other dynamics in each, jumps that the witness
-follows."""
+"""Several phases: one answer however a motion is cut, other dynamics in each, jumps that the witness follows."""
 
 from __future__ import annotations
 
@@ -125,7 +124,7 @@ def swing(**more: Any) -> rt.Phase:
 
 
 def test_a_robot_that_turns_once_in_a_period() -> None:
-    """A pendulum of period 2 s gains a turn: the first turn is the mirror image of nothing else."""
+    """A pendulum that goes over the top every 2 s, each time as the time before."""
     phase = swing(start=rt.State(q=0))
     solution = rt.plan(rt.Problem([phase], [rt.Periodic({"q.pivot": 2 * np.pi})]), rt.Mesh(20))
     first, last = solution.at(0.0), solution.at(2.0)

@@ -1,0 +1,131 @@
+"""The error estimate against the true error: local, interval by interval, and its order in the interval's length."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import robotraj as rt
+from robotraj.refinement import assess, interval_errors
+from robotraj.schemes import Collocation
+
+SCHEMES: list[Collocation] = [
+    rt.Trapezoidal(),
+    rt.HermiteSimpson(),
+    rt.LobattoIIIA(4),
+    rt.FifthDegree(),
+    rt.RadauIIA(1),
+    rt.RadauIIA(2),
+    rt.RadauIIA(3),
+    rt.RadauIIA(5),
+    rt.GaussLegendre(1),
+    rt.GaussLegendre(2),
+    rt.GaussLegendre(3),
+    rt.GaussLegendre(4),
+]
+
+
+def name(scheme: Collocation) -> str:
+    return f"{type(scheme).__name__}-{len(scheme.nodes)}"
+
+
+def rates(t: float, x: Any) -> Any:
+    return np.array([x[1], -4 * np.sin(x[0]) + 2 * np.cos(3 * t)])
+
+
+SWING = rt.System(
+    ["q", "w"], [], lambda point: [point.x["w"], -4 * ca.sin(point.x["q"]) + 2 * ca.cos(3 * point.t)]
+)
+AS_DAE = rt.System(
+    ["q", "w"],
+    [],
+    lambda point: [point.x["w"], point.z["a"]],
+    algebraic=["a"],
+    residual=lambda point: [point.z["a"] ** 3 + point.z["a"] - _cubed(point)],
+)
+
+
+def _cubed(point: Any) -> Any:
+    a = -4 * ca.sin(point.x["q"]) + 2 * ca.cos(3 * point.t)
+    return a**3 + a
+
+
+def planned(scheme: Collocation, intervals: int, system: rt.System = SWING) -> rt.solution.PhaseSolution:
+    """The initial value problem q = 1, w = 0 over 2 s."""
+    phase = rt.Phase(system, 2.0, rt.State([1, 0]))
+    return rt.plan(phase, rt.Mesh(intervals, scheme), solver=rt.Ipopt(tolerance=1e-12)).phases[0]
+
+
+def estimate(part: rt.solution.PhaseSolution) -> Any:
+    return interval_errors(part.phase, part.trajectory)
+
+
+def true_errors(part: rt.solution.PhaseSolution) -> Any:
+    """Distance, inside every interval, from the exact motion that leaves its first knot; in the estimate's units."""
+    dense = np.linspace(0, 2, 801)
+    x, xdot = part.trajectory.x(dense), part.trajectory.x.derivative()(dense)
+    size = 1 + np.maximum(np.abs(x).max(axis=0), np.abs(xdot).max(axis=0))
+    found = []
+    for k, (begin, end) in enumerate(zip(part.knots[:-1], part.knots[1:], strict=True)):
+        times = np.linspace(begin, end, 40)
+        start = part.trajectory.x(begin, k)
+        exact = solve_ivp(rates, (begin, end), start, "DOP853", times, rtol=1e-13, atol=1e-14)
+        found.append(np.max(np.abs(part.trajectory.x(times, k) - exact.y.T) / size))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=name)
+def test_the_estimate_bounds_the_true_error_of_every_interval_and_is_of_its_size(scheme: Collocation) -> None:
+    part = planned(scheme, 16)
+    ours, true = estimate(part), true_errors(part)
+    assert np.all(true <= 1.25 * ours)
+    assert true.max() >= 0.1 * ours.max()
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=name)
+def test_the_estimate_falls_by_one_order_more_than_the_scheme_has_points(scheme: Collocation) -> None:
+    """The residual vanishes at s points, so it is of order h^s, and its integral over an interval of h^(s + 1)."""
+    meshes = (16, 32) if len(scheme.nodes) > 3 else (64, 128)
+    coarse, fine = (estimate(planned(scheme, n)).max() for n in meshes)
+    assert np.log2(coarse / fine) == pytest.approx(len(scheme.nodes) + 1, abs=0.25)
+
+
+def test_a_dae_has_the_estimate_of_its_differential_equation() -> None:
+    """z solves a cubic whose root is the acceleration of the same motion."""
+    ode, dae = (estimate(planned(rt.RadauIIA(3), 10, system)) for system in (SWING, AS_DAE))
+    np.testing.assert_allclose(dae, ode, rtol=1e-5)
+
+
+def test_a_robot_by_inverse_dynamics_has_the_estimate_of_its_forward_dynamics() -> None:
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[1, np.pi], v=0)
+    found = []
+    for dynamics in (rt.InverseDynamics(), rt.ForwardDynamics()):
+        phase = rt.Phase(rt.load("cartpole"), 2.0, *ends, rt.Effort(), dynamics=dynamics)
+        found.append(estimate(rt.plan(phase, rt.Mesh(12, rt.RadauIIA(3)), solver=rt.Ipopt(1e-10)).phases[0]))
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-4)
+
+
+def test_what_collocation_meets_exactly_has_no_error() -> None:
+    cubic = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    effort = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    phase = rt.Phase(cubic, 1.0, rt.State([0, 0]), rt.State([1, 0]), effort)
+    assert estimate(rt.plan(phase, rt.Mesh(3)).phases[0]).max() < 1e-13
+
+
+def test_smoothness_and_switches_are_seen() -> None:
+    """Bang-bang: the interval of the switch has the jump; the analytic swing decays by decades a degree."""
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    limits = {"controls": {"u": rt.between(-1, 1)}}
+    phase = rt.Phase(block, (0.1, 20), rt.State([4, 0]), rt.State([0, 0]), rt.Duration(), **limits)
+    part = rt.plan(phase, rt.Mesh(11, rt.RadauIIA(3))).phases[0]
+    seen = assess(part.phase, part.trajectory, settled=False)
+    assert np.argmax(seen.jumps) == 5 and seen.jumps[5] > 0.9
+    assert np.all(np.delete(seen.jumps, [4, 5, 6]) < 1e-6)
+    smooth = planned(rt.RadauIIA(8), 10)
+    assert assess(smooth.phase, smooth.trajectory, settled=True).decays.min() > 0.8
+    rough = planned(rt.RadauIIA(8), 1)
+    assert assess(rough.phase, rough.trajectory, settled=True).decays.min() < 0.5
