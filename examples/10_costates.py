@@ -19,7 +19,8 @@ print(rt.conditions(direct))
 
 polished = rt.polish(direct)
 print(polished)
-print(f"switching time {polished.switching_times["tau.slider"][0]:.12f} s, exactly sqrt(10) = {np.sqrt(10):.12f} s")
+(switch,) = polished.switching_times["tau.slider"]
+print(f"switching time {switch:.12f} s, exactly sqrt(10) = {np.sqrt(10):.12f} s")
 
 arm = rt.load("cartpole")
 swing_up = rt.Phase(
