@@ -50,10 +50,10 @@ def find_root(nlp: Nlp, tolerance: float) -> Root:
     blocks = [block.scaled(nlp.scale, nlp.row_scale) for block in nlp.blocks]
     chains = [block.jacobian_chain() for block in blocks]
     linear = sparse.csr_array(sparse.diags_array(nlp.row_scale) @ nlp.linear @ sparse.diags_array(nlp.scale))
-    offset = nlp.row_scale * (nlp.constant - nlp.rows.lower)
+    target = nlp.row_scale * nlp.rows.lower
 
     def values(w: Array) -> Array:
-        total = linear @ w + offset
+        total = linear @ w - target
         for block in blocks:
             total += block.scatter @ block.outputs(w).ravel(order="F")
         return np.asarray(total)

@@ -55,14 +55,13 @@ class _Places:
         return function.map(self.block.count)(self.v, self.c, *more)
 
 
-def assemble(blocks: Sequence[Block], linear: sparse.csr_array, constant: Array) -> Functions:
-    """Build the functions of g = linear w + constant + sum_b S_b vec(Y_b) and f = sum_b s_b' Y_b[costed].
+def assemble(blocks: Sequence[Block], linear: sparse.csr_array) -> Functions:
+    """Build the functions of g = linear w + sum_b S_b vec(Y_b) and f = sum_b s_b' Y_b[costed].
 
     Parameters
     ----------
     blocks : sequence of Block
     linear : sparse (n_g, n_w)
-    constant : ndarray (n_g,)
     """
     n_g, n_w = linear.shape
     w, p = ca.MX.sym("w", n_w), ca.MX.sym("p", 0)
@@ -70,7 +69,7 @@ def assemble(blocks: Sequence[Block], linear: sparse.csr_array, constant: Array)
     places = [_place(block, w) for block in blocks]
 
     objective, gradient = ca.MX(ca.DM.zeros(1)), ca.MX(ca.DM.zeros(n_w))
-    rows = ca.mtimes(to_dm(linear), w) + ca.DM(constant)
+    rows = ca.mtimes(to_dm(linear), w)
     for place in places:
         block = place.block
         if block.scatter.nnz:
@@ -118,8 +117,6 @@ def row_magnitudes(blocks: Sequence[Block], linear: sparse.csr_array, w: Array) 
 
 def _place(block: Block, w: ca.MX) -> _Places:
     flat = ca.mtimes(to_dm(block.gather), w)
-    if np.any(block.offset):
-        flat += ca.DM(block.offset)
     return _Places(block, ca.reshape(ca.densify(flat), block.stage.inputs, block.count), ca.DM(block.constants))
 
 

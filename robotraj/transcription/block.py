@@ -1,8 +1,8 @@
 """A block: one stage function evaluated at many places of the decision vector.
 
-    Y_e = fn(v_e, c_e),    v_e = (G w + g0)_e,    rows += S vec(Y),    cost += sum_e s_e Y_e[costed]
+    Y_e = fn(v_e, c_e),    v_e = (G w)_e,    rows += S vec(Y),    cost += sum_e s_e Y_e[costed]
 
-v_e gathers the unknowns the function reads at place e (affine in w), c_e are constants, S scatters the outputs into
+v_e gathers the unknowns the function reads at place e (linear in w), c_e are constants, S scatters the outputs into
 rows and s weighs the costed output in the objective.
 """
 
@@ -29,8 +29,6 @@ class Block:
     stage : Stage
     gather : sparse (n_v E, n_w)
         G, place after place.
-    offset : ndarray (n_v E,)
-        g0.
     constants : ndarray (n_c, E)
         c_e as columns.
     scatter : sparse (n_rows, n_y E)
@@ -41,7 +39,6 @@ class Block:
 
     stage: Stage
     gather: sparse.csr_array
-    offset: Array
     constants: Array
     scatter: sparse.csr_array
     weights: Array = field(repr=False)
@@ -66,7 +63,7 @@ class Block:
 
     def places(self, w: Array) -> Array:
         """Values of v at every place, (n_v, E), for a decision vector w."""
-        return (self.gather @ w + self.offset).reshape(self.count, self.stage.inputs).T
+        return (self.gather @ w).reshape(self.count, self.stage.inputs).T
 
     def outputs(self, w: Array) -> Array:
         """Values of y at every place, (n_y, E)."""

@@ -136,11 +136,11 @@ def collocate(
     totals = rows.add(entries, np.ones(1), np.array([r.lower for r in sums]), np.array([r.upper for r in sums]))[0]
     for i, total in enumerate(totals):
         scatter.add(np.full(len(weights), total), base[:, 0] + nx + nz + len(kept) + i, weights)
-    gather, offset, constants = gather_points(phase, layout)
+    gather, constants = gather_points(phase, layout)
     if isinstance(layout.mesh, MovingMesh):
         tie_intervals(layout.mesh, index, layout, rows, linear)
     empty = sparse.csr_array((0, 0))
-    return Block(stage, empty, offset, constants, empty, weights), gather, scatter
+    return Block(stage, empty, constants, empty, weights), gather, scatter
 
 
 def _stage(phase: Phase, layout: PhaseLayout) -> Stage:
@@ -161,8 +161,8 @@ def _fraction(layout: PhaseLayout, place: int) -> float:
     return interval.start + interval.length * float(interval.scheme.nodes[j])
 
 
-def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array, Array]:
-    """Triplets of G, its offset and the constants, for every evaluation."""
+def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:
+    """Triplets of G and the constants, for every evaluation."""
     dae = phase.dae
     nx, nz, nu = len(dae.states), len(dae.algebraic), len(dae.controls)
     shared = [
@@ -183,7 +183,7 @@ def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array, A
         gather.add(base + nx + nz + nu + np.arange(len(shared[k])), shared[k], 1.0)
     fixed = [scalar.value for scalar in interval_scalars(layout, 0) if scalar.column is None]
     constants = np.vstack([taus(layout, owners), *(np.full(len(owners), value) for value in fixed)])
-    return gather, np.zeros(size * len(owners)), constants
+    return gather, constants
 
 
 def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:

@@ -125,7 +125,6 @@ def single(
     return Block(
         stage,
         gather.matrix((len(columns), width)),
-        np.zeros(len(columns)),
         constants.reshape(-1, 1),
         scatter.matrix((height, stage.outputs)),
         np.ones(1) if costed is not None else np.zeros(1),
@@ -137,6 +136,4 @@ def widen(block: Block, rows: int, columns: int) -> Block:
     gather, scatter = block.gather.copy(), block.scatter.copy()
     gather.resize((gather.shape[0], columns))
     scatter.resize((rows, block.stage.outputs * block.count))
-    return Block(
-        block.stage, sparse.csr_array(gather), block.offset, block.constants, sparse.csr_array(scatter), block.weights
-    )
+    return Block(block.stage, sparse.csr_array(gather), block.constants, sparse.csr_array(scatter), block.weights)

@@ -25,7 +25,7 @@ from robotraj.transcription.collocation import interval_scalars, point_symbols
 from robotraj.transcription.ends import single
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
-from robotraj.transcription.shooting_guards import shot_guard
+from robotraj.transcription.shooting_guards import shot_guards
 from robotraj.transcription.table import Entry, Indices, ScalarTable
 from robotraj.transcription.triplets import Triplets
 
@@ -128,8 +128,6 @@ def add_guards(
         constraint = phase.bound_constraints[guard.constraint]
         row = constraint.rows[guard.row]
         if isinstance(layout.intervals[0].scheme, OneStep):
-            place = guard.phase, layout, guard.interval, guard.tau
-            blocks.append(shot_guard(phase, *place, constraint, row, rows))
             continue
         interval = layout.intervals[guard.interval]
         fraction = np.array([interval.start + interval.length * guard.tau])

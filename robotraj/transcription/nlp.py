@@ -43,7 +43,7 @@ class Nlp:
         Meaning, time and bounds of the columns and of the rows.
     blocks : tuple of Block
         In physical units.
-    linear, constant : sparse (n_g, n_w), ndarray (n_g,)
+    linear : sparse (n_g, n_w)
         The linear part of the rows.
     scale, row_scale : ndarray (n_w,), (n_g,)
         w = scale * w_scaled, g_scaled = row_scale * g.
@@ -57,7 +57,6 @@ class Nlp:
     rows: Scalars
     blocks: tuple[Block, ...]
     linear: sparse.csr_array
-    constant: Array
     scale: Array
     row_scale: Array
     guess: Array
@@ -67,7 +66,7 @@ class Nlp:
         """Objective, rows and their derivatives in scaled variables, as a solver takes them."""
         blocks = [block.scaled(self.scale, self.row_scale) for block in self.blocks]
         linear = sparse.diags_array(self.row_scale) @ self.linear @ sparse.diags_array(self.scale)
-        return assemble(blocks, sparse.csr_array(linear), self.row_scale * self.constant)
+        return assemble(blocks, sparse.csr_array(linear))
 
     def objective(self, w: Array) -> float:
         """Objective at w, in physical units."""

@@ -79,7 +79,7 @@ def shoot(
     gather, constants = _gather(layout)
     weights = np.full(count, 1.0 if phase.integrals else 0.0)
     empty = sparse.csr_array((0, 0))
-    block = Block(stage, empty, np.zeros(stage.inputs * count), constants, empty, weights)
+    block = Block(stage, empty, constants, empty, weights)
     return (block, gather, scatter), more
 
 
@@ -269,7 +269,7 @@ def _path_at_knots(
     s = point_symbols(phase, interval_scalars(layout, 0))
     point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
     stage = Stage(s.unknowns, s.constants, path_rows(path_constraints(phase, Where.THROUGHOUT), point))
-    gather, offset, constants = gather_points(phase, layout)
+    gather, constants = gather_points(phase, layout)
     owners = [(layout.intervals[k], j) for k, j in layout.place_owner]
     fractions = np.array([interval.start + interval.length * j for interval, j in owners])
     entries = [Entry(index, r.name, r.joint or "", r.unit) for r in path]
@@ -280,7 +280,6 @@ def _path_at_knots(
     block = Block(
         stage,
         gather.matrix((stage.inputs * count, columns.count)),
-        offset,
         constants,
         scatter.matrix((rows.count, stage.outputs * count)),
         np.zeros(count),

@@ -2,55 +2,116 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj.constraints import Row
 from robotraj.constraints.base import BoundConstraint
 from robotraj.dynamics.system import as_rows
+from robotraj.polynomials import basis, lobatto_sites
 from robotraj.schemes import OneStep
 from robotraj.transcription.block import Block
-from robotraj.transcription.ends import single
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.shooting import IntervalSymbols, Rate, interval_columns, interval_constants
+from robotraj.transcription.stage import Stage
 from robotraj.transcription.table import Entry, ScalarTable
+from robotraj.transcription.triplets import Triplets
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
 
+Array = NDArray[np.float64]
 
-def shot_guard(
+
+def shot_guards(
+    phase: Phase, index: int, layout: PhaseLayout, guards: Sequence[tuple[int, float, int, int]], rows: ScalarTable
+) -> list[Block]:
+    """Hold rows at places of intervals of the mesh, which in single shooting are pieces of one.
+
+    Parameters
+    ----------
+    guards : sequence of (int, float, int, int)
+        Interval, tau in [0, 1], constraint and row of every guard.
+    """
+    scheme = layout.intervals[0].scheme
+    assert isinstance(scheme, OneStep)
+    single = len(scheme.pieces) > 2
+    pieces = sorted({interval for interval, *_ in guards}) if single else [0]
+    return [
+        _block(phase, index, layout, scheme, piece, [g for g in guards if not single or g[0] == piece], rows)
+        for piece in pieces
+    ]
+
+
+def _block(
     phase: Phase,
     index: int,
     layout: PhaseLayout,
-    interval: int,
-    tau: float,
-    constraint: BoundConstraint,
-    row: Row,
+    scheme: OneStep,
+    piece: int,
+    guards: Sequence[tuple[int, float, int, int]],
     rows: ScalarTable,
 ) -> Block:
-    """Hold one row at tau in [0, 1] of an interval of the mesh, which in single shooting is a piece."""
-    scheme = layout.intervals[0].scheme
-    assert isinstance(scheme, OneStep)
-    pieces = len(scheme.pieces) - 1
-    k, piece = (0, interval) if pieces > 1 else (interval, 0)
-    known, rate = IntervalSymbols.of(phase, layout, ca.MX), Rate.of(phase, scheme)
-    nx = known.x0.numel()
-    step, cost = scheme.step(rate.function), ca.MX.zeros(rate.size - nx)
+    """All guards of one piece: a stage with tau, the interpolant's weights there and a choice of rows as constants."""
+    kinds = sorted({(c, r) for _, _, c, r in guards})
+    held = [(phase.bound_constraints[c], phase.bound_constraints[c].rows[r]) for c, r in kinds]
+    sites = lobatto_sites(scheme.degree + 1)
+    low, high = scheme.pieces[piece], scheme.pieces[piece + 1]
+    fractions, columns, constants, scatter = [], [], [], Triplets()
+    for place, (interval, tau, c, r) in enumerate(guards):
+        k = 0 if len(scheme.pieces) > 2 else interval
+        at, owner, row = low + (high - low) * tau, layout.intervals[k], phase.bound_constraints[c].rows[r]
+        choice = np.zeros(len(kinds))
+        choice[kinds.index((c, r))] = 1.0
+        weights = basis(sites, np.array([tau]))[0]
+        constants.append(np.concatenate([interval_constants(layout, k), weights, [at], choice]))
+        columns.append(interval_columns(layout, k))
+        fractions.append(owner.start + owner.length * at)
+        entry = Entry(index, row.name, row.joint or "", row.unit)
+        scatter.add(rows.add([entry], np.array(fractions[-1:]), row.lower, row.upper)[0], np.array([place]), 1.0)
+    gather = Triplets()
+    gather.add(np.arange(sum(map(len, columns))), np.concatenate(columns), 1.0)
+    stage = _stage(phase, layout, scheme, piece, sites, held)
+    count = len(guards)
+    return Block(
+        stage,
+        gather.matrix((stage.inputs * count, int(np.max(columns)) + 1)),
+        np.zeros(stage.inputs * count),
+        np.array(constants).T,
+        scatter.matrix((rows.count, count)),
+        np.zeros(count),
+    )
+
+
+def _stage(
+    phase: Phase,
+    layout: PhaseLayout,
+    scheme: OneStep,
+    piece: int,
+    sites: Array,
+    held: Sequence[tuple[BoundConstraint, Row]],
+) -> Stage:
+    """The chosen row at the place that the weights interpolate to."""
+    kind: Any = ca.SX if scheme.scalar_graph else ca.MX
+    known, rate = IntervalSymbols.of(phase, layout, kind), Rate.of(phase, scheme)
+    nx, own = known.x0.numel(), known.constants.numel()
+    more = kind.sym("more", len(sites) + 1 + len(held))
+    step, cost = scheme.step(rate.function), kind.zeros(rate.size - nx)
     now, after = ca.vertcat(known.x0, cost), ca.vertcat(known.x1, cost)
     for j in range(piece):
         now = step(now, after, known.piece(scheme, j))[0]
-    state = scheme.samples(rate.function, np.array([tau]))(now, after, known.piece(scheme, piece))[:nx]
-    low, high = scheme.pieces[piece], scheme.pieces[piece + 1]
-    at = low + (high - low) * tau
-    time = known.base + (known.start + known.length * at) * known.span
-    value = _row(phase, constraint, row)(time, state, ca.vertcat(*known.p))
-    owner = layout.intervals[k]
-    entry = Entry(index, row.name, row.joint or "", row.unit)
-    added = rows.add([entry], np.array([owner.start + owner.length * at]), row.lower, row.upper)[0]
-    return single(known.v, known.constants, value, interval_columns(layout, k), interval_constants(layout, k), added)
+    states = scheme.samples(rate.function, sites)(now, after, known.piece(scheme, piece))[:nx, :]
+    state = ca.mtimes(states, more[: len(sites)])
+    time = known.base + (known.start + known.length * more[len(sites)]) * known.span
+    values = [_row(phase, *each)(time, state, ca.vertcat(*known.p)) for each in held]
+    value = ca.dot(ca.vertcat(*values), more[len(sites) + 1 :])
+    chosen = ca.Function("chosen", [known.v, known.constants, more], [value])
+    v, c = kind.sym("v", known.v.numel()), kind.sym("c", own + more.numel())
+    return Stage(v, c, chosen(v, c[:own], c[own:]))
 
 
 def _row(phase: Phase, constraint: BoundConstraint, row: Row) -> ca.Function:

@@ -93,7 +93,6 @@ def transcribe(
         constraints,
         tuple(every),
         matrix,
-        np.zeros(shape[0]),
         scale,
         row_scale(every, matrix, constraints, scale, start),
         start,
