@@ -153,6 +153,10 @@ def add_guards(
         kept = ca.vertcat(s.x, s.unknowns[s.x.numel() + s.z.numel() + s.u.numel() :])
         path = rows.add([entry], fraction, row.lower, row.upper)[0]
         blocks.append(single(kept, s.constants, value, np.concatenate([states, free]), np.array([tau, *fixed]), path))
+    for i, (phase, layout) in enumerate(zip(phases, layouts, strict=True)):
+        shot = [(g.interval, g.tau, g.constraint, g.row) for g in guards if g.phase == i]
+        if shot and isinstance(layout.intervals[0].scheme, OneStep):
+            blocks += shot_guards(phase, i, layout, shot, rows)
     return blocks
 
 

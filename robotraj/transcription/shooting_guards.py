@@ -80,7 +80,6 @@ def _block(
     return Block(
         stage,
         gather.matrix((stage.inputs * count, int(np.max(columns)) + 1)),
-        np.zeros(stage.inputs * count),
         np.array(constants).T,
         scatter.matrix((rows.count, count)),
         np.zeros(count),
@@ -95,7 +94,7 @@ def _stage(
     sites: Array,
     held: Sequence[tuple[BoundConstraint, Row]],
 ) -> Stage:
-    """The chosen row at the place that the weights interpolate to."""
+    """Evaluate the chosen row at the place that the weights interpolate to."""
     kind: Any = ca.SX if scheme.scalar_graph else ca.MX
     known, rate = IntervalSymbols.of(phase, layout, kind), Rate.of(phase, scheme)
     nx, own = known.x0.numel(), known.constants.numel()
