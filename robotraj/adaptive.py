@@ -78,7 +78,7 @@ def adapt(
         if len(steps) == MOST_MESHES:
             return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
         # Errors that hold while the objective still moves are too large for the objective.
-        goal = tolerance if worst > tolerance else 0.1 * tolerance
+        goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
         meshes = _next(meshes, assessments, refinement, goal)
         known = solution
 

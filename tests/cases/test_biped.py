@@ -60,6 +60,7 @@ def foot_height(x: Mapping[str, float]) -> float:
     return float(0.4 * (np.cos(q[0]) + np.cos(q[1]) - np.cos(q[3]) - np.cos(q[4])))
 
 
+@pytest.mark.slow
 def test_the_witness_follows_the_step() -> None:
     case = biped(torso_from_hip=False)
     solution = rt.plan(case.problem, guess=case.guess, tolerance=1e-6)

@@ -37,9 +37,7 @@ def rates(t: float, x: Any) -> Any:
     return np.array([x[1], -4 * np.sin(x[0]) + 2 * np.cos(3 * t)])
 
 
-SWING = rt.System(
-    ["q", "w"], [], lambda point: [point.x["w"], -4 * ca.sin(point.x["q"]) + 2 * ca.cos(3 * point.t)]
-)
+SWING = rt.System(["q", "w"], [], lambda point: [point.x["w"], -4 * ca.sin(point.x["q"]) + 2 * ca.cos(3 * point.t)])
 AS_DAE = rt.System(
     ["q", "w"],
     [],
