@@ -30,8 +30,8 @@ def judge(task: Task, urdf: Path, samples: Any) -> dict[str, float]:
     Returns
     -------
     dict
-        objective of the interpolant, over ...: largest excess over a limit relative to it, goal: distance of the last state
-        from the goal, drift: of an open-loop simulation from the last planned state (largest entry, rad, m, /s).
+        objective of the interpolant, over ...: largest excess over a limit relative to it, goal: distance of the last
+        state from the goal, drift: of an open-loop simulation from the last planned state (largest entries, SI).
     """
     t, q, v, u = (samples[name] for name in "tqvu")
     lengths = t[:, -1] - t[:, 0]

@@ -66,7 +66,8 @@ def full(record: Mapping[str, Any]) -> str:
         "",
         *(f"- {NAMES[peer]}: {text}" for peer, text in record["versions"].items()),
         "",
-        "| task | tool | solve [s] | total [s] | total, ratio | iterations | objective | over a limit | goal missed by | drift " "| memory [MB] | runs |",
+        "| task | tool | solve [s] | total [s] | total, ratio | iterations | objective | over a limit "
+        "| goal missed by | drift | memory [MB] | runs |",
         "|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for task, peers in record["results"].items():

@@ -26,7 +26,7 @@ class Motors(crocoddyl.ActuationModelAbstract):
         """Torques of all joints."""
         data.tau = self.selection @ u
 
-    def calcDiff(self, data: crocoddyl.ActuationDataAbstract, x: np.ndarray, u: np.ndarray) -> None:  # noqa: N802
+    def calcDiff(self, data: crocoddyl.ActuationDataAbstract, x: np.ndarray, u: np.ndarray) -> None:
         """Their derivative."""
         data.dtau_du = self.selection
 

@@ -29,12 +29,9 @@ def solve(task: Task, rates: Any) -> None:
     for k in range(n):
         middle = (states[:, k] + states[:, k + 1]) / 2 + h / 8 * (slopes[k] - slopes[k + 1])
         opti.subject_to(
-            states[:, k + 1]
-            == states[:, k] + h / 6 * (slopes[k] + 4 * f(middle, middles[:, k]) + slopes[k + 1])
+            states[:, k + 1] == states[:, k] + h / 6 * (slopes[k] + 4 * f(middle, middles[:, k]) + slopes[k + 1])
         )
-        effort += h / 6 * (
-            ca.sumsqr(controls[:, k]) + 4 * ca.sumsqr(middles[:, k]) + ca.sumsqr(controls[:, k + 1])
-        )
+        effort += h / 6 * (ca.sumsqr(controls[:, k]) + 4 * ca.sumsqr(middles[:, k]) + ca.sumsqr(controls[:, k + 1]))
     rest = np.zeros(nq)
     opti.subject_to(states[:, 0] == np.r_[task.start, rest])
     opti.subject_to(states[:, n] == np.r_[task.end, rest])
@@ -48,8 +45,9 @@ def solve(task: Task, rates: Any) -> None:
         opti.subject_to(opti.bounded(-limit, middles[i, :], limit))
     opti.set_initial(states, np.linspace(np.r_[task.start, rest], np.r_[task.end, rest], n + 1).T)
     opti.minimize(effort if task.objective == "effort" else duration)
-    opti.solver("ipopt", {"print_time": False, "record_time": True}, {"print_level": 0, "sb": "yes", "max_wall_time":
-    120.0})
+    opti.solver(
+        "ipopt", {"print_time": False, "record_time": True}, {"print_level": 0, "sb": "yes", "max_wall_time": 120.0}
+    )
     solved, read = True, opti
     try:
         read = opti.solve()
