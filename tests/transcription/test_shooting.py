@@ -268,8 +268,13 @@ DAE = rt.System(
             rt.Mesh(4, rt.MultipleShooting()),
             "slacks that are held at collocation points",
         ),
+        (
+            phase_of(constraints=[rt.IntegralConstraint(lambda point: point.u["u"] ** 2, upper=9)]),
+            rt.Mesh(4, rt.CompressedHermiteSimpson()),
+            "bounds an integral",
+        ),
     ],
-    ids=["algebraic", "mixed", "mixed, single last", "moving single", "slacks"],
+    ids=["algebraic", "mixed", "mixed, single last", "moving single", "slacks", "integral"],
 )
 def test_what_shooting_is_not_meant_for_is_said(phase: rt.Phase, mesh: rt.Mesh, words: str) -> None:
     with pytest.raises(rt.InputError, match=words):
