@@ -10,9 +10,10 @@ import numpy as np
 from robotraj.errors import InputError
 from robotraj.guess import Guess
 from robotraj.problem import Problem
+from robotraj.records import MeshStep
 from robotraj.refinement import Assessment, Refinement, assess
 from robotraj.schemes import Collocation, Mesh
-from robotraj.solution import MeshStep, Solution
+from robotraj.solution import Solution
 from robotraj.solvers import Progress, Solver
 from robotraj.solving import GUARD_TOLERANCE, solve
 from robotraj.status import Status

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from robotraj.errors import InputError
 from robotraj.guess import Guess, StraightLine, as_guess
 from robotraj.guesses import Perturbed
+from robotraj.phase_solution import PhaseSolution
 from robotraj.planning import plan
 from robotraj.problem import Phase, Problem
-from robotraj.solution import PhaseSolution, Solution
+from robotraj.solution import Solution
 from robotraj.status import Status
 from robotraj.sweep import attach, detach
 from robotraj.workers import run

@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from robotraj.phase_solution import PhaseSolution
     from robotraj.problem import Phase
-    from robotraj.solution import PhaseSolution, Solution
+    from robotraj.solution import Solution
 
 Array = NDArray[np.float64]
 Panel = tuple[str, str]

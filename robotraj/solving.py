@@ -12,9 +12,10 @@ import numpy as np
 from robotraj.guess import Guess, as_guess
 from robotraj.indirect.covector import covectors
 from robotraj.indirect.transfer import transfer
+from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
 from robotraj.schemes import Mesh
-from robotraj.solution import PhaseSolution, Solution
+from robotraj.solution import Solution
 from robotraj.solvers import Multipliers, Progress, Solver
 from robotraj.solvers.base import Outcome
 from robotraj.status import Status

@@ -10,8 +10,9 @@ from typing import Any
 from robotraj.errors import InputError, unknown_name
 from robotraj.guess import Guess
 from robotraj.problem import Phase, Problem
+from robotraj.records import StageRecord
 from robotraj.schemes import Mesh
-from robotraj.solution import Solution, StageRecord
+from robotraj.solution import Solution
 from robotraj.solvers import Progress, Solver
 from robotraj.solving import solve
 

@@ -21,6 +21,8 @@ LAYERS: dict[int, tuple[str, ...]] = {
         "sample",
         "violations",
         "solution",
+        "phase_solution",
+        "records",
         "storage",
         "columns",
         "export",

@@ -19,7 +19,8 @@ from robotraj.indirect.duals import PhaseDuals
 from robotraj.indirect.hamiltonian import Hamiltonian
 
 if TYPE_CHECKING:
-    from robotraj.solution import PhaseSolution, Solution
+    from robotraj.phase_solution import PhaseSolution
+    from robotraj.solution import Solution
 
 Array = NDArray[np.float64]
 

@@ -177,7 +177,8 @@ class Polished:
 
         Between the knots its controls are polynomials through their exact values at the collocation points.
         """
-        from robotraj.solution import PhaseSolution, Solution
+        from robotraj.phase_solution import PhaseSolution
+        from robotraj.solution import Solution
 
         equations, parts = self.equations, self.trajectories
         nx, nz = equations.nx, len(equations.phase.dae.algebraic)
