@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from problems.case import Case
+from problems.switching import arcs
 from problems.written import TABLE, written
 
 import robotraj as rt
@@ -17,14 +18,6 @@ BANG = rt.ConstantControl()
 
 def plan(case: Case, mesh: rt.Mesh) -> rt.Solution:
     return rt.plan(case.problem, mesh, case.guess, rt.Ipopt(tolerance=1e-10))
-
-
-def arcs(solution: rt.Solution, control: str) -> list[tuple[float, float]]:
-    """End and value of every arc of a control that is constant in intervals."""
-    knots = solution.knots
-    values = solution.at(0.5 * (knots[1:] + knots[:-1])).u[control]
-    ends = np.append(np.abs(np.diff(values)) > 1e-2 * np.ptp(values), True)
-    return list(zip(knots[1:][ends], values[ends], strict=True))
 
 
 @pytest.mark.parametrize("intervals", [20, 12])
