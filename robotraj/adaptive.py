@@ -9,10 +9,11 @@ import numpy as np
 
 from robotraj.errors import InputError
 from robotraj.guess import Guess
+from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Problem
 from robotraj.records import MeshStep
 from robotraj.refinement import Assessment, Refinement, assess
-from robotraj.schemes import Collocation, Mesh
+from robotraj.schemes import Collocation, Mesh, MovingMesh
 from robotraj.solution import Solution
 from robotraj.solvers import Progress, Solver
 from robotraj.solving import GUARD_TOLERANCE, solve
@@ -20,6 +21,8 @@ from robotraj.status import Status
 
 MOST_MESHES = 25
 """Meshes tried before the tolerance is given up."""
+ROOM = 0.1
+"""How far the lengths of moving intervals change from one mesh to the next, relative to themselves."""
 SMALL = 1e-2
 """Objectives below this settle to the tolerance times this, not to the tolerance times themselves."""
 
@@ -60,7 +63,9 @@ def adapt(
         before = steps[-1].objective if steps else np.inf
         # Where each mesh halves the distance to the optimum, what is left is as large as the last change.
         settled = abs(solution.objective - before) <= 0.5 * tolerance * max(abs(solution.objective), SMALL)
-        assessments = [assess(part.phase, part.trajectory, settled) for part in solution.phases]
+        assessments = [
+            assess(part.phase, part.trajectory, settled, isinstance(part.mesh, MovingMesh)) for part in solution.phases
+        ]
         worst = max(float(a.errors.max()) for a in assessments)
         steps.append(
             MeshStep(
@@ -80,11 +85,17 @@ def adapt(
             return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
         # Errors that hold while the objective still moves are too large for the objective.
         goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
-        meshes = _next(meshes, assessments, refinement, goal)
+        pairs = zip(solution.phases, assessments, strict=True)
+        meshes = [_next(part, seen, refinement, goal) for part, seen in pairs]
         known = solution
 
 
-def _next(
-    meshes: Sequence[Mesh], assessments: Sequence[Assessment], refinement: Refinement, tolerance: float
-) -> list[Mesh]:
-    return [refinement.refine(mesh, seen, tolerance) for mesh, seen in zip(meshes, assessments, strict=True)]
+def _next(part: PhaseSolution, assessment: Assessment, refinement: Refinement, tolerance: float) -> Mesh:
+    """Refine the mesh of a phase; knots that move go on from where they came to stand."""
+    mesh = part.mesh
+    if not isinstance(mesh, MovingMesh):
+        return refinement.refine(mesh, assessment, tolerance)
+    inner = (part.knots[1:-1] - part.t0) / part.duration
+    refined = refinement.refine(Mesh((0.0, *inner, 1.0), mesh.schemes), assessment, tolerance)
+    # Knots away from switches are free to wander; now that switches have theirs, little room is enough.
+    return MovingMesh(refined.intervals, refined.scheme, max(mesh.least, 1 - ROOM), min(mesh.most, 1 + ROOM))

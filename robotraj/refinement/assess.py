@@ -21,14 +21,18 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-def assess(phase: Phase, trajectory: PhaseTrajectory, settled: bool) -> Assessment:
-    """Errors and control jumps of every interval of a phase."""
+def assess(phase: Phase, trajectory: PhaseTrajectory, settled: bool, moving: bool = False) -> Assessment:
+    """Assess every interval of a phase; ``moving`` knots may have jumps of the control on them."""
     return Assessment(
-        interval_errors(phase, trajectory), _jumps(trajectory), _decays(trajectory), _broken(phase, trajectory), settled
+        interval_errors(phase, trajectory),
+        _jumps(trajectory, moving),
+        _decays(trajectory),
+        _broken(phase, trajectory),
+        settled,
     )
 
 
-def _jumps(trajectory: PhaseTrajectory) -> Array:
+def _jumps(trajectory: PhaseTrajectory, moving: bool) -> Array:
     values = trajectory.u.values
     every = np.vstack(list(values))
     if not every.shape[1]:
@@ -36,6 +40,9 @@ def _jumps(trajectory: PhaseTrajectory) -> Array:
     span = np.ptp(every, axis=0)
     span = np.where(span > 0, span, 1.0)
     inside = np.array([np.max(np.ptp(value, axis=0) / span) for value in values])
+    if moving:
+        # A switch belongs on a knot that moves.
+        return inside
     # A switch may also stand between the last node of one interval and the first of the next.
     ends = np.array([np.max(np.abs(b[0] - a[-1]) / span) for a, b in zip(values[:-1], values[1:], strict=True)])
     return np.maximum(inside, np.maximum(np.append(ends, 0.0), np.append(0.0, ends)))

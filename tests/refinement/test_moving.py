@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 from problems.case import Case
-from problems.switching import arcs
+from problems.switching import Bang, arcs, bangs
 from problems.written import TABLE, written
 
 import robotraj as rt
@@ -70,3 +71,32 @@ def test_intervals_keep_their_bounds(bounds: tuple[float, float]) -> None:
 def test_bounds_that_leave_no_mesh_are_refused(bounds: tuple[float, float]) -> None:
     with pytest.raises(rt.InputError, match="0 < least <= 1 <= most"):
         rt.MovingMesh(4, rt.RadauIIA(3), *bounds)
+
+
+@pytest.mark.parametrize("bang", bangs(), ids=lambda bang: bang.case.name)
+def test_refinement_goes_on_from_where_the_knots_came_to_stand(bang: Bang) -> None:
+    """The next meshes keep the switches on knots and move on: the optimum is met far closer than the tolerance."""
+    solver = rt.Ipopt(tolerance=1e-10)
+    solution = rt.plan(bang.case.problem, bang.mesh, bang.case.guess, solver, tolerance=1e-6)
+    assert isinstance(solution.phases[0].mesh, rt.MovingMesh)
+    assert solution.refinement[-1].error <= 1e-6
+    assert len(solution.refinement) <= 3 and solution.phases[0].mesh.count <= bang.mesh.count + 2
+    assert solution.objective == pytest.approx(bang.case.exact, rel=5e-9)
+    for control, exact in bang.switches.items():
+        assert [time for time, _ in arcs(solution, control)[:-1]] == pytest.approx(exact, abs=max(1e-6, bang.accuracy))
+
+
+def test_moving_knots_are_refined_phase_by_phase() -> None:
+    """A bang-bang block on moving knots, then a swing on fixed ones."""
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    swing = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"] - 9.81 * ca.sin(point.x["x"])])
+    limits = {"controls": {"u": rt.between(-1, 1)}}
+    fast = rt.Phase(block, (0.1, 20), rt.State([-4, 0]), rt.State([0, 0]), rt.Duration(), **limits)
+    effort = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    up = rt.Phase(swing, 1.5, None, rt.State([np.pi, 0]), effort)
+    meshes = [rt.MovingMesh(3, rt.RadauIIA(2, control=BANG)), rt.Mesh(6, rt.RadauIIA(3))]
+    solution = rt.plan(rt.Problem([fast, up], [rt.Continuity(0, 1)]), meshes, tolerance=1e-6)
+    alone = rt.plan(rt.Phase(swing, 1.5, rt.State([0, 0]), rt.State([np.pi, 0]), effort), tolerance=1e-6)
+    assert [type(part.mesh) for part in solution.phases] == [rt.MovingMesh, rt.Mesh]
+    assert solution.objective == pytest.approx(4 + alone.objective, rel=1e-6)
+    assert solution.phases[0].duration == pytest.approx(4, rel=1e-7)
