@@ -50,7 +50,8 @@ def ended_well(runs: list[dict[str, Any]]) -> bool:
 def over(runs: list[dict[str, Any]]) -> str:
     """Largest excess over a limit, in percent of it, and which limit."""
     value, kind = max((median(runs, f"over {kind}"), kind) for kind in ("position", "speed", "torque"))
-    return "0" if value < 1e-6 else f"{100 * value:.2g} % {kind}"
+    digits = ".0f" if value > 0.1 else ".2g"
+    return "0" if value < 1e-6 else f"{100 * value:{digits}} % {kind}"
 
 
 def times(ratio: float) -> str:
@@ -92,7 +93,14 @@ def short(record: Mapping[str, Any]) -> str:
     """Total and solve seconds, ratio of totals and excess over limits; Drake by its quicker solver."""
     columns = {"robotraj": ["robotraj"], "CasADi Opti": ["opti"], "Drake": ["drake-ipopt", "drake-snopt"]}
     columns["Crocoddyl"] = ["crocoddyl"]
-    lines = ["| task | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
+    lines = [
+        f"Total / solve seconds (total: a fresh process, imports included), total relative to robotraj's, and the largest "
+        f"excess over a limit between the knots; medians of {record['repeats']}, {record['date']}. Crocoddyl takes speed "
+        "limits and the goal as penalties. More in [RESULTS.md](benchmarks/peers/RESULTS.md).",
+        "",
+        "| task | " + " | ".join(columns) + " |",
+        "|---" * (len(columns) + 1) + "|",
+    ]
     for task, peers in record["results"].items():
         cells = [f"{task} {TASKS[task].title}"]
         ours = median(peers["robotraj"], "total") if ended_well(peers["robotraj"]) else float("nan")
