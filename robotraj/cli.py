@@ -92,9 +92,7 @@ def main(
 
 HtmlOption = Annotated[Path | None, typer.Option("--html", help="Where to write the replay.", dir_okay=False)]
 SaveOption = Annotated[Path | None, typer.Option("--save", help="Also save the solution, as .npz.")]
-PlotOption = Annotated[
-    Path | None, typer.Option("--plot", help="Also draw the curves, as .png, .svg or .pdf.")
-]
+PlotOption = Annotated[Path | None, typer.Option("--plot", help="Also draw the curves, as .png, .svg or .pdf.")]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE.npz", help="A file that solution.save wrote.")]
 RobotArgument = Annotated[
     str, typer.Argument(metavar="ROBOT", help="A name that 'robotraj robots' lists, or a URDF file.")
@@ -103,9 +101,7 @@ RobotArgument = Annotated[
 
 @app.command(short_help="Plan a built-in demo, prove it, write its replay.")
 def demo(
-    name: Annotated[
-        str, typer.Argument(metavar="[NAME]", help=f"One of {', '.join(demos.DEMOS)}.")
-    ] = demos.DEFAULT,
+    name: Annotated[str, typer.Argument(metavar="[NAME]", help=f"One of {', '.join(demos.DEMOS)}.")] = demos.DEFAULT,
     html: HtmlOption = None,
     save: SaveOption = None,
     plot: PlotOption = None,
@@ -135,9 +131,7 @@ def plan_command(
     ],
     start: Annotated[
         str | None,
-        typer.Option(
-            "--start", "--from", metavar="Q", help="First configuration; the neutral one if not given."
-        ),
+        typer.Option("--start", "--from", metavar="Q", help="First configuration; the neutral one if not given."),
     ] = None,
     duration: Annotated[
         str | None,
@@ -188,9 +182,7 @@ def plan_command(
 def validate_command(
     file: FileArgument,
     drift: Annotated[float, typer.Option(help="Largest drift allowed [rad, m].")] = 1e-3,
-    limits: Annotated[
-        float, typer.Option(help="Largest violation of a limit allowed [SI unit of its row].")
-    ] = 1e-3,
+    limits: Annotated[float, typer.Option(help="Largest violation of a limit allowed [SI unit of its row].")] = 1e-3,
 ) -> None:
     """Simulate a saved solution with plain Pinocchio and print the proof; exit with 1 if it fails."""
     solution = load_solution(file)
@@ -222,9 +214,7 @@ def robots(
     wanted = search.lower()
     entries = [e for e in catalogue() if wanted in f"{e.name} {e.description}".lower()]
     if not entries:
-        raise InputError(
-            f"No robot's name or description contains {search!r}; 'robotraj robots' lists them all."
-        )
+        raise InputError(f"No robot's name or description contains {search!r}; 'robotraj robots' lists them all.")
     table = Table(title=f"{len(entries)} robots", title_justify="left", header_style="bold")
     table.add_column("name", no_wrap=True)
     table.add_column("what it is")

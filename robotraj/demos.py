@@ -110,9 +110,7 @@ def ur5() -> Demo:
     return Demo(move, (Mesh(50, HermiteSimpson()),))
 
 
-DEMOS: dict[str, Callable[[], Demo]] = {
-    demo.__name__: demo for demo in (block, pendulum, cartpole, acrobot, ur5)
-}
+DEMOS: dict[str, Callable[[], Demo]] = {demo.__name__: demo for demo in (block, pendulum, cartpole, acrobot, ur5)}
 DEFAULT = "cartpole"
 
 

@@ -125,18 +125,14 @@ class Keyframes(Guess):
                 f"fractions and {len(self.states)} states."
             )
         if not np.all(np.diff(self.fractions) > 0) or self.fractions[0] != 0 or self.fractions[-1] != 1:
-            raise InputError(
-                f"The fractions of Keyframes must ascend from 0 to 1; got {list(self.fractions)}."
-            )
+            raise InputError(f"The fractions of Keyframes must ascend from 0 to 1; got {list(self.fractions)}.")
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Interpolate between the keyframes."""
         keys = np.array([_middle(state.bounds(phase.dae, "keyframe"), 0.0) for state in self.states])
         duration = guessed_duration(phase, self.duration)
         states, algebraic = _through(phase, self.fractions, keys, duration)
-        return PhaseGuess(
-            duration, states, algebraic, constant(len(phase.dae.controls)), default_parameters(phase)
-        )
+        return PhaseGuess(duration, states, algebraic, constant(len(phase.dae.controls)), default_parameters(phase))
 
 
 @dataclass(frozen=True)
@@ -155,9 +151,7 @@ class FromSolution(Guess):
         """
         known = self.solution.phases
         if index >= len(known):
-            raise InputError(
-                f"The guess is a solution of {len(known)} phases; phase {phase.name!r} is number {index}."
-            )
+            raise InputError(f"The guess is a solution of {len(known)} phases; phase {phase.name!r} is number {index}.")
         source = known[index]
         low, high = phase.duration_bounds
         fallback = default_parameters(phase)
@@ -256,9 +250,7 @@ def guessed_duration(phase: Phase, given: float | None) -> float:
     low, high = phase.duration_bounds
     if given is not None:
         if not low <= given <= high:
-            raise InputError(
-                f"The guessed duration {given} s of phase {phase.name!r} lies outside {low} to {high} s."
-            )
+            raise InputError(f"The guessed duration {given} s of phase {phase.name!r} lies outside {low} to {high} s.")
         return given
     if low == high:
         return low

@@ -72,8 +72,7 @@ class Kinematic(Guess):
         if not solution.success:
             worst = "; ".join(str(violation) for violation in solution.violations(1))
             warnings.warn(
-                f"The kinematic plan failed ({solution.status.value}; {worst}); "
-                "its last iterate is the guess.",
+                f"The kinematic plan failed ({solution.status.value}; {worst}); its last iterate is the guess.",
                 stacklevel=2,
             )
         return _Planned(solution.phases)

@@ -155,14 +155,10 @@ def multistart(
     if not isinstance(problem, Problem):
         raise InputError(f"rt.multistart takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
     if starts < 1 or not 0 <= spread < np.inf:
-        raise InputError(
-            f"rt.multistart needs at least 1 start and a spread of 0 or more; got {starts} and {spread}."
-        )
+        raise InputError(f"rt.multistart needs at least 1 start and a spread of 0 or more; got {starts} and {spread}.")
     for name in ("check", "progress"):
         if name in options:
-            raise InputError(
-                f"rt.multistart counts failed starts and shows no iterations: leave {name}= out."
-            )
+            raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
     first = as_guess(guess) or StraightLine()
     guesses = [first, *(Perturbed(first, (seed, i), spread) for i in range(1, starts))]
     found: Sequence[Solution] = run(_plan, (problem, options), guesses, executor)

@@ -274,9 +274,7 @@ def _legend(figure: Figure, variables: Sequence[Variable], colors: dict[str, Any
         Line2D([], [], color="0.5", marker=tick, linestyle="none", markersize=4, markerfacecolor="white"),
     ]
     labels += ["limit", "knot", "collocation point"]
-    figure.legend(
-        handles, labels, loc="outside lower center", ncols=min(len(labels), 6), fontsize=8, frameon=False
-    )
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6), fontsize=8, frameon=False)
 
 
 def _heading(panel: Panel, shown: Sequence[Variable]) -> str:
@@ -289,10 +287,6 @@ def _heading(panel: Panel, shown: Sequence[Variable]) -> str:
 def _title(solution: Solution) -> str:
     first = solution.phases[0].phase
     names = list(dict.fromkeys(part.phase.name for part in solution.phases))
-    named = (
-        f"{first.subject.name}: {names[0]}"
-        if len(names) == 1
-        else f"{first.subject.name}, {len(names)} phases"
-    )
+    named = f"{first.subject.name}: {names[0]}" if len(names) == 1 else f"{first.subject.name}, {len(names)} phases"
     state = "" if solution.success else f"{solution.status.value.upper()} \N{EM DASH} "
     return f"{state}{named}, objective {solution.objective:.6g}, duration {solution.duration:.4g} s"

@@ -89,9 +89,7 @@ class Robot:
             values.setflags(write=False)
             object.__setattr__(self, name, values)
         if not self.friction_speed > 0:
-            raise InputError(
-                f"friction_speed is {self.friction_speed}; it must be a positive speed [rad/s, m/s]."
-            )
+            raise InputError(f"friction_speed is {self.friction_speed}; it must be a positive speed [rad/s, m/s].")
 
     def __repr__(self) -> str:
         return table(self)
@@ -165,9 +163,7 @@ class Robot:
             There is no frame of that name (Pinocchio's ``getFrameId`` would return the number of frames).
         """
         if not isinstance(name, str) or not self.model.existFrame(name):
-            raise unknown_name(
-                "frame", name, self.frame_names, f"print(robot.frame_names) lists those of {self.name}."
-            )
+            raise unknown_name("frame", name, self.frame_names, f"print(robot.frame_names) lists those of {self.name}.")
         return self.frame_names.index(name)
 
     def joint(self, name: str) -> int:

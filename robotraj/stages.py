@@ -76,10 +76,7 @@ class Stage:
 
 
 def _changes(given: Mapping[str, Any], phase: Phase) -> dict[str, Any]:
-    mine = {
-        key: value.get(phase.name, SAME) if isinstance(value, Mapping) else value
-        for key, value in given.items()
-    }
+    mine = {key: value.get(phase.name, SAME) if isinstance(value, Mapping) else value for key, value in given.items()}
     return {key: value for key, value in mine.items() if value is not SAME}
 
 

@@ -14,9 +14,7 @@ from robotraj.solution import Solution
 from robotraj.workers import run
 
 
-def sweep(
-    problems: Sequence[Problem | Phase], *, executor: Executor | None = None, **options: Any
-) -> list[Solution]:
+def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = None, **options: Any) -> list[Solution]:
     """Plan many problems with the same options.
 
     Parameters
@@ -73,14 +71,10 @@ def _plan(options: Mapping[str, Any], problem: Problem) -> Solution:
 def detach(solution: Solution) -> Solution:
     """Leave the problem out of a solution, for the way back to a process that has it."""
     bare: Any = None
-    return replace(
-        solution, problem=bare, phases=tuple(replace(part, phase=bare) for part in solution.phases)
-    )
+    return replace(solution, problem=bare, phases=tuple(replace(part, phase=bare) for part in solution.phases))
 
 
 def attach(solution: Solution, problem: Problem) -> Solution:
     """Give a detached solution its problem back."""
     pairs = zip(solution.phases, problem.phases, strict=True)
-    return replace(
-        solution, problem=problem, phases=tuple(replace(part, phase=phase) for part, phase in pairs)
-    )
+    return replace(solution, problem=problem, phases=tuple(replace(part, phase=phase) for part, phase in pairs))

@@ -20,9 +20,7 @@ import cloudpickle
 from robotraj.errors import InputError, RobotrajError
 
 
-def run(
-    work: Callable[[Any, Any], Any], shared: Any, tasks: Sequence[Any], executor: Executor | None
-) -> list[Any]:
+def run(work: Callable[[Any, Any], Any], shared: Any, tasks: Sequence[Any], executor: Executor | None) -> list[Any]:
     """Return ``[work(shared, task) for task in tasks]``, computed by an executor.
 
     Parameters

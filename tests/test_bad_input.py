@@ -55,9 +55,7 @@ def system_of(dynamics: Any, **more: Any) -> Callable[[], Any]:
 
 
 def path(expression: Any, **more: Any) -> Callable[[], Any]:
-    return lambda: block(
-        constraints=[rt.PathConstraint(expression, **({"upper": 1, "name": "power"} | more))]
-    )
+    return lambda: block(constraints=[rt.PathConstraint(expression, **({"upper": 1, "name": "power"} | more))])
 
 
 def pose(rotation: Any) -> Callable[[], Any]:

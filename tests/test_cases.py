@@ -15,10 +15,7 @@ import yaml
 import robotraj as rt
 from robotraj.guess import Guess, PhaseGuess, default_parameters
 
-CASES = {
-    case["id"]: case
-    for case in yaml.safe_load((Path(__file__).parent / "cases" / "systems.yaml").read_text())
-}
+CASES = {case["id"]: case for case in yaml.safe_load((Path(__file__).parent / "cases" / "systems.yaml").read_text())}
 LECTURE = rt.HermiteSimpson(control=rt.LinearControl(), quadrature=rt.TrapezoidalQuadrature())
 SCHEMES = {
     "trap": rt.Trapezoidal(),
@@ -82,11 +79,7 @@ def phase_of(case: Mapping[str, Any]) -> rt.Phase:
 
     def bounds(names: list[str], rows: list[Any] | None) -> dict[str, Any]:
         pairs = zip(names, rows or [None] * len(names), strict=True)
-        ends = {
-            name: [None if end is None else number(end) for end in row]
-            for name, row in pairs
-            if row is not None
-        }
+        ends = {name: [None if end is None else number(end) for end in row] for name, row in pairs if row is not None}
         return {name: rt.between(*row) for name, row in ends.items()}
 
     def state(row: list[Any]) -> rt.State:
@@ -127,9 +120,7 @@ def table() -> list[Any]:
             for intervals, value in values.items():
                 marks = [pytest.mark.slow] if (name, intervals) in SLOW else []
                 rows.append(
-                    pytest.param(
-                        name, scheme, intervals, value, id=f"{name}-{scheme}-{intervals}", marks=marks
-                    )
+                    pytest.param(name, scheme, intervals, value, id=f"{name}-{scheme}-{intervals}", marks=marks)
                 )
     return rows
 

@@ -59,9 +59,7 @@ def test_demo_writes_where_it_is_told(here: Path) -> None:
 
 
 def test_plan_moves_from_rest_to_rest(here: Path) -> None:
-    succeed(
-        "plan", "two_link_arm", "--start", "-0.5,0.2", "--to", "elbow=1", "--duration", "5", "--save", "arm"
-    )
+    succeed("plan", "two_link_arm", "--start", "-0.5,0.2", "--to", "elbow=1", "--duration", "5", "--save", "arm")
     solution = rt.load_solution("arm")
     first, last = solution.at(0.0), solution.at(5.0)
     robot = solution.problem.phases[0].robot
@@ -71,9 +69,7 @@ def test_plan_moves_from_rest_to_rest(here: Path) -> None:
 
 
 def test_plan_can_take_the_least_time_within_given_limits(here: Path) -> None:
-    said = succeed(
-        "plan", "block", "--start=0", "--to=1", "--objective=duration", "--effort=0.25", "--save=a"
-    )
+    said = succeed("plan", "block", "--start=0", "--to=1", "--objective=duration", "--effort=0.25", "--save=a")
     assert "-0.25 .. 0.25" in said
     # 2 sqrt(distance mass / force) with a force that jumps; here it has to run from one bound to the other.
     assert 4.0 < rt.load_solution("a").duration < 4.002

@@ -23,8 +23,10 @@ def small(problem: rt.Problem, meshes: object) -> rt.Nlp:
 def assert_derivatives(nlp: rt.Nlp) -> None:
     """Gradient, Jacobian and Hessian along random directions agree with central differences to 1e-6."""
     random = np.random.default_rng(7)
-    lower, upper = (np.clip(side, nlp.guess - 0.3 * nlp.scale, nlp.guess + 0.3 * nlp.scale)
-                    for side in (nlp.variables.lower, nlp.variables.upper))
+    lower, upper = (
+        np.clip(side, nlp.guess - 0.3 * nlp.scale, nlp.guess + 0.3 * nlp.scale)
+        for side in (nlp.variables.lower, nlp.variables.upper)
+    )
     w = random.uniform(lower, upper)
     multipliers = random.normal(size=len(nlp.rows)) * nlp.row_scale
     step = 1e-5

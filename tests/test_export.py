@@ -13,9 +13,7 @@ import pytest
 import robotraj as rt
 
 
-@pytest.fixture(
-    scope="module", params=[rt.InverseDynamics(), rt.ForwardDynamics()], ids=["inverse", "forward"]
-)
+@pytest.fixture(scope="module", params=[rt.InverseDynamics(), rt.ForwardDynamics()], ids=["inverse", "forward"])
 def cartpole(request: pytest.FixtureRequest) -> rt.Solution:
     phase = rt.Phase(
         rt.load("cartpole"),
@@ -32,9 +30,7 @@ def cartpole(request: pytest.FixtureRequest) -> rt.Solution:
 @pytest.fixture(scope="module")
 def two_phases() -> rt.Solution:
     """Ahead with one control, then coasting without any."""
-    push = rt.System(
-        ["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]], units={"x": "m", "v": "m/s", "u": "N"}
-    )
+    push = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]], units={"x": "m", "v": "m/s", "u": "N"})
     coast = rt.System(["x", "v"], (), lambda p: [p.x["v"], 0.0 * p.x["v"]], units={"x": "m", "v": "m/s"})
     first = rt.Phase(
         push,
@@ -106,9 +102,7 @@ def test_a_phase_without_a_variable_leaves_it_empty(two_phases: rt.Solution, tmp
 
 def test_a_failed_solution_is_exported_with_its_violations(tmp_path: Path) -> None:
     system = rt.System(["x"], ["u"], lambda p: [p.u["u"]], name="integrator")
-    phase = rt.Phase(
-        system, 1.0, start=rt.State({"x": 0}), end=rt.State({"x": 5}), controls={"u": rt.between(-1, 1)}
-    )
+    phase = rt.Phase(system, 1.0, start=rt.State({"x": 0}), end=rt.State({"x": 5}), controls={"u": rt.between(-1, 1)})
     solution = rt.plan(phase, rt.Mesh(3), check=False)
     told = json.loads(solution.to_json(tmp_path / "failed.json").read_text())
     assert told["success"] is False and told["status"] == solution.status.value

@@ -70,15 +70,11 @@ def test_parameters_start_in_the_middle_of_their_bounds() -> None:
     assert rt.StraightLine().of(phase, 0).parameters == {"a": 2.0, "b": 2.0, "c": 1.0, "d": 5.0}
 
 
-@pytest.mark.parametrize(
-    "scheme", [rt.HermiteSimpson(), rt.RadauIIA(points=3), rt.GaussLegendre(points=2)], ids=repr
-)
+@pytest.mark.parametrize("scheme", [rt.HermiteSimpson(), rt.RadauIIA(points=3), rt.GaussLegendre(points=2)], ids=repr)
 def test_a_solution_as_guess_on_its_own_mesh_is_that_solution(scheme: rt.HermiteSimpson) -> None:
     """Also where controls jump at knots, and are asked on their own side."""
     cost = rt.Lagrange(lambda point: point.u["u"] ** 2 + point.x["x"] ** 4)
-    phase = rt.Phase(
-        BLOCK, (1, 2), rt.State([0, 0]), rt.State([1, 0]), cost, controls={"u": rt.between(-4, 5)}
-    )
+    phase = rt.Phase(BLOCK, (1, 2), rt.State([0, 0]), rt.State([1, 0]), cost, controls={"u": rt.between(-4, 5)})
     mesh = rt.Mesh(7, scheme)
     solution = rt.plan(phase, mesh)
     nlp = rt.transcribe(solution.problem, mesh, rt.FromSolution(solution))

@@ -186,7 +186,5 @@ def test_figures_save_without_pyplot_or_display(cartpole: rt.Solution, tmp_path:
         f"rt.load_solution({str(path)!r}).plot().savefig({str(tmp_path / 'swing.png')!r});"
         "assert 'matplotlib.pyplot' not in sys.modules"
     )
-    subprocess.run(
-        [sys.executable, "-c", code], check=True, cwd=Path(rt.__file__).parents[1], env={"MPLBACKEND": ""}
-    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(rt.__file__).parents[1], env={"MPLBACKEND": ""})
     assert (tmp_path / "swing.png").read_bytes().startswith(b"\x89PNG")

@@ -10,9 +10,7 @@ import pytest
 
 import robotraj as rt
 
-BLOCK = rt.System(
-    ["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]], units={"x": "m", "v": "m/s", "u": "N"}
-)
+BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]], units={"x": "m", "v": "m/s", "u": "N"})
 
 
 def cartpole(**more: Any) -> rt.Phase:
@@ -27,15 +25,11 @@ def cartpole(**more: Any) -> rt.Phase:
 
 def table_of(phase: rt.Phase) -> list[list[str]]:
     """The printed table as cells, two spaces apart, without its two head lines."""
-    return [
-        [cell.strip() for cell in line.split("  ") if cell.strip()] for line in str(phase).splitlines()[2:]
-    ]
+    return [[cell.strip() for cell in line.split("  ") if cell.strip()] for line in str(phase).splitlines()[2:]]
 
 
 def test_a_phase_prints_every_row_with_when_bounds_and_unit() -> None:
-    phase = cartpole(
-        constraints=[rt.GroundClearance("tip", -0.7), rt.AtEnd(rt.FramePosition("tip", [1, None, None]))]
-    )
+    phase = cartpole(constraints=[rt.GroundClearance("tip", -0.7), rt.AtEnd(rt.FramePosition("tip", [1, None, None]))])
     lines = table_of(phase)
     assert ["duration", "1 .. 3", "s"] in lines
     assert ["position", "pole", "start", "= 0", "rad"] in lines
@@ -54,11 +48,7 @@ def test_what_is_printed_is_what_is_imposed() -> None:
     printed = {(line[0], line[1]) for line in table_of(cartpole()) if "throughout" in line}
     rows = {(entry.name, entry.label.removeprefix("q.")) for entry in nlp.rows.entries}
     assert {("torque balance", "pole"), ("torque balance", "slider")} <= printed & rows
-    bounds = {
-        (e.name, e.label)
-        for i, e in enumerate(nlp.variables.entries)
-        if i in set(nlp.variables.upper_meaning)
-    }
+    bounds = {(e.name, e.label) for i, e in enumerate(nlp.variables.entries) if i in set(nlp.variables.upper_meaning)}
     limits = {line for line in printed if line[0].endswith("limit")}
     assert limits == {bound for bound in bounds if bound[0].endswith("limit")}
 
@@ -67,8 +57,7 @@ def test_a_problem_prints_its_phases_and_links() -> None:
     first, second = cartpole(end=None, name="one"), cartpole(start=None, name="two")
     text = str(rt.Problem([first, second], [rt.Continuity(0, 1)]))
     assert all(
-        part in text
-        for part in ("phase 'one'", "phase 'two'", "Continuity(0, 1)", "continuity, time", "q.pole")
+        part in text for part in ("phase 'one'", "phase 'two'", "Continuity(0, 1)", "continuity, time", "q.pole")
     )
 
 
@@ -85,12 +74,7 @@ def test_limits_hold_unless_they_are_none() -> None:
     assert names == {"position limit", "effort limit"}
     assert cartpole(limits=None).bound_constraints == ()
     slower = rt.load("cartpole").limits.with_(velocity={"pole": 4.0})
-    rows = [
-        row
-        for c in cartpole(limits=slower).bound_constraints
-        for row in c.rows
-        if row.name == "velocity limit"
-    ]
+    rows = [row for c in cartpole(limits=slower).bound_constraints for row in c.rows if row.name == "velocity limit"]
     assert [(row.joint, row.lower, row.upper) for row in rows] == [("pole", -4.0, 4.0)]
 
 
@@ -114,9 +98,7 @@ def test_without_limits_the_start_may_lie_anywhere() -> None:
         (rt.State(q=[rt.between(0, 1), None]), [0, -np.inf, -np.inf, -np.inf], [1, np.inf, np.inf, np.inf]),
     ],
 )
-def test_ends_are_written_free_fixed_or_bounded(
-    state: rt.State, lower: list[float], upper: list[float]
-) -> None:
+def test_ends_are_written_free_fixed_or_bounded(state: rt.State, lower: list[float], upper: list[float]) -> None:
     bounds = cartpole(start=state, limits=None).start_bounds
     np.testing.assert_array_equal(bounds.lower, lower)
     np.testing.assert_array_equal(bounds.upper, upper)

@@ -49,9 +49,7 @@ def test_a_name_a_path_a_model_and_a_wrapper_give_the_same_robot():
     for robot in robots:
         assert robot.joint_names == tuple(model.names)[1:]
         np.testing.assert_array_equal(robot.limits.effort, [150, 150, 150, 28, 28, 28])
-        np.testing.assert_allclose(
-            pin.aba(robot.model, robot.model.createData(), q, v, tau), expected, rtol=1e-12
-        )
+        np.testing.assert_allclose(pin.aba(robot.model, robot.model.createData(), q, v, tau), expected, rtol=1e-12)
     assert [robot.name for robot in robots] == ["ur5"] * 5
 
 

@@ -21,9 +21,7 @@ def joined() -> rt.Solution:
     cost = rt.Lagrange(lambda point: point.u["u"] ** 2 + point.x["x"] ** 4)
     first = rt.Phase(BLOCK, 1.0, rt.State([0, 0]), rt.State({"x": 1}), cost, name="out")
     second = rt.Phase(BLOCK, (0.5, 3), None, rt.State([3, 0]), cost, name="back")
-    return rt.plan(
-        rt.Problem([first, second], [rt.Continuity(0, 1)]), [rt.Mesh(3), rt.Mesh(4, rt.RadauIIA(points=2))]
-    )
+    return rt.plan(rt.Problem([first, second], [rt.Continuity(0, 1)]), [rt.Mesh(3), rt.Mesh(4, rt.RadauIIA(points=2))])
 
 
 def test_one_time_gives_vectors_and_many_give_matrices(swing: rt.Solution) -> None:
@@ -83,9 +81,7 @@ def test_at_a_joint_the_later_phase_is_used_and_either_can_be_asked(joined: rt.S
 
 def test_parameters_are_read_by_name() -> None:
     pushed = rt.System(["x"], [], lambda point: [point.p["speed"]])
-    phase = rt.Phase(
-        pushed, 2.0, rt.State([0]), rt.State([3]), parameters={"speed": rt.between(0, 5), "spare": 4.0}
-    )
+    phase = rt.Phase(pushed, 2.0, rt.State([0]), rt.State([3]), parameters={"speed": rt.between(0, 5), "spare": 4.0})
     solution = rt.plan(phase, rt.Mesh(2))
     assert solution.parameters == pytest.approx({"speed": 1.5, "spare": 4.0})
 
@@ -95,6 +91,4 @@ def test_the_costs_integral_is_the_objective(swing: rt.Solution) -> None:
     phase = swing.phases[0]
     values = swing.at(phase.points).tau[:, 0] ** 2
     h = 2.0 / 20
-    assert h / 6 * (values[:-1:2] + 4 * values[1::2] + values[2::2]).sum() == pytest.approx(
-        swing.objective, rel=1e-9
-    )
+    assert h / 6 * (values[:-1:2] + 4 * values[1::2] + values[2::2]).sum() == pytest.approx(swing.objective, rel=1e-9)

@@ -123,9 +123,7 @@ def test_the_problem_of_a_robot_survives_whole(cartpole: rt.Solution, tmp_path: 
     assert phase.robot.visual_model.ngeoms == known.robot.visual_model.ngeoms > 0
 
 
-def test_a_loaded_solution_warm_starts_and_proves_like_the_first(
-    cartpole: rt.Solution, tmp_path: Path
-) -> None:
+def test_a_loaded_solution_warm_starts_and_proves_like_the_first(cartpole: rt.Solution, tmp_path: Path) -> None:
     loaded = rt.load_solution(cartpole.save(tmp_path / "swing.npz"))
     again = rt.plan(loaded.problem, loaded.phases[0].mesh, guess=loaded)
     assert again.objective == pytest.approx(cartpole.objective, rel=1e-6)
@@ -138,9 +136,7 @@ def test_the_model_is_in_the_file_when_the_urdf_is_gone(tmp_path: Path) -> None:
     text = next(entry.urdf for entry in rt.catalogue() if entry.name == "block").read_text()
     urdf.write_text(text.replace('robot name="block"', 'robot name="mine"'))
     robot = rt.load(urdf)
-    phase = rt.Phase(
-        robot, duration=5.0, start=rt.State(q=0, v=0), end=rt.State(q=1, v=0), objective=rt.Effort()
-    )
+    phase = rt.Phase(robot, duration=5.0, start=rt.State(q=0, v=0), end=rt.State(q=1, v=0), objective=rt.Effort())
     path = rt.plan(phase, rt.Mesh(5)).save(tmp_path / "mine.npz")
     urdf.unlink()
     with pytest.warns(UserWarning, match="URDF of 'mine' is gone"):
@@ -151,9 +147,7 @@ def test_the_model_is_in_the_file_when_the_urdf_is_gone(tmp_path: Path) -> None:
     assert rt.validate(loaded).passed
 
 
-def test_a_robot_of_the_catalogue_finds_its_shapes_where_they_are_now(
-    cartpole: rt.Solution, tmp_path: Path
-) -> None:
+def test_a_robot_of_the_catalogue_finds_its_shapes_where_they_are_now(cartpole: rt.Solution, tmp_path: Path) -> None:
     phase = cartpole.problem.phases[0]
     assert phase.robot is not None
     elsewhere = replace(phase.robot.geometry, urdf=tmp_path / "gone" / "cartpole.urdf")  # type: ignore[type-var]
@@ -222,19 +216,14 @@ def test_a_system_with_its_problem_is_whole(block: rt.Solution, tmp_path: Path) 
 
 def test_functions_are_listed_by_name_and_the_rest_is_kept(tmp_path: Path) -> None:
     phase = block_phase(
-        constraints=[
-            rt.PathConstraint(lambda point: point.x["v"] * point.u["u"], upper=50, name="power", unit="W")
-        ],
+        constraints=[rt.PathConstraint(lambda point: point.x["v"] * point.u["u"], upper=50, name="power", unit="W")],
         objective=rt.Duration() + 0.5 * rt.Lagrange(lambda point: 1e-3 * point.u["u"] ** 2) + 2 * rt.Effort(),
     )
     path = rt.plan(phase, rt.Mesh(5)).save(tmp_path / "block")
     with pytest.warns(UserWarning) as caught:
         loaded = rt.load_solution(path)
     (message,) = [str(warning.message) for warning in caught]
-    assert (
-        "constraint PathConstraint(expression=<lambda>, lower=None, upper=50, name='power', unit='W')"
-        in message
-    )
+    assert "constraint PathConstraint(expression=<lambda>, lower=None, upper=50, name='power', unit='W')" in message
     assert "objective 0.5 Lagrange(expression=<lambda>) of phase 'move'" in message
     assert " at 0x" not in message and "locals" not in message
     assert loaded.problem.phases[0].objective == Sum(((1.0, rt.Duration()), (2.0, rt.Effort())))
@@ -389,9 +378,7 @@ def test_a_damaged_file_says_so(block: rt.Solution, tmp_path: Path) -> None:
         rt.load_solution(path, problem=block.problem)
 
 
-def test_a_problem_that_does_not_fit_is_refused(
-    block: rt.Solution, cartpole: rt.Solution, tmp_path: Path
-) -> None:
+def test_a_problem_that_does_not_fit_is_refused(block: rt.Solution, cartpole: rt.Solution, tmp_path: Path) -> None:
     path = block.save(tmp_path / "block")
     with pytest.raises(rt.InputError, match=r"phase 'move' has the states \['x', 'v'\].*q\.slider"):
         rt.load_solution(path, problem=cartpole.problem)

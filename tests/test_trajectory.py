@@ -24,9 +24,7 @@ def test_differentiation_and_integrals_are_exact(sites: np.ndarray) -> None:
     for power in range(len(sites)):
         slope = power * sites ** max(power - 1, 0)
         np.testing.assert_allclose(differentiation(sites) @ sites**power, slope, atol=1e-11)
-        np.testing.assert_allclose(
-            integrals(sites, tau) @ sites**power, tau ** (power + 1) / (power + 1), atol=1e-14
-        )
+        np.testing.assert_allclose(integrals(sites, tau) @ sites**power, tau ** (power + 1) / (power + 1), atol=1e-14)
 
 
 def cubic_then_line() -> PiecewisePolynomial:
@@ -34,9 +32,7 @@ def cubic_then_line() -> PiecewisePolynomial:
     sites = [lobatto_sites(4), np.array([0.0, 1.0])]
     t = 1 + 2 * sites[0]
     first = np.column_stack([t**3 - t, t - t**3])
-    return PiecewisePolynomial(
-        np.array([1.0, 3.0, 4.0]), sites, [first, np.array([[5.0, -5.0], [5.0, -5.0]])]
-    )
+    return PiecewisePolynomial(np.array([1.0, 3.0, 4.0]), sites, [first, np.array([[5.0, -5.0], [5.0, -5.0]])])
 
 
 def test_a_time_gives_a_vector_and_times_give_a_matrix() -> None:

@@ -51,9 +51,7 @@ class Design:
                 )
             key = quantity.check(self.robot)
             if key and key in taken:
-                raise InputError(
-                    f"Parameters {taken[key]!r} and {name!r} both set the {quantity.label}; keep one."
-                )
+                raise InputError(f"Parameters {taken[key]!r} and {name!r} both set the {quantity.label}; keep one.")
             taken[key] = name
 
     @property

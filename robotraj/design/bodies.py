@@ -99,9 +99,7 @@ class Bodies:
         """Dynamic parameters of every joint's body, 10 x njoints."""
         model = self.robot.model
         own = [ca.DM(inertia.toDynamicParameters()) for inertia in model.inertias]
-        return ca.horzcat(
-            *(self._bodies[i].parameters if i in self._bodies else own[i] for i in range(model.njoints))
-        )
+        return ca.horzcat(*(self._bodies[i].parameters if i in self._bodies else own[i] for i in range(model.njoints)))
 
     @property
     def translations(self) -> Any:

@@ -85,9 +85,7 @@ class LinkLength(Quantity):
         frames = {f.name: f.placement.translation for f in model.frames if f.parentJoint == joint}
         if self.tip is not None:
             if self.tip not in children and self.tip not in frames:
-                raise unknown_name(
-                    "tip", self.tip, [*children, *frames], f"Name one on the body of {self.joint!r}."
-                )
+                raise unknown_name("tip", self.tip, [*children, *frames], f"Name one on the body of {self.joint!r}.")
             tip = children[self.tip] if self.tip in children else frames[self.tip]
         elif len(children) > 1:
             raise InputError(
@@ -95,15 +93,11 @@ class LinkLength(Quantity):
                 f"say where its length ends: rt.LinkLength({self.joint!r}, tip={next(iter(children))!r})."
             )
         else:
-            tip = max(
-                (children or frames).values(), key=lambda r: float(np.linalg.norm(r)), default=np.zeros(3)
-            )
+            tip = max((children or frames).values(), key=lambda r: float(np.linalg.norm(r)), default=np.zeros(3))
         direction = np.array(tip if self.along is None else self.along, dtype=float).ravel()
         norm = float(np.linalg.norm(direction))
         if direction.size != 3 or not np.isfinite(norm) or (self.along is not None and norm == 0):
-            raise InputError(
-                f"rt.LinkLength: along={self.along!r} is no direction; give three numbers, not all zero."
-            )
+            raise InputError(f"rt.LinkLength: along={self.along!r} is no direction; give three numbers, not all zero.")
         length = float(tip @ direction / norm) if norm > 0 else 0.0
         if abs(length) < SHORTEST:
             raise InputError(

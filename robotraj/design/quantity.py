@@ -82,9 +82,7 @@ def body_of_name(robot: Robot, name: str, who: str) -> int:
         return 1 + robot.joint_names.index(name)
     if name not in robot.frame_names:
         links = [frame.name for frame in model.frames if frame.parentJoint > 0]
-        raise unknown_name(
-            "body", name, dict.fromkeys([*robot.joint_names, *links]), f"{who} names a link or a joint."
-        )
+        raise unknown_name("body", name, dict.fromkeys([*robot.joint_names, *links]), f"{who} names a link or a joint.")
     joint = int(model.frames[robot.frame(name)].parentJoint)
     if joint == 0:
         raise InputError(

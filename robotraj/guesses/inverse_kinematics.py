@@ -146,9 +146,9 @@ def _descend(
     for _ in range(STEPS):
         if gap < CLOSE:
             break
-        jacobian = pin.computeFrameJacobian(
-            robot.model, data, q, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        )[: len(error)]
+        jacobian = pin.computeFrameJacobian(robot.model, data, q, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)[
+            : len(error)
+        ]
         pull = jacobian.T @ error
         free = ~((q <= lower) & (pull < 0) | (q >= upper) & (pull > 0))
         held = jacobian * free

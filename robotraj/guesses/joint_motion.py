@@ -65,9 +65,7 @@ def joint_motion(
         return curve
 
     dae = phase.dae
-    return PhaseGuess(
-        duration, columns(dae.states), columns(dae.algebraic), columns(dae.controls), parameters
-    )
+    return PhaseGuess(duration, columns(dae.states), columns(dae.algebraic), columns(dae.controls), parameters)
 
 
 def designed(phase: Phase, parameters: Mapping[str, float]) -> Robot:

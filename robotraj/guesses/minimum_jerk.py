@@ -97,6 +97,4 @@ def through(
     at = fractions_of(fractions, keys, speeds_of(phase, robot), who)
     q = quintic(at, keys, first[nv : 2 * nv] * pace, last[nv : 2 * nv] * pace)
     v, a = q.derivative(1), q.derivative(2)
-    return joint_motion(
-        phase, time, q, lambda s: v(s) / pace, lambda s: a(s) / pace**2, default_parameters(phase)
-    )
+    return joint_motion(phase, time, q, lambda s: v(s) / pace, lambda s: a(s) / pace**2, default_parameters(phase))

@@ -107,9 +107,7 @@ def _locked(
     return held
 
 
-def _actuated(
-    asked: Iterable[str] | None, default: tuple[str, ...] | None, joints: tuple[str, ...]
-) -> tuple[str, ...]:
+def _actuated(asked: Iterable[str] | None, default: tuple[str, ...] | None, joints: tuple[str, ...]) -> tuple[str, ...]:
     """Joints with a motor, in the order of v."""
     if asked is None:
         return joints if default is None else tuple(joint for joint in joints if joint in default)

@@ -73,9 +73,7 @@ class Limits:
             _magnitude(model.lowerEffortLimit, model.upperEffortLimit),
         )
 
-    def with_(
-        self, position: Any = None, velocity: Any = None, acceleration: Any = None, effort: Any = None
-    ) -> Limits:
+    def with_(self, position: Any = None, velocity: Any = None, acceleration: Any = None, effort: Any = None) -> Limits:
         """Return limits with some replaced; what is not named stays.
 
         Parameters
@@ -113,8 +111,7 @@ class Limits:
             return changes
         if not isinstance(changes, Mapping):
             raise InputError(
-                f"limits= is a mapping such as {{'position': {{'elbow': (-1, 1)}}, 'velocity': 3.0}}; got "
-                f"{changes!r}."
+                f"limits= is a mapping such as {{'position': {{'elbow': (-1, 1)}}, 'velocity': 3.0}}; got {changes!r}."
             )
         for name in changes:
             if name not in QUANTITIES:

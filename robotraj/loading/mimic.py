@@ -47,9 +47,7 @@ def read_mimics(robot: Element, moving: Sequence[str]) -> tuple[Mimic, ...]:
     return tuple(mimics)
 
 
-def lock_mimics(
-    mimics: Sequence[Mimic], locked: Mapping[str, float], neutral: Mapping[str, float]
-) -> dict[str, float]:
+def lock_mimics(mimics: Sequence[Mimic], locked: Mapping[str, float], neutral: Mapping[str, float]) -> dict[str, float]:
     """Add every joint of the coupled mechanisms to ``locked``.
 
     Parameters

@@ -36,9 +36,7 @@ def reference(model: pin.Model, srdf: Path | None) -> tuple[Array, str]:
     name = next((name for name in REFERENCES if name in known), next(iter(known), ""))
     q = known.get(name, pin.neutral(copy))
     if not np.all(np.isfinite(q)):
-        raise InputError(
-            f"The reference configuration {name!r} of {model.name!r} holds values that are no numbers."
-        )
+        raise InputError(f"The reference configuration {name!r} of {model.name!r} holds values that are no numbers.")
     return angles(model, q), name
 
 

@@ -55,9 +55,7 @@ class Description:
     end_effector: str | None = None
 
 
-def describe(
-    source: Any, package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
-) -> Description:
+def describe(source: Any, package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> Description:
     """Read the source.
 
     Raises
@@ -82,15 +80,12 @@ def describe(
 
 
 def _is_path(text: str) -> bool:
-    return (
-        "/" in text or os.sep in text or text.lower().endswith((".urdf", ".xml", ".xacro", ".sdf", ".mjcf"))
-    )
+    return "/" in text or os.sep in text or text.lower().endswith((".urdf", ".xml", ".xacro", ".sdf", ".mjcf"))
 
 
 def _wrapper(wrapper: Any) -> Description:
     shapes = tuple(
-        part if part is not None else pin.GeometryModel()
-        for part in (wrapper.visual_model, wrapper.collision_model)
+        part if part is not None else pin.GeometryModel() for part in (wrapper.visual_model, wrapper.collision_model)
     )
     return Description(wrapper.model.name or "robot", wrapper.model, (shapes[0], shapes[1]), "a RobotWrapper")
 

@@ -76,9 +76,7 @@ def plan_in_angles(model: pin.Model) -> pin.Model:
         upper = np.array([np.inf]) if angular else model.upperPositionLimit[q]
         effort, speed = model.upperEffortLimit[v], model.upperVelocityLimit[v]
         kind = _revolute(joint) if angular else joint
-        copy.addJoint(
-            model.parents[i], kind, model.jointPlacements[i], model.names[i], effort, speed, lower, upper
-        )
+        copy.addJoint(model.parents[i], kind, model.jointPlacements[i], model.names[i], effort, speed, lower, upper)
         copy.appendBodyToJoint(i, model.inertias[i], pin.SE3.Identity())
     for frame in list(model.frames)[1:]:
         copy.addFrame(frame, False)

@@ -53,9 +53,7 @@ def table(robot: Robot) -> str:
             )
         )
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
-    lines = [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
-    ]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     lines.insert(1, "-" * max(len(line) for line in lines))
     title = (
         f"{robot.name}: {robot.nv} moving joint{'s' if robot.nv != 1 else ''}, {robot.nu} actuated, "

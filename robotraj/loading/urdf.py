@@ -30,13 +30,9 @@ def read_xml(path: Path) -> ElementTree.Element:
     except ElementTree.ParseError as error:
         raise InputError(f"{str(path)!r} is no well-formed XML: {error}.") from error
     if root.tag != "robot":
-        raise InputError(
-            f"{str(path)!r} is no URDF: its root is <{root.tag}>, not <robot>. Convert it to URDF first."
-        )
+        raise InputError(f"{str(path)!r} is no URDF: its root is <{root.tag}>, not <robot>. Convert it to URDF first.")
     if path.suffix == ".xacro" or any("ros.org/wiki/xacro" in element.tag for element in root.iter()):
-        raise InputError(
-            f"{str(path)!r} is a xacro macro, not a URDF: expand it with the xacro command first."
-        )
+        raise InputError(f"{str(path)!r} is a xacro macro, not a URDF: expand it with the xacro command first.")
     _check_joints(path, root)
     return root
 
@@ -48,29 +44,23 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
         name, kind = joint.get("name"), joint.get("type")
         if kind not in JOINT_TYPES:
             raise InputError(
-                f"{str(path)!r}: joint {name!r} has type {kind!r}; "
-                f"a URDF knows {', '.join(sorted(JOINT_TYPES))}."
+                f"{str(path)!r}: joint {name!r} has type {kind!r}; a URDF knows {', '.join(sorted(JOINT_TYPES))}."
             )
         for end in ("parent", "child"):
             tag = joint.find(end)
             link = None if tag is None else tag.get("link")
             if link not in links:
-                raise unknown_name(
-                    "link", link, links, f"It is the {end} of joint {name!r} in {str(path)!r}."
-                )
+                raise unknown_name("link", link, links, f"It is the {end} of joint {name!r} in {str(path)!r}.")
         limit = joint.find("limit")
         if limit is None and kind in ("revolute", "prismatic"):
             raise InputError(
-                f"{str(path)!r}: the {kind} joint {name!r} has no <limit>; "
-                "a URDF asks for its effort and velocity."
+                f"{str(path)!r}: the {kind} joint {name!r} has no <limit>; a URDF asks for its effort and velocity."
             )
         for field in NUMBERS:
             element = joint.find(field)
             for key, text in {} if element is None else element.attrib.items():
                 if key != "joint" and not _is_number(text):
-                    raise InputError(
-                        f"{str(path)!r}: joint {name!r} has <{field} {key}={text!r}>, which is no number."
-                    )
+                    raise InputError(f"{str(path)!r}: joint {name!r} has <{field} {key}={text!r}>, which is no number.")
 
 
 def _is_number(text: str) -> bool:

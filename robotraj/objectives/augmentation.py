@@ -59,9 +59,7 @@ class Augmented(ABC):
         return self.inner.start if isinstance(self.inner, Augmented) else {}
 
     @abstractmethod
-    def point(
-        self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
-    ) -> Point:
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Wrap columns of symbols as the inner Point, with what is new in ``point.extra``."""
 
     def rates(self, point: Any) -> ca.SX:
@@ -108,9 +106,7 @@ class ControlRates(Augmented):
         )
         return rates + self.inner.controls[len(rates) :]
 
-    def point(
-        self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
-    ) -> Point:
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Hand the states that were controls back as controls."""
         nx, nu = len(self.inner.states), len(self._moved)
         inner = None if u is None else ca.vertcat(x[nx:, :], u[nu:, :])
@@ -121,9 +117,7 @@ class ControlRates(Augmented):
 
     def rates(self, point: Any) -> ca.SX:
         """Inner rates, then r."""
-        return ca.vertcat(
-            self.inner.rates(point), *(point.extra[v.name] for v in self.controls[: len(self._moved)])
-        )
+        return ca.vertcat(self.inner.rates(point), *(point.extra[v.name] for v in self.controls[: len(self._moved)]))
 
 
 @dataclass(frozen=True)
@@ -137,9 +131,7 @@ class Slacks(Augmented):
         """Inner controls, then the slacks."""
         return self.inner.controls + self.slacks
 
-    def point(
-        self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
-    ) -> Point:
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Put the slacks into ``point.extra``."""
         nu = len(self.inner.controls)
         point = self.inner.point(t, x, z, None if u is None else u[:nu, :], p, names)
@@ -188,9 +180,7 @@ class Jerks(Augmented):
         along = ca.jtimes(body.residual(point), ca.vertcat(q, v, a, tau), ca.vertcat(v, a, j, rate))
         return ca.Function("balance_rate", [q, v, a, tau, j, rate, p], [along])
 
-    def point(
-        self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
-    ) -> Point:
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Put the jerks into ``point.extra``."""
         nz = len(self.inner.algebraic)
         point = self.inner.point(t, x, None if z is None else z[:nz, :], u, p, names)
@@ -225,9 +215,7 @@ class RunningIntegral(Augmented):
         """The integral starts at 0."""
         return {**super().start, self.integral.name: 0.0}
 
-    def point(
-        self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]
-    ) -> Point:
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Put the integral into ``point.extra``, at the ends of the phase as well."""
         nx = len(self.inner.states)
         point = self.inner.point(t, x[:nx, :], z, u, p, names)

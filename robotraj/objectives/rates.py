@@ -37,9 +37,7 @@ class TorqueRate(Integral):
         """Weighted sum of squared rates."""
         names = list(point.u)
         weights = weights_of(self.weights, [n.removeprefix("tau.") for n in names], "TorqueRate")
-        return sum(
-            (w * point.extra[f"rate.{n}"] ** 2 for w, n in zip(weights, names, strict=True) if w), ca.SX(0)
-        )
+        return sum((w * point.extra[f"rate.{n}"] ** 2 for w, n in zip(weights, names, strict=True) if w), ca.SX(0))
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Check the weights against the controls."""
@@ -71,9 +69,7 @@ class Jerk(Integral):
         """Weighted sum of squared jerks."""
         joints = [name.removeprefix("jerk.") for name in point.extra if name.startswith("jerk.")]
         weights = weights_of(self.weights, joints, "Jerk")
-        return sum(
-            (w * point.extra[f"jerk.{j}"] ** 2 for w, j in zip(weights, joints, strict=True) if w), ca.SX(0)
-        )
+        return sum((w * point.extra[f"jerk.{j}"] ** 2 for w, j in zip(weights, joints, strict=True) if w), ca.SX(0))
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Check that there is a robot, and the weights against its joints."""

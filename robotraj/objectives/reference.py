@@ -38,9 +38,7 @@ def symbolic_states(solution: Any, names: Sequence[str], t: ca.SX) -> Mapping[st
                 raise unknown_name("state", name, known, "The reference solution has these.")
         columns = [known.index(name) for name in names]
         curve = part.trajectory.x
-        for start, end, sites, values in zip(
-            curve.breaks, curve.breaks[1:], curve.sites, curve.values, strict=False
-        ):
+        for start, end, sites, values in zip(curve.breaks, curve.breaks[1:], curve.sites, curve.values, strict=False):
             powers = np.linalg.solve(np.vander(sites, increasing=True), values[:, columns])
             tables.append((start, end - start, powers))
             breaks.append(start)

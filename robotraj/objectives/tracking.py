@@ -60,9 +60,7 @@ class Tracking(Integral):
                 raise InputError(f"Tracking: the reference gives no {name!r}, which a weight asks for.")
             wanted = as_rows(known[name], f"reference of {name!r}")
             if len(wanted) != len(weights):
-                raise InputError(
-                    f"Tracking: the reference of {name!r} has {len(wanted)} values, not {len(weights)}."
-                )
+                raise InputError(f"Tracking: the reference of {name!r} has {len(wanted)} values, not {len(weights)}.")
             total += sum((w * (value[i] - wanted[i]) ** 2 for i, w in enumerate(weights) if w), ca.SX(0))
         return total
 
@@ -70,13 +68,9 @@ class Tracking(Integral):
         """Check weights, frames and what the reference gives, by trying it."""
         robot = isinstance(dynamics, RigidBody)
         if not callable(self.reference) and not hasattr(self.reference, "phases"):
-            raise InputError(
-                "Tracking(reference): give a function of time that returns a mapping, or a Solution."
-            )
+            raise InputError("Tracking(reference): give a function of time that returns a mapping, or a Solution.")
         if robot and self.states is not None:
-            raise InputError(
-                "Tracking: states= is for Systems; weigh a robot's motion with q=, v= and frames=."
-            )
+            raise InputError("Tracking: states= is for Systems; weigh a robot's motion with q=, v= and frames=.")
         if not robot and (self.q is not None or self.frames):
             raise InputError("Tracking: q= and frames= are for robots; weigh a System's states with states=.")
         rate = as_rows(self.rate(symbols_of(dynamics, parameters)), "Tracking rate")[0]
@@ -91,9 +85,7 @@ class Tracking(Integral):
             ("v", point.v, weights_of(self.v, joints, "Tracking(v)")),
         ]
         for name, weight in self.frames.items():
-            entries.append(
-                (name, point.frame(name).position, weights_of(weight, [name], "Tracking(frames)") * 3)
-            )
+            entries.append((name, point.frame(name).position, weights_of(weight, [name], "Tracking(frames)") * 3))
         return [entry for entry in entries if any(entry[2])]
 
     @staticmethod
@@ -110,8 +102,7 @@ class Tracking(Integral):
             given = self.reference(t)
             if not isinstance(given, Mapping):
                 raise InputError(
-                    "Tracking: the reference must return a mapping such as {'q': [...]}; "
-                    f"got {type(given).__name__}."
+                    f"Tracking: the reference must return a mapping such as {{'q': [...]}}; got {type(given).__name__}."
                 )
             return given
         if robot is None:
@@ -119,8 +110,6 @@ class Tracking(Integral):
         parts = ["q", *(["v"] if "v" in names else [])]
         columns = [f"{part}.{joint}" for part in parts for joint in robot.joint_names]
         states = symbolic_states(self.reference, columns, t)
-        known = {
-            part: ca.vertcat(*(states[f"{part}.{joint}"] for joint in robot.joint_names)) for part in parts
-        }
+        known = {part: ca.vertcat(*(states[f"{part}.{joint}"] for joint in robot.joint_names)) for part in parts}
         placed = {f: robot.symbolic.frame_placement(f)(known["q"])[0] for f in names if f not in parts}
         return known | placed

@@ -59,15 +59,11 @@ class CostOfTransport(EndCost):
             robot.frame(self.frame)
         direction = np.asarray(self.direction, dtype=float)
         if direction.shape != (3,) or not np.all(np.isfinite(direction)) or not np.any(direction):
-            raise InputError(
-                f"CostOfTransport: direction is {self.direction!r}; it must be a vector of 3 numbers."
-            )
+            raise InputError(f"CostOfTransport: direction is {self.direction!r}; it must be a vector of 3 numbers.")
         if not np.any(robot.model.gravity.linear):
             raise InputError("CostOfTransport needs gravity, but that of the robot's model is zero.")
         if not isinstance(self.work, Integral):
-            raise InputError(
-                f"CostOfTransport: work is {self.work!r}; give an integral such as rt.AbsolutePower()."
-            )
+            raise InputError(f"CostOfTransport: work is {self.work!r}; give an integral such as rt.AbsolutePower().")
         self.work.check(dynamics, parameters)
 
     def augment(self, dynamics: Dynamics) -> Dynamics:

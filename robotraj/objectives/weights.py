@@ -29,12 +29,8 @@ def weights_of(given: Any, joints: Sequence[str], who: str) -> list[float]:
         values = [given] if np.ndim(given) == 0 else list(np.ravel(given))
         values = values * len(joints) if len(values) == 1 else values
     if len(values) != len(joints):
-        raise InputError(
-            f"{who} has {len(values)} weights, but there are {len(joints)} to give: {', '.join(joints)}."
-        )
+        raise InputError(f"{who} has {len(values)} weights, but there are {len(joints)} to give: {', '.join(joints)}.")
     for joint, weight in zip(joints, values, strict=True):
         if not isinstance(weight, int | float | np.number) or not weight >= 0 or np.isinf(weight):
-            raise InputError(
-                f"{who}: the weight of {joint!r} is {weight!r}; it must be finite and not negative."
-            )
+            raise InputError(f"{who}: the weight of {joint!r} is {weight!r}; it must be finite and not negative.")
     return [float(weight) for weight in values]

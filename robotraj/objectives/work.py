@@ -61,9 +61,7 @@ class MechanicalWork(Integral):
         if not -1.0 < self.braking < np.inf:
             raise InputError(f"MechanicalWork: braking is {self.braking}; it must be a number above -1.")
         if self.smoothing is not None and not 0.0 < self.smoothing < np.inf:
-            raise InputError(
-                f"MechanicalWork: smoothing is {self.smoothing}; it must be a power above 0 W, or None."
-            )
+            raise InputError(f"MechanicalWork: smoothing is {self.smoothing}; it must be a power above 0 W, or None.")
 
     def rate(self, point: Any) -> Any:
         """Weighted price of the powers [W]."""
@@ -80,9 +78,7 @@ class MechanicalWork(Integral):
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Check weights and speeds against the controls and states."""
         if self.speeds is None and not isinstance(dynamics, RigidBody):
-            raise InputError(
-                'MechanicalWork of a System needs speeds=, such as {"F": "v"} for the power F v.'
-            )
+            raise InputError('MechanicalWork of a System needs speeds=, such as {"F": "v"} for the power F v.')
         for kind, given, known in (
             ("control", self.speeds or {}, dynamics.controls),
             ("state", (self.speeds or {}).values(), dynamics.states),
@@ -90,9 +86,7 @@ class MechanicalWork(Integral):
             names = [v.name for v in known]
             for name in given:
                 if name not in names:
-                    raise unknown_name(
-                        kind, name, names, "MechanicalWork(speeds=...) pairs controls with states."
-                    )
+                    raise unknown_name(kind, name, names, "MechanicalWork(speeds=...) pairs controls with states.")
         self._weighed([c.name for c in dynamics.controls])
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
@@ -101,9 +95,7 @@ class MechanicalWork(Integral):
         pairs = self._weighed([c.name for c in body.controls])
         joints = {c.name: c.joint for c in body.controls}
         slacks = tuple(
-            Variable(_slack(c), "W", "slack power", joints[c])
-            for _, (c, _) in pairs
-            if not has(dynamics, [_slack(c)])
+            Variable(_slack(c), "W", "slack power", joints[c]) for _, (c, _) in pairs if not has(dynamics, [_slack(c)])
         )
         return dynamics if self.smoothing is not None or not slacks else Slacks(dynamics, slacks)
 

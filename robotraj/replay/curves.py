@@ -50,9 +50,7 @@ def robot_panels(robot: Any) -> list[Panel]:
     ]
     if len(robot.actuated):
         kinds = {units[j] for j in robot.actuated}
-        title = {frozenset({"m"}): "Actuator force", frozenset({"rad"}): "Joint torque"}.get(
-            frozenset(kinds), "Effort"
-        )
+        title = {frozenset({"m"}): "Actuator force", frozenset({"rad"}): "Joint torque"}.get(frozenset(kinds), "Effort")
         panels.append(Panel(title, "τ", series("tau", robot.actuated, EFFORT), lambda s: _rows(s.tau)))
     return panels
 

@@ -43,8 +43,7 @@ def page(heading: Heading, description: dict[str, Any], commands: bytes | None) 
         "status": html.escape(heading.status),
         "status_class": "good" if heading.good else "bad",
         "facts": "".join(
-            f"<div><dt>{html.escape(label)}</dt><dd>{html.escape(value)}</dd></div>"
-            for label, value in heading.facts
+            f"<div><dt>{html.escape(label)}</dt><dd>{html.escape(value)}</dd></div>" for label, value in heading.facts
         ),
         "layout": "with-view" if commands is not None else "curves-only",
         "style": _own("page.css"),

@@ -66,9 +66,7 @@ def weld(vertices: NDArray[Any], faces: NDArray[Any], color: Color | None = None
     labels = _smooth_corners(triangles, normals, len(grid))
     _, first, index = np.unique(labels, return_index=True, return_inverse=True)
     kind = np.uint16 if len(first) <= np.iinfo(np.uint16).max else np.uint32
-    return Part(
-        positions[triangles.ravel()[first]].astype(np.float32), index.reshape(-1, 3).astype(kind), color
-    )
+    return Part(positions[triangles.ravel()[first]].astype(np.float32), index.reshape(-1, 3).astype(kind), color)
 
 
 def _smooth_corners(triangles: NDArray[Any], normals: NDArray[Any], count: int) -> NDArray[Any]:

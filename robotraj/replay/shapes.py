@@ -36,9 +36,7 @@ def shape_part(shape: Any) -> Part | None:
     kind = type(shape).__name__
     if kind.startswith("BVHModel"):
         triangles = [shape.tri_indices(i) for i in range(shape.num_tris)]
-        return weld(
-            np.asarray(shape.vertices()), np.array([[t[0], t[1], t[2]] for t in triangles], dtype=int)
-        )
+        return weld(np.asarray(shape.vertices()), np.array([[t[0], t[1], t[2]] for t in triangles], dtype=int))
     if kind.startswith("Convex"):
         hull = trimesh.convex.convex_hull(np.asarray(shape.points()))
         return weld(hull.vertices, hull.faces)
@@ -79,9 +77,7 @@ def tube(points: NDArray[Any], radius: float, sides: int = 6) -> Part:
     base = np.arange(len(points) - 1)[:, None] * sides
     here = np.arange(sides)
     a, b = base + here, base + (here + 1) % sides
-    faces = np.stack(
-        [np.stack([a, b, a + sides], axis=-1), np.stack([b, b + sides, a + sides], axis=-1)], axis=2
-    )
+    faces = np.stack([np.stack([a, b, a + sides], axis=-1), np.stack([b, b + sides, a + sides], axis=-1)], axis=2)
     kind = np.uint16 if len(points) * sides <= np.iinfo(np.uint16).max else np.uint32
     return Part(np.concatenate(rings).astype(np.float32), faces.reshape(-1, 3).astype(kind))
 

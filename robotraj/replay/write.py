@@ -74,18 +74,14 @@ def replay(
     robot = _one_robot(solution)
     names = [traces] if isinstance(traces, str) else traces
     if robot is None and names:
-        raise InputError(
-            "replay: traces= names frames of a robot, but this solution is of an rt.System; leave it out."
-        )
+        raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; leave it out.")
     scene = None
     if robot is not None:
         # Imported here, since meshcat and trimesh take a second that planning alone need not wait for.
         from robotraj.replay.scene import scene_of
 
         scene = scene_of(robot, solution, int(fps), names)
-    phases = [
-        {"name": p.phase.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in solution.phases
-    ]
+    phases = [{"name": p.phase.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in solution.phases]
     description = {
         "speed": float(speed),
         "phases": phases,

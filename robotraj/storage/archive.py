@@ -66,9 +66,7 @@ def write(path: str | os.PathLike[str], contents: Contents) -> Path:
     if target.suffix != ".npz":
         target = target.with_name(target.name + ".npz")
     if not target.parent.is_dir():
-        raise InputError(
-            f"Cannot save: the directory {str(target.parent)!r} does not exist; create it first."
-        )
+        raise InputError(f"Cannot save: the directory {str(target.parent)!r} does not exist; create it first.")
     if target.is_dir():
         raise InputError(f"Cannot save: {str(target)!r} is a directory; name a file.")
     packer = Packer()

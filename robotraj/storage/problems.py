@@ -67,9 +67,7 @@ def check_fit(problem: Problem, data: Mapping[str, Any], name: str) -> None:
                 )
 
 
-def _pack_phase(
-    phase: Phase, robot: int | None, packer: Packer, path: str, left_out: list[str]
-) -> dict[str, Any]:
+def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left_out: list[str]) -> dict[str, Any]:
     whose = f"of phase {phase.name!r}"
     system = phase.system
     if system is not None:
@@ -93,13 +91,9 @@ def _pack_phase(
     }
 
 
-def _unpack_phase(
-    data: Mapping[str, Any], robots: Sequence[Robot], unpacker: Unpacker, left_out: list[str]
-) -> Phase:
+def _unpack_phase(data: Mapping[str, Any], robots: Sequence[Robot], unpacker: Unpacker, left_out: list[str]) -> Phase:
     plain = {name: unpacker.unpack(entry) for name, entry in data["fields"].items()}
-    subject = (
-        robots[data["robot"]] if data["robot"] is not None else _system(data["system"], data["variables"])
-    )
+    subject = robots[data["robot"]] if data["robot"] is not None else _system(data["system"], data["variables"])
     terms = _unpack_each(data["objective"], unpacker, left_out)
     objective: Objective | None = Sum(tuple(terms)) if terms else None
     if len(terms) == 1 and terms[0][0] == 1.0:
@@ -114,9 +108,7 @@ def _unpack_phase(
 
 def _system(name: str, variables: Mapping[str, Sequence[Mapping[str, str]]]) -> System:
     """Make a System of the right variables whose equations say that they are missing."""
-    groups = {
-        group: [Variable(entry["name"], entry["unit"]) for entry in variables[group]] for group in GROUPS
-    }
+    groups = {group: [Variable(entry["name"], entry["unit"]) for entry in variables[group]] for group in GROUPS}
     missing = MissingEquations(name)
     return System(
         [v.name for v in groups["states"]],

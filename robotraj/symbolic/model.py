@@ -226,9 +226,7 @@ class SymbolicModel:
         """
         return self._function("frame_velocity", self._frame(frame), _reference(reference))
 
-    def frame_acceleration(
-        self, frame: str, reference: pin.ReferenceFrame = LOCAL_WORLD_ALIGNED
-    ) -> ca.Function:
+    def frame_acceleration(self, frame: str, reference: pin.ReferenceFrame = LOCAL_WORLD_ALIGNED) -> ca.Function:
         """``(q, v, a) -> (acceleration)``: classical acceleration of the frame, 6 [m/s^2, rad/s^2].
 
         Classical: the linear part is the second derivative of the origin's position, which the spatial
@@ -253,9 +251,7 @@ class SymbolicModel:
 
 def _reference(reference: pin.ReferenceFrame) -> int:
     if not isinstance(reference, pin.ReferenceFrame):
-        raise InputError(
-            f"reference is {reference!r}; give pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED or .LOCAL."
-        )
+        raise InputError(f"reference is {reference!r}; give pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED or .LOCAL.")
     return int(reference)
 
 

@@ -48,9 +48,7 @@ def pendulum() -> tuple[rt.Phase, rt.StraightLine]:
 
 
 def two_link_arm() -> tuple[rt.Phase, rt.StraightLine]:
-    phase = rt.Phase(
-        rt.load("two_link_arm"), (1, 10), rest(0, 0.5), rest(0.522, 0.5), objective=rt.Duration()
-    )
+    phase = rt.Phase(rt.load("two_link_arm"), (1, 10), rest(0, 0.5), rest(0.522, 0.5), objective=rt.Duration())
     return phase, rt.StraightLine(duration=3)
 
 

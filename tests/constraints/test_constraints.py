@@ -72,9 +72,7 @@ def test_clearance_keeps_the_tip_above_a_slope_and_a_bump() -> None:
         rt.Slope(0.2, 0.0, base + 0.3),
         lambda x, y: base + 0.4 * ca.exp(-4 * x**2),
     ):
-        held = rt.Phase(
-            robot, 1.5, start, end, rt.Effort(), [rt.GroundClearance("tip", 0.05, ground)], limits=None
-        )
+        held = rt.Phase(robot, 1.5, start, end, rt.Effort(), [rt.GroundClearance("tip", 0.05, ground)], limits=None)
         free = rt.Phase(robot, 1.5, start, end, rt.Effort(), limits=None)
         height = ground if callable(ground) else ground.height
 
@@ -97,9 +95,7 @@ def test_frame_position_holds_at_the_end_alone() -> None:
 
 def test_frame_position_may_be_an_interval_of_one_axis() -> None:
     robot = rt.load("two_link_arm")
-    solution = rt.plan(
-        arm(rt.FramePosition("tip", {"x": rt.between(None, 1.99)}), end=rt.State(q=[0.8, -0.5], v=0))
-    )
+    solution = rt.plan(arm(rt.FramePosition("tip", {"x": rt.between(None, 1.99)}), end=rt.State(q=[0.8, -0.5], v=0)))
     xs = [tip(robot, q).translation[0] for q in solution.at(solution.phases[0].points).q]
     assert max(xs) <= 1.99 + 1e-6
 
@@ -136,10 +132,7 @@ def test_a_constraint_at_the_start_says_nothing_later() -> None:
 def test_a_path_constraint_of_many_rows_numbers_them() -> None:
     both = rt.PathConstraint(lambda point: [point.v[0], point.v[1]], lower=[-9, -20], upper=20, name="speeds")
     names = [
-        row.name
-        for constraint in swing(both).bound_constraints
-        for row in constraint.rows
-        if "speeds" in row.name
+        row.name for constraint in swing(both).bound_constraints for row in constraint.rows if "speeds" in row.name
     ]
     assert names == ["speeds[0]", "speeds[1]"]
 

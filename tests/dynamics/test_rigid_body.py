@@ -44,9 +44,7 @@ def test_forward_dynamics_are_abas(robot: rt.Robot) -> None:
     q, v, a, tau = somewhere(robot)
     dae = rt.ForwardDynamics().of(robot)
     found = evaluate(dae, dae.rates, q, v, a, tau)
-    np.testing.assert_allclose(
-        found, np.concatenate([v, acceleration(robot, q, v, tau)]), rtol=1e-9, atol=1e-9
-    )
+    np.testing.assert_allclose(found, np.concatenate([v, acceleration(robot, q, v, tau)]), rtol=1e-9, atol=1e-9)
     assert dae.algebraic == dae.residuals == ()
 
 
@@ -104,6 +102,4 @@ def test_a_point_knows_frames_centre_of_mass_and_momentum() -> None:
         found = evaluate(dae, lambda point, name=name: getattr(point.frame("tip"), name), q, v, a, tau)
         np.testing.assert_allclose(found, value, atol=1e-10)
     np.testing.assert_allclose(evaluate(dae, lambda point: point.com, q, v, a, tau), data.com[0], atol=1e-12)
-    np.testing.assert_allclose(
-        evaluate(dae, lambda point: point.momentum, q, v, a, tau), data.hg.vector, atol=1e-12
-    )
+    np.testing.assert_allclose(evaluate(dae, lambda point: point.momentum, q, v, a, tau), data.hg.vector, atol=1e-12)

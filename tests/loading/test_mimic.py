@@ -63,9 +63,7 @@ def test_pandas_fingers_are_locked_and_its_arm_moves():
     wide = rt.load("panda", locked={"panda_finger_joint1": 0.03})
     data = wide.model.createData()
     pin.framesForwardKinematics(wide.model, data, wide.neutral)
-    left, right = (
-        data.oMf[wide.frame(name)].translation for name in ("panda_leftfinger", "panda_rightfinger")
-    )
+    left, right = (data.oMf[wide.frame(name)].translation for name in ("panda_leftfinger", "panda_rightfinger"))
     assert np.linalg.norm(left - right) == pytest.approx(0.06, abs=1e-12)
 
 

@@ -51,9 +51,7 @@ def test_continuous_joints_become_angles_of_the_same_mechanism(name):
 
 
 def test_a_continuous_joint_about_any_axis(urdf):
-    path = urdf.chain(
-        ("a", "continuous", "1 2 -1"), ("b", "prismatic", "0 1 1"), ("c", "continuous", "0 -1 0")
-    )
+    path = urdf.chain(("a", "continuous", "1 2 -1"), ("b", "prismatic", "0 1 1"), ("c", "continuous", "0 -1 0"))
     original = pin.buildModelFromUrdf(str(path))
     robot = rt.load(path)
     assert robot.units == ("rad", "m", "rad")

@@ -34,9 +34,7 @@ def test_sums_multiples_and_python_sum_agree() -> None:
     written = SQUARE + 2 * rt.Duration()
     summed = sum([SQUARE, rt.Duration(), rt.Duration()])
     nested = 2 * (0.5 * SQUARE + rt.Duration())
-    found = [
-        rt.plan(move(objective, (0.5, 3)), rt.Mesh(4)).objective for objective in (written, summed, nested)
-    ]
+    found = [rt.plan(move(objective, (0.5, 3)), rt.Mesh(4)).objective for objective in (written, summed, nested)]
     assert found == pytest.approx([found[0]] * 3, rel=1e-9)
 
 

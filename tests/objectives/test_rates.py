@@ -12,9 +12,7 @@ from robotraj.errors import InputError, UnknownName
 MESH = rt.Mesh(40, rt.LobattoIIIA(4))
 
 
-def rest_to_rest(
-    robot: rt.Robot, q: list[float], duration: float, objective: rt.Objective, **more: object
-) -> rt.Phase:
+def rest_to_rest(robot: rt.Robot, q: list[float], duration: float, objective: rt.Objective, **more: object) -> rt.Phase:
     return rt.Phase(
         robot,
         duration=duration,
@@ -69,14 +67,10 @@ def test_jerks_of_an_underactuated_robot_are_the_rates_of_pinocchios_acceleratio
 
 def test_torques_are_continuous_and_their_limits_hold_at_collocation_points() -> None:
     robot = rt.load("block", limits={"effort": 4.5})
-    phase = rt.Phase(
-        robot, duration=1.0, start=rt.State(q=0, v=0), end=rt.State(q=1, v=0), objective=rt.TorqueRate()
-    )
+    phase = rt.Phase(robot, duration=1.0, start=rt.State(q=0, v=0), end=rt.State(q=1, v=0), objective=rt.TorqueRate())
     solution = rt.plan(phase, mesh=rt.Mesh(20, rt.RadauIIA(3)))
     part = solution.phases[0]
-    before, after = (
-        np.array([part.at(t, interval=k + i).tau for k, t in enumerate(part.knots[1:-1])]) for i in (0, 1)
-    )
+    before, after = (np.array([part.at(t, interval=k + i).tau for k, t in enumerate(part.knots[1:-1])]) for i in (0, 1))
     np.testing.assert_allclose(before, after, atol=1e-8)
     assert np.abs(solution.at(np.linspace(0, 1, 201)).tau).max() <= 4.5 + 1e-3
     report = rt.validate(solution)
@@ -96,9 +90,7 @@ def test_terms_that_need_the_same_variables_share_them() -> None:
 
 def test_a_system_plans_with_control_rates() -> None:
     system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
-    phase = rt.Phase(
-        system, duration=1.0, start=rt.State([0, 0]), end=rt.State([1, 0]), objective=rt.TorqueRate()
-    )
+    phase = rt.Phase(system, duration=1.0, start=rt.State([0, 0]), end=rt.State([1, 0]), objective=rt.TorqueRate())
     solution = rt.plan(phase, mesh=MESH)
     assert solution.objective == pytest.approx(120.0, rel=1e-8)
     assert rt.validate(solution).passed
@@ -111,9 +103,7 @@ def test_a_solution_without_rates_starts_one_with_rates() -> None:
         rt.Problem([rest_to_rest(arm, [0.5, 0.5], 2.0, rt.TorqueRate())]), rt.Mesh(10), rt.FromSolution(first)
     )
     entries = second.variables.entries
-    torque = np.array(
-        [entries[m].name == "effort" and entries[m].label == "elbow" for m in second.variables.meaning]
-    )
+    torque = np.array([entries[m].name == "effort" and entries[m].label == "elbow" for m in second.variables.meaning])
     times = second.times(second.variables, second.guess)[torque]
     np.testing.assert_allclose(second.guess[torque], first.at(times).tau[:, 1], atol=1e-9)
 

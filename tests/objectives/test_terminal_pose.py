@@ -33,9 +33,7 @@ def test_value_is_the_distance_and_the_angle(ur5: rt.Robot) -> None:
         end = NumericPoint(ur5, 1.0, q, zero, zero, zero)
         pose = placed(ur5, q)
         angle = np.linalg.norm(pin.log3(target.rotation.T @ pose.rotation))
-        expected = 2.0 * np.sum((pose.translation - target.translation) ** 2) + 3.0 * 2.0 * (
-            1.0 - np.cos(angle)
-        )
+        expected = 2.0 * np.sum((pose.translation - target.translation) ** 2) + 3.0 * 2.0 * (1.0 - np.cos(angle))
         value = rt.TerminalPose(FRAME, target, 2.0, 3.0).value(end, end)
         assert float(value) == pytest.approx(expected, rel=1e-12)
 

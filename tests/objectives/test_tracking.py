@@ -47,9 +47,7 @@ def test_a_reference_that_can_be_followed_is(arm: rt.Robot) -> None:
     )
     solution = rt.plan(phase, mesh=rt.Mesh(20))
     times = np.linspace(0.0, 1.0, 40)
-    np.testing.assert_allclose(
-        solution.at(times).q, np.column_stack([np.sin(times), 0.5 * np.cos(times)]), atol=1e-4
-    )
+    np.testing.assert_allclose(solution.at(times).q, np.column_stack([np.sin(times), 0.5 * np.cos(times)]), atol=1e-4)
     assert solution.objective < 1e-7
 
 

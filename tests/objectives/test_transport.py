@@ -17,9 +17,7 @@ def block() -> rt.Robot:
 
 
 def move(block: rt.Robot, objective: rt.Objective, end: object = 1.0) -> rt.Phase:
-    return rt.Phase(
-        block, duration=1.0, start=rt.State(q=0, v=0), end=rt.State(q=end, v=0), objective=objective
-    )
+    return rt.Phase(block, duration=1.0, start=rt.State(q=0, v=0), end=rt.State(q=end, v=0), objective=objective)
 
 
 @pytest.mark.parametrize("frame", [None, "block"])

@@ -31,10 +31,7 @@ def test_block_reaches_the_known_work_of_its_meshes(block: rt.Robot, intervals: 
 
 
 def test_work_converges_to_the_exact_one(block: rt.Robot) -> None:
-    errors = [
-        abs(rt.plan(move(block, rt.AbsolutePower()), mesh=rt.Mesh(n, RADAU)).objective - EXACT)
-        for n in (20, 80)
-    ]
+    errors = [abs(rt.plan(move(block, rt.AbsolutePower()), mesh=rt.Mesh(n, RADAU)).objective - EXACT) for n in (20, 80)]
     assert errors[1] < errors[0] / 4.0
     assert errors[1] < 5e-4 * EXACT
 
@@ -83,9 +80,7 @@ def test_half_of_the_absolute_power_drives_from_rest_to_rest(block: rt.Robot) ->
     assert half == pytest.approx(0.5 * positive, abs=2e-3)
 
 
-@pytest.mark.parametrize(
-    "scheme", [rt.HermiteSimpson(), RADAU, rt.GaussLegendre(2), rt.LobattoIIIA(4)], ids=repr
-)
+@pytest.mark.parametrize("scheme", [rt.HermiteSimpson(), RADAU, rt.GaussLegendre(2), rt.LobattoIIIA(4)], ids=repr)
 def test_slacks_are_the_braking_power_at_collocation_points(block: rt.Robot, scheme: rt.LobattoIIIA) -> None:
     solution = rt.plan(move(block, rt.AbsolutePower() + 1e-3 * rt.Effort()), mesh=rt.Mesh(20, scheme))
     part = solution.phases[0]
@@ -138,17 +133,13 @@ def test_plans_with_slacks_are_simulated_and_keep_limits(block: rt.Robot) -> Non
 def test_weights_of_joints_scale_their_work() -> None:
     arm = rt.load("two_link_arm")
     phase = dict(duration=5.0, start=rt.State(q=0, v=0), end=rt.State(q=[0.5, 0.0], v=0))
-    twice = rt.plan(
-        rt.Phase(arm, objective=rt.MechanicalWork({"shoulder": 2.0}) + 1e-2 * rt.Effort(), **phase)
-    )
+    twice = rt.plan(rt.Phase(arm, objective=rt.MechanicalWork({"shoulder": 2.0}) + 1e-2 * rt.Effort(), **phase))
     point = twice.phases[0]
     assert "slack.tau.shoulder" in point.at(0.1).u
     assert "slack.tau.elbow" not in point.at(0.1).u
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"braking": -1.0}, {"smoothing": 0.0}, {"smoothing": -1.0}, {"braking": np.nan}]
-)
+@pytest.mark.parametrize("wrong", [{"braking": -1.0}, {"smoothing": 0.0}, {"smoothing": -1.0}, {"braking": np.nan}])
 def test_prices_that_have_no_minimum_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(InputError, match=next(iter(wrong))):
         rt.MechanicalWork(**wrong)

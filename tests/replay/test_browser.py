@@ -52,9 +52,7 @@ class Browser:
             offline=True, reduced_motion="reduce", viewport={"width": width, "height": height}
         )
         page = context.new_page()
-        page.on(
-            "console", lambda m: self.complaints.append(m.text) if m.type in ("error", "warning") else None
-        )
+        page.on("console", lambda m: self.complaints.append(m.text) if m.type in ("error", "warning") else None)
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         page.on("request", lambda request: self.requests.append(request.url))
         page.goto(path.as_uri())
@@ -104,9 +102,7 @@ def placed(robot: Any, q: np.ndarray) -> pin.Data:
 
 
 @pytest.mark.parametrize("name", ["ur5", "talos", "double_pendulum"])
-def test_dragging_the_cursor_puts_every_joint_where_pinocchio_has_it(
-    name, request, browser, wave_plan, tmp_path
-):
+def test_dragging_the_cursor_puts_every_joint_where_pinocchio_has_it(name, request, browser, wave_plan, tmp_path):
     robot = request.getfixturevalue(name)
     plan = wave_plan(robot, 3.0, start=0.5, phases=2)
     path = replay(plan, tmp_path / "page.html")
@@ -147,9 +143,7 @@ def test_mirrored_meshes_of_talos_fill_the_space_they_should(talos, browser, wav
     browser.check(path)
 
 
-def test_playing_moves_robot_cursor_and_clock_at_the_speed_asked_for(
-    double_pendulum, browser, wave_plan, tmp_path
-):
+def test_playing_moves_robot_cursor_and_clock_at_the_speed_asked_for(double_pendulum, browser, wave_plan, tmp_path):
     path = replay(wave_plan(double_pendulum, 4.0), tmp_path / "page.html", speed=0.3)
     page = browser.open(path)
     page.evaluate("() => robotraj.seek(0)")
@@ -185,9 +179,7 @@ def test_the_end_is_held_or_looped(double_pendulum, browser, wave_plan, tmp_path
 def test_a_narrow_window_stacks_the_view_above_the_curves(double_pendulum, browser, wave_plan, tmp_path):
     path = replay(wave_plan(double_pendulum, 1.0), tmp_path / "page.html")
     wide, narrow = browser.open(path, 1300, 800), browser.open(path, 480, 900)
-    boxes = [
-        [page.locator(which).bounding_box() for which in ("#view", "#curves")] for page in (wide, narrow)
-    ]
+    boxes = [[page.locator(which).bounding_box() for which in ("#view", "#curves")] for page in (wide, narrow)]
     assert boxes[0][0]["x"] + boxes[0][0]["width"] <= boxes[0][1]["x"] + 1.0
     assert boxes[1][0]["y"] + boxes[1][0]["height"] <= boxes[1][1]["y"] + 1.0
     for page, width in ((wide, 1300), (narrow, 480)):

@@ -23,9 +23,7 @@ def test_a_clearance_brings_its_ground():
 
 
 def test_a_clearance_at_the_end_alone_brings_its_ground_too():
-    assert (
-        ground_of(solution(SimpleNamespace(constraint=clearance(lambda x, y: -0.3))), LOW, HIGH).level == -0.3
-    )
+    assert ground_of(solution(SimpleNamespace(constraint=clearance(lambda x, y: -0.3))), LOW, HIGH).level == -0.3
 
 
 def test_a_slope_or_a_plain_function_is_drawn_as_a_surface():

@@ -17,9 +17,7 @@ def total_area(parts) -> float:
 
 
 def files_of(robot) -> list[str]:
-    return sorted(
-        {thing.meshPath for thing in robot.visual_model.geometryObjects if Path(thing.meshPath).is_file()}
-    )
+    return sorted({thing.meshPath for thing in robot.visual_model.geometryObjects if Path(thing.meshPath).is_file()})
 
 
 def diffuse_colors(path: str) -> set[tuple[int, ...]]:
@@ -63,13 +61,9 @@ def test_surfaces_agree_with_pinocchios_own_loader(name, request):
         low = np.min([p.vertices.min(axis=0) for p in parts], axis=0)
         high = np.max([p.vertices.max(axis=0) for p in parts], axis=0)
         np.testing.assert_allclose([low, high], [vertices.min(axis=0), vertices.max(axis=0)], atol=2e-5)
-        assert sum(len(p.faces) for p in parts) == pytest.approx(
-            loaded.num_tris, rel=0.02
-        )  # less slivers without area
+        assert sum(len(p.faces) for p in parts) == pytest.approx(loaded.num_tris, rel=0.02)  # less slivers without area
         if len(parts) == 1:  # coal mixes up the indices of a file of several meshes
-            triangles = np.array(
-                [[loaded.tri_indices(i)[k] for k in range(3)] for i in range(loaded.num_tris)]
-            )
+            triangles = np.array([[loaded.tri_indices(i)[k] for k in range(3)] for i in range(loaded.num_tris)])
             own = trimesh.Trimesh(vertices, triangles, process=False)
             assert total_area(parts) == pytest.approx(own.area, rel=1e-3), path
 
@@ -82,9 +76,7 @@ def test_an_stl_names_no_colour(double_pendulum):
 def test_an_obj_keeps_its_materials(tmp_path):
     (tmp_path / "two.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl green\nKd 0 1 0\nd 0.5\n")
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
-    (tmp_path / "two.obj").write_text(
-        f"mtllib two.mtl\n{corners}usemtl red\nf 1 2 3\nusemtl green\nf 1 2 4\n"
-    )
+    (tmp_path / "two.obj").write_text(f"mtllib two.mtl\n{corners}usemtl red\nf 1 2 3\nusemtl green\nf 1 2 4\n")
     colors = {tuple(round(c, 2) for c in p.color[:3]) for p in read_mesh(str(tmp_path / "two.obj"))}
     assert colors == {(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)}
     (tmp_path / "bare.obj").write_text(f"{corners}f 1 2 3\nf 1 2 4\n")
@@ -93,18 +85,14 @@ def test_an_obj_keeps_its_materials(tmp_path):
 
 def test_colours_by_face_become_parts_and_many_become_their_mean(tmp_path):
     mesh = trimesh.creation.icosphere(subdivisions=2)
-    mesh.visual.face_colors = np.where(
-        np.arange(len(mesh.faces))[:, None] < 100, [255, 0, 0, 255], [0, 0, 255, 255]
-    )
+    mesh.visual.face_colors = np.where(np.arange(len(mesh.faces))[:, None] < 100, [255, 0, 0, 255], [0, 0, 255, 255])
     mesh.export(tmp_path / "two.ply")
     parts = read_mesh(str(tmp_path / "two.ply"))
     assert sorted((len(p.faces), p.color) for p in parts) == [
         (100, (1.0, 0, 0, 1.0)),
         (220, (0, 0, 1.0, 1.0)),
     ]
-    mesh.visual.face_colors = np.column_stack(
-        [np.arange(len(mesh.faces)) % 200, *[np.full(len(mesh.faces), 255)] * 3]
-    )
+    mesh.visual.face_colors = np.column_stack([np.arange(len(mesh.faces)) % 200, *[np.full(len(mesh.faces), 255)] * 3])
     mesh.export(tmp_path / "many.ply")
     (part,) = read_mesh(str(tmp_path / "many.ply"))
     assert 0.2 < part.color[0] < 0.5

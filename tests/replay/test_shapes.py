@@ -65,9 +65,7 @@ def test_a_rod_reaches_from_end_to_end():
     start, end = np.array([0.1, 0.2, 0.3]), np.array([0.4, -0.2, 0.9])
     axis = (end - start) / np.linalg.norm(end - start)
     along = (rod(start, end, 0.05).vertices - start) @ axis
-    np.testing.assert_allclose(
-        [along.min(), along.max()], [-0.05, np.linalg.norm(end - start) + 0.05], atol=1e-4
-    )
+    np.testing.assert_allclose([along.min(), along.max()], [-0.05, np.linalg.norm(end - start) + 0.05], atol=1e-4)
 
 
 def test_a_tube_keeps_its_radius_and_runs_in_order():

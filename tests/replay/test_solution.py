@@ -54,9 +54,7 @@ def test_a_failed_plan_is_shown_as_one(tmp_path):
         end=rt.State(q=[1, np.pi], v=0),
         objective=rt.Effort(),
     )
-    solution = rt.plan(
-        phase, mesh=rt.Mesh(10, rt.HermiteSimpson()), solver=rt.Ipopt(max_iterations=1), check=False
-    )
+    solution = rt.plan(phase, mesh=rt.Mesh(10, rt.HermiteSimpson()), solver=rt.Ipopt(max_iterations=1), check=False)
     assert not solution.success
     text = replay(solution, tmp_path / "cartpole.html").read_text()
     assert f'<dd class="status bad">{solution.status.value}</dd>' in text

@@ -35,18 +35,14 @@ def test_every_visual_fills_the_box_of_pinocchios_mesh(name, request):
 
 
 def test_the_urdf_colour_comes_before_the_files_own(ur5, talos):
-    for visual, thing in zip(
-        visuals_of(ur5.model, ur5.visual_model), ur5.visual_model.geometryObjects, strict=True
-    ):
+    for visual, thing in zip(visuals_of(ur5.model, ur5.visual_model), ur5.visual_model.geometryObjects, strict=True):
         assert not thing.overrideMaterial
         assert [c for _, c in visual.parts] == [p.color for p, _ in visual.parts]
     for visual, thing in zip(
         visuals_of(talos.model, talos.visual_model), talos.visual_model.geometryObjects, strict=True
     ):
         if thing.overrideMaterial:
-            np.testing.assert_allclose(
-                [c for _, c in visual.parts], [thing.meshColor.ravel()] * len(visual.parts)
-            )
+            np.testing.assert_allclose([c for _, c in visual.parts], [thing.meshColor.ravel()] * len(visual.parts))
 
 
 def one_body(shape, color=None) -> tuple[pin.Model, pin.GeometryModel]:

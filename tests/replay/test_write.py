@@ -120,12 +120,8 @@ def test_traces_follow_the_frames_asked_for(ur5, wave_plan, tmp_path):
 
 
 def test_the_camera_frames_the_robot_over_the_whole_motion(double_pendulum, wave_plan, tmp_path):
-    small = data_of(replay(wave_plan(double_pendulum, 4.0, amplitude=0.1), tmp_path / "a.html"))["scene"][
-        "hull"
-    ]
-    large = data_of(replay(wave_plan(double_pendulum, 4.0, amplitude=1.5), tmp_path / "b.html"))["scene"][
-        "hull"
-    ]
+    small = data_of(replay(wave_plan(double_pendulum, 4.0, amplitude=0.1), tmp_path / "a.html"))["scene"]["hull"]
+    large = data_of(replay(wave_plan(double_pendulum, 4.0, amplitude=1.5), tmp_path / "b.html"))["scene"]["hull"]
     assert np.all(np.ptp(large, axis=0) >= np.ptp(small, axis=0) - 1e-3)
     assert np.ptp(large, axis=0).max() > 1.3 * np.ptp(small, axis=0)[np.argmax(np.ptp(large, axis=0))]
 

@@ -8,9 +8,7 @@ import pytest
 import robotraj as rt
 
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
-MOVE = rt.Phase(
-    BLOCK, 1.0, rt.State([0, 0]), rt.State([1, 0]), objective=rt.Lagrange(lambda point: point.u["u"] ** 2)
-)
+MOVE = rt.Phase(BLOCK, 1.0, rt.State([0, 0]), rt.State([1, 0]), objective=rt.Lagrange(lambda point: point.u["u"] ** 2))
 CLASSES = (rt.Trapezoidal, rt.HermiteSimpson, rt.FifthDegree, rt.RadauIIA, rt.GaussLegendre)
 
 

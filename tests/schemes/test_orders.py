@@ -47,9 +47,7 @@ def errors(scheme: Collocation, intervals: int) -> tuple[float, float]:
         (rt.GaussLegendre(points=3), 6, (2, 4, 8)),
         (LECTURE, 2, (16, 32, 64)),
     ],
-    ids=lambda value: (
-        f"{type(value).__name__}-{len(value.nodes)}" if isinstance(value, Collocation) else None
-    ),
+    ids=lambda value: f"{type(value).__name__}-{len(value.nodes)}" if isinstance(value, Collocation) else None,
 )
 def test_the_last_state_converges_with_the_order_of_the_scheme(
     scheme: Collocation, order: int, meshes: tuple[int, ...]

@@ -11,9 +11,7 @@ import robotraj as rt
 from robotraj.solvers import Iteration
 
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
-MOVE = rt.Phase(
-    BLOCK, (0.1, 20), rt.State([0, 0]), rt.State([10, 0]), rt.Duration(), controls={"u": rt.between(-1, 1)}
-)
+MOVE = rt.Phase(BLOCK, (0.1, 20), rt.State([0, 0]), rt.State([10, 0]), rt.Duration(), controls={"u": rt.between(-1, 1)})
 
 
 def test_a_solver_is_a_frozen_value() -> None:
@@ -25,8 +23,7 @@ def test_a_solver_is_a_frozen_value() -> None:
 def test_a_tighter_tolerance_comes_closer() -> None:
     exact = 2 * np.sqrt(10)
     errors = [
-        abs(rt.plan(MOVE, rt.Mesh(20), solver=rt.Ipopt(tolerance=t)).objective - exact)
-        for t in (1e-3, 1e-6, 1e-11)
+        abs(rt.plan(MOVE, rt.Mesh(20), solver=rt.Ipopt(tolerance=t)).objective - exact) for t in (1e-3, 1e-6, 1e-11)
     ]
     assert errors[0] > 10 * errors[1] > 100 * errors[2]
 
@@ -38,9 +35,7 @@ def test_own_options_win_over_the_fields() -> None:
 
 @pytest.mark.parametrize("barrier", ["monotone", "adaptive"])
 def test_both_barriers_find_the_minimum_time(barrier: str) -> None:
-    assert rt.plan(MOVE, solver=rt.Ipopt(barrier=barrier)).objective == pytest.approx(
-        2 * np.sqrt(10), rel=1e-6
-    )
+    assert rt.plan(MOVE, solver=rt.Ipopt(barrier=barrier)).objective == pytest.approx(2 * np.sqrt(10), rel=1e-6)
 
 
 def test_progress_tells_every_iteration_in_order() -> None:

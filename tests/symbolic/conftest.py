@@ -16,11 +16,7 @@ from robotraj.symbolic import SymbolicModel
 
 COUNT = 100
 DESCRIPTIONS = Path(
-    str(
-        metadata.distribution("example-robot-data").locate_file(
-            "cmeel.prefix/share/example-robot-data/robots"
-        )
-    )
+    str(metadata.distribution("example-robot-data").locate_file("cmeel.prefix/share/example-robot-data/robots"))
 )
 FIXED = {
     "double_pendulum": "double_pendulum_description/urdf/double_pendulum.urdf",
@@ -67,9 +63,7 @@ class Case:
         """One point, with ``fext`` as 6 x njoints and ``forces`` as Pinocchio takes it."""
         njoints = self.model.njoints
         values = {
-            name: value[:, index].copy()
-            for name, value in self.points.items()
-            if name not in ("fext", "direction")
+            name: value[:, index].copy() for name, value in self.points.items() if name not in ("fext", "direction")
         }
         values["fext"] = self.points["fext"][:, index * njoints : (index + 1) * njoints].copy()
         forces = pin.StdVec_Force()
@@ -81,9 +75,7 @@ class Case:
 def build(name: str) -> Case:
     floating = name in FLOATING
     path = str(DESCRIPTIONS / (FLOATING if floating else FIXED)[name])
-    model = (
-        pin.buildModelFromUrdf(path, pin.JointModelFreeFlyer()) if floating else pin.buildModelFromUrdf(path)
-    )
+    model = pin.buildModelFromUrdf(path, pin.JointModelFreeFlyer()) if floating else pin.buildModelFromUrdf(path)
     rng = np.random.default_rng(20)
     model.armature[6 if floating else 0 :] = rng.uniform(0.01, 0.1, model.nv - (6 if floating else 0))
     neutral = pin.neutral(model)

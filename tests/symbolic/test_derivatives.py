@@ -30,13 +30,9 @@ def jacobians(case: Any, function: ca.Function, by: Sequence[str]) -> list[np.nd
     step = ca.SX.sym("step", case.model.nv)
     moved = {**values, "q": case.symbolic.integrate(values["q"], step)}
     expression = function.call(list(moved.values()))[0]
-    results = [
-        ca.substitute(ca.jacobian(expression, step if name == "q" else values[name]), step, 0) for name in by
-    ]
+    results = [ca.substitute(ca.jacobian(expression, step if name == "q" else values[name]), step, 0) for name in by]
     outputs = [f"by_{name}" for name in by]
-    return case.evaluate(
-        ca.Function("jacobians", list(values.values()), results, list(values), outputs), COUNT
-    )
+    return case.evaluate(ca.Function("jacobians", list(values.values()), results, list(values), outputs), COUNT)
 
 
 def assert_agrees(actual: np.ndarray, expected: Sequence[np.ndarray], relative: float) -> None:
@@ -98,9 +94,7 @@ DERIVATIVES: dict[str, tuple[tuple[str, ...], Callable[..., list[np.ndarray]]]] 
 def test_analytical(case, name: str) -> None:
     by, reference = DERIVATIVES[name]
     actual = jacobians(case, getattr(case.symbolic, name), by)
-    expected = [
-        [np.array(part) for part in reference(case.model, case.data, case.point(i))] for i in range(COUNT)
-    ]
+    expected = [[np.array(part) for part in reference(case.model, case.data, case.point(i))] for i in range(COUNT)]
     for index, jacobian in enumerate(actual):
         assert_agrees(jacobian, [row[index] for row in expected], ANALYTICAL)
 

@@ -19,9 +19,7 @@ OTHER = "99.0.0"
 MINE = {"PINOCCHIO_VERSION": pin.__version__, "CASADI_VERSION": ca.CasadiMeta.version()}
 
 
-@pytest.mark.parametrize(
-    ("attribute", "name"), [("PINOCCHIO_VERSION", "pinocchio"), ("CASADI_VERSION", "casadi")]
-)
+@pytest.mark.parametrize(("attribute", "name"), [("PINOCCHIO_VERSION", "pinocchio"), ("CASADI_VERSION", "casadi")])
 def test_module_built_against_other_versions(attribute: str, name: str) -> None:
     check_versions(SimpleNamespace(**MINE))
     with pytest.raises(BuildMismatch, match=rf"built against {name} {OTHER}, but {name} .* installed"):
@@ -44,9 +42,7 @@ def test_missing_module_is_a_build_mismatch_at_import(tmp_path: Path) -> None:
     assert "pip install" in result.stderr
 
 
-@pytest.mark.parametrize(
-    "method", ["frame_placement", "frame_velocity", "frame_acceleration", "frame_jacobian"]
-)
+@pytest.mark.parametrize("method", ["frame_placement", "frame_velocity", "frame_acceleration", "frame_jacobian"])
 def test_unknown_frame(arm, method: str) -> None:
     with pytest.raises(UnknownName, match=r"no frame named 'tool_0'. Did you mean 'tool0'"):
         getattr(arm.symbolic, method)("tool_0")

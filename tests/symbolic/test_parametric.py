@@ -36,9 +36,7 @@ def other(arm) -> pin.Model:
         model.inertias[joint] = pin.Inertia.FromDynamicParameters(
             model.inertias[joint].toDynamicParameters() * rng.uniform(0.9, 1.1)
         ) + pin.Inertia.FromSphere(rng.uniform(0.1, 1.0), 0.1)
-        model.jointPlacements[joint].translation = model.jointPlacements[
-            joint
-        ].translation + 0.1 * rng.random(3)
+        model.jointPlacements[joint].translation = model.jointPlacements[joint].translation + 0.1 * rng.random(3)
     return model
 
 
@@ -54,9 +52,7 @@ def test_own_parameters_give_the_plain_function(arm, parametric: SymbolicModel, 
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_other_parameters_give_the_other_robot(
-    arm, other: pin.Model, parametric: SymbolicModel, name: str
-) -> None:
+def test_other_parameters_give_the_other_robot(arm, other: pin.Model, parametric: SymbolicModel, name: str) -> None:
     point = arm.point(1)
     rebuilt = SymbolicModel(other)
     plain = getattr(rebuilt, name)
@@ -86,13 +82,9 @@ def test_inverse_dynamics_is_linear_in_the_inertias(arm, parametric: SymbolicMod
     """Its derivative is Pinocchio's joint torque regressor, armature apart."""
     point = arm.point(3)
     names = parametric.inverse_dynamics.name_in()
-    values = {
-        name: ca.SX.sym(name, parametric.inverse_dynamics.sparsity_in(i)) for i, name in enumerate(names)
-    }
+    values = {name: ca.SX.sym(name, parametric.inverse_dynamics.sparsity_in(i)) for i, name in enumerate(names)}
     tau = parametric.inverse_dynamics.call(list(values.values()))[0]
-    regressor = ca.Function(
-        "regressor", list(values.values()), [ca.jacobian(tau, ca.vec(values["inertias"]))]
-    )
+    regressor = ca.Function("regressor", list(values.values()), [ca.jacobian(tau, ca.vec(values["inertias"]))])
     own = {"inertias": parametric.model_inertias, "translations": parametric.model_translations}
     actual = np.array(regressor.call([{**point, **own}[name] for name in names])[0])
     expected = pin.computeJointTorqueRegressor(arm.model, arm.data, point["q"], point["v"], point["a"])

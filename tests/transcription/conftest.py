@@ -28,9 +28,7 @@ def _effort() -> rt.Lagrange:
 
 def ode() -> tuple[rt.Problem, rt.Mesh]:
     """An ordinary differential equation over a fixed time."""
-    phase = rt.Phase(
-        _pendulum(), 2.0, rt.State([0, 0]), rt.State([3, 0]), _effort(), controls={"u": rt.between(-5, 5)}
-    )
+    phase = rt.Phase(_pendulum(), 2.0, rt.State([0, 0]), rt.State([3, 0]), _effort(), controls={"u": rt.between(-5, 5)})
     return rt.Problem([phase]), rt.Mesh(3)
 
 
@@ -47,13 +45,9 @@ def dae() -> tuple[rt.Problem, rt.Mesh]:
         ["u"],
         lambda point: [point.x["w"], point.z["a"]],
         algebraic=["a"],
-        residual=lambda point: [
-            point.z["a"] + 0.05 * point.z["a"] ** 3 - point.u["u"] + ca.sin(point.x["q"])
-        ],
+        residual=lambda point: [point.z["a"] + 0.05 * point.z["a"] ** 3 - point.u["u"] + ca.sin(point.x["q"])],
     )
-    phase = rt.Phase(
-        system, (1, 3), rt.State([0, 0]), rt.State([2, 0]), _effort(), algebraic={"a": rt.between(-9, 9)}
-    )
+    phase = rt.Phase(system, (1, 3), rt.State([0, 0]), rt.State([2, 0]), _effort(), algebraic={"a": rt.between(-9, 9)})
     return rt.Problem([phase]), rt.Mesh(3, rt.FifthDegree())
 
 
@@ -70,11 +64,7 @@ def parameters() -> tuple[rt.Problem, rt.Mesh]:
         rt.State([0, 0]),
         rt.State([1, 0]),
         _mass_cost(),
-        [
-            rt.PathConstraint(
-                lambda point: point.x["v"] * point.p["mass"], upper=3, name="momentum", unit="kg m/s"
-            )
-        ],
+        [rt.PathConstraint(lambda point: point.x["v"] * point.p["mass"], upper=3, name="momentum", unit="kg m/s")],
         parameters={"mass": rt.between(0.5, 2), "drag": 0.3},
     )
     return rt.Problem([phase]), rt.Mesh(HALF, rt.RadauIIA(points=2))
@@ -109,8 +99,7 @@ def ends() -> tuple[rt.Problem, rt.Mesh]:
         (0.5, 4),
         rt.State({"q": rt.between(-1, 1)}),
         rt.State({"q": 3}),
-        _effort()
-        + 3 * rt.Mayer(lambda start, end: (end.x["w"] - start.x["w"]) ** 2 * end.t + start.x["q"] ** 3),
+        _effort() + 3 * rt.Mayer(lambda start, end: (end.x["w"] - start.x["w"]) ** 2 * end.t + start.x["q"] ** 3),
         [rt.AtEnd(energy), rt.AtStart(power), power],
     )
     return rt.Problem([phase]), rt.Mesh(3)
@@ -171,9 +160,7 @@ def _cartpole(dynamics: object) -> tuple[rt.Problem, rt.Mesh]:
         [
             rt.GroundClearance("tip", -0.6, rt.Slope(0.1)),
             rt.JointAcceleration(rt.between(-100, 100)),
-            rt.PathConstraint(
-                lambda point: point.tau[0] * point.v[0] + point.momentum[0] + point.com[2], upper=50
-            ),
+            rt.PathConstraint(lambda point: point.tau[0] * point.v[0] + point.momentum[0] + point.com[2], upper=50),
         ],
         dynamics=dynamics,
     )

@@ -151,9 +151,7 @@ def plan(
     return FakePlan(phase, np.asarray(knots, dtype=float), fitted, parameters or {})
 
 
-def robot_plan(
-    robot: FakeRobot, knots: Any, q: Curve, v: Curve, a: Curve, degree: int = 10, **phase: Any
-) -> FakePlan:
+def robot_plan(robot: FakeRobot, knots: Any, q: Curve, v: Curve, a: Curve, degree: int = 10, **phase: Any) -> FakePlan:
     """Plan the torques that inverse dynamics asks for along closed-form curves."""
     data = robot.model.createData()
 

@@ -30,9 +30,7 @@ def test_a_planar_frame_has_its_closed_form(point, state):
     (q0, q1), (v0, v1), (a0, a1), _ = state
     tip = point.frame("tip")
     lower, turn, spin = q0 + q1, v0 + v1, a0 + a1
-    np.testing.assert_allclose(
-        tip.position, [-np.sin(q0) - np.sin(lower), 0, -np.cos(q0) - np.cos(lower)], atol=1e-14
-    )
+    np.testing.assert_allclose(tip.position, [-np.sin(q0) - np.sin(lower), 0, -np.cos(q0) - np.cos(lower)], atol=1e-14)
     np.testing.assert_allclose(tip.rotation, pin.utils.rotate("y", lower), atol=1e-14)
     velocity = [
         -np.cos(q0) * v0 - np.cos(lower) * turn,

@@ -17,9 +17,7 @@ def test_a_free_fall_is_a_parabola(make):
 
 def test_a_pendulum_with_damping_friction_and_armature_follows_its_textbook_equation(make):
     m, length, b, c, armature = 1.3, 0.7, 0.4, 0.3, 0.2
-    robot = make.robot(
-        [("hinge", pin.JointModelRY())], mass=m, length=length, damping=b, friction=c, armature=armature
-    )
+    robot = make.robot([("hinge", pin.JointModelRY())], mass=m, length=length, damping=b, friction=c, armature=armature)
 
     def textbook(t, x):
         torque = np.sin(5 * t) - b * x[1] - c * np.tanh(x[1] / 0.1) - m * 9.81 * length * np.sin(x[0])
@@ -44,9 +42,7 @@ def test_energy_of_a_passive_double_pendulum_is_kept(make):
 def test_a_torque_that_jumps_at_a_knot_is_integrated_exactly(make):
     robot = make.robot([("x", pin.JointModelPX())])
     force = (1.0, -1.0)
-    motion = simulate(
-        robot, [0.0], [0.0], lambda t, k, q, v: np.array([force[k]]), (0.0, 2.0), knots=[0.0, 1.0, 2.0]
-    )
+    motion = simulate(robot, [0.0], [0.0], lambda t, k, q, v: np.array([force[k]]), (0.0, 2.0), knots=[0.0, 1.0, 2.0])
     assert motion.q[-1, 0] == pytest.approx(1.0, abs=1e-13)
     assert motion.v[-1, 0] == pytest.approx(0.0, abs=1e-13)
     assert motion.times[0] == 0.0 and motion.times[-1] == 2.0 and np.all(np.diff(motion.times) > 0)

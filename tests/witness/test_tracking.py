@@ -32,9 +32,7 @@ def test_feedback_holds_an_unstable_motion_that_open_loop_loses(make):
 
 
 def test_a_disturbed_start_is_recovered(make, swinging):
-    tracking = track(
-        make.solution(swinging()), kp=[400.0, 200.0], kd=[60.0, 20.0], offset=[0.05, 0.0, 0.0, 0.0]
-    )
+    tracking = track(make.solution(swinging()), kp=[400.0, 200.0], kd=[60.0, 20.0], offset=[0.05, 0.0, 0.0, 0.0])
     row = tracking.error["q.shoulder"]
     assert row.largest == pytest.approx(0.05, rel=1e-6) and row.time == 0.0
     assert row.final < 0.005

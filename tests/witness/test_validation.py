@@ -65,12 +65,8 @@ def test_a_wrong_torque_fails_naming_joint_and_time(make, swinging):
     assert peak.value == pytest.approx(0.5, abs=1e-8) and 0.75 <= peak.time <= 0.8
     assert report.residual.dynamics["shoulder"].value < 1e-8
     # 0.5 N m for 0.05 s on the elbow: the drift begins there and is largest at the end.
-    assert report.drift["q.elbow"].largest > 1e-3 and report.drift["q.elbow"].time == pytest.approx(
-        1.0, abs=0.2
-    )
-    with pytest.raises(
-        ValidationFailed, match=r"drifts from the plan: q\.elbow by 0\.01.* rad at t = 1 s"
-    ) as caught:
+    assert report.drift["q.elbow"].largest > 1e-3 and report.drift["q.elbow"].time == pytest.approx(1.0, abs=0.2)
+    with pytest.raises(ValidationFailed, match=r"drifts from the plan: q\.elbow by 0\.01.* rad at t = 1 s") as caught:
         report.check()
     assert caught.value.report is report
     with pytest.raises(ValidationFailed, match=r"collocation points: elbow by 0\.5 N m at t = 0\.(7[5-9]|8)"):
@@ -113,9 +109,7 @@ def test_a_velocity_that_is_not_the_rate_of_the_position_is_seen(make, swinging)
         ("acceleration", "acceleration limit", "rad/s^2", [3.9, 99.0], "shoulder", np.pi / 4, -1),
     ],
 )
-def test_a_limit_broken_only_between_knots_is_found(
-    make, swinging, kind, name, unit, limit, joint, time, sign
-):
+def test_a_limit_broken_only_between_knots_is_found(make, swinging, kind, name, unit, limit, joint, time, sign):
     report = validate(make.solution(swinging(name="swing", limits=make.limits(2, **{kind: limit}))))
     (violation,) = report.violations
     peak = {"position_upper": 1.0, "velocity": 3.0, "acceleration": 4.0}[kind]
