@@ -94,8 +94,9 @@ def short(record: Mapping[str, Any]) -> str:
     columns = {"robotraj": ["robotraj"], "CasADi Opti": ["opti"], "Drake": ["drake-ipopt", "drake-snopt"]}
     columns["Crocoddyl"] = ["crocoddyl"]
     lines = [
-        f"Total / solve seconds (total: a fresh process, imports included), total relative to robotraj's, and the largest "
-        f"excess over a limit between the knots; medians of {record['repeats']}, {record['date']}. Crocoddyl takes speed "
+        "Total / solve seconds (total: a fresh process, imports included), total relative to robotraj's, and the "
+        f"largest excess over a limit between the knots; medians of {record['repeats']}, {record['date']}. "
+        "Crocoddyl takes speed "
         "limits and the goal as penalties. More in [RESULTS.md](benchmarks/peers/RESULTS.md).",
         "",
         "| task | " + " | ".join(columns) + " |",
