@@ -53,6 +53,8 @@ def run_once(task: str, peer: str, python: Path, cache: Path) -> dict[str, Any]:
     script = HERE / "scripts" / f"{task.lower()}_{suffix}.py"
     variables = {**os.environ, **extra, "OMP_NUM_THREADS": "1", "PEERS_URDF": str(cache / "urdf")}
     variables["PYTHONPATH"] = str(HERE.parents[1])
+    # Python keeps what it compiled, as it does of installed packages.
+    variables.pop("PYTHONDONTWRITEBYTECODE", None)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "plan.npz"
         began = time.time()
@@ -93,6 +95,8 @@ def main() -> None:
             pythons[peer] = python_of(PEERS[peer][1], cache)
         except RuntimeError as error:
             missing[peer] = str(error)
+    # Bytecode of a checkout and of the scripts, which pip writes for installed packages.
+    subprocess.run([sys.executable, "-m", "compileall", "-q", str(HERE.parents[1] / "robotraj"), str(HERE)], check=True)
     results: dict[str, dict[str, list[dict[str, Any]]]] = {}
     for task in asked.tasks:
         runs = results[task] = {peer: [] for peer in asked.peers}
