@@ -58,6 +58,8 @@ class Solution:
         The stages that led here, when some were asked for.
     guards : tuple of Guard
         Rows that were imposed between collocation points as well.
+    between : tuple of Violation
+        Rows on states that are still broken between collocation points, worst first; empty where they all hold there.
     """
 
     problem: Problem
@@ -73,6 +75,7 @@ class Solution:
     duals: tuple[PhaseDuals, ...] = ()
     stages: tuple[StageRecord, ...] = ()
     guards: tuple[Guard, ...] = ()
+    between: tuple[Violation, ...] = ()
 
     @property
     def success(self) -> bool:
@@ -159,6 +162,8 @@ class Solution:
             f"objective {step.objective:.10g}, {step.iterations} iterations, {step.seconds:.3g} s"
             for i, step in enumerate(self.refinement, 1)
         ]
+        if self.between:
+            lines.append(f"between collocation points: {self.between[0]}; a finer mesh would help")
         if not self.success:
             lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]
             several = len(self.phases) > 1

@@ -21,8 +21,8 @@ from robotraj.solvers.base import Outcome
 from robotraj.status import Status
 from robotraj.transcription import Nlp, transcribe
 from robotraj.transcription.extract import extract
-from robotraj.transcription.guards import Guard, find_guards
-from robotraj.violations import violations
+from robotraj.transcription.guards import Bulge, Guard, find_bulges
+from robotraj.violations import Violation, violations
 
 ROW_TOLERANCE = 1e-6
 """Largest violation of a scaled row or bound that counts as held, when rows are evaluated outside the solver."""
@@ -30,7 +30,7 @@ GUARD_TOLERANCE = 5e-4
 """How far a row on states may be broken between collocation points before guards are set there [its SI unit]."""
 NEAR = 1e-2
 """Largest violation of a scaled row at a guess from another problem whose multipliers are still worth taking."""
-GUARD_ROUNDS = 4
+GUARD_ROUNDS = 6
 """Times that guards are set and the problem is solved again."""
 
 
@@ -52,19 +52,37 @@ def solve(
     for _ in range(GUARD_ROUNDS):
         if not solution.success:
             break
-        found = [
-            guard
-            for i, part in enumerate(solution.phases)
-            for guard in find_guards(part.phase, i, part.trajectory, between)
-            if guard not in guards
-        ]
-        if not found:
+        found = _bulges(solution, between)
+        held = {_row_of(guard) for guard in guards}
+        new = [guard for bulge in found for guard in bulge.guards(_row_of(bulge.guard) in held) if guard not in guards]
+        if not new:
             break
-        guards += found
+        guards += new
         again = _solve(problem, mesh, solution, solver, progress, guards)
         total = {key: again.times[key] + solution.times[key] for key in again.times}
         solution = replace(again, times=total, iterations=again.iterations + solution.iterations)
-    return replace(solution, guards=tuple(guards))
+    left = tuple(_violation(solution, bulge) for bulge in _bulges(solution, between))
+    return replace(solution, guards=tuple(guards), between=tuple(sorted(left, key=lambda v: -v.relative)))
+
+
+def _bulges(solution: Solution, allowed: float) -> list[Bulge]:
+    """Rows on states that are broken between the collocation points."""
+    return [
+        bulge
+        for i, part in enumerate(solution.phases)
+        for bulge in find_bulges(part.phase, i, part.trajectory, allowed)
+    ]
+
+
+def _row_of(guard: Guard) -> tuple[int, int, int, int]:
+    return guard.phase, guard.interval, guard.constraint, guard.row
+
+
+def _violation(solution: Solution, bulge: Bulge) -> Violation:
+    phase = solution.phases[bulge.guard.phase].phase
+    row = phase.bound_constraints[bulge.guard.constraint].rows[bulge.guard.row]
+    bound = max((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0)
+    return Violation(phase.name, row.label, bulge.time, bulge.amount, row.unit, bulge.amount / (1.0 + bound))
 
 
 def _known_guards(problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | Solution | None) -> list[Guard]:

@@ -9,7 +9,7 @@ semi-infinite programs). Source: Hettich and Kortanek, Semi-infinite programming
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -32,8 +32,10 @@ from robotraj.transcription.triplets import Triplets
 if TYPE_CHECKING:
     from robotraj.problem import Phase
 
-SAMPLES = 16
+SAMPLES = 48
 """Places looked at inside an interval."""
+SPREAD = 0.5 * (1.0 - np.cos(np.pi * (np.arange(6) + 0.5) / 6))
+"""Places guarded inside an interval where a single one did not do."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,29 @@ def guardable(phase: Phase) -> list[tuple[int, int, BoundConstraint, Row]]:
     return found
 
 
-def find_guards(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float) -> list[Guard]:
+@dataclass(frozen=True)
+class Bulge:
+    """A row that a solution breaks between collocation points: the guard that would hold it, and by how much.
+
+    Attributes
+    ----------
+    guard : Guard
+    time : float
+        [s].
+    amount : float
+        In the row's SI unit.
+    """
+
+    guard: Guard
+    time: float
+    amount: float
+
+    def guards(self, again: bool) -> list[Guard]:
+        """Guards to set: one at the worst place or, where one did not do, at Chebyshev points all over the interval."""
+        return [self.guard, *(replace(self.guard, tau=float(tau)) for tau in SPREAD)] if again else [self.guard]
+
+
+def find_bulges(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float) -> list[Bulge]:
     """Worst place of every row in every interval where it is broken by more than ``allowed`` [its SI unit]."""
     rows = guardable(phase)
     if not rows:
@@ -84,11 +108,12 @@ def find_guards(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: 
     values = _values(phase, rows, times, x, np.array(list(trajectory.parameters.values())))
     lower, upper = (np.array([getattr(row, side) for *_, row in rows]) for side in ("lower", "upper"))
     broken = np.maximum(lower - values, values - upper).reshape(-1, SAMPLES, len(rows))
-    guards = []
+    bulges = []
     for k, r in np.argwhere(broken.max(axis=1) > allowed):
         worst = int(broken[k, :, r].argmax())
-        guards.append(Guard(index, int(k), rows[r][0], rows[r][1], float(tau[worst])))
-    return guards
+        guard = Guard(index, int(k), rows[r][0], rows[r][1], float(tau[worst]))
+        bulges.append(Bulge(guard, float(times[k * SAMPLES + worst]), float(broken[k, worst, r])))
+    return bulges
 
 
 def _values(
