@@ -71,7 +71,7 @@ from robotraj.state import State
 from robotraj.status import Status
 from robotraj.sweep import sweep
 from robotraj.transcription import Nlp, transcribe
-from robotraj.witness import validate
+from robotraj.witness import Report, simulate, track, validate
 
 __all__ = [
     "AbsolutePower",
@@ -138,6 +138,7 @@ __all__ = [
     "Problem",
     "RadauIIA",
     "RaiseOrder",
+    "Report",
     "Robot",
     "RobotrajError",
     "RungeKutta4",
@@ -169,7 +170,9 @@ __all__ = [
     "plan",
     "polish",
     "replay",
+    "simulate",
     "sweep",
+    "track",
     "transcribe",
     "validate",
 ]
