@@ -39,6 +39,9 @@ class NoSolutionFound(RobotrajError):
         super().__init__(message)
         self.solution = solution
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.solution)
+
 
 class ValidationFailed(RobotrajError):
     """A plan failed its forward-simulation proof; ``report`` holds the figures.
@@ -52,6 +55,9 @@ class ValidationFailed(RobotrajError):
     def __init__(self, message: str, report: Any) -> None:
         super().__init__(message)
         self.report = report
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.report)
 
 
 def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = "") -> UnknownName:

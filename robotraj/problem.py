@@ -238,10 +238,13 @@ class Problem:
     phases : Phase or sequence of Phase
     links : sequence of Link
         ``rt.Continuity(0, 1)`` joins the end of phase 0 to the start of phase 1.
+    missing : sequence of str
+        What a file could not keep of the problem, as ``load_solution`` found; empty for problems written in Python.
     """
 
     phases: Sequence[Phase]
     links: Sequence[Link] = ()
+    missing: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         phases = (self.phases,) if isinstance(self.phases, Phase) else tuple(self.phases)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,9 @@ from robotraj.phase_solution import PhaseSolution
 from robotraj.plotting import plot
 from robotraj.problem import Phase, Problem
 from robotraj.records import MeshStep, StageRecord
+from robotraj.refinement import interval_errors
 from robotraj.sample import Sample, join
+from robotraj.schemes import Collocation
 from robotraj.solvers import Multipliers
 from robotraj.status import Status
 from robotraj.storage import Contents, read, write
@@ -82,6 +85,17 @@ class Solution:
         """Whether the solver converged and every row, evaluated again outside it, holds."""
         return self.status is Status.SOLVED
 
+    @cached_property
+    def error(self) -> float | None:
+        """Largest relative error of an interval between its nodes (``refinement.interval_errors``).
+
+        None where a scheme is no collocation scheme, or equations are missing from a file.
+        """
+        schemes = [scheme for part in self.phases for scheme in part.mesh.schemes]
+        if self.problem.missing or not all(isinstance(scheme, Collocation) for scheme in schemes):
+            return None
+        return max(float(interval_errors(part.phase, part.trajectory).max()) for part in self.phases)
+
     @property
     def duration(self) -> float:
         """From the start of the first phase to the end of the last [s]."""
@@ -116,8 +130,8 @@ class Solution:
         if times.ndim == 0:
             return self.phases[int(owner)].at(t)
         used = np.unique(owner)
-        if len(used) == 1:
-            return self.phases[int(used[0])].at(times)
+        if len(used) <= 1:
+            return self.phases[int(used[0]) if len(used) else 0].at(times)
         parts = [np.flatnonzero(owner == i) for i in used]
         samples = [self.phases[int(i)].at(times[part]) for i, part in zip(used, parts, strict=True)]
         return join(samples, np.argsort(np.concatenate(parts)))
@@ -162,6 +176,8 @@ class Solution:
             f"objective {step.objective:.10g}, {step.iterations} iterations, {step.seconds:.3g} s"
             for i, step in enumerate(self.refinement, 1)
         ]
+        if not self.refinement and (error := self.error) is not None:
+            lines.append(f"error between knots {error:.1e} (plan with tolerance= to refine until it holds)")
         if self.between:
             lines.append(f"between collocation points: {self.between[0]}; a finer mesh would help")
         if not self.success:

@@ -24,14 +24,26 @@ class Objective(ABC):
     def terms(self) -> tuple[tuple[float, Integral | EndCost], ...]:
         """Weights and the elementary terms they multiply."""
 
-    def __add__(self, other: Objective) -> Objective:
+    def __add__(self, other: Any) -> Objective:
+        # sum([...]) starts from the integer 0.
+        if isinstance(other, int | float) and other == 0:
+            return self
         if not isinstance(other, Objective):
             return NotImplemented
         return Sum((*self.terms, *other.terms))
 
-    def __radd__(self, other: Any) -> Objective:
-        # sum([...]) starts from the integer 0.
-        return self if other == 0 else NotImplemented
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Objective:
+        return self + (-other) if isinstance(other, Objective) else NotImplemented
+
+    def __neg__(self) -> Objective:
+        return self * -1.0
+
+    def __truediv__(self, divisor: float) -> Objective:
+        if not isinstance(divisor, int | float | np.number) or divisor == 0:
+            raise InputError(f"An objective can be divided by a number that is not 0, not by {divisor!r}.")
+        return self * (1.0 / divisor)
 
     def __mul__(self, weight: float) -> Objective:
         if not isinstance(weight, int | float | np.number) or not np.isfinite(weight):

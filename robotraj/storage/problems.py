@@ -25,7 +25,7 @@ GROUPS = ("states", "algebraic", "controls")
 
 def pack_problem(problem: Problem, packer: Packer) -> dict[str, Any]:
     """Write a problem; ``"left_out"`` lists what could not be written."""
-    left_out: list[str] = []
+    left_out: list[str] = list(problem.missing)
     robots: list[Robot] = []
     phases = []
     for i, phase in enumerate(problem.phases):
@@ -49,7 +49,7 @@ def unpack_problem(data: Mapping[str, Any], unpacker: Unpacker) -> tuple[Problem
     robots = [with_shapes(unpacker.unpack(robot)) for robot in data["robots"]]
     phases = [_unpack_phase(phase, robots, unpacker, left_out) for phase in data["phases"]]
     links = _unpack_each(data["links"], unpacker, left_out)
-    return Problem(phases, links), left_out
+    return Problem(phases, links, missing=tuple(left_out)), left_out
 
 
 def check_fit(problem: Problem, data: Mapping[str, Any], name: str) -> None:

@@ -61,6 +61,8 @@ class Report:
         Names of the phases.
     rtol, atol : float
         Tolerances of the simulation's steps.
+    unchecked : tuple of str
+        Rows of the problem that a file could not keep and that were not checked.
     """
 
     drift: Drift
@@ -74,6 +76,7 @@ class Report:
     phases: tuple[str, ...]
     rtol: float
     atol: float
+    unchecked: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -83,6 +86,11 @@ class Report:
     def complaints(self, tolerances: Tolerances) -> tuple[str, ...]:
         """One sentence for each kind of figure that exceeds its tolerance, naming the worst offender."""
         found = []
+        if self.unchecked:
+            found.append(
+                f"Not checked, because the file could not keep it: {'; '.join(self.unchecked)}. "
+                "Give problem= to rt.load_solution."
+            )
         if self.failure is not None:
             found.append(f"The simulation stopped early: {self.failure}.")
         elif (row := self.drift.worst).relative > tolerances.drift:

@@ -78,6 +78,9 @@ def validate(
         phases=tuple(planned.phase.name for planned in solution.phases),
         rtol=rtol,
         atol=atol,
+        unchecked=tuple(
+            name for name in solution.problem.missing if name.startswith(("constraint ", "link ", "the equations "))
+        ),
     )
 
 

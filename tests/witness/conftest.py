@@ -129,7 +129,7 @@ class FakePlan:
 class FakeSolution:
     phases: tuple[FakePlan, ...]
     success: bool = True
-    problem: Any = field(default_factory=lambda: SimpleNamespace(bound_links=()))
+    problem: Any = field(default_factory=lambda: SimpleNamespace(bound_links=(), missing=()))
 
 
 def fit(knots: Any, degree: int, function: Curve) -> PiecewisePolynomial:

@@ -39,7 +39,7 @@ def test_a_plan_with_other_inertia_is_refused(arm):
     phase = rt.Phase(other, duration=1.0, limits=None, name="heavier")
     (planned,) = solution.phases
     moved = type(planned)(phase, planned.mesh, planned.trajectory)
-    report = validate(type("Plan", (), {"phases": (moved,)})())
+    report = validate(type("Plan", (), {"phases": (moved,), "problem": solution.problem})())
     assert not report.passed
     with pytest.raises(rt.ValidationFailed, match="drifts from the plan: q"):
         report.check()
