@@ -10,17 +10,14 @@ import numpy as np
 
 from robotraj.constraints.base import BoundConstraint, Constraint, Row, robot_of
 from robotraj.constraints.between import Between, as_bounds
+from robotraj.dynamics.rigid_body import RATE_UNITS
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
     from robotraj.robot import Limits
 
-UNITS = {
-    "q": {"rad": "rad", "m": "m"},
-    "v": {"rad": "rad/s", "m": "m/s"},
-    "a": {"rad": "rad/s^2", "m": "m/s^2"},
-    "tau": {"rad": "N m", "m": "N"},
-}
+PREFIXES = ("q", "v", "a", "tau")
+"""Joint quantities, in the order of their units in ``(unit, *RATE_UNITS[unit])``."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +47,8 @@ class JointLimit(Constraint):
             if np.isinf(low) and np.isinf(high):
                 continue
             name = f"{self.prefix}.{joint}"
-            unit = UNITS[self.prefix][unit_of[joint]]
+            position = unit_of[joint]
+            unit = (position, *RATE_UNITS[position])[PREFIXES.index(self.prefix)]
             variable = name if name in known else None
             rows.append(Row(self.quantity, unit, float(low), float(high), joint, variable))
         indices = [joints.index(str(row.joint)) for row in rows]
