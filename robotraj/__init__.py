@@ -3,18 +3,15 @@
 from robotraj.constraints import (
     AtEnd,
     AtStart,
-    Flat,
     FramePose,
     FramePosition,
     GroundClearance,
-    HeightFunction,
     IntegralConstraint,
     JointAcceleration,
     JointEffort,
     JointPosition,
     JointVelocity,
     PathConstraint,
-    Slope,
     between,
 )
 from robotraj.design import BodyMass, JointDamping, LinkLength, Payload
@@ -70,6 +67,7 @@ from robotraj.stages import Stage
 from robotraj.state import State
 from robotraj.status import Status
 from robotraj.sweep import sweep
+from robotraj.terrain import Flat, HeightFunction, Slope
 from robotraj.transcription import Nlp, transcribe
 from robotraj.witness import Report, simulate, track, validate
 

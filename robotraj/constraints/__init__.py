@@ -4,7 +4,6 @@ from robotraj.constraints.base import AtEnd, AtStart, BoundConstraint, Constrain
 from robotraj.constraints.between import Between, Bounds, as_bounds, between
 from robotraj.constraints.clearance import GroundClearance
 from robotraj.constraints.frame_pose import FramePose, FramePosition
-from robotraj.constraints.ground import Flat, Ground, HeightFunction, Slope
 from robotraj.constraints.integral import IntegralConstraint
 from robotraj.constraints.joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity, own_limits
 from robotraj.constraints.path import PathConstraint
@@ -17,12 +16,9 @@ __all__ = [
     "BoundConstraint",
     "Bounds",
     "Constraint",
-    "Flat",
     "FramePose",
     "FramePosition",
-    "Ground",
     "GroundClearance",
-    "HeightFunction",
     "IntegralConstraint",
     "JointAcceleration",
     "JointEffort",
@@ -30,7 +26,6 @@ __all__ = [
     "JointVelocity",
     "PathConstraint",
     "Row",
-    "Slope",
     "VariableBounds",
     "Where",
     "as_bounds",

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robotraj.constraints.base import BoundConstraint, Constraint, Row, robot_of
-from robotraj.constraints.ground import Flat, Ground, as_ground
 from robotraj.errors import InputError
+from robotraj.terrain import Flat, Ground, as_ground
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

@@ -1,0 +1,90 @@
+"""What a ground is: a height z = h(x, y) over the world's horizontal plane, with its normal and tangents."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import fields
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Ground(ABC):
+    """A height field. A new ground is one frozen dataclass with ``surface``, written in CasADi's functions.
+
+    Contacts stand on it, clearance is measured from it and replays draw it, all from that one expression. Every method
+    takes CasADi's symbols and numbers as well as floats and NumPy arrays (x and y broadcast), and answers in kind.
+    """
+
+    @abstractmethod
+    def surface(self, x: ca.SX, y: ca.SX) -> Any:
+        """Height h(x, y) [m] of symbols x and y [m], twice differentiable where a foot may come."""
+
+    def footing(self, x: Any, y: Any) -> list[Any]:
+        """Rows [m] that must not be negative where a foot stands at (x, y) [m]; none where it may stand anywhere."""
+        return []
+
+    def height(self, x: Any, y: Any) -> Any:
+        """Height of the ground [m] at world position (x, y) [m]; symbolic where x and y are."""
+        return self._evaluate(x, y)[0]
+
+    def at(self, x: Any, y: Any) -> list[Any]:
+        """Point [x, y, h(x, y)] [m] on the ground."""
+        return [x, y, self.height(x, y)]
+
+    def normal(self, x: Any, y: Any) -> list[Any]:
+        """Upward unit normal n = (-h_x, -h_y, 1) / sqrt(1 + h_x^2 + h_y^2), as a list of 3."""
+        _, slope_x, slope_y = self._evaluate(x, y)
+        scale = (1.0 + slope_x * slope_x + slope_y * slope_y) ** -0.5
+        return [-slope_x * scale, -slope_y * scale, scale]
+
+    def axes(self, x: Any, y: Any) -> tuple[list[Any], list[Any], list[Any]]:
+        """Tangents t1, t2 and normal n: unit vectors, right-handed (t1 x t2 = n), as lists of 3.
+
+        t1 = (1, 0, h_x) / sqrt(1 + h_x^2) points along world x, in the x-z plane; t2 = n x t1.
+        """
+        _, slope_x, slope_y = self._evaluate(x, y)
+        steep = 1.0 + slope_x * slope_x
+        along, up = steep**-0.5, (steep + slope_y * slope_y) ** -0.5
+        first = [along, 0.0 * slope_x, slope_x * along]
+        second = [-slope_x * slope_y * along * up, steep * along * up, slope_y * along * up]
+        return first, second, [-slope_x * up, -slope_y * up, up]
+
+    def grid(self, xlim: tuple[float, float], ylim: tuple[float, float], n: int) -> tuple[Array, Array, Array]:
+        """Sample a patch for drawing.
+
+        Returns
+        -------
+        x, y : (n,) arrays
+            Even steps over the limits [m].
+        heights : (n, n) array
+            ``heights[i, j]`` = h(x[i], y[j]) [m].
+        """
+        x, y = np.linspace(*xlim, n), np.linspace(*ylim, n)
+        return x, y, np.asarray(self.height(x[:, None], y[None, :]))
+
+    @cached_property
+    def _sampler(self) -> ca.Function:
+        """(x, y) -> (h, h_x, h_y)."""
+        x, y = ca.SX.sym("x"), ca.SX.sym("y")
+        height = ca.densify(ca.SX(self.surface(x, y)))
+        slopes = (ca.densify(ca.jacobian(height, s)) for s in (x, y))
+        return ca.Function("ground", [x, y], [height, *slopes])
+
+    def _evaluate(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
+        if any(isinstance(value, ca.SX | ca.MX | ca.DM) for value in (x, y)):
+            return tuple(self._sampler(x, y))  # type: ignore[return-value]
+        xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        if not xs.shape:
+            return tuple(float(value) for value in self._sampler(float(xs), float(ys)))  # type: ignore[return-value]
+        values = self._sampler.map(xs.size)(xs.reshape(1, -1), ys.reshape(1, -1))
+        return tuple(np.array(value).reshape(xs.shape) for value in values)  # type: ignore[return-value]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the fields only; the function is traced again where it is wanted."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}  # type: ignore[arg-type]
