@@ -67,7 +67,7 @@ def accelerate(model: Any, data: Any, q: Array, v: Array, applied: Array, held: 
         The force of every row [N, N m], the least one where rows are redundant.
     """
     mass, bias = mass_and_bias(model, data, q, v)
-    free = np.linalg.solve(mass, applied - bias)
+    free = np.asarray(np.linalg.solve(mass, applied - bias), dtype=float)
     return obey(mass, held.jacobian, free, -held.bias)
 
 

@@ -17,6 +17,9 @@ from robotraj.witness.protocols import Array
 
 Rates = Callable[[float, Array, int], Array]
 
+Settle = Callable[[Array], Array]
+"""Puts a state back where it belongs: on the rows of contacts that hold, on unit quaternions."""
+
 MOST_EVALUATIONS = 200_000
 """Evaluations of the rates one interval may take before the motion counts as too stiff or divergent."""
 
@@ -62,6 +65,7 @@ def integrate(
     rtol: float = 1e-10,
     atol: float = 1e-12,
     samples_per_interval: int = 20,
+    settle: Settle | None = None,
 ) -> Motion:
     """Integrate xdot = rates(t, x, k) over the intervals k between knots.
 
@@ -79,6 +83,8 @@ def integrate(
         Tolerances of each step.
     samples_per_interval : int
         Samples kept of an interval.
+    settle : callable, optional
+        ``settle(x)`` gives the state (n,) to go on from at every knot that was reached.
     """
     times: list[Array] = []
     states: list[Array] = []
@@ -94,6 +100,8 @@ def integrate(
         except _Stopped as stop:
             failure, stopped = stop.reason, stop.time
             break
+        if settle is not None and failure is None:
+            x = settle(x)
         times.append(kept)
         states.append(x_kept)
         intervals += [k] * len(kept)

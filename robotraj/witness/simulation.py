@@ -15,6 +15,9 @@ from robotraj.witness.protocols import Array, RobotLike
 
 Torque = Callable[[float, int, Array, Array], Any]
 
+Acceleration = Callable[[Array, Array, Array], Array]
+"""``acceleration(q, v, applied)`` (nv,) under the torques applied to all joints."""
+
 
 @dataclass(frozen=True)
 class Simulation:
@@ -44,8 +47,10 @@ class Simulation:
         return self.failure is None
 
 
-def robot_rates(robot: RobotLike, torque: Torque) -> Rates:
+def robot_rates(robot: RobotLike, torque: Torque, acceleration: Acceleration | None = None) -> Rates:
     """Rates of (q, v): v and a = ABA(q, v, B tau - d(v)), with d the joint damping and friction.
+
+    A robot whose contacts hold brings its own ``acceleration`` in the place of ABA.
 
     Pinocchio's own algorithms ignore damping and friction, so they are subtracted from the torque.
     Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
@@ -55,10 +60,15 @@ def robot_rates(robot: RobotLike, torque: Torque) -> Rates:
     actuation = np.asarray(robot.actuation, dtype=float)
     nv = robot.nv
 
+    def by_aba(q: Array, v: Array, applied: Array) -> Array:
+        return np.asarray(pin.aba(model, data, q, v, applied))
+
+    accelerate = acceleration or by_aba
+
     def rates(t: float, x: Array, k: int) -> Array:
         q, v = x[:nv], x[nv:]
         applied = actuation @ np.asarray(torque(t, k, q, v), dtype=float) - robot.dissipation(v)
-        return np.concatenate([v, pin.aba(model, data, q, v, applied)])
+        return np.concatenate([v, accelerate(q, v, applied)])
 
     return rates
 
