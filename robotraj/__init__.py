@@ -67,7 +67,7 @@ from robotraj.stages import Stage
 from robotraj.state import State
 from robotraj.status import Status
 from robotraj.sweep import sweep
-from robotraj.terrain import Flat, HeightFunction, Slope
+from robotraj.terrain import Flat, HeightFunction, HeightMap, Slope, Steps
 from robotraj.transcription import Nlp, transcribe
 from robotraj.witness import Report, simulate, track, validate
 
@@ -93,6 +93,7 @@ __all__ = [
     "GaussLegendre",
     "GroundClearance",
     "HeightFunction",
+    "HeightMap",
     "HermiteSimpson",
     "InputError",
     "IntegralConstraint",
@@ -149,6 +150,7 @@ __all__ = [
     "Stage",
     "State",
     "Status",
+    "Steps",
     "StraightLine",
     "System",
     "TerminalPose",

@@ -3,6 +3,8 @@
 from robotraj.terrain.base import Ground
 from robotraj.terrain.flat import Flat
 from robotraj.terrain.function import HeightFunction, as_ground
+from robotraj.terrain.height_map import HeightMap
 from robotraj.terrain.slope import Slope
+from robotraj.terrain.steps import Steps
 
-__all__ = ["Flat", "Ground", "HeightFunction", "Slope", "as_ground"]
+__all__ = ["Flat", "Ground", "HeightFunction", "HeightMap", "Slope", "Steps", "as_ground"]

@@ -78,7 +78,7 @@ class Ground(ABC):
 
     def _evaluate(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
         if any(isinstance(value, ca.SX | ca.MX | ca.DM) for value in (x, y)):
-            return tuple(self._sampler(x, y))  # type: ignore[return-value]
+            return tuple(self._sampler(x, y))
         xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         if not xs.shape:
             return tuple(float(value) for value in self._sampler(float(xs), float(ys)))  # type: ignore[return-value]

@@ -19,7 +19,7 @@ class HeightFunction(Ground):
     Parameters
     ----------
     function : callable
-        Takes CasADi symbols; NumPy's functions with a CasADi counterpart (``np.sin``) do as well.
+        Takes CasADi symbols, scalars [m].
 
     Raises
     ------
