@@ -38,6 +38,14 @@ class RobotLike(Protocol):
     def units(self) -> Sequence[str]:
         """``"rad"`` or ``"m"`` by joint."""
 
+    @property
+    def damping(self) -> Any:
+        """Viscous damping (nv,) [N m s/rad, N s/m]."""
+
+    @property
+    def friction(self) -> Any:
+        """Coulomb friction (nv,) [N m, N]."""
+
     def dissipation(self, v: Any) -> Any:
         """Torque d(v) (nv,) of damping and friction [N m, N]."""
 

@@ -1,0 +1,146 @@
+"""A robot's Pinocchio model written out for MuJoCo: bodies, joints, inertias, losses and limits, number by number.
+
+The URDF is not read again: joints that were locked, mirrored frames, a designed robot and rotor inertias are in the
+model already, and a contact simulation needs no meshes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj.errors import InputError
+from robotraj.witness.mujoco.coordinates import Coordinates
+from robotraj.witness.mujoco.package import load_mujoco
+from robotraj.witness.protocols import Array, RobotLike
+
+
+@dataclass(frozen=True)
+class MujocoRobot:
+    """A robot in MuJoCo.
+
+    Attributes
+    ----------
+    model : mujoco.MjModel
+    coordinates : Coordinates
+        Between Pinocchio's q, v, a, tau and MuJoCo's.
+    """
+
+    model: Any
+    coordinates: Coordinates
+
+
+def mujoco_robot(
+    robot: RobotLike, limits: Any = None, furnish: Callable[[Any, dict[int, Any]], None] | None = None
+) -> MujocoRobot:
+    """Build a robot's MuJoCo model from its Pinocchio model.
+
+    Without contacts and limits its accelerations are Pinocchio's ABA. Viscous damping becomes MuJoCo's ``damping``,
+    Coulomb friction its ``frictionloss``: dry friction that can hold a joint still, where plans smooth it by tanh.
+
+    Parameters
+    ----------
+    robot : Robot
+    limits : Limits, optional
+        Position limits become MuJoCo's soft joint limits; none by default.
+    furnish : callable, optional
+        ``furnish(spec, bodies)`` adds feet and ground before the model is compiled; ``bodies`` are MuJoCo's body
+        specifications by Pinocchio's joint.
+
+    Raises
+    ------
+    InputError
+        MuJoCo is not installed, or a joint is neither a hinge, a slide nor a free-flyer.
+    """
+    mujoco = load_mujoco()
+    model = robot.model
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    spec.option.gravity = model.gravity.linear
+    bodies: dict[int, Any] = {0: spec.worldbody}
+    for joint in range(1, model.njoints):
+        bodies[joint] = _body(mujoco, model, joint, bodies[model.parents[joint]])
+    if limits is not None:
+        _limit(mujoco, spec, robot, limits)
+    if furnish is not None:
+        furnish(spec, bodies)
+    compiled = spec.compile()
+    coordinates = Coordinates(model, compiled)
+
+    # MuJoCo's compiler refuses massless bodies and inertias that only a point mass or a planar model has, its
+    # dynamics do not: the bodies were compiled with stand-ins, and the model's own numbers are written in here.
+    for joint in range(1, model.njoints):
+        body = compiled.body(model.names[joint]).id
+        compiled.body_mass[body] = model.inertias[joint].mass
+        compiled.body_inertia[body] = _principal(model.inertias[joint])[0]
+    losses = _losses(robot)
+    compiled.dof_armature[coordinates.dofs] = model.armature
+    compiled.dof_damping[coordinates.dofs] = losses[0]
+    compiled.dof_frictionloss[coordinates.dofs] = losses[1]
+    mujoco.mj_setConst(compiled, mujoco.MjData(compiled))
+    return MujocoRobot(compiled, coordinates)
+
+
+def _body(mujoco: Any, model: pin.Model, joint: int, parent: Any) -> Any:
+    """Add the body that moves with a joint."""
+    name, placement, inertia = model.names[joint], model.jointPlacements[joint], model.inertias[joint]
+    body = parent.add_body(name=name, pos=placement.translation, quat=wxyz(placement.rotation))
+    body.explicitinertial = True
+    body.mass, body.inertia = 1.0, np.ones(3)
+    body.ipos, body.iquat = np.array(inertia.lever), wxyz(_principal(inertia)[1])
+    kind = model.joints[joint].shortname()
+    if kind == "JointModelFreeFlyer" and model.parents[joint] == 0 and placement.isIdentity():
+        body.add_freejoint(name=name, align=mujoco.mjtAlignFree.mjALIGNFREE_FALSE)
+        return body
+    angular, linear = _axes(model, joint)
+    if angular.any() == linear.any():
+        raise InputError(
+            f"Joint {name!r} is a {kind.removeprefix('JointModel')}; the second opinion knows hinges, slides and a "
+            "free-flyer at the root."
+        )
+    hinge = angular.any()
+    kind = mujoco.mjtJoint.mjJNT_HINGE if hinge else mujoco.mjtJoint.mjJNT_SLIDE
+    body.add_joint(name=name, type=kind, axis=angular if hinge else linear)
+    return body
+
+
+def _axes(model: pin.Model, joint: int) -> tuple[Array, Array]:
+    """Angular and linear part (3,) of the velocity a joint of one degree of freedom allows; zeros for others."""
+    moving = model.joints[joint]
+    if moving.nq != 1:
+        return np.zeros(3), np.zeros(3)
+    data = moving.createData()
+    moving.calc(data, pin.neutral(model))
+    subspace = np.asarray(data.S, dtype=float).ravel()
+    return subspace[3:], subspace[:3]
+
+
+def _principal(inertia: pin.Inertia) -> tuple[Array, Array]:
+    """Principal moments (3,) [kg m^2] about the centre of mass and the rotation (3, 3) to their axes."""
+    moments, axes = np.linalg.eigh(inertia.inertia)
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    return moments, axes
+
+
+def _losses(robot: RobotLike) -> Array:
+    """Damping and Coulomb friction, (2, nv)."""
+    return np.array([np.broadcast_to(value, robot.nv) for value in (robot.damping, robot.friction)], dtype=float)
+
+
+def _limit(mujoco: Any, spec: Any, robot: RobotLike, limits: Any) -> None:
+    """Write position limits into the joints that have both ends."""
+    for i, name in enumerate(limits.joints):
+        low, high = float(limits.position_lower[i]), float(limits.position_upper[i])
+        joint = spec.joint(name)
+        if joint is not None and joint.type != mujoco.mjtJoint.mjJNT_FREE and np.isfinite([low, high]).all():
+            joint.limited, joint.range = mujoco.mjtLimited.mjLIMITED_TRUE, [low, high]
+
+
+def wxyz(rotation: Array) -> Array:
+    """Quaternion (w, x, y, z) of a rotation (3, 3)."""
+    x, y, z, w = pin.Quaternion(np.ascontiguousarray(rotation)).coeffs()
+    return np.array([w, x, y, z])
