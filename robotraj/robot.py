@@ -24,6 +24,8 @@ from robotraj.loading import (
     table,
     units,
 )
+from robotraj.loading.configuration import unit_quaternion
+from robotraj.loading.root import QUATERNION, root_of
 
 if TYPE_CHECKING:
     from robotraj.symbolic import SymbolicModel
@@ -32,15 +34,22 @@ __all__ = ["Limits", "Robot", "catalogue", "load"]
 
 Array = npt.NDArray[np.float64]
 
-ROOTS = ("fixed", "floating", "planar")
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Robot:
     """A robot ready for planning: M(q) a + h(q, v) = B tau - damping v - friction tanh(v / friction_speed).
 
-    Made by ``rt.load``. Every moving joint has one position and one velocity (nq = nv); that of a
-    continuous joint is its angle. Arrays are read-only, and nothing is shared with the caller's model.
+    Made by ``rt.load``. Every moving joint has one position and one velocity; that of a continuous joint is its
+    angle. The root is fixed, or comes first in q and v:
+
+    - ``"planar"``: q and v start with root_x [m] and root_z [m] along the world's axes and root_pitch [rad] about +y.
+    - ``"floating"``: q starts with the position of the root link's origin in the world root_x, root_y, root_z [m] and
+      the unit quaternion root_qx, root_qy, root_qz, root_qw (x, y, z, w) that turns the root link's axes into the
+      world's; v starts with the root link's linear velocity root_vx, root_vy, root_vz [m/s] and angular velocity
+      root_wx, root_wy, root_wz [rad/s], both in the root link's own axes. So nq = nv + 1, and q' is no v:
+      q moved by v for a time is ``pin.integrate(robot.model, q, v * time)``. Source: Pinocchio's free-flyer.
+
+    Arrays are read-only, and nothing is shared with the caller's model.
 
     Attributes
     ----------
@@ -56,8 +65,9 @@ class Robot:
         Viscous damping [N m s/rad, N s/m].
     friction : (nv,) array
         Coulomb friction [N m, N].
-    neutral : (nv,) array
-        A configuration to start from, inside the position limits [rad, m].
+    neutral : (nq,) array
+        A configuration to start from, inside the position limits [rad, m]; the root is at the origin unless the
+        SRDF's reference places it.
     friction_speed : float
         Speed at which the smoothed friction reaches 76 % of its value [rad/s, m/s].
     geometry : Geometry
@@ -68,6 +78,8 @@ class Robot:
         The frame whose path is worth drawing, where known.
     notes : tuple of str
         What loading decided: mimic joints, rotors, damping, a neutral configuration outside the limits.
+    root : str
+        ``"fixed"``, ``"planar"`` or ``"floating"``.
     """
 
     name: str
@@ -82,6 +94,7 @@ class Robot:
     origin: str = ""
     end_effector: str | None = None
     notes: tuple[str, ...] = ()
+    root: str = "fixed"
 
     def __post_init__(self) -> None:
         for name in ("damping", "friction", "neutral"):
@@ -100,12 +113,12 @@ class Robot:
 
     @property
     def nq(self) -> int:
-        """Number of joint positions."""
+        """Number of positions."""
         return int(self.model.nq)
 
     @property
     def nv(self) -> int:
-        """Number of joint velocities; equal to nq."""
+        """Number of velocities: nq, or nq - 1 with a floating root."""
         return int(self.model.nv)
 
     @property
@@ -115,8 +128,20 @@ class Robot:
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the moving joints, in the order of v."""
+        """Names of the moving joints, in the order of v; a floating root is one joint, ``root_joint``."""
         return tuple(self.model.names)[1:]
+
+    @cached_property
+    def position_names(self) -> tuple[str, ...]:
+        """Names of the entries of q, (nq): those of the root, then the joints'."""
+        about = root_of(self.root)
+        return (*about.positions, *self.joint_names[len(about.joints) :])
+
+    @cached_property
+    def velocity_names(self) -> tuple[str, ...]:
+        """Names of the entries of v and a, (nv): those of the root, then the joints'."""
+        about = root_of(self.root)
+        return (*about.velocities, *self.joint_names[len(about.joints) :])
 
     @cached_property
     def frame_names(self) -> tuple[str, ...]:
@@ -125,15 +150,21 @@ class Robot:
 
     @cached_property
     def units(self) -> tuple[str, ...]:
-        """Unit of each joint's position, ``"rad"`` or ``"m"``."""
-        return units(self.model)
+        """``"rad"`` or ``"m"``: what each entry of v moves along, per second; the unit of a plain joint's position."""
+        return units(self.model, self.root)
+
+    @cached_property
+    def position_units(self) -> tuple[str, ...]:
+        """Unit of each entry of q, ``"rad"`` or ``"m"``; empty for a quaternion's."""
+        about = root_of(self.root)
+        return (*about.position_units, *self.units[len(about.units) :])
 
     @cached_property
     def actuation(self) -> Array:
         """Selection matrix B, nv x nu: B tau are the joint torques of the motors' torques tau."""
         selection = np.zeros((self.nv, self.nu))
         for column, joint in enumerate(self.actuated):
-            selection[self.joint_names.index(joint), column] = 1.0
+            selection[self.velocity_names.index(joint), column] = 1.0
         selection.setflags(write=False)
         return selection
 
@@ -167,29 +198,44 @@ class Robot:
         return self.frame_names.index(name)
 
     def joint(self, name: str) -> int:
-        """Index of a moving joint into q, v and a.
+        """Index into v and a of a moving joint, or of one of the root's velocities.
+
+        Without a floating root it is the index into q as well.
 
         Raises
         ------
         UnknownName
             There is no moving joint of that name.
         """
-        if name not in self.joint_names:
-            raise unknown_name("moving joint", name, self.joint_names)
-        return self.joint_names.index(name)
+        if name not in self.velocity_names:
+            raise unknown_name("moving joint", name, self.velocity_names)
+        return self.velocity_names.index(name)
 
     def configuration(self, value: Any, what: str = "q") -> Array:
-        """Coerce to an (nq,) float array: from a list, (n, 1), float32, a number for all, or a dict by joint.
+        """Coerce to an (nq,) float array: from a list, (n, 1), float32, a number for all, or a dict by name.
 
-        Joints that a dict leaves out are neutral when ``what`` is ``"q"``, else 0.
+        Entries that a dict leaves out are neutral. The quaternion of a floating root must have length 1.
 
         Raises
         ------
         InputError
-            NaN, infinity, a wrong size or an unknown joint; ``what`` names the value in the message.
+            NaN, infinity, a wrong size, an unknown name, a quaternion of another length; ``what`` names the value in
+            the message.
         """
-        rest = self.neutral if what == "q" else np.zeros(self.nv)
-        return as_vector(value, self.joint_names, what, rest)
+        q = as_vector(value, self.position_names, what, self.neutral)
+        if self.root == "floating":
+            q[QUATERNION] = unit_quaternion(q[QUATERNION], what)
+        return q
+
+    def velocity(self, value: Any, what: str = "v") -> Array:
+        """Coerce to an (nv,) float array, as ``configuration`` does; what a dict leaves out is 0.
+
+        Raises
+        ------
+        InputError
+            NaN, infinity, a wrong size, an unknown name.
+        """
+        return as_vector(value, self.velocity_names, what, np.zeros(self.nv))
 
     def dissipation(self, v: Any) -> Array:
         """Torque that damping and smoothed Coulomb friction take away, (nv,) [N m, N].
@@ -224,7 +270,9 @@ def load(
     locked : mapping, optional
         Joints held at a value, ``{"wrist": 0.0}`` [rad, m]; they are no part of q and v any more.
     root : str
-        ``"fixed"``: the URDF's root link does not move.
+        ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the plane y = 0 and turns about y;
+        ``"floating"``: it moves freely, with a quaternion. Neither has motors, limits or damping; see ``Robot``. A
+        model whose first joint is a free-flyer takes ``"floating"``.
     limits : mapping or Limits, optional
         Overrides by quantity: ``{"position": {"elbow": (-1, 1)}, "velocity": 3.0, "effort": {"elbow":
         20}}``; see ``Limits.with_``.
@@ -237,8 +285,8 @@ def load(
     Raises
     ------
     InputError
-        An unknown name, an unreadable file, joints with more than one degree of freedom, a floating root,
-        nothing left to move, impossible limits.
+        An unknown name, an unreadable file, joints with more than one degree of freedom, names that the root
+        would share with joints or links, nothing left to move, impossible limits.
 
     Notes
     -----
@@ -247,11 +295,4 @@ def load(
     to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
     limits.
     """
-    if root not in ROOTS:
-        raise unknown_name("root", root, ROOTS, "Plan with root='fixed'.")
-    if root != "fixed":
-        raise InputError(
-            f"root={root!r}: floating and planar bases come with contacts, which robotraj does not plan yet; "
-            "use root='fixed'."
-        )
-    return Robot(**assemble(describe(source, package_dirs), actuated, locked, limits))
+    return Robot(**assemble(describe(source, package_dirs), actuated, locked, limits, root))

@@ -15,6 +15,7 @@ from robotraj.loading.limits import Limits
 from robotraj.loading.mimic import lock_mimics
 from robotraj.loading.neutral import inside, outside, reference
 from robotraj.loading.notes import dissipation_note, locked_note, mimic_note, neutral_note, twin_note
+from robotraj.loading.root import carried, root_of, rooted
 from robotraj.loading.rotor import with_rotors
 from robotraj.loading.source import Description
 from robotraj.loading.surgery import check_joints, plan_in_angles, reduced, tell_frames_apart
@@ -23,45 +24,61 @@ Array = npt.NDArray[np.float64]
 
 
 def assemble(
-    about: Description, actuated: Iterable[str] | None, locked: Mapping[str, float] | None, limits: Any
+    about: Description,
+    actuated: Iterable[str] | None,
+    locked: Mapping[str, float] | None,
+    limits: Any,
+    root: str = "fixed",
 ) -> dict[str, Any]:
     """Give the fields of the Robot.
 
     Raises
     ------
     InputError
-        Unknown joints, joints of more than one degree of freedom, nothing left to move, impossible limits.
+        Unknown joints, joints of more than one degree of freedom, nothing left to move, impossible limits, a root
+        that the model cannot have.
     """
+    stand = root_of(root)
     check_joints(about.model)
-    if about.model.njoints == 1:
+    standing = rooted(about.model, root)
+    if standing.njoints == 1:
         raise InputError(f"{about.name!r} has no moving joint: nothing to plan.")
-    copy, armature_note = with_rotors(about.model, about.srdf)
+    copy, armature_note = with_rotors(standing, about.srdf)
     whole = plan_in_angles(copy)
-    names = list(whole.names)[1:]
-    q, reference_name = reference(about.model, about.srdf)
-    resting = inside(q, Limits.of(whole))
-    held = _locked(about, names, dict(zip(names, resting, strict=True)), locked)
-    ids = [i for i, joint in enumerate(names, start=1) if joint in held]
-    at = np.array([held.get(joint, value) for joint, value in zip(names, resting, strict=True)])
+    first, start = 1 + len(stand.joints), len(stand.positions)
+    names = list(whole.names)[first:]
+    q, reference_name = reference(about.model, about.srdf, root)
+    resting = inside(q, Limits.of(whole, root))
+    held = _locked(about, names, dict(zip(names, resting[start:], strict=True)), locked)
+    ids = [i for i, joint in enumerate(names, start=first) if joint in held]
+    if len(ids) == whole.njoints - 1:
+        raise InputError(
+            f"Every joint of {about.name!r} is locked ({', '.join(names)}): nothing can move. "
+            "Joints that the URDF couples by <mimic> are locked together; give a pin.Model built with "
+            "mimic=False to move them one by one."
+        )
+    at = np.append(
+        resting[:start], [held.get(joint, value) for joint, value in zip(names, resting[start:], strict=True)]
+    )
     model = reduced(whole, ids, at)
     twins = tell_frames_apart(model)
-    own = Limits.of(model)
+    own = Limits.of(model, root)
     wanted = own if limits is None else own.override(limits)
-    kept = q[[i for i, joint in enumerate(names) if joint not in held]]
-    _check_dissipation(model)
+    kept = np.append(q[:start], [value for joint, value in zip(names, q[start:], strict=True) if joint not in held])
+    _check_dissipation(model, own.joints)
     notes = (
         mimic_note(about.mimics, held, locked or {}),
         twin_note(twins),
         armature_note,
         dissipation_note(model),
-        locked_note(outside(at, Limits.of(whole), units(whole)), held),
-        neutral_note(outside(kept, wanted, units(model)), reference_name),
+        locked_note(outside(at, Limits.of(whole, root), units(whole, root)), held),
+        neutral_note(outside(kept, wanted, units(model, root)), reference_name),
     )
     return {
         "name": about.name,
         "model": model,
         "limits": wanted,
-        "actuated": _actuated(actuated, about.actuated, own.joints),
+        "actuated": _actuated(actuated, about.actuated, own.joints[own.free :]),
         "damping": np.array(model.damping),
         "friction": np.array(model.upperDryFrictionLimit),
         "neutral": inside(kept, wanted),
@@ -69,13 +86,15 @@ def assemble(
         "origin": about.origin,
         "end_effector": about.end_effector,
         "notes": tuple(note for note in notes if note),
+        "root": root,
     }
 
 
-def units(model: pin.Model) -> tuple[str, ...]:
-    """Give the unit of each joint's position: ``"m"`` where it only translates, else ``"rad"``."""
-    result = []
-    for joint in list(model.joints)[1:]:
+def units(model: pin.Model, root: str = "fixed") -> tuple[str, ...]:
+    """Give the unit of what each velocity moves along: ``"m"`` where the joint only translates, else ``"rad"``."""
+    about = root_of(root)
+    result = list(about.units)
+    for joint in list(model.joints)[1 + len(about.joints) :]:
         data = joint.createData()
         joint.calc(data, np.zeros(joint.nq))
         result.append("rad" if np.any(np.asarray(data.S).reshape(6)[3:]) else "m")
@@ -97,14 +116,7 @@ def _locked(
     if about.moving:
         still = [joint for joint in names if not joint.startswith(about.moving)]
         asked = {joint: resting[joint] for joint in still} | asked
-    held = lock_mimics(about.mimics, asked, resting)
-    if len(held) == len(names):
-        raise InputError(
-            f"Every joint of {about.name!r} is locked ({', '.join(names)}): nothing can move. "
-            "Joints that the URDF couples by <mimic> are locked together; give a pin.Model built with "
-            "mimic=False to move them one by one."
-        )
-    return held
+    return lock_mimics(about.mimics, asked, resting)
 
 
 def _actuated(asked: Iterable[str] | None, default: tuple[str, ...] | None, joints: tuple[str, ...]) -> tuple[str, ...]:
@@ -123,12 +135,13 @@ def _actuated(asked: Iterable[str] | None, default: tuple[str, ...] | None, join
 def _geometry(about: Description, whole: pin.Model, ids: Sequence[int], at: Array) -> Geometry:
     if isinstance(about.geometry, tuple):
         visual, collision = about.geometry
-        return GivenGeometry(whole, visual.copy(), collision.copy(), tuple(ids), at)
+        before = whole.njoints - about.model.njoints
+        return GivenGeometry(whole, carried(visual, before), carried(collision, before), tuple(ids), at)
     return about.geometry
 
 
-def _check_dissipation(model: pin.Model) -> None:
+def _check_dissipation(model: pin.Model, joints: Sequence[str]) -> None:
     for what, values in (("damping", model.damping), ("friction", model.upperDryFrictionLimit)):
-        for joint, value in zip(list(model.names)[1:], values, strict=True):
+        for joint, value in zip(joints, values, strict=True):
             if not value >= 0 or np.isinf(value):
                 raise InputError(f"Joint {joint!r} has {what} {value:g}; it must be a number of at least 0.")

@@ -12,6 +12,9 @@ from robotraj.errors import InputError, unknown_name
 
 Array = npt.NDArray[np.float64]
 
+UNIT = 1e-6
+"""Largest distance from 1 of the length of a quaternion that people write."""
+
 
 def as_vector(value: Any, joints: Sequence[str], what: str, rest: Array) -> Array:
     """Coerce to a float array with one value per joint.
@@ -55,3 +58,21 @@ def as_vector(value: Any, joints: Sequence[str], what: str, rest: Array) -> Arra
         if not np.isfinite(number):
             raise InputError(f"{what} of joint {joint!r} is {number}; give a finite number.")
     return vector
+
+
+def unit_quaternion(values: Any, what: str) -> Array:
+    """Scale a quaternion (x, y, z, w) to length 1, if it has that length already but for the last digits.
+
+    Raises
+    ------
+    InputError
+        Its length is another: Pinocchio would take it silently, for something that is no rotation.
+    """
+    quaternion = np.asarray(values, dtype=float)
+    size = float(np.linalg.norm(quaternion))
+    if not abs(size - 1) <= UNIT:
+        raise InputError(
+            f"{what}: the quaternion (x, y, z, w) = ({', '.join(f'{value:.6g}' for value in quaternion)}) of the root "
+            f"has length {size:.6g}; it must be 1. No rotation is (0, 0, 0, 1); w comes last."
+        )
+    return quaternion / size

@@ -11,6 +11,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj.errors import InputError, unknown_name
+from robotraj.loading.root import ROOTS, root_of
 
 Array = npt.NDArray[np.float64]
 
@@ -28,7 +29,7 @@ class Limits:
     Attributes
     ----------
     joints : tuple of str
-        Names of the moving joints, in the order of v.
+        Names of the entries of v: the root's velocities, where it moves, then the moving joints.
     position_lower, position_upper : (nv,) array
         q_lower <= q <= q_upper [rad, m].
     velocity : (nv,) array
@@ -37,6 +38,9 @@ class Limits:
         abs(a) <= acceleration [rad/s^2, m/s^2]; a URDF has none.
     effort : (nv,) array
         abs(tau) <= effort [N m, N].
+    free : int
+        So many entries come first that belong to the root; a number for all joints leaves them without limit. A
+        floating root has six, and no position limits: its positions are no angles.
     """
 
     joints: tuple[str, ...]
@@ -45,6 +49,7 @@ class Limits:
     velocity: Array
     acceleration: Array
     effort: Array
+    free: int = 0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", tuple(self.joints))
@@ -55,22 +60,45 @@ class Limits:
             given = np.where(np.abs(given) > UNLIMITED, np.copysign(np.inf, given), given)
             given.setflags(write=False)
             object.__setattr__(self, name, given)
+        if self._floating and np.any(np.isfinite(np.append(self.position_lower[:6], self.position_upper[:6]))):
+            raise InputError(
+                "A floating root has no position limits among the joints': its positions are no angles. Bound them by "
+                "name, with rt.JointPosition({'root_z': rt.between(0.1, 0.5)})."
+            )
+
+    @property
+    def positions(self) -> tuple[Array, Array]:
+        """Lower and upper position limits by entries of q, (nq,) each [rad, m]."""
+        if not self._floating:
+            return self.position_lower, self.position_upper
+        one = np.full(1, np.inf)
+        return np.append(-one, self.position_lower), np.append(one, self.position_upper)
+
+    @property
+    def _floating(self) -> bool:
+        return self.free == len(ROOTS["floating"].velocities)
 
     @classmethod
-    def of(cls, model: pin.Model) -> Limits:
-        """Copy the limits of a model whose joints have one position and one velocity each.
+    def of(cls, model: pin.Model, root: str = "fixed") -> Limits:
+        """Copy the limits of a model whose joints have one position and one velocity each, but for the root's.
 
         Where a model's lower velocity or effort limit is tighter than the upper one, the tighter holds both
         ways. Pinocchio 4.1 writes lower velocity limits with the wrong sign; a lower limit that is not
         negative is ignored.
         """
+        about = root_of(root)
+        free, unlimited = len(about.velocities), np.full(len(about.velocities), np.inf)
+        further = slice(len(about.positions), None)
+        velocity = _magnitude(model.lowerVelocityLimit, model.upperVelocityLimit)
+        effort = _magnitude(model.lowerEffortLimit, model.upperEffortLimit)
         return cls(
-            tuple(model.names)[1:],
-            model.lowerPositionLimit,
-            model.upperPositionLimit,
-            _magnitude(model.lowerVelocityLimit, model.upperVelocityLimit),
+            (*about.velocities, *list(model.names)[1 + len(about.joints) :]),
+            np.append(-unlimited, model.lowerPositionLimit[further]),
+            np.append(unlimited, model.upperPositionLimit[further]),
+            np.append(unlimited, velocity[free:]),
             np.full(model.nv, np.inf),
-            _magnitude(model.lowerEffortLimit, model.upperEffortLimit),
+            np.append(unlimited, effort[free:]),
+            free,
         )
 
     def with_(self, position: Any = None, velocity: Any = None, acceleration: Any = None, effort: Any = None) -> Limits:
@@ -83,6 +111,8 @@ class Limits:
             and None: free.
         velocity, acceleration, effort : number, (nv,) array, mapping by joint, optional
             Largest magnitude [rad/s, m/s; rad/s^2, m/s^2; N m, N]; ``np.inf`` lifts the limit.
+
+        A number or a pair is for all joints; the root, where it moves, is limited by name alone.
 
         Raises
         ------
@@ -168,7 +198,7 @@ class Limits:
     def _positions(self, value: Any) -> tuple[Array, Array]:
         lower, upper = self.position_lower.copy(), self.position_upper.copy()
         if not isinstance(value, Mapping):
-            value = {joint: value for joint in self.joints}
+            value = {joint: value for joint in self.joints[self.free :]}
         for joint, pair in value.items():
             i = self._index(joint)
             lower[i], upper[i] = _pair(joint, pair)
@@ -189,7 +219,10 @@ class Limits:
                     f"The {name} limit has {given.size} values; give 1 or {len(self.joints)}, "
                     f"in the order {', '.join(self.joints)}."
                 )
-            magnitudes[:] = given
+            if given.size == 1:
+                magnitudes[self.free :] = given
+            else:
+                magnitudes[:] = given
         for joint, magnitude in zip(self.joints, magnitudes, strict=True):
             if np.isnan(magnitude) or magnitude < 0:
                 raise InputError(

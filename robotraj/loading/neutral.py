@@ -10,7 +10,9 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj.errors import InputError
+from robotraj.loading.configuration import unit_quaternion
 from robotraj.loading.limits import Limits
+from robotraj.loading.root import QUATERNION, in_plane, rooted
 from robotraj.loading.surgery import angles
 
 Array = npt.NDArray[np.float64]
@@ -19,8 +21,8 @@ REFERENCES = ("half_sitting", "standing", "default", "home", "neutral", "arm_up"
 """Names under which robots keep the configuration to start from, the first found is taken."""
 
 
-def reference(model: pin.Model, srdf: Path | None) -> tuple[Array, str]:
-    """Give the configuration to start from, as angles (nv,), and its name (empty for zeros).
+def reference(model: pin.Model, srdf: Path | None, root: str = "fixed") -> tuple[Array, str]:
+    """Give the configuration to start from, as angles (nq,), and its name (empty for zeros).
 
     Parameters
     ----------
@@ -28,8 +30,10 @@ def reference(model: pin.Model, srdf: Path | None) -> tuple[Array, str]:
         The model as read, continuous joints still with cosine and sine; read only.
     srdf : Path, optional
         Its ``<group_state>`` tags join the model's own reference configurations.
+    root : str
+        How the robot stands. A reference that places the free-flyer ``root_joint`` places the planar root too.
     """
-    copy = model.copy()
+    copy = rooted(model, "fixed" if root == "fixed" else "floating")
     if srdf is not None:
         pin.loadReferenceConfigurations(copy, str(srdf), False)
     known = {entry.key(): np.array(entry.data()) for entry in copy.referenceConfigurations}
@@ -37,20 +41,27 @@ def reference(model: pin.Model, srdf: Path | None) -> tuple[Array, str]:
     q = known.get(name, pin.neutral(copy))
     if not np.all(np.isfinite(q)):
         raise InputError(f"The reference configuration {name!r} of {model.name!r} holds values that are no numbers.")
-    return angles(model, q), name
+    if root != "fixed":
+        q[QUATERNION] = unit_quaternion(q[QUATERNION], f"reference configuration {name!r} of {model.name!r}")
+    q = angles(copy, q)
+    return (np.append(in_plane(q), q[QUATERNION.stop :]) if root == "planar" else q), name
 
 
 def inside(q: Array, limits: Limits) -> Array:
-    """Move each joint to the nearest position within its limits; inverted limits move nothing [rad, m]."""
-    sound = limits.position_lower <= limits.position_upper
-    return np.where(sound, np.clip(q, limits.position_lower, limits.position_upper), q)
+    """Move each joint to the nearest position within its limits; inverted limits move nothing [rad, m].
+
+    A floating root has one position more than limits; it stays.
+    """
+    lower, upper = limits.positions
+    return np.where(lower <= upper, np.clip(q, lower, upper), q)
 
 
 def outside(q: Array, limits: Limits, units: Sequence[str]) -> dict[str, str]:
     """Describe the joints outside their limits: ``{"elbow": "'elbow' at 0 rad, limits [0.5, 2] rad"}``."""
     described = {}
+    n = len(limits.joints)  # a floating root has one position more, and no limits
     for joint, unit, value, low, high in zip(
-        limits.joints, units, q, limits.position_lower, limits.position_upper, strict=True
+        limits.joints, units, q[-n:], limits.position_lower, limits.position_upper, strict=True
     ):
         if low <= high and not low <= value <= high:
             described[joint] = f"{joint!r} at {value:.4g} {unit}, limits [{low:.4g}, {high:.4g}] {unit}"

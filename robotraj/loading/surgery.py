@@ -1,9 +1,11 @@
-"""To the planning model: continuous joints take an angle, some joints are locked.
+"""To the planning model: continuous joints take an angle, some joints are locked, a root is put before.
 
 Nothing here writes to the model it is given.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +34,7 @@ PER_VELOCITY = (
 
 
 def check_joints(model: pin.Model) -> None:
-    """Refuse joints with more than one velocity, and active mimic joints.
+    """Refuse active mimic joints, and joints with more than one velocity but for a free-flyer at the root.
 
     Raises
     ------
@@ -47,13 +49,18 @@ def check_joints(model: pin.Model) -> None:
             "give the path of the URDF, or build the model with mimic=False (the joints are then "
             "independent)."
         )
-    wide = [f"{n!r} ({j.shortname()})" for n, j in zip(model.names, model.joints, strict=True) if j.nv > 1]
+    rigid = list(zip(model.names, model.joints, strict=True))[2 if flies(model) else 1 :]
+    wide = [f"{name!r} ({joint.shortname()})" for name, joint in rigid if joint.nv > 1]
     if wide:
         raise InputError(
-            f"Joint {', '.join(wide)} has more than one degree of freedom; floating bases and spherical "
-            "joints come "
-            "with contacts. Give the model with a fixed root and single-axis joints."
+            f"Joint {', '.join(wide)} has more than one degree of freedom. Give a model with single-axis joints; one "
+            "that moves freely is loaded with its root fixed in the file and root='floating' or root='planar'."
         )
+
+
+def flies(model: pin.Model) -> bool:
+    """Whether the model's first joint is a free-flyer on the universe."""
+    return model.njoints > 1 and model.joints[1].shortname() == "JointModelFreeFlyer"
 
 
 def plan_in_angles(model: pin.Model) -> pin.Model:
@@ -62,28 +69,47 @@ def plan_in_angles(model: pin.Model) -> pin.Model:
     Joints and frames keep their order and placements, so geometry made for the model fits the copy. The
     angle of a rebuilt joint has no position limits: Pinocchio's +-1.01 bound its cosine and sine.
     """
-    if model.nq == model.nv:
-        return model.copy()
+    return rebuilt(model, in_angles=True) if any(map(_circles, model.joints)) else model.copy()
+
+
+def rebuilt(model: pin.Model, before: Sequence[tuple[str, pin.JointModel]] = (), in_angles: bool = False) -> pin.Model:
+    """Build a model again: with named joints in a chain before its root link, or with angles of continuous joints.
+
+    Pinocchio's own ``appendModel`` would lose the armature and the order of the frames.
+    """
+    n = len(before)
     copy = pin.Model()
     copy.name = model.name
     copy.gravity = model.gravity.copy()
+    for parent, (name, kind) in enumerate(before):
+        copy.addJointFrame(copy.addJoint(parent, kind, pin.SE3.Identity(), name))
     for i in range(1, model.njoints):
         joint = model.joints[i]
-        angular = joint.nq != joint.nv
+        angular = in_angles and _circles(joint)
         v = slice(joint.idx_v, joint.idx_v + joint.nv)
         q = slice(joint.idx_q, joint.idx_q + joint.nq)
         lower = np.array([-np.inf]) if angular else model.lowerPositionLimit[q]
         upper = np.array([np.inf]) if angular else model.upperPositionLimit[q]
         effort, speed = model.upperEffortLimit[v], model.upperVelocityLimit[v]
         kind = _revolute(joint) if angular else joint
-        copy.addJoint(model.parents[i], kind, model.jointPlacements[i], model.names[i], effort, speed, lower, upper)
-        copy.appendBodyToJoint(i, model.inertias[i], pin.SE3.Identity())
+        parent = model.parents[i] + n
+        copy.addJoint(parent, kind, model.jointPlacements[i], model.names[i], effort, speed, lower, upper)
+    for i, inertia in enumerate(model.inertias):
+        copy.appendBodyToJoint(i + n, inertia, pin.SE3.Identity())
     for frame in list(model.frames)[1:]:
-        copy.addFrame(frame, False)
-    for name in PER_VELOCITY:
-        getattr(copy, name)[:] = getattr(model, name)
-    copy.lowerEffortLimit[:] = model.lowerEffortLimit
+        moved = pin.Frame(frame)
+        moved.parentJoint += n
+        moved.parentFrame += n
+        copy.addFrame(moved, False)
+    own = slice(copy.nv - model.nv, copy.nv)
+    for name in (*PER_VELOCITY, "lowerEffortLimit"):
+        getattr(copy, name)[own] = getattr(model, name)
     return copy
+
+
+def _circles(joint: pin.JointModel) -> bool:
+    """Whether a joint's position is the cosine and sine of its angle."""
+    return bool(joint.nq == 2 and joint.nv == 1)
 
 
 def _revolute(joint: pin.JointModel) -> pin.JointModel:
@@ -99,11 +125,11 @@ def angles(model: pin.Model, q: Array) -> Array:
 
     A pair (cos, sin) need not have length 1; one of length 0 gives the angle 0.
     """
-    result = np.zeros(model.nv)
+    parts = [np.zeros(0)]
     for joint in list(model.joints)[1:]:
         part = q[joint.idx_q : joint.idx_q + joint.nq]
-        result[joint.idx_v] = part[0] if joint.nq == 1 else np.arctan2(part[1], part[0])
-    return result
+        parts.append(np.arctan2(part[1:], part[:1]) if _circles(joint) else part)
+    return np.concatenate(parts)
 
 
 def reduced(model: pin.Model, ids: list[int], q: Array) -> pin.Model:

@@ -36,7 +36,8 @@ def table(robot: Robot) -> str:
     """Write the robot's joints with units, limits (``-``: none), motors and damping; then its notes."""
     limits = robot.limits
     rows = [HEAD]
-    for i, (joint, unit) in enumerate(zip(robot.joint_names, robot.units, strict=True)):
+    quaternion = robot.nq - robot.nv  # a floating root's positions are no joints'
+    for i, (joint, unit) in enumerate(zip(robot.velocity_names, robot.units, strict=True)):
         speed, rate, effort = RATES[unit]
         rows.append(
             (
@@ -49,16 +50,22 @@ def table(robot: Robot) -> str:
                 "yes" if joint in robot.actuated else "no",
                 _number(robot.damping[i]),
                 _number(robot.friction[i]),
-                _number(robot.neutral[i]),
+                "-" if quaternion and i < limits.free else _number(robot.neutral[i + quaternion]),
             )
         )
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     lines.insert(1, "-" * max(len(line) for line in lines))
+    moving = robot.nv - limits.free
+    root = "" if robot.root == "fixed" else f"{robot.root} root, "
     title = (
-        f"{robot.name}: {robot.nv} moving joint{'s' if robot.nv != 1 else ''}, {robot.nu} actuated, "
+        f"{robot.name}: {root}{moving} moving joint{'s' if moving != 1 else ''}, {robot.nu} actuated, "
         f"{sum(inertia.mass for inertia in list(robot.model.inertias)[1:]):.4g} kg moving, from "
         f"{robot.origin}"
     )
+    if quaternion:
+        place = zip(robot.position_names, robot.neutral, robot.position_units, strict=True)
+        stands = ", ".join(f"{name} {_number(value, unit)}" for name, value, unit in list(place)[: limits.free + 1])
+        lines.append(f"neutral root: {stands}; velocities in the root link's own axes")
     notes = [f"note: {note}" for note in (*robot.notes, *robot.limits.complaints(robot.actuated))]
     return "\n".join([title, *lines, *notes])
