@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).parents[1] / "robotraj"
 
 LAYERS: dict[int, tuple[str, ...]] = {
     0: ("errors", "robot", "loading", "symbolic", "polynomials", "terrain"),
-    1: ("design", "dynamics", "trajectory"),
+    1: ("contacts", "design", "dynamics", "trajectory"),
     2: ("constraints", "objectives"),
     3: ("state", "links", "feasibility", "printing", "problem"),
     4: ("schemes", "guess", "guesses"),

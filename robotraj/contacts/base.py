@@ -1,0 +1,192 @@
+"""What a contact is: a value that names a frame and, bound to a robot, gives rows to hold and forces that hold them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj.contacts.mobility import AXES
+from robotraj.dynamics.variable import Variable
+from robotraj.errors import InputError
+
+if TYPE_CHECKING:
+    from robotraj.robot import Robot
+
+Wrench = tuple[str, list[Any]]
+"""A frame, and force then moment (6,) [N, N m] on its body, in world axes at the frame's origin."""
+
+
+@dataclass(frozen=True)
+class LimitRow:
+    """One row on a contact's forces: lower <= value <= upper.
+
+    Attributes
+    ----------
+    name : str
+        What is bounded, for example ``"friction cone"``.
+    unit : str
+    lower, upper : float
+        Bounds, infinite where open.
+    joint : str
+        Name of the contact.
+    variable : str or None
+        The force variable that the row is, where it is one alone.
+    """
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    joint: str
+    variable: str | None = None
+
+
+class Contact(ABC):
+    """A place where the robot is held: by the ground, or by itself. A new kind is one new class and its bound form."""
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """Its name: the one given, else that of its frame."""
+
+    @abstractmethod
+    def bind(self, robot: Robot) -> BoundContact:
+        """Check names against a robot and write out variables and rows.
+
+        Raises
+        ------
+        InputError
+            The frame does not exist or leaves the plane, or the robot cannot move in the rows.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class BoundContact(ABC):
+    """A contact of one robot: m held rows, the forces that hold them, and where it stands.
+
+    Every method takes a point of the NLP (symbols) or of the witness (numbers) and answers in kind. The forces are
+    dual to the velocity rows: J' f does the power f . velocity on any motion, whatever the wrench acts on.
+
+    Attributes
+    ----------
+    contact : Contact
+    name : str
+    frame : str
+        The frame at whose origin the wrench acts.
+    forces : tuple of Variable
+        ``force.<name>.x`` ... ``force.<name>.mz`` [N, N m], m of them.
+    anchors : tuple of Variable
+        Where it stands, ``<name>.x`` [m], ``<name>.y``, ``<name>.yaw`` [rad]: constant while it holds, unknown.
+    holds : tuple of Variable
+        The held rows, named for reports.
+    limit_rows : tuple of LimitRow
+        The rows of ``limits``: force normal to the ground, friction, centre of pressure.
+    footing_rows : tuple of LimitRow
+        The rows of ``footing``: where on the ground a foot may stand.
+    """
+
+    contact: Contact
+    name: str
+    frame: str
+    forces: tuple[Variable, ...]
+    anchors: tuple[Variable, ...]
+    holds: tuple[Variable, ...]
+    limit_rows: tuple[LimitRow, ...]
+    footing_rows: tuple[LimitRow, ...]
+
+    @abstractmethod
+    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+        """Rows (m) [m, rad] that are zero while the contact stands at its anchors.
+
+        Where they are zero, their rate is ``velocity``: both see the same motions.
+        """
+
+    @abstractmethod
+    def velocity(self, point: Any) -> list[Any]:
+        """Rows (m) [m/s, rad/s] that are zero while the contact holds."""
+
+    @abstractmethod
+    def acceleration(self, point: Any) -> list[Any]:
+        """Rows (m) [m/s^2, rad/s^2]: the time derivative of ``velocity``."""
+
+    @abstractmethod
+    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+        """Wrenches on the robot for values of ``forces``: pairs of a frame and 6 entries."""
+
+    @abstractmethod
+    def vector(self, forces: Sequence[Any]) -> list[Any]:
+        """Force (3) or force and moment (6) in world axes [N, N m], with zeros for what the contact does not carry."""
+
+    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+        """Values of ``limit_rows``."""
+        return []
+
+    def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
+        """Values of ``footing_rows``: once a phase, since anchors are constant."""
+        return []
+
+    def locate(self, robot: Robot, q: Any) -> dict[str, float]:
+        """Anchors of the contact as it stands in configuration q, in numbers, for guesses."""
+        return {}
+
+
+def force_variables(name: str, linear: Sequence[int], angular: Sequence[int] = ()) -> tuple[Variable, ...]:
+    """``force.<name>.x`` ... along and ``force.<name>.mx`` ... about world axes."""
+    forces = [Variable(f"force.{name}.{AXES[i]}", "N", "contact force", name) for i in linear]
+    return (*forces, *(Variable(f"force.{name}.m{AXES[i]}", "N m", "contact moment", name) for i in angular))
+
+
+def held_rows(name: str, linear: Sequence[int], angular: Sequence[int] = ()) -> tuple[Variable, ...]:
+    """``<name>.x`` ... along and ``<name>.rx`` ... about world axes."""
+    rows = [Variable(f"{name}.{AXES[i]}", "m", "contact position", name) for i in linear]
+    return (*rows, *(Variable(f"{name}.r{AXES[i]}", "rad", "contact position", name) for i in angular))
+
+
+def spread(values: Sequence[Any], axes: Sequence[int]) -> list[Any]:
+    """Put values at their axes among x, y and z, zeros elsewhere."""
+    full: list[Any] = [0.0, 0.0, 0.0]
+    for axis, i in zip(axes, range(len(axes)), strict=True):
+        full[axis] = values[i]
+    return full
+
+
+def label_of(name: Any, frame: Any) -> str:
+    """Return the name given, or the frame's."""
+    return frame if name is None else name
+
+
+def checked_name(name: Any, who: str) -> None:
+    """Refuse a name that could not be part of a variable's."""
+    if name is not None and (not isinstance(name, str) or not name):
+        raise InputError(f"The name of {who} is {name!r}; give some text, or leave it out for the frame's name.")
+
+
+def positive(value: Any, what: str, unit: str) -> float:
+    """Read a positive finite number."""
+    number = _number(value)
+    if not (np.isfinite(number) and number > 0.0):
+        raise InputError(f"The {what} is {value!r}; give a positive number{f' [{unit}]' if unit else ''}.")
+    return number
+
+
+def force_range(value: Any, who: str) -> tuple[float, float]:
+    """Read (least, greatest) normal force [N], 0 <= least < greatest; the greatest may be infinite."""
+    pair = value if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 2 else (None, None)
+    least, greatest = _number(pair[0]), _number(pair[1])
+    if not 0.0 <= least < greatest or np.isinf(least):
+        raise InputError(
+            f"The normal_force of {who} is {value!r}; give (least, greatest) [N] with 0 <= least < greatest: the "
+            "ground only pushes."
+        )
+    return least, greatest
+
+
+def _number(value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return np.nan

@@ -1,0 +1,36 @@
+"""Products of vectors given as lists of 3, whose entries are floats, CasADi symbols or CasADi numbers alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+
+def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    """Scalar product a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    """Vector product a x b."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def add(*vectors: Sequence[Any]) -> list[Any]:
+    """Sum of vectors."""
+    return [sum(vector[i] for vector in vectors[1:]) + vectors[0][i] for i in range(3)]
+
+
+def subtract(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    """Difference a - b."""
+    return [a[i] - b[i] for i in range(3)]
+
+
+def scale(factor: Any, vector: Sequence[Any]) -> list[Any]:
+    """Multiple of a vector."""
+    return [factor * vector[i] for i in range(3)]
+
+
+def turned(rotation: Any, vector: Sequence[float]) -> list[Any]:
+    """World axes of a vector that is fixed in a frame, R s; entries of s that are zero leave no trace in the graph."""
+    return [sum(rotation[i, j] * vector[j] for j in range(3) if vector[j] != 0.0) for i in range(3)]
