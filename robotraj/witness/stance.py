@@ -1,0 +1,136 @@
+"""The contacts of a phase in numbers: held rows, their Jacobians and forces, read from plain Pinocchio's frames."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj.witness.constrained import RANK_TOLERANCE, Held, accelerate, impact, project
+from robotraj.witness.numbers import as_numbers
+from robotraj.witness.protocols import Array, RobotLike
+
+WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+STILL = np.zeros(6)
+
+
+class _Frame(NamedTuple):
+    """Pose and motion of a frame, as the rows of a contact read them."""
+
+    position: Array
+    rotation: Array
+    velocity: Array
+    acceleration: Array
+
+
+class _Instant:
+    """The frames of a robot at one state, its joints not accelerating.
+
+    Attributes
+    ----------
+    read : dict of str to int
+        The frames that rows have asked for, by name.
+    moving : tuple of str and ndarray (6,), or None
+        If given, this frame moves so and all others stand still: rows are linear in the motion of frames.
+    """
+
+    def __init__(self, robot: RobotLike, data: Any, q: Array, v: Array) -> None:
+        self._robot, self._data = robot, data
+        self.q, self.v = q, v
+        self.read: dict[str, int] = {}
+        self.moving: tuple[str, Array] | None = None
+        pin.forwardKinematics(robot.model, data, q, v, np.zeros(robot.nv))
+        pin.computeJointJacobians(robot.model, data, q)
+        pin.updateFramePlacements(robot.model, data)
+
+    def frame(self, name: str) -> _Frame:
+        index = self.read.setdefault(name, self._robot.frame(name))
+        model, data, moving = self._robot.model, self._data, self.moving
+        place = data.oMf[index]
+        if moving is not None:
+            return _Frame(place.translation, place.rotation, moving[1] if moving[0] == name else STILL, STILL)
+        velocity = pin.getFrameVelocity(model, data, index, WORLD).vector
+        acceleration = pin.getFrameClassicalAcceleration(model, data, index, WORLD).vector
+        return _Frame(place.translation, place.rotation, velocity, acceleration)
+
+    def jacobian(self, name: str) -> Array:
+        """Jacobian (6, nv) of a frame, world axes."""
+        index = self.read.setdefault(name, self._robot.frame(name))
+        return np.array(pin.getFrameJacobian(self._robot.model, self._data, index, WORLD))
+
+
+class Stance:
+    """A robot whose contacts hold.
+
+    Parameters
+    ----------
+    robot : Robot
+    contacts : sequence of BoundContact
+    parameters : mapping of str to float
+        Of the phase; the anchors of the contacts are among them.
+    """
+
+    def __init__(self, robot: RobotLike, contacts: Sequence[Any], parameters: Mapping[str, float]) -> None:
+        self.robot = robot
+        self.contacts = tuple(contacts)
+        self._anchors = [{anchor.name: parameters[anchor.name] for anchor in c.anchors} for c in self.contacts]
+        self._data = robot.model.createData()
+        self._shift = np.zeros(sum(len(contact.holds) for contact in self.contacts))
+
+    def stand(self, q: Array) -> Array:
+        """Hold the contacts where they are at q from now on, and return how far that is from their anchors (m,)."""
+        self._shift = np.zeros_like(self._shift)
+        self._shift = self.rows(q, np.zeros(self.robot.nv)).gap
+        return self._shift.copy()
+
+    def rows(self, q: Array, v: Array) -> Held:
+        """Evaluate all held rows."""
+        instant = _Instant(self.robot, self._data, q, v)
+        gaps, jacobians, biases = [], [], []
+        for contact, anchors in zip(self.contacts, self._anchors, strict=True):
+            what = f"contact {contact.name!r}"
+            gaps.append(as_numbers(contact.position(instant, anchors), what))
+            instant.read.clear()
+            biases.append(as_numbers(contact.acceleration(instant), what))
+            jacobian = np.zeros((len(gaps[-1]), self.robot.nv))
+            for name in tuple(instant.read):
+                columns = []
+                for unit in np.eye(6):
+                    instant.moving = name, unit
+                    columns.append(as_numbers(contact.velocity(instant), what))
+                jacobian += np.column_stack(columns) @ instant.jacobian(name)
+            instant.moving = None
+            jacobians.append(jacobian)
+        return Held(np.concatenate(gaps) - self._shift, np.concatenate(jacobians), np.concatenate(biases))
+
+    def acceleration(self, q: Array, v: Array, applied: Array) -> Array:
+        """Acceleration (nv,) under torques on all joints while the contacts hold."""
+        return accelerate(self.robot.model, self._data, q, v, applied, self.rows(q, v))[0]
+
+    def forces(self, q: Array, v: Array, applied: Array) -> Array | None:
+        """Solve for the forces (m,) that hold the rows; None where they are not unique.
+
+        Forces are dual to the rows: J' f does the power f . (J v). Rows that repeat each other, four corners of one
+        foot, leave the forces inside of the foot open.
+        """
+        held = self.rows(q, v)
+        if np.linalg.matrix_rank(held.jacobian, rtol=RANK_TOLERANCE) < len(held.gap):
+            return None
+        return accelerate(self.robot.model, self._data, q, v, applied, held)[1]
+
+    def strike(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """Velocities (nv,) after all contacts came to rest, and the least impulses (m,) that do it [N s, N m s]."""
+        return impact(self.robot.model, self._data, q, v, self.rows(q, v))
+
+    def settle(self, x: Array) -> Array:
+        """Put a state (q, v) back on the rows."""
+        nq = self.robot.model.nq
+        return np.concatenate(project(self.robot.model, self._data, x[:nq], x[nq:], self.rows))
+
+    def by_contact(self, forces: Array) -> dict[str, Array]:
+        """Split forces (..., m) of all contacts by contact name."""
+        ends = np.cumsum([len(contact.forces) for contact in self.contacts])[:-1]
+        return {c.name: part for c, part in zip(self.contacts, np.split(forces, ends, axis=-1), strict=True)}
