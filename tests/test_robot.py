@@ -57,7 +57,8 @@ def test_names_in_robots_win(monkeypatch):
     entries = catalogue()
     names = [entry.name for entry in entries]
     assert len(names) == len(set(names))
-    assert [e.name for e in entries if e.source == "robots/"] == names[:5]
+    own = [e.name for e in entries if e.source == "robots/"]
+    assert own == names[: len(own)]
     from robotraj.loading import catalogue as module  # the function's module shares its name
 
     own = {"ur5": dataclasses.replace(find("pendulum"), name="ur5")}
