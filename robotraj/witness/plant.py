@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 import scipy
 
 from robotraj.design import realised
-from robotraj.witness.integration import Rates
+from robotraj.witness.integration import Rates, Settle
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike, SystemLike
 from robotraj.witness.simulation import robot_rates
+from robotraj.witness.stance import Stance
 
 RATE_UNITS = {"rad": "rad/s", "m": "m/s"}
 
@@ -22,6 +24,25 @@ ALGEBRAIC_TOLERANCE = 1e-9
 
 VELOCITY_SCALE = 10.0
 """Velocities may drift ten times as far as positions: planned motions change within a tenth of a second."""
+
+
+@dataclass(frozen=True)
+class Landing:
+    """Where a simulation set a contact down.
+
+    Attributes
+    ----------
+    contact, phase : str
+    time : float
+        Start of the phase [s].
+    distance : float
+        From the planned place [m].
+    """
+
+    contact: str
+    phase: str
+    time: float
+    distance: float
 
 
 class Plant(Protocol):
@@ -49,6 +70,15 @@ class Plant(Protocol):
         """``rates(t, x, k)`` under the controls planned in interval k."""
         ...
 
+    @property
+    def settle(self) -> Settle | None:
+        """Puts a state at a knot back on what is held; None where nothing is."""
+        ...
+
+    def begin(self, x: Array) -> tuple[Array, tuple[Landing, ...]]:
+        """Begin the phase from x: contacts take hold where they are. The state after, and where they stand."""
+        ...
+
 
 def plant_of(planned: PhaseSolutionLike) -> Plant:
     """Choose what moves in a phase: its robot, or its System."""
@@ -63,6 +93,8 @@ class RobotPlant:
         self.names = tuple(f"q.{j}" for j in robot.joint_names) + tuple(f"v.{j}" for j in robot.joint_names)
         self.units = tuple(robot.units) + tuple(RATE_UNITS[unit] for unit in robot.units)
         self._planned = planned
+        contacts = planned.phase.bound_contacts
+        self._stance = Stance(realised(planned), contacts, planned.parameters) if contacts else None
 
     def states(self, times: Array, interval: int | None = None) -> Array:
         """Planned (q, v), (m, 2 nv)."""
@@ -76,13 +108,33 @@ class RobotPlant:
 
     @property
     def rates(self) -> Rates:
-        """Rates by ABA."""
+        """Rates by ABA, or by constrained dynamics where contacts hold."""
         planned = self._planned
 
         def torque(t: float, k: int, q: Array, v: Array) -> Any:
             return planned.at(t, interval=k).tau
 
-        return robot_rates(realised(planned), torque)
+        return robot_rates(realised(planned), torque, None if self._stance is None else self._stance.acceleration)
+
+    @property
+    def settle(self) -> Settle | None:
+        """Projection on the held rows."""
+        return None if self._stance is None else self._stance.settle
+
+    def begin(self, x: Array) -> tuple[Array, tuple[Landing, ...]]:
+        """Hold the contacts where they are and bring them to rest by an impact, none where they rest already."""
+        stance = self._stance
+        if stance is None:
+            return x, ()
+        nq = stance.robot.model.nq
+        away = stance.by_contact(stance.stand(x[:nq]))
+        after, _ = stance.strike(x[:nq], x[nq:])
+        phase, time = self._planned.phase.name, float(self._planned.knots[0])
+        landings = tuple(
+            Landing(c.name, phase, time, float(np.linalg.norm(away[c.name][[row.unit == "m" for row in c.holds]])))
+            for c in stance.contacts
+        )
+        return np.concatenate([x[:nq], after]), landings
 
 
 class SystemPlant:
@@ -101,6 +153,12 @@ class SystemPlant:
     def scales(self, peaks: Array) -> Array:
         """Give max(1, peak): the unit of a user's state is not known."""
         return np.maximum(1.0, peaks)
+
+    settle: Settle | None = None
+
+    def begin(self, x: Array) -> tuple[Array, tuple[Landing, ...]]:
+        """Begin from x as it is."""
+        return x, ()
 
     @property
     def rates(self) -> Rates:

@@ -17,7 +17,7 @@ WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 STILL = np.zeros(6)
 
 
-class _Frame(NamedTuple):
+class Frame(NamedTuple):
     """Pose and motion of a frame, as the rows of a contact read them."""
 
     position: Array
@@ -26,7 +26,7 @@ class _Frame(NamedTuple):
     acceleration: Array
 
 
-class _Instant:
+class Instant:
     """The frames of a robot at one state, its joints not accelerating.
 
     Attributes
@@ -46,15 +46,16 @@ class _Instant:
         pin.computeJointJacobians(robot.model, data, q)
         pin.updateFramePlacements(robot.model, data)
 
-    def frame(self, name: str) -> _Frame:
+    def frame(self, name: str) -> Frame:
+        """Pose and motion of a frame in world axes."""
         index = self.read.setdefault(name, self._robot.frame(name))
         model, data, moving = self._robot.model, self._data, self.moving
         place = data.oMf[index]
         if moving is not None:
-            return _Frame(place.translation, place.rotation, moving[1] if moving[0] == name else STILL, STILL)
+            return Frame(place.translation, place.rotation, moving[1] if moving[0] == name else STILL, STILL)
         velocity = pin.getFrameVelocity(model, data, index, WORLD).vector
         acceleration = pin.getFrameClassicalAcceleration(model, data, index, WORLD).vector
-        return _Frame(place.translation, place.rotation, velocity, acceleration)
+        return Frame(place.translation, place.rotation, velocity, acceleration)
 
     def jacobian(self, name: str) -> Array:
         """Jacobian (6, nv) of a frame, world axes."""
@@ -71,12 +72,17 @@ class Stance:
     contacts : sequence of BoundContact
     parameters : mapping of str to float
         Of the phase; the anchors of the contacts are among them.
+
+    Attributes
+    ----------
+    anchors : list of dict of str to float
+        Where each contact stands, by anchor name [m, rad].
     """
 
     def __init__(self, robot: RobotLike, contacts: Sequence[Any], parameters: Mapping[str, float]) -> None:
         self.robot = robot
         self.contacts = tuple(contacts)
-        self._anchors = [{anchor.name: parameters[anchor.name] for anchor in c.anchors} for c in self.contacts]
+        self.anchors = [{anchor.name: float(parameters[anchor.name]) for anchor in c.anchors} for c in self.contacts]
         self._data = robot.model.createData()
         self._shift = np.zeros(sum(len(contact.holds) for contact in self.contacts))
 
@@ -88,9 +94,9 @@ class Stance:
 
     def rows(self, q: Array, v: Array) -> Held:
         """Evaluate all held rows."""
-        instant = _Instant(self.robot, self._data, q, v)
+        instant = Instant(self.robot, self._data, q, v)
         gaps, jacobians, biases = [], [], []
-        for contact, anchors in zip(self.contacts, self._anchors, strict=True):
+        for contact, anchors in zip(self.contacts, self.anchors, strict=True):
             what = f"contact {contact.name!r}"
             gaps.append(as_numbers(contact.position(instant, anchors), what))
             instant.read.clear()
@@ -110,13 +116,12 @@ class Stance:
         """Acceleration (nv,) under torques on all joints while the contacts hold."""
         return accelerate(self.robot.model, self._data, q, v, applied, self.rows(q, v))[0]
 
-    def forces(self, q: Array, v: Array, applied: Array) -> Array | None:
-        """Solve for the forces (m,) that hold the rows; None where they are not unique.
+    def forces(self, q: Array, v: Array, applied: Array, held: Held) -> Array | None:
+        """Solve for the forces (m,) that hold the rows ``held`` at this state; None where they are not unique.
 
         Forces are dual to the rows: J' f does the power f . (J v). Rows that repeat each other, four corners of one
         foot, leave the forces inside of the foot open.
         """
-        held = self.rows(q, v)
         if np.linalg.matrix_rank(held.jacobian, rtol=RANK_TOLERANCE) < len(held.gap):
             return None
         return accelerate(self.robot.model, self._data, q, v, applied, held)[1]

@@ -63,7 +63,7 @@ class Violation:
 
 
 @dataclass
-class _Watch:
+class Watch:
     """A row and the values it was seen to take."""
 
     row: Row
@@ -71,6 +71,7 @@ class _Watch:
     values: list[Array] = field(default_factory=list)
 
     def see(self, times: Array, values: Array) -> None:
+        """Add values (m,) at times (m,)."""
         self.times.append(times)
         self.values.append(values)
 
@@ -100,11 +101,11 @@ def violations_of(planned: PhaseSolutionLike, samples: int) -> tuple[Violation, 
     """
     phase = planned.phase
     limits = [] if phase.limits is None or phase.robot is None else list(_limit_rows(phase))
-    watched = [_Watch(row) for row, _ in limits]
+    watched = [Watch(row) for row, _ in limits]
     checked = {_key(row) for row, _ in limits}
     # A phase may also state its limits as constraints; those rows are seen once.
     bound = [c for c in phase.bound_constraints if not all(_key(row) in checked for row in c.rows)]
-    throughout = [(c, [_Watch(row) for row in c.rows]) for c in bound if c.where is Where.THROUGHOUT]
+    throughout = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where is Where.THROUGHOUT]
     for stretch in stretches(planned, samples):
         sample = planned.at(stretch.times, interval=stretch.interval)
         for watch, (_, read) in zip(watched, limits, strict=True):
@@ -176,7 +177,7 @@ def _points(planned: PhaseSolutionLike, times: Array, interval: int) -> list[Any
     return [system_point(system, t, x[i], z[i], u[i], planned.parameters) for i, t in enumerate(times)]
 
 
-def _see(entries: Sequence[tuple[Any, list[_Watch]]], times: Array, points: Sequence[Any]) -> None:
+def _see(entries: Sequence[tuple[Any, list[Watch]]], times: Array, points: Sequence[Any]) -> None:
     """Evaluate constraints on points and show their rows the values."""
     for constraint, watches in entries:
         what = f"expression of {constraint.name!r}"
@@ -187,12 +188,12 @@ def _see(entries: Sequence[tuple[Any, list[_Watch]]], times: Array, points: Sequ
             watch.see(times, values[:, column])
 
 
-def _at_end(planned: PhaseSolutionLike, bound: Sequence[Any], side: int, where: Where, state: Any) -> list[_Watch]:
+def _at_end(planned: PhaseSolutionLike, bound: Sequence[Any], side: int, where: Where, state: Any) -> list[Watch]:
     """Watch the state and the constraints of one end of a phase."""
     phase, knots = planned.phase, np.asarray(planned.knots, dtype=float)
     times, interval = knots[[side]], (0 if side == 0 else len(knots) - 2)
     (point,) = _points(planned, times, interval)
-    entries = [(c, [_Watch(row) for row in c.rows]) for c in bound if c.where is where]
+    entries = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where is where]
     _see(entries, times, [point])
     watches = [watch for _, ends in entries for watch in ends]
     if state is not None:
@@ -200,13 +201,13 @@ def _at_end(planned: PhaseSolutionLike, bound: Sequence[Any], side: int, where: 
         # States that the objective added come last in the bounds, and are none of the motion's.
         count = len(units)
         for name, unit, lower, upper in zip(point.x, units, state.lower[:count], state.upper[:count], strict=True):
-            watch = _Watch(Row(f"{where.value} state", unit, float(lower), float(upper), name))
+            watch = Watch(Row(f"{where.value} state", unit, float(lower), float(upper), name))
             watch.see(times, np.array([float(point.x[name])]))
             watches.append(watch)
     return watches
 
 
-def _integrals(planned: PhaseSolutionLike, constraints: Sequence[Any], samples: int) -> list[_Watch]:
+def _integrals(planned: PhaseSolutionLike, constraints: Sequence[Any], samples: int) -> list[Watch]:
     """Watch what integral constraints add up to, by Gauss-Legendre quadrature on every interval."""
     if not constraints:
         return []
@@ -223,7 +224,7 @@ def _integrals(planned: PhaseSolutionLike, constraints: Sequence[Any], samples: 
     watches = []
     for constraint, total in zip(constraints, totals, strict=True):
         for row, value in zip(constraint.rows, total, strict=True):
-            watch = _Watch(row)
+            watch = Watch(row)
             watch.see(knots[-1:], np.array([value]))
             watches.append(watch)
     return watches

@@ -85,6 +85,7 @@ class FakePhase:
     system: Any = None
     limits: Any = None
     bound_constraints: tuple[Any, ...] = ()
+    bound_contacts: tuple[Any, ...] = ()
     start_bounds: Any = None
     end_bounds: Any = None
 

@@ -1,0 +1,190 @@
+"""How the contacts of a planned phase hold between collocation points: places, forces, and forces solved for anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robotraj.constraints.base import Row
+from robotraj.design import realised
+from robotraj.terrain import as_ground
+from robotraj.witness.numbers import as_numbers
+from robotraj.witness.peak import Peak
+from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.sampling import stretches
+from robotraj.witness.stance import Instant, Stance
+from robotraj.witness.violations import Violation, Watch
+
+NEWTONS = {"N": 1, "N m": 1, "N^2": 2, "N s": 1, "N m s": 1}
+"""Power of the force in the unit of a row, by which it is measured against the robot's weight."""
+
+FORCE_NOISE = 1e-6
+"""Rows of forces broken by less, as parts of the weight, are a solver's tolerance and are not listed."""
+
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True)
+class Holding:
+    """How one contact holds in one phase.
+
+    Attributes
+    ----------
+    contact, phase : str
+    slip : Peak
+        Along the planned polynomials: largest distance from the anchor along the ground [m]; for what stands on no
+        ground, in any direction.
+    sink : Peak
+        Largest distance from the ground, into it or above it [m].
+    turn : Peak
+        Largest angle from the anchor [rad], 0 for contacts that may turn.
+    planned : tuple of Violation
+        Normal force, friction and centre of pressure: rows that the planned forces break, each where it is worst.
+    solved : tuple of Violation
+        Rows that the forces break which hold the contact under the planned q, v and tau, solved for by the witness.
+    difference : Peak or None
+        Largest difference of planned and solved force [N, N m]; None where contacts share forces in many ways.
+    weight : float
+        Of the robot [N].
+    """
+
+    contact: str
+    phase: str
+    slip: Peak
+    sink: Peak
+    turn: Peak
+    planned: tuple[Violation, ...]
+    solved: tuple[Violation, ...]
+    difference: Peak | None
+    weight: float
+
+    @property
+    def worst(self) -> Violation | None:
+        """The row of forces that is broken most, as a part of the weight."""
+        return max((*self.planned, *self.solved), key=lambda v: part_of(v, self.weight), default=None)
+
+
+def part_of(violation: Violation, weight: float) -> float:
+    """Amount of a violation as a part of the weight [N], of its square for rows of squares; moments at 1 m."""
+    return violation.amount / weight ** NEWTONS.get(violation.unit, 1)
+
+
+def weight_of(robot: Any) -> float:
+    """Weight of all bodies that move [N]."""
+    return GRAVITY * float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:]))
+
+
+def holding_of(planned: PhaseSolutionLike, samples: int) -> tuple[Holding, ...]:
+    """Look at every contact of a phase at ``samples`` points of every interval."""
+    phase = planned.phase
+    if not phase.bound_contacts:
+        return ()
+    stance = Stance(realised(planned), phase.bound_contacts, planned.parameters)
+    watched = [_Watched(contact, stance, i) for i, contact in enumerate(phase.bound_contacts)]
+    actuation = np.asarray(stance.robot.actuation, dtype=float)
+    data = stance.robot.model.createData()
+    times: list[float] = []
+    for stretch in stretches(planned, samples):
+        sample = planned.at(stretch.times, interval=stretch.interval)
+        for i, t in enumerate(stretch.times):
+            q, v = sample.q[i], sample.v[i]
+            held = stance.rows(q, v)
+            gaps = stance.by_contact(held.gap)
+            forces = {c.name: np.array([sample.z[f.name][i] for f in c.forces]) for c in phase.bound_contacts}
+            applied = actuation @ sample.tau[i] - stance.robot.dissipation(v)
+            own = stance.forces(q, v, applied, held)
+            solved = None if own is None else stance.by_contact(own)
+            instant = Instant(stance.robot, data, q, v)
+            for watch in watched:
+                name = watch.contact.name
+                watch.see(instant, gaps[name], forces[name], None if solved is None else solved[name])
+            times.append(float(t))
+    return tuple(watch.result(phase.name, np.array(times)) for watch in watched)
+
+
+class _Watched:
+    """A contact and what was seen of it."""
+
+    def __init__(self, contact: Any, stance: Stance, index: int) -> None:
+        self.contact = contact
+        self._weight = weight_of(stance.robot)
+        self._anchors = stance.anchors[index]
+        self._rows = [Row(r.name, r.unit, r.lower, r.upper, r.joint) for r in contact.limit_rows]
+        self._gaps: list[tuple[float, float, float]] = []
+        self._planned: list[Array] = []
+        self._solved: list[Array] = []
+        self._differences: list[float] = []
+
+    def see(self, instant: Instant, gap: Array, forces: Array, solved: Array | None) -> None:
+        self._gaps.append(split(self.contact, self._anchors, instant, gap))
+        what = f"limits of contact {self.contact.name!r}"
+        self._planned.append(as_numbers(self.contact.limits(instant, list(forces), self._anchors), what))
+        if solved is not None:
+            self._solved.append(as_numbers(self.contact.limits(instant, list(solved), self._anchors), what))
+            self._differences.append(float(np.max(np.abs(forces - solved), initial=0.0)))
+
+    def result(self, phase: str, times: Array) -> Holding:
+        slip, sink, turn = (
+            _peak(name, unit, times, np.array(values), phase)
+            for (name, unit), values in zip(
+                (("slip", "m"), ("sink", "m"), ("turn", "rad")), zip(*self._gaps, strict=True), strict=True
+            )
+        )
+        unique = len(self._solved) == len(times)
+        force = _peak("force", "N", times, np.array(self._differences), phase) if unique else None
+        return Holding(
+            self.contact.name,
+            phase,
+            slip,
+            sink,
+            turn,
+            self._broken(times, self._planned, phase, ""),
+            self._broken(times, self._solved, phase, ", solved for") if unique else (),
+            force,
+            self._weight,
+        )
+
+    def _broken(self, times: Array, values: list[Array], phase: str, suffix: str) -> tuple[Violation, ...]:
+        found = []
+        for i, row in enumerate(self._rows):
+            watch = Watch(Row(row.name + suffix, row.unit, row.lower, row.upper, row.joint))
+            watch.see(times, np.array([value[i] for value in values]))
+            violation = watch.worst(phase)
+            if violation is not None and part_of(violation, self._weight) > FORCE_NOISE:
+                found.append(violation)
+        return tuple(sorted(found, key=lambda v: -part_of(v, self._weight)))
+
+
+def split(contact: Any, anchors: Any, instant: Instant, gap: Array) -> tuple[float, float, float]:
+    """Split the gap of a contact's rows into slip [m], sink [m] and turn [rad]; without a ground all of it slips."""
+    axes = {f"{contact.name}.{axis}": i for i, axis in enumerate("xyz")}
+    away, turned = np.zeros(3), []
+    for row, value in zip(contact.holds, gap, strict=True):
+        if row.unit == "m" and row.name in axes:
+            away[axes[row.name]] = value
+        else:
+            turned.append(value)
+    turn = float(np.linalg.norm(turned))
+    ground = getattr(contact.contact, "ground", None)
+    if ground is None:
+        return float(np.linalg.norm(away)), 0.0, turn
+    place = instant.frame(contact.frame).position
+    x, y = (anchors.get(f"{contact.name}.{axis}", place[i]) for i, axis in enumerate("xy"))
+    normal = as_numbers(as_ground(ground).normal(x, y), "normal of the ground")
+    along = float(away @ normal)
+    return float(np.linalg.norm(away - along * normal)), along, turn
+
+
+def _peak(name: str, unit: str, times: Array, values: Array, phase: str) -> Peak:
+    sizes = np.nan_to_num(np.abs(values), nan=np.inf)
+    i = int(np.argmax(sizes))
+    return Peak(name, unit, float(sizes[i]), float(times[i]), phase)
+
+
+def worst_of(holdings: Sequence[Holding], of: str) -> tuple[Holding, Peak] | None:
+    """Find the contact whose slip, sink or turn is largest."""
+    pairs = [(holding, getattr(holding, of)) for holding in holdings]
+    return max(pairs, key=lambda pair: pair[1].value, default=None)
