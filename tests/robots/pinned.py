@@ -1,11 +1,11 @@
-"""Planar robots by plain Pinocchio, one foot pinned or struck: nothing here is robotraj's own mechanics."""
+"""Planar robots by plain Pinocchio, one foot pinned or struck: robotraj only loads them."""
 
 from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
 
-from robotraj.loading.own_robots import folder
+import robotraj as rt
 
 OTHER = {"left": "right", "right": "left"}
 
@@ -14,12 +14,9 @@ class Planar:
     """A robot whose root link moves in x, z and pitch: the pinned foot and the impact from M and J."""
 
     def __init__(self, name: str) -> None:
-        base = pin.JointModelComposite()
-        for joint in (pin.JointModelPX(), pin.JointModelPZ(), pin.JointModelRY()):
-            base.addJoint(joint)
-        self.model = pin.buildModelFromUrdf(str(folder() / name / f"{name}.urdf"), base)
+        robot = rt.load(name, root="planar")
+        self.model, self.names = robot.model, robot.velocity_names
         self.data = self.model.createData()
-        self.names = ("root_x", "root_z", "root_pitch", *list(self.model.names)[2:])
 
     def vector(self, values: dict[str, float]) -> np.ndarray:
         assert set(values) <= set(self.names)

@@ -62,6 +62,6 @@ def test_the_two_five_links_differ_in_the_torsos_centre_of_mass_only():
     for one, two, link in zip(first.inertias, second.inertias, first.names, strict=True):
         assert one.mass == two.mass
         np.testing.assert_array_equal(one.inertia, two.inertia)
-        np.testing.assert_array_equal(two.lever - one.lever, [0, 0, 0.2 - 0.425] if link == "root_joint" else [0, 0, 0])
+        np.testing.assert_array_equal(two.lever - one.lever, [0, 0, 0.2 - 0.425] if link == "root_pitch" else [0, 0, 0])
     for one, two in zip(first.jointPlacements, second.jointPlacements, strict=True):
         assert one == two
