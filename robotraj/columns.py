@@ -27,7 +27,7 @@ def variables_of(phase: Phase) -> tuple[Variable, ...]:
         return (*dae.states, *dae.algebraic, *dae.controls)
     accelerations = tuple(
         Variable(f"a.{joint}", RATE_UNITS[unit][1], "acceleration", joint)
-        for joint, unit in zip(robot.joint_names, robot.units, strict=True)
+        for joint, unit in zip(robot.velocity_names, robot.units, strict=True)
     )
     known = {variable.name for variable in accelerations}
     others = [v for v in (*dae.algebraic, *dae.controls) if v.name not in known]
@@ -43,5 +43,5 @@ def values_of(part: PhaseSolution, times: Array, interval: int | None = None) ->
     values = {**sample.x, **sample.z, **sample.u}
     robot = part.phase.robot
     if robot is not None and sample.a is not None:
-        values |= {f"a.{joint}": a for joint, a in zip(robot.joint_names, sample.a.T, strict=True)}
+        values |= {f"a.{joint}": a for joint, a in zip(robot.velocity_names, sample.a.T, strict=True)}
     return values

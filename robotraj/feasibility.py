@@ -124,10 +124,13 @@ def _check_duration(phase: Phase) -> None:
     if phase.robot is None or not isinstance(phase.limits, Limits):
         return
     longest = phase.duration_bounds[1]
-    nv = phase.robot.nv
     start, end = phase.start_bounds, phase.end_bounds
-    for i, joint in enumerate(phase.robot.joint_names[:nv]):
-        gap = max(end.lower[i] - start.upper[i], start.lower[i] - end.upper[i], 0.0)
+    positions = phase.robot.position_names
+    for i, joint in enumerate(phase.robot.velocity_names):
+        if joint not in positions:
+            continue  # a floating root's velocities are no rates of single positions
+        at = positions.index(joint)
+        gap = max(end.lower[at] - start.upper[at], start.lower[at] - end.upper[at], 0.0)
         speed = phase.limits.velocity[i]
         if np.isfinite(gap) and gap > speed * longest * (1 + 1e-9):
             unit = phase.robot.units[i]

@@ -17,6 +17,7 @@ from robotraj.objectives import Augmented
 from robotraj.problem import Phase
 from robotraj.sample import Sample
 from robotraj.schemes import Mesh
+from robotraj.tangent import normalised
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
 
@@ -120,16 +121,27 @@ class PhaseSolution:
         robot = self.phase.robot
         if robot is None:
             return Sample(t, states, algebraic, named_controls)
-        nv = robot.nv
-        accelerations = self._rates(times, interval)[..., nv : 2 * nv]
-        q, v, tau = x[..., :nv], x[..., nv : 2 * nv], u[..., : robot.nu]
-        return Sample(t, states, algebraic, named_controls, q, v, accelerations, tau)
+        end = robot.nq + robot.nv
+        accelerations = self._rates(times, interval)[..., robot.nq : end]
+        # Polynomials of a quaternion have length 1 where they were collocated, and nearly so between.
+        q = normalised(robot.model, x[..., : robot.nq])
+        v, tau = x[..., robot.nq : end], u[..., : robot.nu]
+        return Sample(t, states, algebraic, named_controls, q, v, accelerations, tau, self._forces(algebraic))
+
+    def _forces(self, algebraic: Named) -> Named:
+        """Contact forces in world axes, (3,) or (6,) each, behind the axis of times."""
+        contacts = self.phase.bound_contacts
+        vectors = []
+        for contact in contacts:
+            entries = contact.vector([algebraic[force.name] for force in contact.forces])
+            vectors.append(np.stack(np.broadcast_arrays(*entries), axis=-1))
+        return Named("contact", [contact.name for contact in contacts], vectors)
 
     def columns(self, times: Array, names: Sequence[str]) -> list[Array]:
         """Values of named variables at times, (m,) each; accelerations come from the states, unknown names are 0."""
         sample = self.at(np.clip(times, self.t0, self.t0 + self.duration))
         values = {**sample.x, **sample.z, **sample.u}
         if self.phase.robot is not None and sample.a is not None:
-            joints = self.phase.robot.joint_names
+            joints = self.phase.robot.velocity_names
             values |= {f"a.{joint}": sample.a[:, i] for i, joint in enumerate(joints) if f"a.{joint}" not in values}
         return [np.asarray(values.get(name, np.zeros(len(times)))) for name in names]

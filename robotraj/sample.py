@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -23,12 +24,15 @@ class Sample:
         [s].
     x, z, u : Named
         States, algebraic variables and controls by name, each a float or (m,).
-    q, v, a : ndarray or None
-        Joint positions, velocities and accelerations of a robot, (nv,) or (m, nv).
+    q : ndarray or None
+        Positions of a robot, (nq,) or (m, nq) [rad, m]; quaternions have length 1.
+    v, a : ndarray or None
+        Its velocities and accelerations, (nv,) or (m, nv) [rad/s, m/s; rad/s^2, m/s^2].
     tau : ndarray or None
         Torques of the actuated joints, (nu,) or (m, nu) [N m, N].
     forces : Named
-        Contact forces by contact name [N].
+        Contact forces by contact name, (3,) or (m, 3) [N], with moments (6,) or (m, 6) [N, N m]; world axes. Zero where
+        a contact of the plan is not held.
     """
 
     t: Any
@@ -41,6 +45,14 @@ class Sample:
     tau: Array | None = None
     forces: Named = field(default_factory=lambda: Named("contact", (), ()))
 
+    def with_contacts(self, sizes: Mapping[str, int]) -> Sample:
+        """Add contacts that are not held, with zero force; ``sizes`` gives the components of each."""
+        if set(sizes) <= set(self.forces):
+            return self
+        shape = np.shape(self.t)
+        held = {name: self.forces[name] if name in self.forces else np.zeros((*shape, n)) for name, n in sizes.items()}
+        return replace(self, forces=Named("contact", list(held), list(held.values())))
+
 
 def join(samples: list[Sample], order: NDArray[np.int_]) -> Sample:
     """Stack samples of array times of the same dynamics, then reorder them."""
@@ -52,6 +64,6 @@ def join(samples: list[Sample], order: NDArray[np.int_]) -> Sample:
         names = list(parts[0])
         return Named(parts[0].kind, names, [stack([part[name] for part in parts]) for name in names])
 
-    x, z, u = (stack_named([getattr(s, key) for s in samples]) for key in ("x", "z", "u"))
+    x, z, u, forces = (stack_named([getattr(s, key) for s in samples]) for key in ("x", "z", "u", "forces"))
     vectors = {key: stack([getattr(s, key) for s in samples]) for key in ("q", "v", "a", "tau")}
-    return Sample(stack([s.t for s in samples]), x, z, u, **vectors)
+    return Sample(stack([s.t for s in samples]), x, z, u, **vectors, forces=forces)

@@ -182,10 +182,49 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         ["joint 'pole'", "3.142 rad", "1 rad/s", "2 s", "at least 3.142 s"],
     ),
     # robots
-    "root floating": (
-        lambda: rt.load("acrobot", root="floating"),
+    "root glued": (lambda: rt.load("acrobot", root="glued"), rt.UnknownName, ["'glued'", "fixed, floating, planar"]),
+    "free-flyer and a fixed root": (
+        lambda: rt.load(pin.buildSampleModelHumanoidRandom()),
         rt.InputError,
-        ["root='floating'", "root='fixed'"],
+        ["free-flyer 'root_joint'", "root='floating'"],
+    ),
+    "quaternion that is none": (
+        lambda: (
+            rt.Phase(
+                rt.load("acrobot", root="floating"), 1.0, start=rt.State(q=[0, 0, 0, 0, 0, 0, 2, 0, 0])
+            ).start_bounds
+        ),
+        rt.InputError,
+        ["start position", "(0, 0, 0, 2)", "length 2"],
+    ),
+    "zero for all of a floating root": (
+        lambda: rt.Phase(rt.load("acrobot", root="floating"), 1.0, end=rt.State(q=0)).end_bounds,
+        rt.InputError,
+        ["end position", "(0, 0, 0, 0)", "length 0"],
+    ),
+    "quaternion within too little": (
+        lambda: (
+            rt.Phase(
+                rt.load("acrobot", root="floating"), 1.0, start=rt.State(q={"root_qx": 0.9, "root_qy": 0.9})
+            ).start_bounds
+        ),
+        rt.InputError,
+        ["start position", "length 1"],
+    ),
+    "motor at the root": (
+        lambda: rt.load("acrobot", root="planar", actuated=["root_x"]),
+        rt.UnknownName,
+        ["'root_x'", "shoulder, elbow"],
+    ),
+    "joint of a floating root by its joint": (
+        lambda: rt.Phase(rt.load("acrobot", root="floating"), 1.0, start=rt.State(q={"root_joint": 0})).start_bounds,
+        rt.UnknownName,
+        ["'root_joint'", "root_qw"],
+    ),
+    "position limit of a floating root": (
+        lambda: rt.load("acrobot", root="floating", limits={"position": {"root_vz": (0, 1)}}),
+        rt.InputError,
+        ["floating root", "rt.JointPosition"],
     ),
     "unknown robot": (lambda: rt.load("acrobat"), rt.UnknownName, ["'acrobat'", "'acrobot'"]),
     "unknown motor": (lambda: rt.load("acrobot", actuated=["elbo"]), rt.UnknownName, ["'elbo'", "'elbow'"]),

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
     from robotraj.robot import Limits
 
-PREFIXES = ("q", "v", "a", "tau")
-"""Joint quantities, in the order of their units in ``(unit, *RATE_UNITS[unit])``."""
+RATES = ("v", "a", "tau")
+"""Joint quantities, in the order of their units in ``RATE_UNITS``."""
 
 
 @dataclass(frozen=True)
 class JointLimit(Constraint):
-    """Bounds on one joint quantity, lower <= s_j <= upper for each joint j.
+    """Bounds on one joint quantity, lower <= s_j <= upper for each joint j; the root's entries are named as in q and v.
 
     Parameters
     ----------
@@ -38,9 +38,10 @@ class JointLimit(Constraint):
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Write one row for each joint that is bounded on a side."""
         robot = robot_of(dynamics, type(self).__name__)
-        joints = list(robot.actuated if self.prefix == "tau" else robot.joint_names)
+        joints = list({"q": robot.position_names, "tau": robot.actuated}.get(self.prefix, robot.velocity_names))
         lower, upper = as_bounds(self.bounds, joints, self.quantity)
-        unit_of = dict(zip(robot.joint_names, robot.units, strict=True))
+        unit_of = dict(zip(robot.velocity_names, robot.units, strict=True))
+        unit_of |= dict(zip(robot.position_names, robot.position_units, strict=True))
         known = {v.name for v in (*dynamics.states, *dynamics.algebraic, *dynamics.controls)}
         rows = []
         for joint, low, high in zip(joints, lower, upper, strict=True):
@@ -48,7 +49,7 @@ class JointLimit(Constraint):
                 continue
             name = f"{self.prefix}.{joint}"
             position = unit_of[joint]
-            unit = (position, *RATE_UNITS[position])[PREFIXES.index(self.prefix)]
+            unit = position if self.prefix == "q" else RATE_UNITS[position][RATES.index(self.prefix)]
             variable = name if name in known else None
             rows.append(Row(self.quantity, unit, float(low), float(high), joint, variable))
         indices = [joints.index(str(row.joint)) for row in rows]
@@ -101,7 +102,7 @@ def own_limits(limits: Limits, actuated: Sequence[str]) -> tuple[JointLimit, ...
         return Between(-np.asarray(values), np.asarray(values))
 
     return (
-        JointPosition(Between(limits.position_lower, limits.position_upper)),
+        JointPosition(Between(*limits.positions)),
         JointVelocity(symmetric(limits.velocity)),
         JointAcceleration(symmetric(limits.acceleration)),
         JointEffort(symmetric(limits.effort[indices])),
