@@ -2,14 +2,24 @@
 
 from robotraj.contacts.base import BoundContact, Contact, LimitRow
 from robotraj.contacts.cones import FrictionCone, Linearised, SecondOrder
+from robotraj.contacts.flat_foot import FlatFoot
+from robotraj.contacts.line_contact import LineContact
+from robotraj.contacts.loop_closure import LoopClosure
 from robotraj.contacts.point_contact import PointContact
+from robotraj.contacts.soles import FourCorners, PressureAndTorsion, Sole
 
 __all__ = [
     "BoundContact",
     "Contact",
+    "FlatFoot",
+    "FourCorners",
     "FrictionCone",
     "LimitRow",
+    "LineContact",
     "Linearised",
+    "LoopClosure",
     "PointContact",
+    "PressureAndTorsion",
     "SecondOrder",
+    "Sole",
 ]

@@ -53,7 +53,7 @@ def mobility(robot: Robot, jacobian: Callable[[Array], Array]) -> tuple[tuple[in
 
 def require_plane(robot: Robot, frame: str, axes: tuple[int, ...], about: tuple[int, ...] = (1,)) -> None:
     """Refuse a contact whose frame leaves the plane of a robot with a planar root."""
-    if getattr(robot, "root", "fixed") == "planar" and (1 in axes or any(axis != 1 for axis in about)):
+    if robot.root == "planar" and (1 in axes or any(axis != 1 for axis in about)):
         raise InputError(
             f"Frame {frame!r} of {robot.name!r} leaves the x-z plane that root='planar' moves in, so that it cannot be "
             "held there; lock the joints that turn it out (locked=), or load with root='floating'."
