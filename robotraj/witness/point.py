@@ -31,7 +31,9 @@ class NumericPoint(Point):
         Torques of the actuated joints [N m, N].
     parameters : mapping of str to float, optional
     forces : mapping of str to array_like, optional
-        Contact forces [N] by contact name.
+        Contact forces [N], with moments [N m] where the contact carries them, by contact name, in world axes.
+    algebraic : mapping of str to float, optional
+        Algebraic variables besides the accelerations: the components ``force.<contact>.<axis>`` of the contacts.
     columns : bool
         Give vectors as CasADi columns (n, 1) instead of NumPy arrays (n,). An expression written for the
         symbols of the NLP, ``ca.mtimes(point.q.T, point.q)`` for one, then means the same on numbers.
@@ -54,6 +56,7 @@ class NumericPoint(Point):
         *,
         parameters: Mapping[str, float] | None = None,
         forces: Mapping[str, Any] | None = None,
+        algebraic: Mapping[str, float] | None = None,
         columns: bool = False,
     ) -> None:
         self._robot = robot
@@ -63,6 +66,7 @@ class NumericPoint(Point):
         joints = robot.joint_names
         parameters = parameters or {}
         forces = forces or {}
+        algebraic = algebraic or {}
         super().__init__(
             float(t),
             Named(
@@ -70,7 +74,11 @@ class NumericPoint(Point):
                 [f"q.{j}" for j in joints] + [f"v.{j}" for j in joints],
                 [*self._q, *self._v],
             ),
-            Named("algebraic variable", [f"a.{j}" for j in joints], list(self._a)),
+            Named(
+                "algebraic variable",
+                [f"a.{j}" for j in joints] + list(algebraic),
+                [*self._a, *(float(value) for value in algebraic.values())],
+            ),
             Named("control", [f"tau.{j}" for j in robot.actuated], list(tau)),
             Named("parameter", list(parameters), [float(p) for p in parameters.values()]),
         )

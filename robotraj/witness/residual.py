@@ -16,6 +16,7 @@ from robotraj.witness.plant import RATE_UNITS, columns, plant_of
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import stretches, time_derivative
+from robotraj.witness.stance import Stance
 
 TORQUE_UNITS = {"rad": "N m", "m": "N"}
 
@@ -36,7 +37,7 @@ class Residual:
     Attributes
     ----------
     dynamics : mapping of str to Peak
-        Robots, by joint: max over t of |RNEA(q, v, dv/dt) + d(v) - B tau| [N m, N].
+        Robots, by joint: max over t of |RNEA(q, v, dv/dt) + d(v) - B tau - J' f| [N m, N], f the contact forces.
         Systems, by algebraic row: |g|.
     rate : mapping of str to Peak
         Robots, by joint: max over t of |dq/dt - v| [rad/s, m/s].
@@ -77,15 +78,19 @@ def _robot(planned: PhaseSolutionLike, samples: int) -> Peaks:
     robot = realised(planned)
     data = robot.model.createData()
     actuation = np.asarray(robot.actuation, dtype=float)
+    contacts = planned.phase.bound_contacts
+    stance = Stance(robot, contacts, planned.parameters)
+    names = [force.name for contact in contacts for force in contact.forces]
     times: list[Array] = []
     torque: list[Array] = []
     rate: list[Array] = []
     for stretch in stretches(planned, samples):
         sample = planned.at(stretch.times, interval=stretch.interval)
         acceleration = time_derivative(sample.v, stretch)
-        for q, v, a, tau in zip(sample.q, sample.v, acceleration, sample.tau, strict=True):
-            needed = pin.rnea(robot.model, data, q, v, a) + robot.dissipation(v)
-            torque.append(needed - actuation @ tau)
+        forces = columns(sample.z, tuple(names), len(stretch.times)) if contacts else None
+        for i, (q, v, a, tau) in enumerate(zip(sample.q, sample.v, acceleration, sample.tau, strict=True)):
+            needed = pin.rnea(robot.model, data, q, v, a) + robot.dissipation(v) - actuation @ tau
+            torque.append(needed if forces is None else needed - stance.rows(q, v).jacobian.T @ forces[i])
         rate.append(time_derivative(sample.q, stretch) - sample.v)
         times.append(stretch.times)
     t, name = np.concatenate(times), planned.phase.name

@@ -104,7 +104,11 @@ def violations_of(planned: PhaseSolutionLike, samples: int) -> tuple[Violation, 
     watched = [Watch(row) for row, _ in limits]
     checked = {_key(row) for row, _ in limits}
     # A phase may also state its limits as constraints; those rows are seen once.
-    bound = [c for c in phase.bound_constraints if not all(_key(row) in checked for row in c.rows)]
+    # What contacts ask of their forces is measured against the weight, in ``holding_of``.
+    contacts = {f"contact {contact.name}" for contact in phase.bound_contacts}
+    bound = [
+        c for c in phase.bound_constraints if c.name not in contacts and not all(_key(row) in checked for row in c.rows)
+    ]
     throughout = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where is Where.THROUGHOUT]
     for stretch in stretches(planned, samples):
         sample = planned.at(stretch.times, interval=stretch.interval)
@@ -154,6 +158,7 @@ def _points(planned: PhaseSolutionLike, times: Array, interval: int) -> list[Any
     sample, phase = planned.at(times, interval=interval), planned.phase
     if phase.robot is not None:
         robot = realised(planned)
+        held = [force.name for contact in phase.bound_contacts for force in contact.forces]
         return [
             NumericPoint(
                 robot,
@@ -161,6 +166,7 @@ def _points(planned: PhaseSolutionLike, times: Array, interval: int) -> list[Any
                 *(getattr(sample, name)[i] for name in ("q", "v", "a", "tau")),
                 parameters=planned.parameters,
                 forces={name: force[i] for name, force in sample.forces.items()},
+                algebraic={name: sample.z[name][i] for name in held},
                 columns=True,
             )
             for i, t in enumerate(times)
