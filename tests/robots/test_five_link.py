@@ -65,3 +65,17 @@ def test_the_two_five_links_differ_in_the_torsos_centre_of_mass_only():
         np.testing.assert_array_equal(two.lever - one.lever, [0, 0, 0.2 - 0.425] if link == "root_pitch" else [0, 0, 0])
     for one, two in zip(first.jointPlacements, second.jointPlacements, strict=True):
         assert one == two
+
+
+def test_the_papers_periodic_step_starts_as_the_strike_at_its_end_leaves_it():
+    """States of the case's optimum (469.650), to the digits that its table has."""
+    first = np.array([0.08653, 0.49315, -0.12741, -0.34671, -0.35797])
+    rates, last_rates = [-1.5065, -0.6053, 0.0153, -0.5454, -2.0144], [-2.1747, -1.6220, 1.0270, -1.3786, 2.9906]
+    robot, before, after = Planar("five_link"), five_link_map("left"), five_link_map("right")
+    place = np.concatenate([[0, 0], before @ first[::-1]])
+    np.testing.assert_allclose(place[2:], after @ first, atol=1e-15)
+    np.testing.assert_allclose(robot.place("right_foot", place) - robot.place("left_foot", place), [0.5, 0], atol=2e-5)
+    v = robot.standing("left_foot", np.concatenate([[0, 0], before @ last_rates]), place)
+    found = robot.impact("right_foot", place, v)[2:]
+    np.testing.assert_allclose(np.linalg.solve(after, found), rates, atol=5e-4)
+    assert min(place[[4, 6]]) > 0  # both knees bend as they can
