@@ -3,6 +3,7 @@
 from robotraj.constraints import (
     AtEnd,
     AtStart,
+    CollisionShapes,
     FramePose,
     FramePosition,
     GroundClearance,
@@ -12,8 +13,11 @@ from robotraj.constraints import (
     JointPosition,
     JointVelocity,
     PathConstraint,
+    RequiredHeight,
+    SwingApex,
     between,
 )
+from robotraj.contacts import Linearised, PointContact, SecondOrder
 from robotraj.design import BodyMass, JointDamping, LinkLength, Payload
 from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
@@ -21,7 +25,17 @@ from robotraj.guess import FromSolution, Keyframes, StraightLine
 from robotraj.guesses import InverseKinematics, MinimumJerk, Perturbed
 from robotraj.indirect import PolishFailed, conditions, costates, polish
 from robotraj.kinematic import Kinematic
-from robotraj.links import Continuity, EqualDuration, Jump, Linkage, Mirror, Periodic, SameParameter
+from robotraj.links import (
+    Continuity,
+    EqualDuration,
+    Jump,
+    Liftoff,
+    Linkage,
+    Mirror,
+    Periodic,
+    SameParameter,
+    Touchdown,
+)
 from robotraj.multistart import Multistart, Optimum, multistart
 from robotraj.objectives import (
     AbsolutePower,
@@ -77,6 +91,7 @@ __all__ = [
     "AtEnd",
     "AtStart",
     "BodyMass",
+    "CollisionShapes",
     "CompressedHermiteSimpson",
     "ConstantControl",
     "Continuity",
@@ -110,8 +125,10 @@ __all__ = [
     "Keyframes",
     "Kinematic",
     "Lagrange",
+    "Liftoff",
     "Limits",
     "LinearControl",
+    "Linearised",
     "LinkLength",
     "Linkage",
     "LobattoIIIA",
@@ -132,16 +149,19 @@ __all__ = [
     "Periodic",
     "Perturbed",
     "Phase",
+    "PointContact",
     "PolishFailed",
     "PolynomialControl",
     "Problem",
     "RadauIIA",
     "RaiseOrder",
     "Report",
+    "RequiredHeight",
     "Robot",
     "RobotrajError",
     "RungeKutta4",
     "SameParameter",
+    "SecondOrder",
     "SingleShooting",
     "Slope",
     "Solution",
@@ -152,9 +172,11 @@ __all__ = [
     "Status",
     "Steps",
     "StraightLine",
+    "SwingApex",
     "System",
     "TerminalPose",
     "TorqueRate",
+    "Touchdown",
     "Tracking",
     "Trapezoidal",
     "TrapezoidalQuadrature",

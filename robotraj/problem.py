@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -11,6 +12,8 @@ import numpy as np
 
 from robotraj.constraints import Bounds, Constraint, VariableBounds, as_bounds, between, own_limits
 from robotraj.constraints.base import BoundConstraint
+from robotraj.constraints.contact_limits import contact_limits
+from robotraj.contacts import BoundContact, Contact
 from robotraj.design import Design, Quantity
 from robotraj.dynamics import Dynamics, ForwardDynamics, InverseDynamics, System, SystemDynamics
 from robotraj.dynamics.kinematics import Kinematics
@@ -44,8 +47,11 @@ class Phase:
         What is minimised; None looks for any feasible motion.
     constraints : sequence of Constraint
         Held at every collocation point (or at one end, with ``AtStart`` and ``AtEnd``).
+    contacts : sequence of Contact
+        What a robot stands on or holds for the whole phase, ``rt.PointContact("foot")``; where it stands is an unknown
+        of the phase, a parameter such as ``"foot.x"`` [m].
     parameters : mapping of str to number or Between
-        Unknown or fixed constants, ``point.p[name]``.
+        Unknown or fixed constants, ``point.p[name]``; a contact's foothold may be fixed or bounded here.
     design : mapping of str to Quantity or sequence of Quantity
         Parameters that are numbers of the robot: ``{"m": rt.BodyMass("forearm")}``.
     states, controls, algebraic : mapping of str to number or Between
@@ -69,6 +75,7 @@ class Phase:
     end: State | None = None
     objective: Objective | None = None
     constraints: Sequence[Constraint] = ()
+    contacts: Sequence[Contact] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
     design: Mapping[str, Quantity | Sequence[Quantity]] = field(default_factory=dict)
     states: Mapping[str, Any] = field(default_factory=dict)
@@ -94,6 +101,9 @@ class Phase:
                 f"robot.limits.with_(velocity=2.0); Systems use states= and controls=."
             )
         object.__setattr__(self, "constraints", tuple(self._checked_constraints()))
+        object.__setattr__(
+            self, "contacts", (self.contacts,) if isinstance(self.contacts, Contact) else tuple(self.contacts)
+        )
         if self.objective is not None and not isinstance(self.objective, Objective):
             raise InputError(f"The objective of phase {self.name!r} must be an objective such as rt.Effort().")
         if self.bound_design is not None:
@@ -136,12 +146,38 @@ class Phase:
         return Design(self.robot, self.design)
 
     @cached_property
+    def bound_contacts(self) -> tuple[BoundContact, ...]:
+        """The contacts bound to the robot.
+
+        Raises
+        ------
+        InputError
+            Contacts of a System, what is no contact, or two of one name.
+        """
+        robot = self.robot
+        if robot is None:
+            if not self.contacts:
+                return ()
+            raise InputError(f"Phase {self.name!r} has contacts, which are for robots, but moves an rt.System.")
+        for contact in self.contacts:
+            if not isinstance(contact, Contact):
+                raise InputError(
+                    f"{contact!r} in the contacts of phase {self.name!r} is not a contact such as "
+                    "rt.PointContact('foot')."
+                )
+        bound = tuple(contact.bind(robot) for contact in self.contacts)
+        twice = [name for name, count in Counter(contact.name for contact in bound).items() if count > 1]
+        if twice:
+            raise InputError(f"Phase {self.name!r} has two contacts named {twice[0]!r}; give one of them name=.")
+        return bound
+
+    @cached_property
     def body(self) -> Dynamics:
         """What moves, as a semi-explicit DAE, without variables that the objective brings along."""
         if isinstance(self.subject, System):
+            _ = self.bound_contacts
             return SystemDynamics(self.subject)
-        design = self.bound_design
-        return self.dynamics.of(self.subject) if design is None else self.dynamics.of(self.subject, design)
+        return self.dynamics.of(self.subject, self.bound_design, self.bound_contacts)
 
     @cached_property
     def dae(self) -> Dynamics:
@@ -151,14 +187,15 @@ class Phase:
             dae = term.augment(dae)
         return dae
 
-    @property
+    @cached_property
     def parameter_names(self) -> tuple[str, ...]:
-        """Names of the parameters, in order."""
-        return tuple(self.parameters)
+        """Names of the parameters, in order: those given, then the footholds of the contacts."""
+        footholds = [anchor.name for contact in self.bound_contacts for anchor in contact.anchors]
+        return tuple(dict.fromkeys((*self.parameters, *footholds)))
 
     @cached_property
     def parameter_bounds(self) -> Bounds:
-        """Bounds of the parameters."""
+        """Bounds of the parameters; footholds that are not named are free."""
         return as_bounds(dict(self.parameters), self.parameter_names, "parameters", "parameter")
 
     @cached_property
@@ -208,6 +245,7 @@ class Phase:
                 every.append(VariableBounds(kind, mapping))
         every += self.constraints
         bound = [constraint.bind(self.body, self.parameter_names) for constraint in every]
+        bound += [limits for contact in self.bound_contacts for limits in contact_limits(contact)]
         terms = self.objective.terms if self.objective is not None else ()
         # Two terms may need the same slacks; their rows are imposed once.
         needed = {b.name: b for _, term in terms for b in term.definitions(self.dae)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -63,6 +63,9 @@ class Solution:
         Rows that were imposed between collocation points as well.
     between : tuple of Violation
         Rows on states that are still broken between collocation points, worst first; empty where they all hold there.
+    impulses : tuple of mapping
+        For every link of the problem, the impulses of its impact by name, ``"impulse.left_foot.z"`` [N s, N m s]; empty
+        for links without one.
     """
 
     problem: Problem
@@ -79,6 +82,7 @@ class Solution:
     stages: tuple[StageRecord, ...] = ()
     guards: tuple[Guard, ...] = ()
     between: tuple[Violation, ...] = ()
+    impulses: tuple[Mapping[str, float], ...] = ()
 
     @property
     def success(self) -> bool:
@@ -128,13 +132,25 @@ class Solution:
         starts = np.array([phase.t0 for phase in self.phases])
         owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(self.phases) - 1)
         if times.ndim == 0:
-            return self.phases[int(owner)].at(t)
+            return self.phases[int(owner)].at(t).with_contacts(self._contacts)
         used = np.unique(owner)
         if len(used) <= 1:
-            return self.phases[int(used[0]) if len(used) else 0].at(times)
+            return self.phases[int(used[0]) if len(used) else 0].at(times).with_contacts(self._contacts)
         parts = [np.flatnonzero(owner == i) for i in used]
-        samples = [self.phases[int(i)].at(times[part]) for i, part in zip(used, parts, strict=True)]
+        samples = [
+            self.phases[int(i)].at(times[part]).with_contacts(self._contacts)
+            for i, part in zip(used, parts, strict=True)
+        ]
         return join(samples, np.argsort(np.concatenate(parts)))
+
+    @cached_property
+    def _contacts(self) -> dict[str, int]:
+        """Every contact of any phase, and how many components its force has."""
+        return {
+            contact.name: len(contact.vector([0.0] * len(contact.forces)))
+            for part in self.phases
+            for contact in part.phase.bound_contacts
+        }
 
     def violations(self, top: int = 3) -> tuple[Violation, ...]:
         """List the worst broken rows and bounds, worst first, relative to their scale."""

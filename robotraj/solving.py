@@ -138,6 +138,10 @@ def _conclude(nlp: Nlp, outcome: Outcome, built: float) -> Solution:
         broken,
         outcome.multipliers,
         duals=covectors(nlp, outcome.w, outcome.multipliers) if status is Status.SOLVED else (),
+        impulses=tuple(
+            {unknown.name: float(value) for unknown, value in zip(link.unknowns, outcome.w[columns], strict=True)}
+            for link, columns in zip(nlp.problem.bound_links, nlp.link_columns, strict=True)
+        ),
     )
 
 

@@ -4,6 +4,16 @@
 
 with x the state, z the algebraic variables, u the controls, p parameters and t time. An ordinary ODE has no z. Schemes,
 meshes, objectives and solvers see nothing but this protocol, and know nothing of robots.
+
+A DAE may have invariants, rows I(x, p, t) = 0 that its exact solution keeps once they hold: unit quaternions, the place
+and the velocity of a contact whose acceleration is a row of g. Discretised, they would drift. Collocation holds them at
+every collocation point by projecting the state there,
+
+    x_j = x_0 + h sum_k A_jk f_k + W(x_j, p) c_j,    I(x_j) = 0,
+
+with one correction c_j, of the size of the scheme's error, for every invariant; W spans directions that I sees.
+Source: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), section VII.2 (projection); Posa,
+Kuindersma and Tedrake, Optimization and stabilization of trajectories for constrained dynamical systems, ICRA 2016.
 """
 
 from __future__ import annotations
@@ -26,6 +36,8 @@ class Dynamics(Protocol):
         The entries of x, z and u.
     residuals : tuple of Variable
         The rows of g, named for reports; as many as there are algebraic variables it determines.
+    invariants : tuple of Variable
+        The rows of I, named for reports; none for most systems.
     """
 
     @property
@@ -48,6 +60,11 @@ class Dynamics(Protocol):
         """The rows of g."""
         ...
 
+    @property
+    def invariants(self) -> tuple[Variable, ...]:
+        """The rows of I."""
+        ...
+
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Wrap columns of symbols as the Point user expressions read; ``names`` are the parameters'.
 
@@ -61,4 +78,12 @@ class Dynamics(Protocol):
 
     def residual(self, point: Any) -> ca.SX:
         """Evaluate g(x, z, u, p, t), a column of len(residuals)."""
+        ...
+
+    def invariant(self, point: Any) -> ca.SX:
+        """Evaluate I(x, p, t), a column of len(invariants)."""
+        ...
+
+    def correction(self, point: Any, c: ca.SX) -> ca.SX:
+        """Evaluate W(x, p) c, a column of len(states), for c of len(invariants)."""
         ...

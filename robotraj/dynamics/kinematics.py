@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 import casadi as ca
 
 from robotraj.dynamics.point import RobotPoint
-from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.rigid_body import RigidBody, refuse_contacts
 from robotraj.dynamics.variable import Named, Variable
 
 if TYPE_CHECKING:
+    from robotraj.contacts import BoundContact
     from robotraj.design import Design
     from robotraj.robot import Robot
 
@@ -32,7 +33,7 @@ class KinematicBody(RigidBody):
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> RobotPoint:
         """Wrap columns of symbols as a RobotPoint; accelerations are read as of the other forms."""
-        nv = self.robot.nv
+        nq = self.robot.nq
         accelerations = self._names["algebraic variable"] if u is not None else []
         return RobotPoint(
             t,
@@ -41,8 +42,8 @@ class KinematicBody(RigidBody):
             Named("control", accelerations, u),
             Named("parameter", names, p),
             self.robot,
-            x[:nv],
-            x[nv:],
+            x[:nq],
+            x[nq:],
             u,
             None,
             *self._numbers(p, names),
@@ -57,6 +58,13 @@ class KinematicBody(RigidBody):
 class Kinematics:
     """Choose no dynamics: joints accelerate freely within their limits."""
 
-    def of(self, robot: Robot, design: Design | None = None) -> KinematicBody:
-        """Bind to a robot; of a design its lengths count."""
+    def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> KinematicBody:
+        """Bind to a robot; of a design its lengths count.
+
+        Raises
+        ------
+        InputError
+            Contacts: without dynamics there are no forces.
+        """
+        refuse_contacts(contacts, "Kinematics")
         return KinematicBody(robot, design)

@@ -1,9 +1,10 @@
 """A robot as a DAE: by inverse dynamics (RNEA, the default) or by forward dynamics (ABA).
 
-Both forms carry the same physics, M(q) a + h(q, v) = B tau - d(v), with d the joint damping and smoothed Coulomb
-friction of the URDF. The inverse form makes the accelerations algebraic variables, so that the rates (v, a) are
-linear and RNEA is the only nonlinear block of a point (3.5 times fewer operations than ABA for a ur5).
-Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5 and 7.
+Both forms carry the same physics, M(q) a + h(q, v) = B tau - d(v) + J(q)' f, with d the joint damping and smoothed
+Coulomb friction of the URDF and f the forces of the contacts. The inverse form makes the accelerations and the
+contact forces algebraic variables, so that the rates (v, a) are linear and RNEA is the only nonlinear block of a point;
+contacts add their accelerations to the rows and their place and velocity to the invariants.
+Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5, 7 and 8.
 """
 
 from __future__ import annotations
@@ -16,10 +17,13 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from robotraj.dynamics.holding import correct, hold, torques
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Named, Variable
+from robotraj.errors import InputError
 
 if TYPE_CHECKING:
+    from robotraj.contacts import BoundContact
     from robotraj.design import Design
     from robotraj.robot import Robot
 
@@ -28,22 +32,29 @@ RATE_UNITS = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
 
 @dataclass(frozen=True)
 class RigidBody:
-    """What both forms share: states (q, v), controls tau of the actuated joints.
+    """What all forms share: states (q, v), controls tau of the actuated joints.
 
     Attributes
     ----------
     robot : Robot
     design : Design or None
         Which parameters are numbers of the robot.
+    contacts : tuple of BoundContact
+        What is held throughout the phase.
     """
 
     robot: Robot
     design: Design | None = None
+    contacts: tuple[BoundContact, ...] = ()
 
     @cached_property
     def states(self) -> tuple[Variable, ...]:
-        """Positions, then velocities: ``q.<joint>``, ``v.<joint>``."""
-        positions = self._joints("q", "position", lambda unit: unit)
+        """Positions, then velocities: ``q.<position>``, ``v.<velocity>``."""
+        unit_of = dict(zip(self.robot.velocity_names, self.robot.units, strict=True))
+        positions = tuple(
+            Variable(f"q.{name}", unit_of.get(name, self._root_unit(name)), "position", name)
+            for name in self.robot.position_names
+        )
         return positions + self._joints("v", "velocity", lambda unit: RATE_UNITS[unit][0])
 
     @cached_property
@@ -52,21 +63,45 @@ class RigidBody:
         every = self._joints("tau", "effort", lambda unit: RATE_UNITS[unit][2])
         return tuple(variable for variable in every if variable.joint in self.robot.actuated)
 
+    @cached_property
+    def invariants(self) -> tuple[Variable, ...]:
+        """The free-flyer's unit quaternion, then places, then velocities of the contacts."""
+        quaternion = [Variable("unit quaternion", "", "unit quaternion", "root")] if self._has_quaternion else []
+        places = [row for contact in self.contacts for row in contact.holds]
+        rates = [
+            Variable(f"rate.{row.name}", f"{row.unit}/s" if row.unit else "1/s", "contact velocity", row.joint)
+            for row in places
+        ]
+        return (*quaternion, *places, *rates)
+
+    @property
+    def _has_quaternion(self) -> bool:
+        return self.robot.root == "floating"
+
+    @staticmethod
+    def _root_unit(position: str) -> str:
+        """Give the unit of a coordinate of the free-flyer: metres, or none for the quaternion."""
+        return "m" if position in ("root_x", "root_y", "root_z") else ""
+
     def _joints(self, prefix: str, quantity: str, unit_of: Any) -> tuple[Variable, ...]:
-        pairs = zip(self.robot.joint_names, self.robot.units, strict=True)
+        pairs = zip(self.robot.velocity_names, self.robot.units, strict=True)
         return tuple(Variable(f"{prefix}.{joint}", unit_of(unit), quantity, joint) for joint, unit in pairs)
 
     @cached_property
     def _names(self) -> dict[str, list[str]]:
         return {
             "state": [s.name for s in self.states],
-            "algebraic variable": [s.name for s in self._accelerations],
+            "algebraic variable": [s.name for s in (*self._accelerations, *self._forces)],
             "control": [s.name for s in self.controls],
         }
 
     @cached_property
     def _accelerations(self) -> tuple[Variable, ...]:
         return self._joints("a", "acceleration", lambda unit: RATE_UNITS[unit][1])
+
+    @cached_property
+    def _forces(self) -> tuple[Variable, ...]:
+        return tuple(force for contact in self.contacts for force in contact.forces)
 
     def _numbers(self, p: ca.SX, names: Sequence[str]) -> tuple[Any, Any]:
         """Pinocchio's algorithms and the damping, with the parameters of the design put in."""
@@ -91,57 +126,99 @@ class RigidBody:
         t: ca.SX,
         x: ca.SX,
         a: Any,
+        forces: Any,
         u: ca.SX | None,
         p: ca.SX,
         names: Sequence[str],
         symbolic: Any,
         damping: Any,
     ) -> RobotPoint:
-        nv = self.robot.nv
+        nq = self.robot.nq
         kinds = self._names
-        return RobotPoint(
+        z = None if a is None else ca.vertcat(a, forces)
+        point = RobotPoint(
             t,
             Named("state", kinds["state"], x),
-            Named("algebraic variable", kinds["algebraic variable"] if a is not None else [], a),
+            Named("algebraic variable", kinds["algebraic variable"] if a is not None else [], z),
             Named("control", kinds["control"] if u is not None else [], u),
             Named("parameter", names, p),
             self.robot,
-            x[:nv],
-            x[nv:],
+            x[:nq],
+            x[nq:],
             a,
             u,
             symbolic,
             damping,
         )
+        if a is not None and self.contacts:
+            ends = np.cumsum([len(contact.forces) for contact in self.contacts])[:-1].tolist()
+            parts = ca.vertsplit(forces, [0, *ends, forces.numel()])
+            vectors = [c.vector(ca.vertsplit(part)) for c, part in zip(self.contacts, parts, strict=True)]
+            point.forces = Named("contact", [c.name for c in self.contacts], vectors)
+        return point
 
     def rates(self, point: RobotPoint) -> ca.SX:
-        """State rates (v, a), 2 nv."""
-        return ca.vertcat(point.v, point.a)
+        """State rates (qdot, a), nq + nv: qdot is v, but for a quaternion half its product with (omega, 0)."""
+        moved = self.robot.symbolic.configuration_rate(point.q, point.v) if self._has_quaternion else point.v
+        return ca.vertcat(moved, point.a)
+
+    def invariant(self, point: RobotPoint) -> ca.SX:
+        """|quaternion|^2 - 1, then the contacts' places and velocities."""
+        quaternion = [ca.sumsqr(point.q[3:7]) - 1.0] if self._has_quaternion else []
+        return ca.vertcat(ca.SX(0, 1), *quaternion, *hold(self.contacts, point))
+
+    def correction(self, point: RobotPoint, c: ca.SX) -> ca.SX:
+        """Give W c: along the quaternion, and for contacts as ``holding.correct`` says."""
+        robot = self.robot
+        first = int(self._has_quaternion)
+        count = (c.numel() - first) // 2
+        places, rates = c[first : first + count], c[first + count :]
+        moved = correct(robot, self.contacts, point, places)
+        if self._has_quaternion:
+            moved = robot.symbolic.configuration_rate(point.q, moved)
+            moved[3:7] += point.q[3:7] * c[0]
+        return ca.vertcat(moved, correct(robot, self.contacts, point, rates))
 
 
 @dataclass(frozen=True)
 class InverseRigidBody(RigidBody):
-    """x = (q, v), z = a, u = tau; g = RNEA(q, v, a) - (B tau - d(v))."""
+    """x = (q, v), z = (a, f), u = tau; g = (RNEA(q, v, a) - (B tau - d(v) + J' f), accelerations of the contacts)."""
 
-    @property
+    @cached_property
     def algebraic(self) -> tuple[Variable, ...]:
-        """Accelerations ``a.<joint>``."""
-        return self._accelerations
+        """Accelerations ``a.<velocity>``, then contact forces ``force.<contact>.<axis>``."""
+        return self._accelerations + self._forces
 
     @cached_property
     def residuals(self) -> tuple[Variable, ...]:
-        """One torque balance per joint."""
-        return self._joints("dynamics", "torque balance", lambda unit: RATE_UNITS[unit][2])
+        """One torque balance per velocity, then one acceleration per held row."""
+        balances = self._joints("dynamics", "torque balance", lambda unit: RATE_UNITS[unit][2])
+        held = tuple(
+            Variable(
+                f"acceleration.{row.name}",
+                f"{row.unit}/s^2" if row.unit else "1/s^2",
+                "contact acceleration",
+                row.joint,
+            )
+            for contact in self.contacts
+            for row in contact.holds
+        )
+        return balances + held
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> RobotPoint:
         """Wrap columns of symbols as a RobotPoint."""
-        return self._point(t, x, z, u, p, names, *self._numbers(p, names))
+        nv = self.robot.nv
+        a, forces = (None, None) if z is None else (z[:nv], z[nv:])
+        return self._point(t, x, a, forces, u, p, names, *self._numbers(p, names))
 
     def residual(self, point: RobotPoint) -> ca.SX:
-        """Torque balance RNEA(q, v, a) - B tau + d(v), (nv,) [N m, N]."""
+        """Torque balance RNEA(q, v, a) - B tau + d(v) - J' f, (nv,) [N m, N], then contact accelerations."""
         no_force = ca.SX(6, self.robot.model.njoints)
         torque = point.symbolic.inverse_dynamics(point.q, point.v, point.a, no_force)
-        return torque - self._applied(point.v, point.tau, point.damping)
+        balance = torque - self._applied(point.v, point.tau, point.damping)
+        for contact in self.contacts:
+            balance -= torques(contact, point, [point.z[force.name] for force in contact.forces])
+        return ca.vertcat(balance, *(row for contact in self.contacts for row in contact.acceleration(point)))
 
 
 @dataclass(frozen=True)
@@ -158,9 +235,9 @@ class ForwardRigidBody(RigidBody):
         symbolic, damping = self._numbers(p, names)
         if u is not None:
             no_force = ca.SX(6, robot.model.njoints)
-            v = x[robot.nv :]
-            a = symbolic.forward_dynamics(x[: robot.nv], v, self._applied(v, u, damping), no_force)
-        return self._point(t, x, a, u, p, names, symbolic, damping)
+            v = x[robot.nq :]
+            a = symbolic.forward_dynamics(x[: robot.nq], v, self._applied(v, u, damping), no_force)
+        return self._point(t, x, a, ca.SX(0, 1), u, p, names, symbolic, damping)
 
     def residual(self, point: RobotPoint) -> ca.SX:
         """No algebraic rows."""
@@ -169,17 +246,31 @@ class ForwardRigidBody(RigidBody):
 
 @dataclass(frozen=True)
 class InverseDynamics:
-    """Choose RNEA with the accelerations as unknowns: fewer operations, the default."""
+    """Choose RNEA with the accelerations as unknowns: fewer operations, the default, and the one that has contacts."""
 
-    def of(self, robot: Robot, design: Design | None = None) -> InverseRigidBody:
+    def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> InverseRigidBody:
         """Bind to a robot."""
-        return InverseRigidBody(robot, design)
+        return InverseRigidBody(robot, design, tuple(contacts))
 
 
 @dataclass(frozen=True)
 class ForwardDynamics:
     """Choose ABA: no algebraic unknowns, a denser and larger derivative."""
 
-    def of(self, robot: Robot, design: Design | None = None) -> ForwardRigidBody:
-        """Bind to a robot."""
+    def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> ForwardRigidBody:
+        """Bind to a robot.
+
+        Raises
+        ------
+        InputError
+            Contacts: their forces are algebraic variables, which this form has none of.
+        """
+        refuse_contacts(contacts, "ForwardDynamics")
         return ForwardRigidBody(robot, design)
+
+
+def refuse_contacts(contacts: Sequence[BoundContact], who: str) -> None:
+    """Raise InputError where dynamics that know no contact forces are given contacts."""
+    if contacts:
+        names = ", ".join(repr(contact.name) for contact in contacts)
+        raise InputError(f"{who} knows no contact forces, but the phase holds {names}; use rt.InverseDynamics().")

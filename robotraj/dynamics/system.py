@@ -119,6 +119,11 @@ class SystemDynamics:
         """The rows of g, one per algebraic variable."""
         return tuple(Variable(f"residual {i}", "", "residual") for i in range(len(self.system.algebraic)))
 
+    @property
+    def invariants(self) -> tuple[Variable, ...]:
+        """None: a System's own rows are its residual."""
+        return ()
+
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Wrap columns of symbols as a Point."""
         return Point(
@@ -143,6 +148,14 @@ class SystemDynamics:
         return _column(
             rows(point), len(self.system.algebraic), f"residual of {self.system.name!r}", "algebraic variable"
         )
+
+    def invariant(self, point: Any) -> ca.SX:
+        """No invariants."""
+        return ca.SX(0, 1)
+
+    def correction(self, point: Any, c: ca.SX) -> ca.SX:
+        """Nothing to correct."""
+        return ca.SX.zeros(len(self.states))
 
 
 def _column(values: Any, length: int, what: str, per: str) -> ca.SX:

@@ -52,7 +52,7 @@ class Conditions(Link):
             "boundary conditions",
             (0, self.arcs - 1),
             rows,
-            lambda ends: as_rows(self._values(ends), "conditions"),
+            lambda ends, _: as_rows(self._values(ends), "conditions"),
         )
 
     def _values(self, ends: Sequence[tuple[Any, Any]]) -> ca.SX:

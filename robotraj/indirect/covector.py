@@ -59,8 +59,11 @@ def covectors(nlp: Nlp, w: Array, multipliers: Multipliers) -> tuple[PhaseDuals,
     Returns
     -------
     tuple of PhaseDuals
-        By this mapping for collocation, by ``indirect.stepped`` for shooting and compressed collocation.
+        By this mapping for collocation, by ``indirect.stepped`` for shooting and compressed collocation; none where
+        invariants are held, whose costates are not unique.
     """
+    if any(phase.dae.invariants for phase in nlp.problem.phases):
+        return ()
     rows, bounds = multipliers.rows, multipliers.bounds
     found = []
     for i, layout in enumerate(nlp.layouts):

@@ -4,6 +4,7 @@ from robotraj.links.base import BoundLink, Ends, Link
 from robotraj.links.continuity import Continuity, Jump
 from robotraj.links.linkage import EqualDuration, Linkage, SameParameter
 from robotraj.links.periodic import Mirror, Periodic
+from robotraj.links.touchdown import Liftoff, Touchdown
 
 __all__ = [
     "BoundLink",
@@ -11,9 +12,11 @@ __all__ = [
     "Ends",
     "EqualDuration",
     "Jump",
+    "Liftoff",
     "Link",
     "Linkage",
     "Mirror",
     "Periodic",
     "SameParameter",
+    "Touchdown",
 ]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from robotraj.constraints import Row
+from robotraj.dynamics import Variable
 from robotraj.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,6 +23,30 @@ class Ends(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Carry:
+    """What holds at the start of a phase because it holds at the end of another.
+
+    Attributes
+    ----------
+    source, target : int
+        The phase that ends and the phase that starts.
+    quantities : frozenset of str
+        Quantities of the invariants that a link takes over unchanged: ``"contact position"`` ...
+    partners : mapping of str to str
+        For contacts of the target, the contacts of the source that they were; the same names unless said otherwise.
+    """
+
+    source: int
+    target: int
+    quantities: frozenset[str]
+    partners: Mapping[str, str] = field(default_factory=dict)
+
+
+STATE = frozenset({"unit quaternion", "contact position", "contact velocity"})
+"""What runs on with the whole state."""
+
+
+@dataclass(frozen=True)
 class BoundLink:
     """A link bound to its phases.
 
@@ -32,13 +57,20 @@ class BoundLink:
         The phases whose ends it reads.
     rows : tuple of Row
     expression : callable
-        ``expression(ends)`` gives len(rows) scalars; ``ends[i]`` are the ends of ``phases[i]``.
+        ``expression(ends, unknowns)`` gives len(rows) scalars; ``ends[i]`` are the ends of ``phases[i]`` and
+        ``unknowns`` maps the names of the link's unknowns to their values.
+    unknowns : tuple of Variable
+        What the link itself brings along, such as the impulses of an impact.
+    carries : tuple of Carry
+        Invariants that need not be imposed again.
     """
 
     name: str
     phases: tuple[int, ...]
     rows: tuple[Row, ...]
-    expression: Callable[[Sequence[Ends]], Sequence[Any]]
+    expression: Callable[[Sequence[Ends], Mapping[str, Any]], Sequence[Any]]
+    unknowns: tuple[Variable, ...] = ()
+    carries: tuple[Carry, ...] = ()
 
 
 class Link(ABC):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from robotraj.constraints import Row, as_bounds
-from robotraj.links.base import BoundLink, Ends, Link, normal, phase_at, same_states
+from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
@@ -61,8 +61,10 @@ def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str
         Row(what[i], before.body.states[i].unit, float(bounds.lower[i]), float(bounds.upper[i]), names[i]) for i in kept
     )
 
-    def expression(ends: Sequence[Ends]) -> list[Any]:
+    def expression(ends: Sequence[Ends], _: Mapping[str, Any]) -> list[Any]:
         end, start = ends[0].end, ends[1].start
         return [start.t - end.t, *(start.x[names[i]] - end.x[names[i]] for i in kept)]
 
-    return BoundLink(who, (normal(phases, first), normal(phases, second)), rows, expression)
+    pair = normal(phases, first), normal(phases, second)
+    carries = () if jumps else (Carry(*pair, STATE),)
+    return BoundLink(who, pair, rows, expression, carries=carries)

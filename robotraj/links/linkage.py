@@ -52,7 +52,9 @@ class Linkage(Link):
         names = [self.name] if count == 1 else [f"{self.name}[{i}]" for i in range(count)]
         rows = tuple(Row(n, self.unit, low, high) for n, low, high in zip(names, lower, upper, strict=True))
         user = self.expression
-        return BoundLink(self.name, tuple(normal(phases, i) for i in self.phases), rows, lambda ends: flat(user(*ends)))
+        return BoundLink(
+            self.name, tuple(normal(phases, i) for i in self.phases), rows, lambda ends, _: flat(user(*ends))
+        )
 
 
 @dataclass(frozen=True)

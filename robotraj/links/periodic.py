@@ -10,10 +10,55 @@ import numpy as np
 
 from robotraj.constraints import Row, as_bounds
 from robotraj.errors import InputError, unknown_name
-from robotraj.links.base import BoundLink, Ends, Link, normal, phase_at, same_states
+from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
+
+
+ALONG_THE_GROUND = {"q.root_x", "q.root_y"}
+"""Displacements that leave feet on the ground, where footholds move along."""
+
+
+@dataclass(frozen=True, eq=False)
+class Repeat:
+    """How the end of a motion is seen from its start: lower <= x_start - image(x_end) <= upper.
+
+    Attributes
+    ----------
+    names : list of str
+        The states.
+    sources : list of (str, float)
+        For every state, the state of the end that it is an image of, and its sign.
+    lower, upper : list of float
+        What the displacement makes of the bounds.
+    partners : mapping of str to str
+        Contacts and joints that change places.
+    level : bool
+        Whether footholds stay on the ground.
+    """
+
+    names: list[str]
+    sources: list[tuple[str, float]]
+    lower: list[float]
+    upper: list[float]
+    partners: Mapping[str, str]
+    level: bool
+
+    @staticmethod
+    def same(names: list[str]) -> Repeat:
+        """Give the start that equals the end."""
+        zeros = [0.0] * len(names)
+        return Repeat(names, [(name, 1.0) for name in names], zeros, zeros, {}, True)
+
+    @property
+    def bounded(self) -> list[int]:
+        """States whose displacement is not free."""
+        return [i for i in range(len(self.names)) if np.isfinite(self.lower[i]) or np.isfinite(self.upper[i])]
+
+    def image(self, point: Any) -> list[Any]:
+        """Give the states of a point as seen from the start."""
+        return [sign * point.x[name] for name, sign in self.sources]
 
 
 @dataclass(frozen=True)
@@ -23,8 +68,8 @@ class Periodic(Link):
     Parameters
     ----------
     displacement : mapping of str to number, Between or None
-        By state name: what the motion gains in a period (``{"q.x": rt.between(0.3, 1)}``, None for anything); the other
-        states repeat exactly.
+        By state name: what the motion gains in a period (``{"q.root_x": rt.between(0.3, 1)}``, None for anything); the
+        other states repeat exactly.
     first, last : int
         The phases that open and close the period; all of the problem by default.
     """
@@ -35,7 +80,11 @@ class Periodic(Link):
 
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Write one row per state whose gain is bounded."""
-        return _repeat(phases, self.first, self.last, self.displacement, {}, "Periodic")
+        return _repeat(self, phases, "Periodic")
+
+    def of(self, phase: Phase, names: list[str], who: str) -> Repeat:
+        """Read the displacement; every state is its own image."""
+        return _displaced(names, [(name, 1.0) for name in names], self.displacement, {}, who)
 
 
 @dataclass(frozen=True)
@@ -47,8 +96,8 @@ class Mirror(Link):
     Parameters
     ----------
     partners : mapping of str to str
-        Pairs of joints (of states, for a System) that change places, each written once. Joints not named are their own
-        partners.
+        Pairs of joints (of states, for a System) or of contacts that change places, each written once. What is not
+        named is its own partner.
     negated : sequence of str
         Joints (states) whose sign changes in the mirror, as roll and yaw do.
     displacement : mapping of str to number, Between or None
@@ -64,45 +113,74 @@ class Mirror(Link):
 
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Write one row per state whose gain is bounded."""
-        states = phase_at(phases, self.first, "Mirror").body.states
+        return _repeat(self, phases, "Mirror")
+
+    def of(self, phase: Phase, names: list[str], who: str) -> Repeat:
+        """Pair the states of both sides.
+
+        Raises
+        ------
+        InputError
+            Names of neither a joint nor a contact.
+        """
+        states = phase.body.states
         labels = list(dict.fromkeys(s.label for s in states))
+        contacts = [contact.name for contact in phase.bound_contacts]
         both = {**self.partners, **{b: a for a, b in self.partners.items()}}
-        for name in (*both, *self.negated):
+        for name in self.negated:
             if name not in labels:
-                raise unknown_name("joint", name, labels, "Mirror(partners=..., negated=...) names joints.")
-        names = {(s.quantity, s.label): s.name for s in states}
-        images = {
-            s.name: (names[s.quantity, both.get(s.label, s.label)], -1.0 if s.label in self.negated else 1.0)
-            for s in states
-        }
-        return _repeat(phases, self.first, self.last, self.displacement, images, "Mirror")
+                raise unknown_name("joint", name, labels, "Mirror(negated=...) names joints.")
+        # A pair of contacts may be named whole where a phase holds one of them alone.
+        feet = {name for pair in self.partners.items() if set(pair) & set(contacts) for name in pair}
+        for name in both:
+            if name not in labels and name not in feet and not _is_frame(phase, name):
+                raise unknown_name("joint", name, labels, "Mirror(partners=...) names joints or contacts.")
+        by_kind = {(s.quantity, s.label): s.name for s in states}
+        sources = [
+            (by_kind[s.quantity, both.get(s.label, s.label)], -1.0 if s.label in self.negated else 1.0) for s in states
+        ]
+        return _displaced(names, sources, self.displacement, both, who)
 
 
-def _repeat(
-    phases: Sequence[Phase],
-    first: int,
-    last: int,
+def _is_frame(phase: Phase, name: str) -> bool:
+    return phase.robot is not None and name in phase.robot.frame_names
+
+
+def _displaced(
+    names: list[str],
+    sources: list[tuple[str, float]],
     displacement: Mapping[str, Any],
-    images: Mapping[str, tuple[str, float]],
+    partners: Mapping[str, str],
     who: str,
-) -> BoundLink:
-    opening, closing = phase_at(phases, first, who), phase_at(phases, last, who)
-    names = same_states(opening, closing, who)
+) -> Repeat:
     bounds = as_bounds({name: 0.0 for name in names} | dict(displacement), names, f"displacement of {who}", "state")
-    kept = [i for i in range(len(names)) if np.isfinite(bounds.lower[i]) or np.isfinite(bounds.upper[i])]
+    at = {name: i for i, name in enumerate(names)}
+    # x_end,m - sign x_start,s = d_m is x_start,s - sign x_end,m = - sign d_m.
+    ranges = [
+        (-bounds.upper[at[source]], -bounds.lower[at[source]])
+        if sign > 0
+        else (bounds.lower[at[source]], bounds.upper[at[source]])
+        for source, sign in sources
+    ]
+    lower, upper = ([float(pair[side]) for pair in ranges] for side in (0, 1))
+    return Repeat(names, sources, lower, upper, partners, set(displacement) <= ALONG_THE_GROUND)
+
+
+def _repeat(link: Periodic | Mirror, phases: Sequence[Phase], who: str) -> BoundLink:
+    opening, closing = phase_at(phases, link.first, who), phase_at(phases, link.last, who)
+    names = same_states(opening, closing, who)
+    repeat = link.of(closing, names, who)
+    kept = repeat.bounded
     if not kept:
         raise InputError(f"{who} leaves every state free.")
     rows = tuple(
-        Row(who.lower(), opening.body.states[i].unit, float(bounds.lower[i]), float(bounds.upper[i]), names[i])
-        for i in kept
+        Row(who.lower(), opening.body.states[i].unit, repeat.lower[i], repeat.upper[i], names[i]) for i in kept
     )
 
-    def expression(ends: Sequence[Ends]) -> list[Any]:
-        start, end = ends[0].start, ends[1].end
-        values = []
-        for i in kept:
-            image, sign = images.get(names[i], (names[i], 1.0))
-            values.append(end.x[names[i]] - sign * start.x[image])
-        return values
+    def expression(ends: Sequence[Ends], _: Mapping[str, Any]) -> list[Any]:
+        image = repeat.image(ends[1].end)
+        return [ends[0].start.x[names[i]] - image[i] for i in kept]
 
-    return BoundLink(who, (normal(phases, first), normal(phases, last)), rows, expression)
+    pair = normal(phases, link.first), normal(phases, link.last)
+    level = STATE if repeat.level else frozenset({"unit quaternion"})
+    return BoundLink(who, pair, rows, expression, carries=(Carry(pair[1], pair[0], level, repeat.partners),))

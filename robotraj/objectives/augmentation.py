@@ -54,6 +54,11 @@ class Augmented(ABC):
         return self.inner.residuals
 
     @property
+    def invariants(self) -> tuple[Variable, ...]:
+        """The inner invariants."""
+        return self.inner.invariants
+
+    @property
     def start(self) -> Mapping[str, float]:
         """Values of added states that are fixed at the start of the phase."""
         return self.inner.start if isinstance(self.inner, Augmented) else {}
@@ -69,6 +74,15 @@ class Augmented(ABC):
     def residual(self, point: Any) -> ca.SX:
         """Evaluate the inner rows."""
         return self.inner.residual(point)
+
+    def invariant(self, point: Any) -> ca.SX:
+        """Evaluate the inner invariants."""
+        return self.inner.invariant(point)
+
+    def correction(self, point: Any, c: ca.SX) -> ca.SX:
+        """Correct the inner states; what was added keeps its rates."""
+        inner = self.inner.correction(point, c)
+        return ca.vertcat(inner, ca.SX.zeros(len(self.states) - inner.numel()))
 
 
 def body_of(dynamics: Dynamics) -> Dynamics:

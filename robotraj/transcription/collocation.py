@@ -2,13 +2,13 @@
 
 The stage function gives, at a node with unknowns (x, z, u, t0, T, p) and constant fraction tau,
 
-    y = ( T f,  g,  h,  T m,  T l ),    t = t0 + tau T,
+    y = ( T f,  g,  h,  T m,  T l,  W c,  I ),    t = t0 + tau T,
 
-with f the rates, g the residual, h the path rows, m the rates of integral constraints and l the integrand. Since T is
-inside, every row of the NLP is linear in the outputs with constant coefficients: the defect of node j on an interval
-of relative length d is
+with f the rates, g the residual, h the path rows, m the rates of integral constraints, l the integrand, I the
+invariants and W c the corrections that hold them (``dynamics.dae``). Since T is inside, every row of the NLP is linear
+in the outputs with constant coefficients: the defect of node j on an interval of relative length d is
 
-    x_j - x_0 - d sum_k A_jk (T f_k) = 0.
+    x_j - x_0 - d sum_k A_jk (T f_k) - W_j c_j = 0.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from robotraj.constraints.base import BoundConstraint
 from robotraj.dynamics.system import as_rows
 from robotraj.schemes import MovingMesh
 from robotraj.transcription.block import Block
+from robotraj.transcription.holding import hold
 from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.table import Entry, ScalarTable
@@ -104,7 +105,8 @@ def collocate(
     """Write the rows of a phase; return its block and the triplets of its gather and scatter, still to be sized."""
     dae = phase.dae
     stage = _stage(phase, layout)
-    nx, nz = len(dae.states), len(dae.residuals)
+    nx, nz, held = len(dae.states), len(dae.residuals), len(dae.invariants)
+    corrected = stage.outputs - held - nx
     scatter = Triplets()
     weights = np.zeros(len(layout.place_owner))
     defects = [Entry(index, "defect", s.label if s.joint is None else s.name, s.unit) for s in dae.states]
@@ -117,11 +119,13 @@ def collocate(
             targets.append((-1, interval.right, scheme.weights))
             reached.append(interval.start + interval.length)
         added = rows.add(defects, np.array(reached), 0.0, 0.0)
-        for at, (_, state, coefficients) in zip(added, targets, strict=True):
+        for at, (node, state, coefficients) in zip(added, targets, strict=True):
             linear.add(at, state, 1.0)
             linear.add(at, interval.left, -1.0)
             for k, coefficient in enumerate(coefficients):
                 scatter.add(at, places[k] * stage.outputs + np.arange(nx), -length * coefficient)
+            if held:
+                scatter.add(at, places[node] * stage.outputs + corrected + np.arange(nx), -1.0)
         weights[places] += length * scheme.objective_weights
     fractions = np.array([_fraction(layout, place) for place in range(len(layout.place_owner))])
     base = np.arange(len(fractions))[:, None] * stage.outputs
@@ -136,6 +140,8 @@ def collocate(
     totals = rows.add(entries, np.ones(1), np.array([r.lower for r in sums]), np.array([r.upper for r in sums]))[0]
     for i, total in enumerate(totals):
         scatter.add(np.full(len(weights), total), base[:, 0] + nx + nz + len(kept) + i, weights)
+    if held:
+        hold(phase, index, layout, rows, scatter, stage.outputs)
     gather, constants = gather_points(phase, layout)
     if isinstance(layout.mesh, MovingMesh):
         tie_intervals(layout.mesh, index, layout, rows, linear)
@@ -152,7 +158,12 @@ def _stage(phase: Phase, layout: PhaseLayout) -> Stage:
     sums = path_rows(path_constraints(phase, Where.INTEGRAL), point)
     rates = (s.duration * part for part in (dae.rates(point), sums, integrand))
     y = ca.vertcat(next(rates), dae.residual(point), path, *rates)
-    return Stage(s.unknowns, s.constants, y, costed=int(y.numel()) - 1 if phase.integrals else None)
+    costed = int(y.numel()) - 1 if phase.integrals else None
+    if not dae.invariants:
+        return Stage(s.unknowns, s.constants, y, costed)
+    c = ca.SX.sym("c", len(dae.invariants))
+    y = ca.vertcat(y, dae.correction(point, c), dae.invariant(point))
+    return Stage(ca.vertcat(s.unknowns, c), s.constants, y, costed)
 
 
 def _fraction(layout: PhaseLayout, place: int) -> float:
@@ -169,7 +180,8 @@ def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:
         np.array([s.column for s in interval_scalars(layout, k) if s.column is not None], dtype=int)
         for k in range(len(layout.intervals))
     ]
-    size = nx + nz + nu + len(shared[0])
+    scalars = len(shared[0])
+    size = nx + nz + nu + scalars + len(dae.invariants)
     gather = Triplets()
     owners = layout.place_owner
     interpolations = {id(i.scheme): i.scheme.control_at_nodes for i in layout.intervals}
@@ -180,7 +192,10 @@ def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:
         for site, coefficient in enumerate(interpolations[id(interval.scheme)][j]):
             if coefficient:
                 gather.add(base + nx + nz + np.arange(nu), interval.controls[site], coefficient)
-        gather.add(base + nx + nz + nu + np.arange(len(shared[k])), shared[k], 1.0)
+        gather.add(base + nx + nz + nu + np.arange(scalars), shared[k], 1.0)
+        if dae.invariants and interval.scheme.nodes[j] > 0.0:
+            corrections = interval.corrections[j - int(interval.scheme.nodes[0] == 0.0)]
+            gather.add(base + nx + nz + nu + scalars + np.arange(len(corrections)), corrections, 1.0)
     fixed = [scalar.value for scalar in interval_scalars(layout, 0) if scalar.column is None]
     constants = np.vstack([taus(layout, owners), *(np.full(len(owners), value) for value in fixed)])
     return gather, constants

@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from robotraj.constraints import Where
+from robotraj.dynamics import Named
 from robotraj.dynamics.system import as_rows
 from robotraj.errors import InputError
 from robotraj.links import BoundLink, Ends
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import path_constraints, path_rows, phase_scalars, point_symbols
-from robotraj.transcription.layout import PhaseLayout
+from robotraj.transcription.holding import start_rows
+from robotraj.transcription.layout import PhaseLayout, entries_of
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.table import Entry, ScalarTable
 from robotraj.transcription.triplets import Triplets
@@ -88,19 +90,50 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
     return blocks
 
 
-def link_block(link: BoundLink, phases: Sequence[Phase], layouts: Sequence[PhaseLayout], rows: ScalarTable) -> Block:
-    """Rows of a link between phases."""
+def start_block(
+    phases: Sequence[Phase], index: int, layout: PhaseLayout, links: Sequence[BoundLink], rows: ScalarTable
+) -> Block | None:
+    """Rows I(x) = 0 at the first knot of a phase, None where none is needed."""
+    phase = phases[index]
+    if not phase.dae.invariants:
+        return None
+    kept = start_rows(phases, index, links)
+    if not kept:
+        return None
+    ends = EndSymbols(phase, layout)
+    y = phase.dae.invariant(ends.points[0])[kept]
+    entries = [entries_of(index, phase.dae.invariants)[i] for i in kept]
+    added = rows.add(entries, np.zeros(1), 0.0, 0.0)[0]
+    return single(ends.unknowns, ends.constants, y, ends.columns, ends.values, added)
+
+
+def link_unknowns(link: BoundLink, columns: ScalarTable) -> NDArray[np.int_]:
+    """Add the columns of a link's own unknowns."""
+    phase = link.phases[0]
+    return columns.add([Entry(phase, v.quantity, v.label, v.unit) for v in link.unknowns], np.ones(1))[0]
+
+
+def link_block(
+    link: BoundLink,
+    phases: Sequence[Phase],
+    layouts: Sequence[PhaseLayout],
+    own: NDArray[np.int_],
+    rows: ScalarTable,
+) -> Block:
+    """Rows of a link between phases; ``own`` are the columns of its unknowns."""
     ends = [EndSymbols(phases[i], layouts[i]) for i in link.phases]
-    values: Any = link.expression([Ends(*e.points) for e in ends])
+    brought = ca.SX.sym("b", len(own))
+    known = Named("unknown of the link", [v.name for v in link.unknowns], brought)
+    values: Any = link.expression([Ends(*e.points) for e in ends], known)
     y = ca.vertcat(*as_rows(values, f"expression of {link.name}"))
     entries = [Entry(link.phases[0], r.name, r.joint or "", r.unit) for r in link.rows]
     bounds = np.array([r.lower for r in link.rows]), np.array([r.upper for r in link.rows])
     added = rows.add(entries, np.array([1.0]), *bounds)
     return single(
-        ca.vertcat(*(e.unknowns for e in ends)),
+        ca.vertcat(*(e.unknowns for e in ends), brought),
         ca.vertcat(*(e.constants for e in ends)),
         y,
-        np.concatenate([e.columns for e in ends]),
+        np.concatenate([*(e.columns for e in ends), own]),
         np.concatenate([e.values for e in ends]),
         added[0],
     )

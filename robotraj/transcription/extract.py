@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.polynomials import integrals, lobatto_sites
+from robotraj.polynomials import basis, integrals, lobatto_sites
 from robotraj.schemes import OneStep
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.nlp import Nlp
@@ -44,6 +44,12 @@ def extract(nlp: Nlp, w: Array) -> tuple[PhaseTrajectory, ...]:
     return tuple(_phase(nlp, i, w) for i in range(len(nlp.layouts)))
 
 
+def correction_basis(nodes: Array, tau: Array) -> Array:
+    """Polynomials of the corrections: 0 at the left knot, and each 1 at its own node above it; (len(tau), r)."""
+    inner = nodes[nodes > 0.0]
+    return basis(np.concatenate([[0.0], inner]), tau)[:, 1:]
+
+
 def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
     layout, block = nlp.layouts[index], nlp.blocks[index]
     phase = nlp.problem.phases[index]
@@ -52,7 +58,9 @@ def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
     if isinstance(layout.intervals[0].scheme, OneStep):
         curves = shot_polynomials(phase, layout, block, w)
         return PhaseTrajectory(t0, duration, *curves, curves[0].breaks, parameters)
-    rates = block.outputs(w)[: len(phase.dae.states)].T
+    nx, held = len(phase.dae.states), len(phase.dae.invariants)
+    outputs = block.outputs(w).T
+    rates, corrections = outputs[:, :nx], outputs[:, outputs.shape[1] - held - nx : outputs.shape[1] - held]
     breaks = layout.breaks(w)
     x_sites, x_values, z_sites, z_values, u_sites, u_values = [], [], [], [], [], []
     points = []
@@ -60,7 +68,10 @@ def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
         nodes = interval.scheme.nodes
         sites = lobatto_sites(len(nodes) + 1)
         x_sites.append(sites)
-        x_values.append(w[interval.left] + integrals(nodes, sites) @ (interval.clock.length * rates[interval.places]))
+        values = w[interval.left] + integrals(nodes, sites) @ (interval.clock.length * rates[interval.places])
+        if held:
+            values += correction_basis(nodes, sites) @ corrections[interval.places[nodes > 0.0]]
+        x_values.append(values)
         z_sites.append(nodes)
         z_values.append(w[interval.algebraic])
         u_sites.append(interval.scheme.control_sites)

@@ -23,7 +23,7 @@ from robotraj.schemes import OneStep
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import interval_scalars, point_symbols
 from robotraj.transcription.ends import single
-from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.extract import PhaseTrajectory, correction_basis
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
 from robotraj.transcription.shooting_guards import shot_guards
 from robotraj.transcription.table import Entry, Indices, ScalarTable
@@ -162,13 +162,13 @@ def add_guards(
         if row.variable is not None:
             component = [s.name for s in phase.dae.states].index(row.variable)
             at = rows.add([entry], fraction, row.lower, row.upper)[0]
-            _polynomial(at, np.array([component]), interval, guard.tau, linear, scatter, width)
+            _polynomial(at, np.array([component]), phase, interval, guard.tau, linear, scatter, width)
             continue
         states = columns.add(entries_of(guard.phase, phase.dae.states), fraction)[0]
         defects = [Entry(guard.phase, "state between collocation points", s.label, s.unit) for s in phase.dae.states]
         at = rows.add(defects, fraction, 0.0, 0.0)[0]
         linear.add(at, states, -1.0)
-        _polynomial(at, np.arange(len(states)), interval, guard.tau, linear, scatter, width)
+        _polynomial(at, np.arange(len(states)), phase, interval, guard.tau, linear, scatter, width)
         shared = interval_scalars(layout, guard.interval)
         s = point_symbols(phase, shared)
         point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
@@ -188,6 +188,7 @@ def add_guards(
 def _polynomial(
     at: Indices,
     components: Indices,
+    phase: Phase,
     interval: IntervalLayout,
     tau: float,
     linear: Triplets,
@@ -199,3 +200,9 @@ def _polynomial(
     weights = integrals(interval.scheme.nodes, np.array([tau]))[0]
     for place, weight in zip(interval.places, weights, strict=True):
         scatter.add(at, place * width + components, interval.clock.length * weight)
+    held, nodes = len(phase.dae.invariants), interval.scheme.nodes
+    if held:
+        first = width - held - len(phase.dae.states)
+        shares = correction_basis(nodes, np.array([tau]))[0]
+        for place, share in zip(interval.places[nodes > 0.0], shares, strict=True):
+            scatter.add(at, place * width + first + components, share)

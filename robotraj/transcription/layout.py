@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.schemes import Mesh, MovingMesh, SingleShooting
+from robotraj.errors import InputError
+from robotraj.schemes import Mesh, MovingMesh, OneStep, SingleShooting
 from robotraj.transcription.table import Entry, ScalarTable
 
 if TYPE_CHECKING:
@@ -74,6 +75,8 @@ class IntervalLayout:
         Columns of u at each control site.
     places : Indices (s,)
         The evaluation of the stage function that serves each node.
+    corrections : Indices (r, ni)
+        Columns of the corrections that hold the invariants, at the r nodes above 0; each is read at its node's place.
     """
 
     scheme: Any
@@ -86,6 +89,7 @@ class IntervalLayout:
     algebraic: Indices
     controls: Indices
     places: Indices
+    corrections: Indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +148,8 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     if isinstance(schemes[0], SingleShooting):
         schemes, breaks = (schemes[0].over(breaks),), np.array([0.0, 1.0])
     lengths = np.diff(breaks)
+    invariants = [Entry(index, "correction", v.label, v.unit) for v in dae.invariants]
+    _check_holds(phase, schemes)
     knots = [table.add(x, breaks[:1])[0]]
     clocks = _clocks(mesh, breaks, index, t0, duration, table)
     moving = isinstance(mesh, MovingMesh)
@@ -171,12 +177,36 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
             places[0] = before.places[-1]
         places[fresh] = np.arange(len(owners), len(owners) + len(fresh))
         owners += [(k, j) for j in fresh]
+        corrections = table.add(invariants, start + length * nodes[nodes > 0.0])
         intervals.append(
             IntervalLayout(
-                scheme, start, length, clocks[k], states, knots[k], knots[k + 1], algebraic, controls, places
+                scheme,
+                start,
+                length,
+                clocks[k],
+                states,
+                knots[k],
+                knots[k + 1],
+                algebraic,
+                controls,
+                places,
+                corrections,
             )
         )
     return PhaseLayout(mesh, np.array(knots), tuple(intervals), t0, duration, parameters, tuple(owners))
+
+
+def _check_holds(phase: Phase, schemes: Sequence[Any]) -> None:
+    """Refuse schemes that have no collocation point at the end of an interval, where invariants must hold."""
+    if not phase.dae.invariants:
+        return
+    for scheme in schemes:
+        if isinstance(scheme, OneStep) or scheme.nodes[-1] != 1.0:
+            names = ", ".join(dict.fromkeys(v.label for v in phase.dae.invariants))
+            raise InputError(
+                f"Phase {phase.name!r} holds {names} at its knots, but {type(scheme).__name__} collocates nothing "
+                "there; use a Lobatto or Radau scheme such as rt.HermiteSimpson() or rt.RadauIIA(3)."
+            )
 
 
 def _clocks(mesh: Mesh, breaks: Array, index: int, t0: Scalar, duration: Scalar, table: ScalarTable) -> list[Clock]:

@@ -39,6 +39,8 @@ class Nlp:
     problem : Problem
     layouts : tuple of PhaseLayout
         Where each phase's unknowns stand.
+    link_columns : tuple of ndarray of int
+        Where the unknowns of each link stand.
     variables, rows : Scalars
         Meaning, time and bounds of the columns and of the rows.
     blocks : tuple of Block
@@ -53,6 +55,7 @@ class Nlp:
 
     problem: Problem
     layouts: tuple[PhaseLayout, ...]
+    link_columns: tuple[NDArray[np.int_], ...]
     variables: Scalars
     rows: Scalars
     blocks: tuple[Block, ...]

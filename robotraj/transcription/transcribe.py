@@ -15,7 +15,14 @@ from robotraj.guess import Guess, PhaseGuess, StraightLine
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import collocate
-from robotraj.transcription.ends import end_constraint_blocks, link_block, mayer_block, widen
+from robotraj.transcription.ends import (
+    end_constraint_blocks,
+    link_block,
+    link_unknowns,
+    mayer_block,
+    start_block,
+    widen,
+)
 from robotraj.transcription.guards import Guard, add_guards
 from robotraj.transcription.layout import PhaseLayout, lay_out
 from robotraj.transcription.nlp import Nlp
@@ -72,9 +79,15 @@ def transcribe(
         else:
             points.append(collocate(phase, i, layout, rows, linear))
         blocks += end_constraint_blocks(phase, i, layout, rows)
+        started = start_block(problem.phases, i, layout, problem.bound_links, rows)
+        blocks += [started] if started else []
         mayer = mayer_block(phase, layout)
         blocks += [mayer] if mayer else []
-    blocks += [link_block(link, problem.phases, layouts, rows) for link in problem.bound_links]
+    unknowns = tuple(link_unknowns(link, columns) for link in problem.bound_links)
+    blocks += [
+        link_block(link, problem.phases, layouts, own, rows)
+        for link, own in zip(problem.bound_links, unknowns, strict=True)
+    ]
     widths = [block.stage.outputs for block, _, _ in points]
     scatters = [scatter for _, _, scatter in points]
     blocks += add_guards(guards, problem.phases, layouts, columns, rows, linear, scatters, widths)
@@ -89,6 +102,7 @@ def transcribe(
     return Nlp(
         problem,
         layouts,
+        unknowns,
         variables,
         constraints,
         tuple(every),
