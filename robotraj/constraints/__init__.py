@@ -4,9 +4,11 @@ from robotraj.constraints.base import AtEnd, AtStart, BoundConstraint, Constrain
 from robotraj.constraints.between import Between, Bounds, as_bounds, between
 from robotraj.constraints.clearance import GroundClearance
 from robotraj.constraints.frame_pose import FramePose, FramePosition
+from robotraj.constraints.heights import RequiredHeight, SwingApex
 from robotraj.constraints.integral import IntegralConstraint
 from robotraj.constraints.joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity, own_limits
 from robotraj.constraints.path import PathConstraint
+from robotraj.constraints.spots import CollisionShapes
 from robotraj.constraints.variable_bounds import VariableBounds
 
 __all__ = [
@@ -15,6 +17,7 @@ __all__ = [
     "Between",
     "BoundConstraint",
     "Bounds",
+    "CollisionShapes",
     "Constraint",
     "FramePose",
     "FramePosition",
@@ -25,7 +28,9 @@ __all__ = [
     "JointPosition",
     "JointVelocity",
     "PathConstraint",
+    "RequiredHeight",
     "Row",
+    "SwingApex",
     "VariableBounds",
     "Where",
     "as_bounds",

@@ -1,4 +1,4 @@
-"""Frames that keep a height above the ground."""
+"""Frames, points and shapes that keep a height above the ground."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robotraj.constraints.base import BoundConstraint, Constraint, Row, robot_of
+from robotraj.constraints.base import BoundConstraint, Constraint, Row, robot_of, symbols_of
+from robotraj.constraints.heights import RequiredHeight, required_height
+from robotraj.constraints.spots import CollisionShapes, spots_of
 from robotraj.errors import InputError
 from robotraj.terrain import Flat, Ground, as_ground
 
@@ -18,37 +20,55 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class GroundClearance(Constraint):
-    """Vertical clearance of frames: z_f(q) - h(x_f, y_f) >= height.
+    """Vertical clearance of places on the robot: z_p(q) - h(x_p, y_p) >= height.
+
+    Held at every collocation point, and looked for between them.
 
     Parameters
     ----------
-    frames : str or sequence of str
-        Frames whose origins are kept clear.
-    height : float
-        Clearance [m].
+    frames : str, (str, offset), CollisionShapes, or sequence of these
+        Frames whose origins are kept clear; points ``("foot", (0.1, 0, -0.02))`` fixed in a frame [m];
+        ``rt.CollisionShapes("foot")``, the shapes that the URDF gives a link.
+    height : float, RequiredHeight or callable
+        Clearance [m]; ``rt.SwingApex(0.05, start, end)`` over the way of a swing foot; or a function of the point.
     ground : Ground or callable
-        ``rt.Flat()`` (the default), ``rt.Slope(...)`` or any function of (x, y) written with CasADi.
+        ``rt.Flat()`` (the default), ``rt.Slope``, ``rt.Steps``, ``rt.HeightMap`` or any function of (x, y) written
+        with CasADi.
     """
 
-    frames: str | Sequence[str]
-    height: float = 0.0
+    frames: str | CollisionShapes | Sequence[Any]
+    height: float | RequiredHeight | Any = 0.0
     ground: Ground | Any = field(default_factory=Flat)
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
-        """Write one row for each frame."""
-        robot = robot_of(dynamics, "GroundClearance")
-        names = (self.frames,) if isinstance(self.frames, str) else tuple(self.frames)
-        if not names:
+        """Write one row for each place, or as many as there are heights to reach.
+
+        Raises
+        ------
+        InputError
+            Nothing is named, an unknown frame or parameter, a height or ground that is none.
+        """
+        spots = spots_of(self.frames, robot_of(dynamics, "GroundClearance"))
+        if not spots:
             raise InputError("GroundClearance names no frame.")
-        for name in names:
-            robot.frame(name)
-        if not np.isfinite(self.height):
-            raise InputError(f"GroundClearance of {', '.join(names)}: the height is {self.height}; give metres.")
         ground = as_ground(self.ground)
+        labels = [spot.label for spot in spots]
+        height = required_height(self.height, f"GroundClearance of {', '.join(labels[:3])}")
+
+        def gaps(point: Any) -> list[tuple[Any, Any]]:
+            places = [spot.position(point) for spot in spots]
+            return [(spot.gap(point, place, ground), place) for spot, place in zip(spots, places, strict=True)]
+
+        if not isinstance(height, RequiredHeight):
+            rows = tuple(Row("ground clearance", "m", height, np.inf, label) for label in labels)
+            return BoundConstraint("ground clearance", rows, lambda point: [gap for gap, _ in gaps(point)])
 
         def expression(point: Any) -> list[Any]:
-            positions = [point.frame(name).position for name in names]
-            return [p[2] - ground.height(p[0], p[1]) for p in positions]
+            return [gap - h for gap, place in gaps(point) for h in height.heights(point, place).values()]
 
-        rows = tuple(Row("ground clearance", "m", float(self.height), np.inf, name) for name in names)
+        point = symbols_of(dynamics, parameters)
+        names = [list(height.heights(point, spot.position(point))) for spot in spots]
+        rows = tuple(
+            Row(name, "m", 0.0, np.inf, label) for label, of_spot in zip(labels, names, strict=True) for name in of_spot
+        )
         return BoundConstraint("ground clearance", rows, expression)

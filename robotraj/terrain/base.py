@@ -31,15 +31,25 @@ class Ground(ABC):
 
     def height(self, x: Any, y: Any) -> Any:
         """Height of the ground [m] at world position (x, y) [m]; symbolic where x and y are."""
-        return self._evaluate(x, y)[0]
+        return self.plane(x, y)[0]
 
     def at(self, x: Any, y: Any) -> list[Any]:
         """Point [x, y, h(x, y)] [m] on the ground."""
         return [x, y, self.height(x, y)]
 
+    def plane(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
+        """Tangent plane at (x, y): height h [m] and slopes h_x, h_y, from one evaluation."""
+        if any(isinstance(value, ca.SX | ca.MX | ca.DM) for value in (x, y)):
+            return tuple(self._sampler(x, y))
+        xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        if not xs.shape:
+            return tuple(float(value) for value in self._sampler(float(xs), float(ys)))  # type: ignore[return-value]
+        values = self._sampler.map(xs.size)(xs.reshape(1, -1), ys.reshape(1, -1))
+        return tuple(np.array(value).reshape(xs.shape) for value in values)  # type: ignore[return-value]
+
     def normal(self, x: Any, y: Any) -> list[Any]:
         """Upward unit normal n = (-h_x, -h_y, 1) / sqrt(1 + h_x^2 + h_y^2), as a list of 3."""
-        _, slope_x, slope_y = self._evaluate(x, y)
+        _, slope_x, slope_y = self.plane(x, y)
         scale = (1.0 + slope_x * slope_x + slope_y * slope_y) ** -0.5
         return [-slope_x * scale, -slope_y * scale, scale]
 
@@ -48,7 +58,7 @@ class Ground(ABC):
 
         t1 = (1, 0, h_x) / sqrt(1 + h_x^2) points along world x, in the x-z plane; t2 = n x t1.
         """
-        _, slope_x, slope_y = self._evaluate(x, y)
+        _, slope_x, slope_y = self.plane(x, y)
         steep = 1.0 + slope_x * slope_x
         along, up = steep**-0.5, (steep + slope_y * slope_y) ** -0.5
         first = [along, 0.0 * slope_x, slope_x * along]
@@ -75,15 +85,6 @@ class Ground(ABC):
         height = ca.densify(ca.SX(self.surface(x, y)))
         slopes = (ca.densify(ca.jacobian(height, s)) for s in (x, y))
         return ca.Function("ground", [x, y], [height, *slopes])
-
-    def _evaluate(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
-        if any(isinstance(value, ca.SX | ca.MX | ca.DM) for value in (x, y)):
-            return tuple(self._sampler(x, y))
-        xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        if not xs.shape:
-            return tuple(float(value) for value in self._sampler(float(xs), float(ys)))  # type: ignore[return-value]
-        values = self._sampler.map(xs.size)(xs.reshape(1, -1), ys.reshape(1, -1))
-        return tuple(np.array(value).reshape(xs.shape) for value in values)  # type: ignore[return-value]
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the fields only; the function is traced again where it is wanted."""
