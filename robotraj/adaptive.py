@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from robotraj.errors import InputError
 from robotraj.guess import Guess
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Problem
 from robotraj.records import MeshStep
 from robotraj.refinement import Assessment, Refinement, assess
-from robotraj.schemes import Collocation, Mesh, MovingMesh
+from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.solution import Solution
 from robotraj.solvers import Progress, Solver
 from robotraj.solving import GUARD_TOLERANCE, solve
@@ -21,6 +20,8 @@ from robotraj.status import Status
 
 MOST_MESHES = 25
 """Meshes tried before the tolerance is given up."""
+MOST_INTERVALS = 10_000
+"""Intervals of all phases beyond which the tolerance is given up: the rest is round-off, or asks for a higher order."""
 ROOM = 0.1
 """How far the lengths of moving intervals change from one mesh to the next, relative to themselves."""
 SMALL = 1e-2
@@ -40,19 +41,8 @@ def adapt(
 
     Each mesh starts from the solution on the one before. A solution whose tolerance was not reached says so in its
     status.
-
-    Raises
-    ------
-    InputError
-        A scheme of a mesh is no collocation scheme.
     """
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
-    for scheme in (scheme for m in meshes for scheme in m.schemes):
-        if not isinstance(scheme, Collocation):
-            raise InputError(
-                f"tolerance= refines meshes of collocation schemes; {type(scheme).__name__} has no estimate of its "
-                "error from residuals. Give rt.Adaptive(tolerance) to shooting, or a finer mesh."
-            )
     steps: list[MeshStep] = []
     # Below 1e-7 a guard would chase the solver's own round-off.
     between = min(GUARD_TOLERANCE, max(1e-7, 0.1 * tolerance))
@@ -86,8 +76,15 @@ def adapt(
         # Errors that hold while the objective still moves are too large for the objective.
         goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
         pairs = zip(solution.phases, assessments, strict=True)
-        meshes = [_next(part, seen, refinement, goal) for part, seen in pairs]
+        meshes = [_next(part, seen, refinement, tolerance if _stepped(part) else goal) for part, seen in pairs]
+        if sum(m.count for m in meshes) > MOST_INTERVALS:
+            return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
         known = solution
+
+
+def _stepped(part: PhaseSolution) -> bool:
+    """Whether a phase is stepped from knot to knot; until the objective settles, its controls are cut finer anyway."""
+    return any(isinstance(scheme, OneStep) for scheme in part.mesh.schemes)
 
 
 def _next(part: PhaseSolution, assessment: Assessment, refinement: Refinement, tolerance: float) -> Mesh:

@@ -44,9 +44,11 @@ def plan(
         ``rt.Ipopt()`` by default.
     tolerance : float, optional
         Refine the mesh until the relative error between the knots (``refinement.interval_errors``) is below this and
-        the objective has settled to it.
+        the objective has settled to it. Any scheme; those of low order, shooting with constant controls above all,
+        take many intervals to settle. A tolerance that was not reached is said in the status.
     refinement : Refinement, optional
-        How meshes are refined; ``rt.SplitOrRaise()`` (hp) by default.
+        How meshes are refined; ``rt.SplitOrRaise()`` (hp) by default, which splits the intervals of shooting and
+        compressed collocation (h), since they have no order to raise.
     stages : sequence of Stage
         Easier problems solved first, each the guess of the next: coarser meshes, fewer constraints, simpler
         objectives. The last stage, the problem itself, is understood.

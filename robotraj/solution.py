@@ -19,7 +19,6 @@ from robotraj.problem import Phase, Problem
 from robotraj.records import MeshStep, StageRecord
 from robotraj.refinement import interval_errors
 from robotraj.sample import Sample, join
-from robotraj.schemes import Collocation
 from robotraj.solvers import Multipliers
 from robotraj.status import Status
 from robotraj.storage import Contents, read, write
@@ -93,10 +92,9 @@ class Solution:
     def error(self) -> float | None:
         """Largest relative error of an interval between its nodes (``refinement.interval_errors``).
 
-        None where a scheme is no collocation scheme, or equations are missing from a file.
+        None where equations are missing from a file.
         """
-        schemes = [scheme for part in self.phases for scheme in part.mesh.schemes]
-        if self.problem.missing or not all(isinstance(scheme, Collocation) for scheme in schemes):
+        if self.problem.missing:
             return None
         return max(float(interval_errors(part.phase, part.trajectory).max()) for part in self.phases)
 

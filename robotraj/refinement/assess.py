@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj.constraints import Row, Where
 from robotraj.dynamics.system import as_rows
+from robotraj.polynomials import basis
 from robotraj.refinement.error import interval_errors
 from robotraj.refinement.strategy import Assessment
 from robotraj.transcription.extract import PhaseTrajectory
@@ -29,6 +30,7 @@ def assess(phase: Phase, trajectory: PhaseTrajectory, settled: bool, moving: boo
         _decays(trajectory),
         _broken(phase, trajectory),
         settled,
+        _coarse(trajectory, moving),
     )
 
 
@@ -46,6 +48,28 @@ def _jumps(trajectory: PhaseTrajectory, moving: bool) -> Array:
     # A switch may also stand between the last node of one interval and the first of the next.
     ends = np.array([np.max(np.abs(b[0] - a[-1]) / span) for a, b in zip(values[:-1], values[1:], strict=True)])
     return np.maximum(inside, np.maximum(np.append(ends, 0.0), np.append(0.0, ends)))
+
+
+def _coarse(trajectory: PhaseTrajectory, moving: bool) -> Array:
+    """Duration times the square of how far the neighbours' controls, carried on, miss the interval's own (K,).
+
+    For constants that is the step, for lines the kink; relative to the control's range over the phase. Steps on knots
+    that move belong there.
+    """
+    values, sites, lengths = trajectory.u.values, trajectory.u.sites, np.diff(trajectory.u.breaks)
+    missed = np.zeros(len(values))
+    if moving or not values[0].shape[1]:
+        return missed
+    span = np.ptp(np.vstack(list(values)), axis=0)
+    span = np.where(span > 0, span, 1.0)
+    middles = 0.5 * (trajectory.u.breaks[:-1] + trajectory.u.breaks[1:])
+    own = np.array([basis(at, np.array([0.5]))[0] @ value for at, value in zip(sites, values, strict=True)])
+    for k in range(len(values) - 1):
+        for here, there in ((k, k + 1), (k + 1, k)):
+            tau = np.array([0.5 + (middles[there] - middles[here]) / lengths[here]])
+            carried = basis(sites[here], tau)[0] @ values[here]
+            missed[there] = max(missed[there], np.max(np.abs(carried - own[there]) / span))
+    return np.asarray(lengths * missed**2)
 
 
 def _broken(phase: Phase, trajectory: PhaseTrajectory) -> Array:

@@ -8,6 +8,11 @@ relates that to the size of each state and takes the largest,
 
 Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at every sample, so that the rows of g
 count as well: for a robot by inverse dynamics this compares the planned acceleration with the true one.
+
+Schemes that step from knot to knot have the same estimate, by the polynomial that stands for their dense output: it
+tells how well the motion between two knots is integrated. For classical Runge-Kutta and compressed Hermite-Simpson it
+falls as h^4; for an adaptive integrator it is of the size of the integrator's own tolerance, whatever the mesh. How
+well constants or lines stand for the best control it does not tell: that only shows in the objective.
 Sources: Betts, Practical Methods for Optimal Control (2010), section 4.7.4; Kelly, SIAM Review 59 (2017), section 8.
 """
 

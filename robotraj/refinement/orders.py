@@ -15,7 +15,7 @@ import numpy as np
 
 from robotraj.errors import InputError
 from robotraj.refinement.strategy import Assessment, Refinement, SplitAndMerge, points_of
-from robotraj.schemes import Collocation, Mesh, Scheme
+from robotraj.schemes import Collocation, Mesh, OneStep, Scheme
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,8 @@ class RaiseOrder(Refinement):
 class SplitOrRaise(Refinement):
     """hp-refinement: raise the order where the states are smooth, split where they are not or a control jumps.
 
+    Shooting and compressed collocation have no order to raise and are split everywhere.
+
     Parameters
     ----------
     decay : float
@@ -73,6 +75,8 @@ class SplitOrRaise(Refinement):
 
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
         """Decide interval by interval."""
+        if any(isinstance(scheme, OneStep) for scheme in mesh.schemes):
+            return self.splitting.refine(mesh, assessment, tolerance)
         switching = self.splitting.switching(assessment)
         knots, schemes = [0.0], list[Scheme]()
         for k, scheme in enumerate(mesh.schemes):

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.errors import InputError
-from robotraj.schemes import Collocation, Mesh, Scheme
+from robotraj.schemes import Adaptive, Collocation, Mesh, OneStep, Scheme, Shooting
 
 Array = NDArray[np.float64]
+
+BULK = 0.8
+"""Part of what the controls' coarseness may cost that is cut at once: what is left falls to less than a half."""
+SHARE = 1e-2
+"""Tolerance of an adaptive integrator, relative to that of the mesh: what it leaves is not the mesh's to split."""
+LEAST = 1e-13
+"""Tolerance below which an adaptive integrator is not pushed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +37,9 @@ class Assessment:
         How far path rows that read controls or accelerations are broken inside every interval, relative to 1 + |bound|.
     settled : bool
         Whether the objective changed by less than the tolerance since the last mesh.
+    coarse : ndarray (K,)
+        What the controls' shape may cost: duration of the interval times the square of how far a neighbour's control,
+        carried on, would miss its own. Read for one-step schemes, whose control is no part of the residual.
     """
 
     errors: Array
@@ -37,6 +47,7 @@ class Assessment:
     decays: Array
     broken: Array
     settled: bool
+    coarse: Array
 
 
 class Refinement(ABC):
@@ -54,6 +65,12 @@ class SplitAndMerge(Refinement):
     The residual of s-point collocation falls as h^(s + 1), so an interval of error e is cut into
     ceil((2 e / tolerance)^(1 / (s + 1))) parts. Intervals inside which a control jumps are halved until the objective
     has settled: the residual does not see that a switch lies between two nodes.
+
+    Shooting and compressed collocation are split in the same way, by the order of their dense output, and never merged:
+    their knots carry the control as well. Their residual says how well the motion is integrated, not how well
+    constants or lines stand for the control, so until the objective has settled the intervals whose controls change
+    most are halved, enough of them to make up most of what all may cost. An adaptive integrator is given a tighter
+    tolerance before its intervals are split: what it leaves does not fall with their length.
 
     Parameters
     ----------
@@ -75,13 +92,14 @@ class SplitAndMerge(Refinement):
 
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
         """Split and merge."""
-        knots, schemes = mesh.knots, mesh.schemes
-        parts = np.array(
-            [self.parts(error, scheme, tolerance) for error, scheme in zip(assessment.errors, schemes, strict=True)]
-        )
+        knots, schemes, errors = mesh.knots, mesh.schemes, assessment.errors
+        tightened = tuple(_tightened(scheme, tolerance) for scheme in schemes)
+        if errors.max() > tolerance and tightened != schemes:
+            schemes, errors = tightened, np.zeros(len(errors))
+        parts = np.array([self.parts(error, scheme, tolerance) for error, scheme in zip(errors, schemes, strict=True)])
         if not assessment.settled:
-            switching = self.switching(assessment)
-            parts[switching] = np.maximum(parts[switching], 2)
+            halved = self.switching(assessment) | _bulk(assessment.coarse, schemes)
+            parts[halved] = np.maximum(parts[halved], 2)
         new_knots, new_schemes = [0.0], list[Scheme]()
         k = 0
         while k < len(parts):
@@ -110,17 +128,48 @@ class SplitAndMerge(Refinement):
         """Two neighbours that would stay far below the tolerance as one interval, away from switches."""
         if k + 1 >= len(parts) or parts[k] > 1 or parts[k + 1] > 1 or schemes[k] != schemes[k + 1]:
             return False
+        if isinstance(schemes[k], OneStep):
+            return False
         merged = assessment.errors[k : k + 2].max() * 2.0 ** _exponent(schemes[k])
         return bool(merged < 0.01 * tolerance and assessment.jumps[k : k + 2].max() < 0.1 * self.jump)
 
 
+def _bulk(coarse: Array, schemes: tuple[Scheme, ...]) -> NDArray[np.bool_]:
+    """Fewest intervals of one-step schemes that make up ``BULK`` of what all may cost; all where none costs any.
+
+    Source: Doerfler, A convergent adaptive algorithm for Poisson's equation, SIAM J. Numerical Analysis 33 (1996).
+    """
+    chosen = np.zeros(len(coarse), dtype=bool)
+    if not isinstance(schemes[0], OneStep):
+        return chosen
+    order = np.argsort(-coarse)
+    count = int(np.searchsorted(np.cumsum(coarse[order]), BULK * coarse.sum())) + 1
+    chosen[order[: count if coarse.sum() > 0 else None]] = True
+    return chosen
+
+
+def _tightened(scheme: Scheme, tolerance: float) -> Scheme:
+    """Give the same scheme with an adaptive integrator whose own error is far below the tolerance."""
+    if not isinstance(scheme, Shooting) or not isinstance(scheme.integrator, Adaptive):
+        return scheme
+    asked = max(SHARE * tolerance, LEAST)
+    if scheme.integrator.tolerance <= asked:
+        return scheme
+    return replace(scheme, integrator=replace(scheme.integrator, tolerance=asked))
+
+
 def _exponent(scheme: Scheme) -> int:
     """Power of the interval's length with which the residual's integral falls."""
-    return points_of(scheme) + 1
+    if isinstance(scheme, Shooting):
+        # Cubic pieces, one for each substep; adaptive integrators stand for one polynomial of their degree.
+        return 4 if scheme.order else scheme.degree + 1
+    return 4 if isinstance(scheme, OneStep) else points_of(scheme) + 1
 
 
 def points_of(scheme: Scheme) -> int:
     """Collocation points of an interval."""
     if not isinstance(scheme, Collocation):
-        raise InputError(f"{type(scheme).__name__} has no collocation points; refine a collocation scheme.")
+        raise InputError(
+            f"{type(scheme).__name__} has no collocation points to raise; refine it with rt.SplitAndMerge()."
+        )
     return len(scheme.nodes)

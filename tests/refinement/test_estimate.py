@@ -11,9 +11,9 @@ from scipy.integrate import solve_ivp
 
 import robotraj as rt
 from robotraj.refinement import assess, interval_errors
-from robotraj.schemes import Collocation
+from robotraj.schemes import Collocation, Scheme, Shooting
 
-SCHEMES: list[Collocation] = [
+COLLOCATION: list[Collocation] = [
     rt.Trapezoidal(),
     rt.HermiteSimpson(),
     rt.LobattoIIIA(4),
@@ -27,9 +27,19 @@ SCHEMES: list[Collocation] = [
     rt.GaussLegendre(3),
     rt.GaussLegendre(4),
 ]
+STEPPED: list[Scheme] = [
+    rt.CompressedHermiteSimpson(),
+    *(rt.MultipleShooting(rt.RungeKutta4(substeps)) for substeps in (1, 2, 4, 8)),
+    rt.SingleShooting(rt.RungeKutta4(1)),
+    rt.SingleShooting(),
+]
+CVODES = [rt.Adaptive(1e-4, stiff=True), rt.Adaptive(1e-6), rt.Adaptive(1e-8, stiff=True), rt.Adaptive(1e-10)]
+SHOT = [family(integrator) for family in (rt.MultipleShooting, rt.SingleShooting) for integrator in CVODES]
 
 
-def name(scheme: Collocation) -> str:
+def name(scheme: Scheme) -> str:
+    if isinstance(scheme, Shooting):
+        return f"{type(scheme).__name__}-{scheme.integrator}"
     return f"{type(scheme).__name__}-{len(scheme.nodes)}"
 
 
@@ -52,7 +62,7 @@ def _cubed(point: Any) -> Any:
     return a**3 + a
 
 
-def planned(scheme: Collocation, intervals: int, system: rt.System = SWING) -> rt.solution.PhaseSolution:
+def planned(scheme: Scheme, intervals: int, system: rt.System = SWING) -> rt.solution.PhaseSolution:
     """The initial value problem q = 1, w = 0 over 2 s."""
     phase = rt.Phase(system, 2.0, rt.State([1, 0]))
     return rt.plan(phase, rt.Mesh(intervals, scheme), solver=rt.Ipopt(tolerance=1e-12)).phases[0]
@@ -76,20 +86,52 @@ def true_errors(part: rt.solution.PhaseSolution) -> Any:
     return np.array(found)
 
 
-@pytest.mark.parametrize("scheme", SCHEMES, ids=name)
-def test_the_estimate_bounds_the_true_error_of_every_interval_and_is_of_its_size(scheme: Collocation) -> None:
+@pytest.mark.parametrize("scheme", [*COLLOCATION, *STEPPED, *SHOT], ids=name)
+def test_the_estimate_bounds_the_true_error_of_every_interval_and_is_of_its_size(scheme: Scheme) -> None:
     part = planned(scheme, 16)
     ours, true = estimate(part), true_errors(part)
     assert np.all(true <= 1.25 * ours)
     assert true.max() >= 0.1 * ours.max()
 
 
-@pytest.mark.parametrize("scheme", SCHEMES, ids=name)
+@pytest.mark.parametrize("scheme", COLLOCATION, ids=name)
 def test_the_estimate_falls_by_one_order_more_than_the_scheme_has_points(scheme: Collocation) -> None:
     """The residual vanishes at s points, so it is of order h^s, and its integral over an interval of h^(s + 1)."""
     meshes = (16, 32) if len(scheme.nodes) > 3 else (64, 128)
     coarse, fine = (estimate(planned(scheme, n)).max() for n in meshes)
     assert np.log2(coarse / fine) == pytest.approx(len(scheme.nodes) + 1, abs=0.25)
+
+
+@pytest.mark.parametrize("scheme", STEPPED, ids=name)
+def test_estimate_and_true_error_of_stepped_schemes_fall_with_their_order(scheme: Scheme) -> None:
+    coarse, fine = (planned(scheme, n) for n in (32, 64))
+    for error in (estimate, true_errors):
+        assert np.log2(error(coarse).max() / error(fine).max()) == pytest.approx(4, abs=0.25)
+
+
+def test_substeps_make_shooting_accurate_within_an_interval() -> None:
+    one, two, four = (estimate(planned(rt.MultipleShooting(rt.RungeKutta4(n)), 16)).max() for n in (1, 2, 4))
+    assert one > 8 * two > 16 * four
+
+
+@pytest.mark.parametrize("integrator", CVODES, ids=str)
+@pytest.mark.parametrize("intervals", [8, 32])
+def test_an_adaptive_integrator_errs_by_its_own_tolerance_on_any_mesh(integrator: rt.Adaptive, intervals: int) -> None:
+    error = estimate(planned(rt.MultipleShooting(integrator), intervals)).max()
+    assert 0.1 * integrator.tolerance < error < 30 * integrator.tolerance
+
+
+def test_the_compressed_form_has_the_estimate_of_the_separated_one() -> None:
+    """They are the same polynomials; the absolute residual is integrated at six points here, at five there."""
+    compressed, separated = (estimate(planned(s, 16)) for s in (rt.CompressedHermiteSimpson(), rt.HermiteSimpson()))
+    np.testing.assert_allclose(compressed, separated, rtol=0.2)
+
+
+@pytest.mark.parametrize("scheme", [*COLLOCATION, *STEPPED, rt.MultipleShooting(rt.Adaptive())], ids=name)
+def test_a_solution_tells_its_error_by_any_scheme(scheme: Scheme) -> None:
+    solution = rt.plan(rt.Phase(SWING, 2.0, rt.State([1, 0])), rt.Mesh(8, scheme))
+    assert solution.error == estimate(solution.phases[0]).max()
+    assert f"error between knots {solution.error:.1e}" in str(solution)
 
 
 def test_a_dae_has_the_estimate_of_its_differential_equation() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import robotraj as rt
 from robotraj import adaptive
@@ -107,9 +108,96 @@ def test_tolerances_that_make_no_sense(tolerance: float) -> None:
         rt.plan(swing_up(), tolerance=tolerance)
 
 
-def test_schemes_without_residual_are_refused() -> None:
-    with pytest.raises(rt.InputError, match="MultipleShooting"):
-        rt.plan(swing_up(), rt.Mesh(5, rt.MultipleShooting()), tolerance=1e-6)
+STEPPED: dict[Any, float] = {
+    rt.CompressedHermiteSimpson(): 1e-6,
+    rt.MultipleShooting(): 1e-4,
+    rt.MultipleShooting(rt.RungeKutta4(1), control=rt.LinearControl()): 1e-6,
+    rt.MultipleShooting(rt.Adaptive(), control=rt.LinearControl()): 1e-5,
+    rt.SingleShooting(rt.RungeKutta4(2), control=rt.LinearControl()): 1e-6,
+}
+"""Tolerances that take less than 200 intervals."""
+
+
+@pytest.mark.parametrize(("scheme", "tolerance"), STEPPED.items(), ids=str)
+def test_schemes_that_step_from_knot_to_knot_reach_the_tolerance_by_splitting(
+    optimum: float, scheme: Any, tolerance: float
+) -> None:
+    """The motion errs by no more than the tolerance from the exact one, and the objective from its optimum."""
+    solution = rt.plan(swing_up(), rt.Mesh(6, scheme), tolerance=tolerance, solver=rt.Ipopt(1e-10))
+    part = solution.phases[0]
+    assert set(part.mesh.schemes) == {scheme}
+    assert solution.error is not None and solution.error <= tolerance
+    assert local_errors(part) <= 1.25 * tolerance
+    assert solution.objective == pytest.approx(optimum, rel=tolerance)
+    assert solution.refinement[-1].intervals < 200
+
+
+def local_errors(part: rt.solution.PhaseSolution) -> float:
+    """Largest distance of an interval's motion from SciPy's from the same start under the same control; relative."""
+    worst, curve = 0.0, part.trajectory.x
+    size = 1 + np.max([np.abs(v).max(axis=0) for c in (curve, curve.derivative()) for v in c.values], axis=0)
+    for k, span in enumerate(zip(part.knots[:-1], part.knots[1:], strict=True)):
+
+        def rates(t: float, x: Any, k: int = k) -> Any:
+            return [x[1], part.trajectory.u(t, k)[0] - 9.81 * np.sin(x[0])]
+
+        times = np.linspace(*span, 9)
+        true = solve_ivp(rates, span, curve(span[0], k), "DOP853", times, rtol=1e-12, atol=1e-13).y.T
+        worst = max(worst, float(np.max(np.abs(curve(times, k) - true) / size)))
+    return worst
+
+
+def test_an_integrator_that_is_too_coarse_for_the_tolerance_is_tightened(optimum: float) -> None:
+    scheme = rt.MultipleShooting(rt.Adaptive(1e-3), control=rt.LinearControl())
+    solution = rt.plan(swing_up(), rt.Mesh(6, scheme), tolerance=1e-5)
+    (used,) = {s.integrator.tolerance for s in solution.phases[0].mesh.schemes if isinstance(s, rt.MultipleShooting)}
+    assert used == pytest.approx(1e-7)
+    assert local_errors(solution.phases[0]) <= 1e-5
+    assert solution.objective == pytest.approx(optimum, rel=1e-5)
+
+
+def test_constants_do_not_pass_for_settled_where_only_the_integration_is_accurate(optimum: float) -> None:
+    """Four Runge-Kutta steps hold 1e-4 on 12 intervals, whose constants cost percents of the objective."""
+    first = rt.plan(swing_up(), rt.Mesh(12, rt.MultipleShooting()))
+    assert first.error is not None and first.error < 1e-4
+    assert first.objective > 1.005 * optimum
+    last = rt.plan(swing_up(), rt.Mesh(12, rt.MultipleShooting()), tolerance=1e-4)
+    assert last.objective == pytest.approx(optimum, rel=1e-4)
+
+
+@pytest.mark.parametrize("scheme", STEPPED, ids=str)
+def test_an_order_that_a_scheme_does_not_have_is_not_raised(scheme: Any) -> None:
+    with pytest.raises(rt.InputError, match=rf"{type(scheme).__name__} has no collocation points.*SplitAndMerge"):
+        rt.plan(swing_up(), rt.Mesh(5, scheme), tolerance=1e-6, refinement=rt.RaiseOrder())
+
+
+def test_phases_of_shooting_and_of_collocation_are_refined_each_in_its_own_way() -> None:
+    """A block brought to rest by constants, then a swing from there by Radau."""
+    block = rt.System(["q", "w"], ["u"], lambda point: [point.x["w"], point.u["u"]])
+    limits = {"controls": {"u": rt.between(-2, 1)}}
+    fast = rt.Phase(block, (0.1, 20), rt.State([-10, 0]), rt.State([0, 0]), rt.Duration(), **limits)
+    effort = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    up = rt.Phase(PENDULUM, 1.5, None, rt.State([np.pi, 0]), effort)
+    meshes = [rt.Mesh(10, rt.MultipleShooting(rt.RungeKutta4(1))), rt.Mesh(6, rt.RadauIIA(3))]
+    solution = rt.plan(rt.Problem([fast, up], [rt.Continuity(0, 1)]), meshes, tolerance=1e-5)
+    alone = rt.plan(swing_up(), tolerance=1e-8)
+    assert solution.objective == pytest.approx(np.sqrt(30) + alone.objective, rel=1e-5)
+    assert {type(s) for s in solution.phases[0].mesh.schemes} == {rt.MultipleShooting}
+    assert {type(s) for s in solution.phases[1].mesh.schemes} == {rt.RadauIIA}
+
+
+def test_a_robot_is_refined_by_shooting() -> None:
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[1, np.pi], v=0)
+    phase = rt.Phase(rt.load("cartpole"), 2.0, *ends, rt.Effort())
+    shot = rt.plan(phase, rt.Mesh(20, rt.MultipleShooting(control=rt.LinearControl())), tolerance=1e-5)
+    assert shot.objective == pytest.approx(rt.plan(phase, tolerance=1e-8).objective, rel=1e-5)
+
+
+def test_more_intervals_than_help_are_not_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(adaptive, "MOST_INTERVALS", 40)
+    solution = rt.plan(swing_up(), rt.Mesh(10, rt.MultipleShooting()), tolerance=1e-8, check=False)
+    assert solution.status is rt.Status.TOLERANCE_NOT_REACHED
+    assert solution.refinement[-1].intervals <= 40
 
 
 def test_rows_are_held_between_the_knots_of_every_mesh() -> None:

@@ -17,10 +17,17 @@ SMOOTH, TOLERANCE = 3.0, 1e-6
 EVERY = [rt.SplitAndMerge(), rt.RaiseOrder(), rt.SplitOrRaise()]
 
 
-def seen(errors: Any, jumps: Any = 0.0, decays: Any = SMOOTH, broken: Any = 0.0, settled: bool = True) -> Assessment:
+def seen(
+    errors: Any,
+    jumps: Any = 0.0,
+    decays: Any = SMOOTH,
+    broken: Any = 0.0,
+    settled: bool = True,
+    coarse: Any = 0.0,
+) -> Assessment:
     errors = np.asarray(errors, dtype=float)
     further = (np.broadcast_to(value, errors.shape) for value in (jumps, decays, broken))
-    return Assessment(errors, *further, settled)
+    return Assessment(errors, *further, settled, np.broadcast_to(coarse, errors.shape))
 
 
 def points(mesh: rt.Mesh) -> list[int]:
@@ -52,6 +59,42 @@ def test_splitting_merges_neighbours_far_below_the_tolerance() -> None:
     assert_same(rt.SplitAndMerge().refine(mesh, near, TOLERANCE), mesh)
     switch = seen(np.full(4, 1e-5 * TOLERANCE), jumps=[0.0, 0.1, 0.1, 0.0])
     assert_same(rt.SplitAndMerge().refine(mesh, switch, TOLERANCE), mesh)
+
+
+@pytest.mark.parametrize("refinement", [rt.SplitAndMerge(), rt.SplitOrRaise()], ids=["h", "hp"])
+@pytest.mark.parametrize(
+    "scheme",
+    [rt.MultipleShooting(), rt.SingleShooting(), rt.CompressedHermiteSimpson()],
+    ids=lambda s: type(s).__name__,
+)
+def test_schemes_without_order_are_split_by_the_fourth_power_and_never_merged(refinement: Any, scheme: Any) -> None:
+    mesh = rt.Mesh(4, scheme)
+    refined = refinement.refine(mesh, seen(np.array([8, 40, 1e-9, 1e-9]) * TOLERANCE), TOLERANCE)
+    np.testing.assert_allclose(refined.knots, [0, 1 / 8, 1 / 4, 1 / 3, 5 / 12, 1 / 2, 3 / 4, 1], atol=1e-15)
+    assert set(refined.schemes) == {scheme}
+
+
+def test_the_coarsest_controls_of_shooting_are_halved_until_the_objective_has_settled() -> None:
+    mesh = rt.Mesh(4, rt.MultipleShooting())
+    small = np.full(4, 0.1 * TOLERANCE)
+    halved = rt.SplitAndMerge().refine(mesh, seen(small, coarse=[0.05, 0.3, 0.6, 0.05], settled=False), TOLERANCE)
+    np.testing.assert_allclose(halved.knots, [0, 0.25, 0.375, 0.5, 0.625, 0.75, 1])
+    every = rt.SplitAndMerge().refine(mesh, seen(small, coarse=0.0, settled=False), TOLERANCE)
+    assert every.count == 8
+    assert_same(rt.SplitAndMerge().refine(mesh, seen(small, coarse=[1.0, 0, 0, 0]), TOLERANCE), mesh)
+    collocated = rt.Mesh(4, rt.RadauIIA(3))
+    kept = rt.SplitAndMerge().refine(collocated, seen(small, coarse=1.0, settled=False), TOLERANCE)
+    assert_same(kept, collocated)
+
+
+def test_an_adaptive_integrator_is_tightened_before_its_intervals_are_split() -> None:
+    mesh = rt.Mesh(2, rt.MultipleShooting(rt.Adaptive(1e-6, stiff=True)))
+    errors = seen([10 * TOLERANCE, 0.0])
+    tight = rt.SplitAndMerge().refine(mesh, errors, TOLERANCE)
+    assert set(tight.schemes) == {rt.MultipleShooting(rt.Adaptive(0.01 * TOLERANCE, stiff=True))}
+    assert tight.count == 2
+    assert rt.SplitAndMerge().refine(tight, errors, TOLERANCE).count == 3
+    assert rt.SplitAndMerge().refine(mesh, seen([10 * TOLERANCE, 0.0], coarse=1.0, settled=False), TOLERANCE).count == 4
 
 
 def test_intervals_of_other_schemes_do_not_merge() -> None:
@@ -115,7 +158,7 @@ def test_every_interval_that_errs_gets_more_points_and_knots_stay_in_order(refin
     jumps = np.array(data.draw(st.lists(st.floats(0, 1), **per_interval)))
     decays = np.array(data.draw(st.lists(st.floats(0, 4), **per_interval)))
     broken = np.array(data.draw(st.lists(st.floats(0, 0.01), **per_interval)))
-    assessment = Assessment(errors, jumps, decays, broken, data.draw(st.booleans()))
+    assessment = Assessment(errors, jumps, decays, broken, data.draw(st.booleans()), np.zeros(count))
     mesh = refinement.refine(rt.Mesh(tuple(knots), tuple(schemes)), assessment, TOLERANCE)
     assert mesh.knots[0] == 0 and mesh.knots[-1] == 1 and np.all(np.diff(mesh.knots) > 0)
     after = np.array(points(mesh))
