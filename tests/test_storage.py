@@ -253,6 +253,11 @@ def every_constraint() -> list[Constraint]:
     return [
         *(kind(limits) for kind in sorted(JointLimit.__subclasses__(), key=lambda kind: kind.__name__)),
         rt.GroundClearance(["tip", "cart"], 0.05, rt.Flat(-0.0)),
+        rt.GroundClearance(
+            [rt.CollisionShapes("cart"), ("tip", (0.1, 0, 0))],
+            rt.SwingApex(0.1, "from", 1.0),
+            rt.Steps([0.0], [0, 0.1]),
+        ),
         rt.AtStart(rt.FramePosition("tip", [None, rt.between(0, np.inf), 0.1])),
         rt.FramePose("tip", (np.array([0.1, 0.2, 0.3]), np.array([0.0, 0.0, 0.0, 1.0]))),
         rt.FramePose("tip", pose),
@@ -264,6 +269,11 @@ def test_every_constraint_of_plain_data_survives(constraint: Constraint) -> None
     copy = there_and_back(constraint)
     assert type(copy) is type(constraint)
     assert repr(copy) == repr(constraint)
+
+
+def test_a_height_map_survives() -> None:
+    hills = rt.HeightMap(np.arange(20.0).reshape(4, 5) ** 2, (0.1, 0.2), (1 / 3, -0.0))
+    assert there_and_back(rt.GroundClearance("tip", ground=hills)) == rt.GroundClearance("tip", ground=hills)
 
 
 @dataclass(frozen=True)

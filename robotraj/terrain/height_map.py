@@ -92,6 +92,16 @@ class HeightMap(Ground):
             origin.append(places[0])
         return cls(heights, tuple(spacing), tuple(origin))
 
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, HeightMap)
+            and (self.spacing, self.origin) == (other.spacing, other.origin)
+            and np.array_equal(self.heights, other.heights)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.spacing, self.origin, self.heights.tobytes()))
+
     def surface(self, x: ca.SX, y: ca.SX) -> Any:
         """Height [m]."""
         n, m = self.heights.shape

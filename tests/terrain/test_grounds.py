@@ -86,7 +86,10 @@ def test_a_used_ground_can_be_pickled() -> None:
     for name in ("flat", "slope", "steps", "height map"):
         ground = GROUNDS[name]
         before = ground.height(0.1, 0.2)
-        assert pickle.loads(pickle.dumps(ground)).height(0.1, 0.2) == before
+        copy = pickle.loads(pickle.dumps(ground))
+        assert (copy, hash(copy)) == (ground, hash(ground))
+        assert copy.height(0.1, 0.2) == before
+    assert rt.HeightMap(np.zeros((4, 4)), (1, 1)) != rt.HeightMap(np.eye(4), (1, 1))
 
 
 def test_treads_are_exact_and_the_ground_never_lies_below_the_stair() -> None:
