@@ -18,7 +18,7 @@ from robotraj.witness.sampling import stretches
 from robotraj.witness.stance import Instant, Stance
 from robotraj.witness.violations import Violation, Watch
 
-NEWTONS = {"N": 1, "N m": 1, "N^2": 2, "N s": 1, "N m s": 1}
+NEWTONS = {"N": 1, "N m": 1, "N^2": 2, "N s": 1, "N m s": 1, "N^2 s^2": 2}
 """Power of the force in the unit of a row, by which it is measured against the robot's weight."""
 
 FORCE_NOISE = 1e-6

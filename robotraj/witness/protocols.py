@@ -118,3 +118,7 @@ class SolutionLike(Protocol):
     @property
     def problem(self) -> Any:
         """The problem that was solved; its ``bound_links`` say which states may jump between phases."""
+
+    @property
+    def impulses(self) -> Sequence[Mapping[str, float]]:
+        """For every link, the impulses of its impact by name; empty where it has none."""

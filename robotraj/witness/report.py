@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
-from robotraj.errors import ValidationFailed
-from robotraj.witness.drift import Drift
+from robotraj.errors import ValidationFailed, unknown_name
+from robotraj.witness.contact_complaints import contact_complaints
+from robotraj.witness.drift import Drift, DriftRow
 from robotraj.witness.energy import Energy
+from robotraj.witness.holding import Holding
+from robotraj.witness.impact import Impact
 from robotraj.witness.peak import Peak
+from robotraj.witness.plant import Landing
 from robotraj.witness.residual import Residual
 from robotraj.witness.table import render
 from robotraj.witness.violations import SOLVER_NOISE, Violation
@@ -19,21 +23,32 @@ class Tolerances:
 
     Attributes
     ----------
-    drift : float
-        Largest open-loop drift: joint positions [rad, m] as it is, joint velocities times 10 max(1, largest
-        planned value), the states of Systems times max(1, largest planned value).
+    drift : float or None
+        Largest open-loop drift through all phases: joint positions [rad, m] as it is, joint velocities times
+        10 max(1, largest planned value), the states of Systems times max(1, largest planned value).
     limits : float
         Largest violation of a limit or constraint, in the SI unit of its row.
     energy : float or None
         |imbalance| of the energy balance relative to the energy that moved.
     residual : float or None
         Residual of the equations between collocation points and jump at knots, in the unit of each.
+    phase_drift : float or None
+        As ``drift``, each phase from its own planned first state: of plans with contacts, whose open-loop motion is
+        unstable and loses any plan in the end.
+    contact : float or None
+        Largest slip [m], sink [m] and turn [rad] of a contact between collocation points.
+    forces : float or None
+        How far normal force, friction and centre of pressure may be broken between collocation points, as a part of the
+        robot's weight; of impacts, as a part of the impulse.
     """
 
-    drift: float = 1e-3
+    drift: float | None = 1e-3
     limits: float = 1e-3
     energy: float | None = None
     residual: float | None = None
+    phase_drift: float | None = 1e-3
+    contact: float | None = 1e-4
+    forces: float | None = 1e-3
 
 
 @dataclass(frozen=True)
@@ -63,6 +78,13 @@ class Report:
         Tolerances of the simulation's steps.
     unchecked : tuple of str
         Rows of the problem that a file could not keep and that were not checked.
+    restarted : Drift or None
+        Drift of each phase from its own planned first state; None where no phase has contacts.
+    landings : tuple of Landing
+        Where the simulation through all phases set its contacts down.
+    holdings : tuple of Holding
+        How every contact of every phase holds: slip, sink, forces.
+    impacts : tuple of Impact
     """
 
     drift: Drift
@@ -77,6 +99,10 @@ class Report:
     rtol: float
     atol: float
     unchecked: tuple[str, ...] = ()
+    restarted: Drift | None = None
+    landings: tuple[Landing, ...] = ()
+    holdings: tuple[Holding, ...] = ()
+    impacts: tuple[Impact, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -93,13 +119,15 @@ class Report:
             )
         if self.failure is not None:
             found.append(f"The simulation stopped early: {self.failure}.")
-        elif (row := self.drift.worst).relative > tolerances.drift:
-            allowed = tolerances.drift * row.scale
-            found.append(
-                f"The simulation drifts from the plan: {row.name} by {row.largest:.3g} {row.unit}".rstrip()
-                + f" at t = {row.time:.4g} s in phase {row.phase!r}, {allowed:.3g} is allowed; "
-                + self._advice()
-            )
+        elif tolerances.drift is not None and self.drift.worst.relative > tolerances.drift:
+            found.append(self._drifts(self.drift.worst, tolerances.drift, "drifts from the plan"))
+        if self.restarted is not None and tolerances.phase_drift is not None:
+            row = self.restarted.worst
+            if row.relative > tolerances.phase_drift:
+                found.append(self._drifts(row, tolerances.phase_drift, "of one phase by itself drifts from the plan"))
+        found += contact_complaints(
+            self.holdings, self.impacts, tolerances.contact, tolerances.forces, tolerances.limits
+        )
         if self.violations and (worst := self.violations[0]).amount > tolerances.limits:
             more = sum(v.amount > tolerances.limits for v in self.violations) - 1
             others = f", and {more} more" if more else ""
@@ -120,35 +148,34 @@ class Report:
             )
         return tuple(found)
 
-    def check(
-        self,
-        drift: float | None = None,
-        limits: float | None = None,
-        energy: float | None = None,
-        residual: float | None = None,
-    ) -> None:
+    def check(self, **allowed: float | None) -> None:
         """Raise unless the plan holds.
 
         Parameters
         ----------
-        drift, limits, energy, residual : float, optional
-            Thresholds as in ``Tolerances``; the report's own where None.
+        **allowed : float or None
+            Thresholds by the names of ``Tolerances``: ``check(drift=1e-2, contact=1e-5)``; the report's own where not
+            given.
 
         Raises
         ------
         ValidationFailed
             Names the worst offender of each kind, with its joint and time; carries this report.
         """
-        own = self.tolerances
-        asked = Tolerances(
-            own.drift if drift is None else drift,
-            own.limits if limits is None else limits,
-            own.energy if energy is None else energy,
-            own.residual if residual is None else residual,
-        )
-        complaints = self.complaints(asked)
+        names = [entry.name for entry in fields(Tolerances)]
+        for name in allowed:
+            if name not in names:
+                raise unknown_name("threshold", name, names)
+        complaints = self.complaints(replace(self.tolerances, **{k: v for k, v in allowed.items() if v is not None}))
         if complaints:
             raise ValidationFailed(" ".join(complaints), self)
+
+    def _drifts(self, row: DriftRow, tolerance: float, what: str) -> str:
+        return (
+            f"The simulation {what}: {row.name} by {row.largest:.3g} {row.unit}".rstrip()
+            + f" at t = {row.time:.4g} s in phase {row.phase!r}, {tolerance * row.scale:.3g} is allowed; "
+            + self._advice()
+        )
 
     def _advice(self) -> str:
         """Say what to do about a drift: close the gaps of an unfinished solve first, else refine."""

@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import io
 import textwrap
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
-from rich import box
+import numpy as np
 from rich.console import Console, Group
-from rich.table import Table
 
+from robotraj.witness.contact_table import contacts
+from robotraj.witness.layout import grid, worst_rows
 from robotraj.witness.peak import Peak
 
 if TYPE_CHECKING:
     from robotraj.witness.report import Report
 
-T = TypeVar("T")
-
 WIDTH = 110
-
-MOST_ROWS = 16
-"""Rows of a table; of more, the worst are shown."""
 
 
 def render(report: Report) -> str:
@@ -38,33 +33,26 @@ def render(report: Report) -> str:
     for complaint in report.complaints(report.tolerances):
         console.print(textwrap.fill(complaint, WIDTH, initial_indent="  ! ", subsequent_indent="    "))
     console.print(_drift(report))
+    if report.restarted is not None:
+        row = report.restarted.worst
+        console.print(
+            f"  each phase from its own first state: {row.name} by {row.largest:.2e} {row.unit} in {row.phase!r},"
+            f" t = {row.time:.4g} s\n"
+        )
     console.print(_violations(report) or "  limits and constraints: none broken, at or between the knots\n")
+    if report.holdings:
+        console.print(contacts(report))
     console.print(_residual(report))
     console.print(_closing(report))
     return "\n".join(line.rstrip() for line in stream.getvalue().rstrip().splitlines())
 
 
-def _worst(rows: Sequence[T], size: Callable[[T], float]) -> tuple[Sequence[T], str]:
-    """Keep the worst rows in their order where there are too many, and say how many are left out."""
-    if len(rows) <= MOST_ROWS:
-        return rows, ""
-    kept = sorted(sorted(range(len(rows)), key=lambda i: -size(rows[i]))[:MOST_ROWS])
-    return [rows[i] for i in kept], f" (the worst {MOST_ROWS} of {len(rows)})"
-
-
-def _table(*headers: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, header_style="none", show_edge=False, pad_edge=True)
-    for i, header in enumerate(headers):
-        table.add_column(header, justify="left" if i == 0 else "right", no_wrap=True)
-    return table
-
-
 def _drift(report: Report) -> Group:
-    rows, left_out = _worst(report.drift.rows, lambda row: row.relative)
+    rows, left_out = worst_rows(report.drift.rows, lambda row: row.relative)
     title = f"  drift: |simulated - planned|{left_out}"
-    table = _table("state", "final", "largest", "at t [s]", "allowed", "unit")
+    table = grid("state", "final", "largest", "at t [s]", "allowed", "unit")
     for row in rows:
-        allowed = report.tolerances.drift * row.scale
+        allowed = np.inf if report.tolerances.drift is None else report.tolerances.drift * row.scale
         mark = " !" if row.largest > allowed else ""
         table.add_row(
             row.name + mark,
@@ -80,9 +68,9 @@ def _drift(report: Report) -> Group:
 def _violations(report: Report) -> Group | None:
     if not report.violations:
         return None
-    rows, left_out = _worst(report.violations, lambda v: v.amount)
+    rows, left_out = worst_rows(report.violations, lambda v: v.amount)
     title = f"  limits and constraints broken, {report.tolerances.limits:.1e} allowed{left_out}"
-    table = _table("row", "by", "limit", "unit", "at t [s]", "phase")
+    table = grid("row", "by", "limit", "unit", "at t [s]", "phase")
     for v in rows:
         mark = " !" if v.amount > report.tolerances.limits else ""
         about = f"{v.name}, {v.joint}" if v.joint else v.name
@@ -93,7 +81,7 @@ def _violations(report: Report) -> Group | None:
 def _residual(report: Report) -> Group:
     dynamics, rate = report.residual.dynamics, report.residual.rate
     names = list(dict.fromkeys([*dynamics, *rate]))
-    shown, left_out = _worst(names, lambda name: max(_value(dynamics.get(name)), _value(rate.get(name))))
+    shown, left_out = worst_rows(names, lambda name: max(_value(dynamics.get(name)), _value(rate.get(name))))
     jump = max(report.residual.jumps.values(), key=lambda peak: peak.value, default=None)
     most = (
         "none" if jump is None else f"{jump.value:.1e} {jump.unit}".rstrip() + f", {jump.name}, t = {jump.time:.4g} s"
@@ -102,7 +90,7 @@ def _residual(report: Report) -> Group:
         f"  largest jump of the planned polynomials at a knot: {most}\n"
         f"  largest defect of the equations along the planned polynomials{left_out}"
     )
-    table = _table("of", "dynamics", "unit", "at t [s]", "rate", "unit", "at t [s]")
+    table = grid("of", "dynamics", "unit", "at t [s]", "rate", "unit", "at t [s]")
     for name in shown:
         table.add_row(name, *_cells(dynamics.get(name)), *_cells(rate.get(name)))
     return Group(title, table, "")
@@ -126,7 +114,12 @@ def _closing(report: Report) -> str:
             f"\n          ({energy.relative:.1e} of the energy that moved)"
         )
     tolerances = report.tolerances
-    judged = [f"drift {tolerances.drift:.1e}", f"limits {tolerances.limits:.1e}"]
+    judged = [] if tolerances.drift is None else [f"drift {tolerances.drift:.1e}"]
+    judged += [f"limits {tolerances.limits:.1e}"]
+    if report.restarted is not None:
+        judged += [] if tolerances.phase_drift is None else [f"drift of a phase {tolerances.phase_drift:.1e}"]
+        judged += [] if tolerances.contact is None else [f"contact {tolerances.contact:.1e} m"]
+        judged += [] if tolerances.forces is None else [f"forces {tolerances.forces:.1e} of the weight"]
     judged += [f"energy {tolerances.energy:.1e}"] if tolerances.energy is not None else []
     judged += [f"residual {tolerances.residual:.1e}"] if tolerances.residual is not None else []
     lines.append(f"  judged by: {', '.join(judged)}")

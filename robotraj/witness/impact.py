@@ -1,0 +1,140 @@
+"""The impacts of a plan, checked on both sides: M (v+ - v-) = J' L, J v+ = 0 and L in the friction cones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robotraj.constraints.base import Row
+from robotraj.design import realised
+from robotraj.witness.constrained import mass_and_bias
+from robotraj.witness.holding import FORCE_NOISE, part_of, weight_of
+from robotraj.witness.numbers import as_numbers
+from robotraj.witness.peak import Peak
+from robotraj.witness.plant import plant_of
+from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.stance import Instant, Stance
+from robotraj.witness.violations import Violation, Watch
+
+IMPULSE_UNITS = {"N": "N s", "N m": "N m s", "N^2": "N^2 s^2"}
+
+LEAST_IMPULSE = 1e-4
+"""Seconds of the robot's weight below which an impulse is not measured against itself, but against this."""
+
+
+@dataclass(frozen=True)
+class Impact:
+    """One impact of a plan.
+
+    Attributes
+    ----------
+    link : str
+    time : float
+        Of the impact, at the end of the phase before it [s].
+    impulses : mapping of str to float
+        Planned, by name [N s, N m s].
+    solved : mapping of str to float or None
+        Solved for by the witness from the planned q and v-; None where they are not unique.
+    momentum : Peak
+        Largest |M (v+ - v-) - J' L| of the plan [N s, N m s], by velocity.
+    rest : Peak
+        Largest |J v+| of the plan [m/s, rad/s], by held row.
+    lost : float
+        Kinetic energy that the impact takes [J].
+    broken : tuple of Violation
+        Normal impulse and friction cones that the planned impulses break.
+    scale : float
+        Size of the planned impulses [N s], what ``broken`` is measured against.
+    """
+
+    link: str
+    time: float
+    impulses: Mapping[str, float]
+    solved: Mapping[str, float] | None
+    momentum: Peak
+    rest: Peak
+    lost: float
+    broken: tuple[Violation, ...]
+    scale: float
+
+
+def impacts_of(solution: SolutionLike) -> tuple[Impact, ...]:
+    """Check every link that has an impact."""
+    links = enumerate(solution.problem.bound_links)
+    return tuple(_check(solution, k, link) for k, link in links if any(row.name == "impact" for row in link.rows))
+
+
+def _check(solution: SolutionLike, index: int, link: Any) -> Impact:
+    before, after = (solution.phases[i] for i in link.phases)
+    robot, contacts = realised(after), after.phase.bound_contacts
+    stance = Stance(robot, contacts, after.parameters)
+    ending, starting = (np.asarray(planned.knots, dtype=float) for planned in (before, after))
+    ended = plant_of(before).states(ending[-1:], len(ending) - 2)[0]
+    started = plant_of(after).states(starting[:1], 0)[0]
+    nq = robot.model.nq
+    seen = _image(solution, index, before, ended)
+    q, v_after, v_before = started[:nq], started[nq:], seen[nq:]
+
+    planned = dict(solution.impulses[index])
+    held = stance.rows(q, v_after)
+    mass, _ = mass_and_bias(robot.model, robot.model.createData(), q, v_after)
+    names = [f"impulse.{c.name}.{force.name.rsplit('.', 1)[-1]}" for c in contacts for force in c.forces]
+    impulse = np.array([planned[name] for name in names])
+    unique = np.linalg.matrix_rank(held.jacobian) == len(names)
+    own = stance.strike(q, v_before)[1]
+    momentum = mass @ (v_after - v_before) - held.jacobian.T @ impulse
+    scale = max(float(np.linalg.norm(impulse)), LEAST_IMPULSE * weight_of(robot))
+    where = f"{before.phase.name} to {after.phase.name}"
+    rows = [row for contact in contacts for row in contact.holds]
+    return Impact(
+        link.name,
+        float(ending[-1]),
+        dict(zip(names, impulse.tolist(), strict=True)),
+        dict(zip(names, own.tolist(), strict=True)) if unique else None,
+        _largest(plant_of(after).names[nq:], ["N s"] * len(momentum), momentum, ending[-1], where),
+        _largest([r.name for r in rows], [f"{r.unit}/s" for r in rows], held.jacobian @ v_after, ending[-1], where),
+        0.5 * float(v_before @ mass @ v_before - v_after @ mass @ v_after),
+        _broken(stance, q, v_after, impulse, float(ending[-1]), where, scale),
+        scale,
+    )
+
+
+def _image(solution: SolutionLike, index: int, before: Any, ended: Array) -> Array:
+    """See the state before the impact from the phase after it: displaced or mirrored where the link says so."""
+    repeat = getattr(solution.problem.links[index], "repeat", None)
+    if repeat is None:
+        return ended
+    names = list(plant_of(before).names)
+    values = dict(zip(names, ended, strict=True))
+    sources = repeat.of(before.phase, names, "impact").sources
+    return np.array([sign * values[name] for name, sign in sources])
+
+
+def _broken(
+    stance: Stance, q: Array, v: Array, impulse: Array, time: float, where: str, scale: float
+) -> tuple[Violation, ...]:
+    """Rows of the contacts' limits that scale with the force, on impulses."""
+    instant = Instant(stance.robot, stance.robot.model.createData(), q, v)
+    found = []
+    parts = stance.by_contact(impulse)
+    for contact, anchors in zip(stance.contacts, stance.anchors, strict=True):
+        values = as_numbers(contact.limits(instant, list(parts[contact.name]), anchors), f"limits of {contact.name!r}")
+        for row, value in zip(contact.limit_rows, values, strict=True):
+            if row.lower not in (0.0, -np.inf) or row.upper not in (0.0, np.inf):
+                continue
+            unit = IMPULSE_UNITS.get(row.unit, row.unit)
+            watch = Watch(Row(f"impulse {row.name}", unit, row.lower, row.upper, row.joint))
+            watch.see(np.array([time]), np.array([value]))
+            violation = watch.worst(where)
+            if violation is not None and part_of(violation, scale) > FORCE_NOISE:
+                found.append(violation)
+    return tuple(sorted(found, key=lambda v: -part_of(v, scale)))
+
+
+def _largest(names: Any, units: Any, values: Array, time: float, phase: str) -> Peak:
+    sizes = np.nan_to_num(np.abs(values), nan=np.inf)
+    i = int(np.argmax(sizes))
+    return Peak(names[i], units[i], float(sizes[i]), float(time), phase)
