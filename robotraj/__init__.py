@@ -17,7 +17,16 @@ from robotraj.constraints import (
     SwingApex,
     between,
 )
-from robotraj.contacts import Linearised, PointContact, SecondOrder
+from robotraj.contacts import (
+    FlatFoot,
+    FourCorners,
+    Linearised,
+    LineContact,
+    LoopClosure,
+    PointContact,
+    PressureAndTorsion,
+    SecondOrder,
+)
 from robotraj.design import BodyMass, JointDamping, LinkLength, Payload
 from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
@@ -101,7 +110,9 @@ __all__ = [
     "EqualDuration",
     "FifthDegree",
     "Flat",
+    "FlatFoot",
     "ForwardDynamics",
+    "FourCorners",
     "FramePose",
     "FramePosition",
     "FromSolution",
@@ -127,11 +138,13 @@ __all__ = [
     "Lagrange",
     "Liftoff",
     "Limits",
+    "LineContact",
     "LinearControl",
     "Linearised",
     "LinkLength",
     "Linkage",
     "LobattoIIIA",
+    "LoopClosure",
     "Mayer",
     "MechanicalWork",
     "Mesh",
@@ -152,6 +165,7 @@ __all__ = [
     "PointContact",
     "PolishFailed",
     "PolynomialControl",
+    "PressureAndTorsion",
     "Problem",
     "RadauIIA",
     "RaiseOrder",
