@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,21 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.replay.part import Part, weld
+from robotraj.terrain import Ground, as_ground
 
-CELLS = 48
-"""A ground that is not level is drawn with so many cells a side."""
+SAMPLES = 49
+"""A ground that is not level is drawn from so many samples a side, and where it bends."""
 
 
 @dataclass(frozen=True)
-class Ground:
-    """A level [m] for the grid, and a surface where a constraint's ground is not level."""
+class GroundView:
+    """A level [m] for the grid, and a surface where the ground is not level."""
 
     level: float
     surface: Part | None = None
 
 
-def ground_of(solution: Any, low: NDArray[Any], high: NDArray[Any]) -> Ground:
-    """Find the ground of the first constraint that has one; else z = 0, or below the robot if it dips deeper.
+def ground_of(solution: Any, low: NDArray[Any], high: NDArray[Any]) -> GroundView:
+    """Draw the ground the robot stands on, else that which a constraint keeps it clear of, over the motion's extent.
+
+    Without one it is z = 0, or a level below the robot if it dips deeper.
 
     Parameters
     ----------
@@ -32,26 +36,35 @@ def ground_of(solution: Any, low: NDArray[Any], high: NDArray[Any]) -> Ground:
         Box [m] around the robot over its motion.
     """
     size = float(np.linalg.norm(high - low))
-    for result in solution.phases:
-        for constraint in result.phase.constraints:
+    ground = next(_grounds(solution), None)
+    if ground is not None:
+        return _drawn(ground, low, high, 0.4 * size)
+    return GroundView(0.0 if low[2] > -0.02 * size else float(low[2] - 0.03 * size))
+
+
+def _grounds(solution: Any) -> Iterator[Ground]:
+    phases = [result.phase for result in solution.phases]
+    for holders in ([c for p in phases for c in p.contacts], [c for p in phases for c in p.constraints]):
+        for holder in holders:
             # A constraint held at one end alone wraps the one that has the ground.
-            ground = getattr(getattr(constraint, "constraint", constraint), "ground", None)
-            if ground is not None:
-                return _drawn(getattr(ground, "height", ground), low, high, size)
-    return Ground(0.0 if low[2] > -0.02 * size else float(low[2] - 0.03 * size))
+            ground = getattr(getattr(holder, "constraint", holder), "ground", None)
+            if isinstance(ground, Ground) or callable(ground):
+                yield as_ground(ground)
 
 
-def _drawn(height: Any, low: NDArray[Any], high: NDArray[Any], size: float) -> Ground:
-    """Sample a height function h(x, y) [m] around the robot."""
-    reach = 0.4 * size
-    xs = np.linspace(low[0] - reach, high[0] + reach, CELLS + 1)
-    ys = np.linspace(low[1] - reach, high[1] + reach, CELLS + 1)
-    z = np.array([[float(height(float(x), float(y))) for y in ys] for x in xs])
-    if np.ptp(z) < 1e-9:
-        return Ground(float(z[0, 0]))
+def _drawn(ground: Ground, low: NDArray[Any], high: NDArray[Any], reach: float) -> GroundView:
+    """Sample the ground around the robot; where it has no height it has a hole."""
+    xlim, ylim = ((float(low[i] - reach), float(high[i] + reach)) for i in (0, 1))
+    xs, ys, z = ground.grid(xlim, ylim, SAMPLES)
+    known = np.isfinite(z)
+    level = float(z[known].min()) if known.any() else 0.0
+    if not known.any() or (known.all() and np.ptp(z) < 1e-9):
+        return GroundView(level)
     x, y = np.meshgrid(xs, ys, indexing="ij")
-    vertices = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
-    corner = (np.arange(CELLS)[:, None] * (CELLS + 1) + np.arange(CELLS)).ravel()
-    one = np.column_stack([corner, corner + CELLS + 1, corner + CELLS + 2])
-    two = np.column_stack([corner, corner + CELLS + 2, corner + 1])
-    return Ground(float(z.min()), weld(vertices, np.concatenate([one, two])))
+    vertices = np.column_stack([x.ravel(), y.ravel(), np.where(known, z, level).ravel()])
+    width = len(ys)
+    corner = (np.arange(len(xs) - 1)[:, None] * width + np.arange(width - 1)).ravel()
+    one = np.column_stack([corner, corner + width, corner + width + 1])
+    two = np.column_stack([corner, corner + width + 1, corner + 1])
+    faces = np.concatenate([one, two])
+    return GroundView(level, weld(vertices, faces[known.ravel()[faces].all(axis=1)]))

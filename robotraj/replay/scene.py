@@ -15,7 +15,7 @@ from meshcat.path import Path as NodePath
 from numpy.typing import NDArray
 from trimesh import creation
 
-from robotraj.replay.ground import Ground, ground_of
+from robotraj.replay.ground import GroundView, ground_of
 from robotraj.replay.motion import Motion, keys, motion_of
 from robotraj.replay.shapes import tube
 from robotraj.replay.visuals import Visual, visuals_of
@@ -103,7 +103,7 @@ def tip_frame(model: pin.Model) -> str:
 
 
 def _description(
-    model: pin.Model, motion: Motion, paths: list[str], hull: Array, ground: Ground, traces: list[Any]
+    model: pin.Model, motion: Motion, paths: list[str], hull: Array, ground: GroundView, traces: list[Any]
 ) -> dict[str, Any]:
     return {
         "joints": {model.names[j]: f"meshcat/{paths[j]}".split("/") for j in range(1, model.njoints)},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import fields
 from functools import cached_property
 from typing import Any
@@ -65,17 +66,24 @@ class Ground(ABC):
         second = [-slope_x * slope_y * along * up, steep * along * up, slope_y * along * up]
         return first, second, [-slope_x * up, -slope_y * up, up]
 
+    def bends(self) -> tuple[Sequence[float], Sequence[float]]:
+        """World x and y [m] that a drawing must not step over, such as the edges of steps."""
+        return (), ()
+
     def grid(self, xlim: tuple[float, float], ylim: tuple[float, float], n: int) -> tuple[Array, Array, Array]:
         """Sample a patch for drawing.
 
         Returns
         -------
-        x, y : (n,) arrays
-            Even steps over the limits [m].
-        heights : (n, n) array
+        x, y : (k,), (m,) arrays
+            n even steps over the limits [m], and the ``bends`` between them.
+        heights : (k, m) array
             ``heights[i, j]`` = h(x[i], y[j]) [m].
         """
-        x, y = np.linspace(*xlim, n), np.linspace(*ylim, n)
+        x, y = (
+            np.unique([*np.linspace(*limits, n), *(b for b in bends if limits[0] < b < limits[1])])
+            for limits, bends in zip((xlim, ylim), self.bends(), strict=True)
+        )
         return x, y, np.asarray(self.height(x[:, None], y[None, :]))
 
     @cached_property

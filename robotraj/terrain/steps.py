@@ -84,6 +84,10 @@ class Steps(Ground):
             height += (above - below) * s**3 * (10.0 + s * (6.0 * s - 15.0))
         return height
 
+    def bends(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Ten pieces for each ramp."""
+        return [float(x) for riser in self.risers for x in np.linspace(*riser, 11)], ()
+
     def footing(self, x: Any, y: Any) -> list[Any]:
         """One row [m] per riser: ((x - c)^2 - (width/2)^2) / width >= 0 with c the middle of its ramp.
 

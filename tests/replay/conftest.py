@@ -25,6 +25,7 @@ class Phase:
     robot: Any = None
     system: Any = None
     constraints: Sequence[Any] = ()
+    contacts: Sequence[Any] = ()
     bound_constraints: Sequence[Any] = ()
 
 

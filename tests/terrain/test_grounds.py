@@ -78,7 +78,8 @@ def test_surfaces_are_twice_differentiable(ground: Ground) -> None:
 def test_a_grid_samples_the_surface(ground: Ground) -> None:
     x, y, heights = ground.grid((-1.0, 0.5), (-0.2, 0.4), 6)
     assert (x[0], x[-1], y[0], y[-1]) == (-1.0, 0.5, -0.2, 0.4)
-    assert heights.shape == (6, 6)
+    assert {*np.linspace(-1.0, 0.5, 6)} <= {*x} and len(y) == 6
+    assert heights.shape == (len(x), len(y))
     assert heights[2, 5] == pytest.approx(ground.height(x[2], y[5]), abs=1e-14)
 
 
