@@ -11,8 +11,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from robotraj.chart import Chart, way
 from robotraj.constraints import Bounds
 from robotraj.errors import InputError
+from robotraj.loading.root import QUATERNION
 from robotraj.robot import Limits
 from robotraj.state import State
 
@@ -61,7 +63,8 @@ class StraightLine(Guess):
     """States on a straight line from start to end, no torque, no acceleration.
 
     A robot's positions run on the line and its velocities are the rate of that line, (q_end - q_start) / T,
-    so that the guess moves as its velocities say; the velocities given for the ends hold there. Against
+    so that the guess moves as its velocities say; the velocities given for the ends hold there. A floating root's
+    origin runs on the line and the root turns at one rate about one axis, its velocities in its own axes. Against
     velocities on a line of their own this halves the iterations and keeps minimum-time problems from
     shrinking the duration to nothing.
 
@@ -77,13 +80,21 @@ class StraightLine(Guess):
         """Interpolate between the ends."""
         first, last = ends_of(phase)
         duration = guessed_duration(phase, self.duration)
-        nv = phase.robot.nv if phase.robot is not None else 0
+        robot = phase.robot
 
         def states(s: Array) -> Array:
-            values = first + np.asarray(s)[:, None] * (last - first)
-            if nv and duration > 0:
-                inside = (s > 0) & (s < 1)
-                values[inside, nv : 2 * nv] = (last - first)[:nv] / duration
+            s = np.asarray(s)
+            values = first + s[:, None] * (last - first)
+            if robot is not None:
+                nq = robot.nq
+                chart = Chart.around(robot.model, first[:nq])
+                start, end = chart.coordinates(np.array([first[:nq], last[:nq]]))
+                y = start + s[:, None] * (end - start)
+                values[:, :nq] = chart.positions(y)
+                if duration > 0:
+                    inside = (s > 0) & (s < 1)
+                    rate = np.broadcast_to((end - start) / duration, y[inside].shape)
+                    values[inside, nq : nq + robot.nv] = chart.velocities(y[inside], rate)
             return values
 
         return PhaseGuess(
@@ -129,7 +140,7 @@ class Keyframes(Guess):
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Interpolate between the keyframes."""
-        keys = np.array([_middle(state.bounds(phase.dae, "keyframe"), 0.0) for state in self.states])
+        keys = np.array([_turned(phase, _middle(state.bounds(phase.dae, "keyframe"), 0.0)) for state in self.states])
         duration = guessed_duration(phase, self.duration)
         states, algebraic = _through(phase, self.fractions, keys, duration)
         return PhaseGuess(duration, states, algebraic, constant(len(phase.dae.controls)), default_parameters(phase))
@@ -190,18 +201,20 @@ def _through(phase: Phase, fractions: Sequence[float], keys: Array, duration: fl
     if phase.robot is None:
         return scipy.interpolate.make_interp_spline(fractions, keys, k=1), constant(nz)
     # What an objective added comes last and starts from 0.
-    nv, further = phase.robot.nv, len(phase.dae.states) - len(phase.body.states)
-    q = scipy.interpolate.PchipInterpolator(fractions, keys[:, :nv])
-    v, a = q.derivative(1), q.derivative(2)
+    nq, nv, further = phase.robot.nq, phase.robot.nv, len(phase.dae.states) - len(phase.body.states)
+    chart = Chart.around(phase.robot.model, keys[0, :nq])
+    y = scipy.interpolate.PchipInterpolator(fractions, chart.coordinates(keys[:, :nq]))
+    rate, second = y.derivative(1), y.derivative(2)
     pace = duration if duration > 0 else 1.0
 
     def states(s: Array) -> Array:
-        return np.column_stack([q(s), v(s) / pace, np.zeros((len(s), further))])
+        at = y(s)
+        return np.column_stack([chart.positions(at), chart.velocities(at, rate(s) / pace), np.zeros((len(s), further))])
 
     def algebraic(s: Array) -> Array:
         values = np.zeros((len(s), nz))
         if phase.body.algebraic:
-            values[:, :nv] = a(s) / pace**2
+            values[:, :nv] = chart.accelerations(y(s), rate(s) / pace, second(s) / pace**2)
         return values
 
     return states, algebraic
@@ -232,11 +245,22 @@ def ends_of(phase: Phase) -> tuple[Array, Array]:
     """States at both ends; what one leaves free is taken from the other, else the neutral pose or 0."""
     rest = np.zeros(len(phase.dae.states))
     if phase.robot is not None:
-        rest[: phase.robot.nv] = phase.robot.neutral
+        rest[: phase.robot.nq] = phase.robot.neutral
     first, last = _middle(phase.start_bounds, np.nan), _middle(phase.end_bounds, np.nan)
     first = np.where(np.isnan(first), np.where(np.isnan(last), rest, last), first)
     last = np.where(np.isnan(last), first, last)
-    return first, last
+    return _turned(phase, first), _turned(phase, last)
+
+
+def _turned(phase: Phase, x: Array) -> Array:
+    """Scale the quaternion of a guessed state to length 1; the neutral one where nothing is known of it."""
+    robot = phase.robot
+    if robot is None or robot.root != "floating":
+        return x
+    x = np.array(x)
+    size = np.linalg.norm(x[QUATERNION])
+    x[QUATERNION] = x[QUATERNION] / size if size > 0 else robot.neutral[QUATERNION]
+    return x
 
 
 def guessed_duration(phase: Phase, given: float | None) -> float:
@@ -259,8 +283,8 @@ def guessed_duration(phase: Phase, given: float | None) -> float:
     else:
         guess = min(max(1.0, high / 20), high / 2) if np.isfinite(high) else 1.0
     if phase.robot is not None and isinstance(phase.limits, Limits):
-        first, last = ends_of(phase)
-        gaps = np.abs(last - first)[: phase.robot.nv]
+        first, last = (x[: phase.robot.nq] for x in ends_of(phase))
+        gaps = np.abs(way(phase.robot.model, first, last))
         # At 1.5 times the constant-speed time a smooth motion keeps its speed limit.
         guess = max(guess, 1.5 * float(np.max(gaps / phase.limits.velocity, initial=0.0)))
     return float(np.clip(guess, low, high))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from robotraj.chart import way
 from robotraj.constraints import Constraint, JointEffort
 from robotraj.constraints.base import AtEnd, AtStart, symbols_of
 from robotraj.dynamics import InverseDynamics
@@ -131,7 +132,8 @@ def _smooth(phase: Phase, duration: float | None) -> Objective:
         return smooth
     assert phase.robot is not None
     first, last = ends_of(phase)
-    distance = float(np.linalg.norm((last - first)[: phase.robot.nv]))
+    nq = phase.robot.nq
+    distance = float(np.linalg.norm(way(phase.robot.model, first[:nq], last[:nq])))
     time = guessed_duration(phase, duration)
     weight = time**4 / (36.0 * distance**2) if distance > 0 and time > 0 else 1.0
     return Duration() + weight * smooth

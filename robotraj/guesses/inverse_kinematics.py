@@ -14,7 +14,9 @@ from robotraj.errors import InputError
 from robotraj.guess import Guess, PhaseGuess, default_parameters, ends_of
 from robotraj.guesses.joint_motion import designed
 from robotraj.guesses.minimum_jerk import through
+from robotraj.loading.root import QUATERNION
 from robotraj.objectives.terminal_pose import target_of
+from robotraj.tangent import PLACE, REST
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
@@ -68,17 +70,17 @@ class InverseKinematics(Guess):
         if robot is None:
             raise InputError(f"InverseKinematics needs a robot, but phase {phase.name!r} moves a System.")
         robot = designed(phase, default_parameters(phase))
-        nv = robot.nv
-        lower, upper = np.full(nv, -np.inf), np.full(nv, np.inf)
+        nq = robot.nq
+        lower, upper = np.full(nq, -np.inf), np.full(nq, np.inf)
         if phase.limits is not None:
-            lower, upper = phase.limits.position_lower, phase.limits.position_upper  # type: ignore[union-attr]
-        q = ends_of(phase)[0][:nv]
+            lower, upper = phase.limits.positions  # type: ignore[union-attr]
+        q = ends_of(phase)[0][:nq]
         reached = []
         for i, target in enumerate([*self.waypoints, self.target]):
             last = i == len(self.waypoints)
             if last:
-                lower = np.maximum(lower, phase.end_bounds.lower[:nv])
-                upper = np.minimum(upper, phase.end_bounds.upper[:nv])
+                lower = np.maximum(lower, phase.end_bounds.lower[:nq])
+                upper = np.minimum(upper, phase.end_bounds.upper[:nq])
             q = reach(robot, self.frame, target, q, lower, upper, "target" if last else f"waypoint {i}")
             reached.append(q)
         return through(phase, reached[:-1], self.fractions, self.duration, "InverseKinematics", reached[-1])
@@ -87,14 +89,16 @@ class InverseKinematics(Guess):
 def reach(
     robot: Robot, frame: str, target: Any, near: Array, lower: Array, upper: Array, what: str = "target"
 ) -> Array:
-    """Joint positions (nv,) that bring a frame to a target, the first found from ``near`` outwards.
+    """Positions (nq,) that bring a frame to a target, the first found from ``near`` outwards.
+
+    A floating root moves with the joints, but where its place or its quaternion is fixed.
 
     Parameters
     ----------
     robot : Robot
     frame : str
     target : sequence of 3 float, pinocchio.SE3 or (position, rotation)
-    near, lower, upper : ndarray (nv,)
+    near, lower, upper : ndarray (nq,)
         Where to start and the bounds [rad, m].
     what : str
         What the target is, for errors.
@@ -110,6 +114,8 @@ def reach(
     rng = np.random.default_rng(0)
     low = np.where(np.isfinite(lower), lower, -np.pi)
     high = np.where(np.isfinite(upper), upper, np.pi)
+    if robot.root == "floating":
+        low[: QUATERNION.stop] = high[: QUATERNION.stop] = near[: QUATERNION.stop]
     best, least = near, np.inf
     for start in (near, *(rng.uniform(low, np.maximum(low, high)) for _ in range(RESTARTS))):
         q, gap = _descend(robot, index, position, rotation, np.clip(start, lower, upper), lower, upper)
@@ -118,8 +124,10 @@ def reach(
         if least < CLOSE:
             return best
     at_bounds = [
-        f"{joint} at {value:.4g} {unit}"
-        for joint, unit, value, lo, hi in zip(robot.joint_names, robot.units, best, lower, upper, strict=True)
+        f"{joint} at {value:.4g} {unit}".rstrip()
+        for joint, unit, value, lo, hi in zip(
+            robot.position_names, robot.position_units, best, lower, upper, strict=True
+        )
         if value - lo < 1e-6 or hi - value < 1e-6
     ]
     bounds = f" with {', '.join(at_bounds)} at a bound" if at_bounds else ""
@@ -150,10 +158,9 @@ def _descend(
             : len(error)
         ]
         pull = jacobian.T @ error
-        free = ~((q <= lower) & (pull < 0) | (q >= upper) & (pull > 0))
-        held = jacobian * free
+        held = jacobian * _free(robot, q, pull, lower, upper)
         step = held.T @ np.linalg.solve(held @ held.T + damping * np.eye(len(error)), error)
-        trial = np.clip(q + step, lower, upper)
+        trial = np.clip(pin.integrate(robot.model, q, step), lower, upper)
         after = _error(robot, data, index, position, rotation, trial)
         size = float(np.linalg.norm(after))
         if size < gap:
@@ -163,6 +170,16 @@ def _descend(
         else:
             damping *= 4.0
     return q, gap
+
+
+def _free(robot: Robot, q: Array, pull: Array, lower: Array, upper: Array) -> NDArray[np.bool_]:
+    """Entries of v (nv,) that push no position beyond a bound; a floating root's by its fixed parts."""
+    if robot.root != "floating":
+        return ~((q <= lower) & (pull < 0) | (q >= upper) & (pull > 0))
+    joints, along = slice(QUATERNION.stop, None), pull[REST]
+    at, low, high = q[joints], lower[joints], upper[joints]
+    root = [not np.array_equal(lower[part], upper[part]) for part in (PLACE, QUATERNION)]
+    return np.concatenate([np.repeat(root, 3), ~((at <= low) & (along < 0) | (at >= high) & (along > 0))])
 
 
 def _error(robot: Robot, data: Any, index: int, position: Array, rotation: Array | None, q: Array) -> Array:

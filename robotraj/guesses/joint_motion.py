@@ -36,7 +36,7 @@ def joint_motion(
     duration : float
         [s].
     q, v, a : callable
-        From fractions of the phase (m,) to positions, velocities and accelerations (m, nv), in SI units of
+        From fractions of the phase (m,) to positions (m, nq), velocities and accelerations (m, nv), in SI units of
         time.
     parameters : mapping of str to float
     """
@@ -48,15 +48,14 @@ def joint_motion(
 
         def curve(s: Array) -> Array:
             parts = {"q": q(s), "v": v(s), "a": a(s)}
+            names = {"q": robot.position_names, "v": robot.velocity_names, "a": robot.velocity_names}
             known = {
-                f"{kind}.{joint}": values[:, i]
-                for kind, values in parts.items()
-                for i, joint in enumerate(robot.joint_names)
+                f"{kind}.{name}": values[:, i] for kind, values in parts.items() for i, name in enumerate(names[kind])
             }
             if torques:
                 rows = zip(*parts.values(), strict=True)
                 needed = np.array([pin.rnea(model, data, *row) + robot.dissipation(row[1]) for row in rows])
-                for i, joint in enumerate(robot.joint_names):
+                for i, joint in enumerate(robot.velocity_names):
                     known[f"tau.{joint}"] = needed[:, i]
             # What else there is (slacks, rates, forces) starts from 0.
             still = np.zeros(len(s))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.chart import Chart
 from robotraj.guess import Guess, PhaseGuess, constant, default_parameters, ends_of, guessed_duration
 from robotraj.guesses.joint_motion import fractions_of, joint_motion, quintic, speeds_of
 
@@ -31,7 +32,7 @@ class MinimumJerk(Guess):
     Parameters
     ----------
     waypoints : sequence, optional
-        Joint positions between start and end (sequences, or mappings by joint); states of a System.
+        Positions between start and end (sequences, or mappings by name, the others neutral); states of a System.
     fractions : sequence of float, optional
         Of start, waypoints and end, ascending from 0 to 1; by default in proportion to the time between them
         at the speed limits.
@@ -89,12 +90,21 @@ def through(
     """Guess a robot's minimum-jerk motion through joint positions; ``end`` replaces the end of the phase."""
     robot = phase.robot
     assert robot is not None
-    nv = robot.nv
+    nq, nx = robot.nq, robot.nq + robot.nv
     first, last = ends_of(phase)
     time = guessed_duration(phase, duration)
     pace = time if time > 0 else 1.0
-    keys = np.array([first[:nv], *waypoints, last[:nv] if end is None else end])
+    chart = Chart.around(robot.model, first[:nq])
+    keys = chart.coordinates(np.array([first[:nq], *waypoints, last[:nq] if end is None else end]))
     at = fractions_of(fractions, keys, speeds_of(phase, robot), who)
-    q = quintic(at, keys, first[nv : 2 * nv] * pace, last[nv : 2 * nv] * pace)
-    v, a = q.derivative(1), q.derivative(2)
-    return joint_motion(phase, time, q, lambda s: v(s) / pace, lambda s: a(s) / pace**2, default_parameters(phase))
+    ends = chart.slopes(keys[0], first[nq:nx]) * pace, chart.slopes(keys[-1], last[nq:nx]) * pace
+    y = quintic(at, keys, *ends)
+    rate, second = y.derivative(1), y.derivative(2)
+    return joint_motion(
+        phase,
+        time,
+        lambda s: chart.positions(y(s)),
+        lambda s: chart.velocities(y(s), rate(s) / pace),
+        lambda s: chart.accelerations(y(s), rate(s) / pace, second(s) / pace**2),
+        default_parameters(phase),
+    )

@@ -6,14 +6,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.constraints import Where
 from robotraj.guess import Guess, PhaseGuess
+from robotraj.loading.root import QUATERNION
+from robotraj.tangent import normalised
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
     from robotraj.problem import Phase, Problem
+    from robotraj.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -26,7 +30,8 @@ class Perturbed(Guess):
     """Another guess with smooth random perturbations, the same for the same seed.
 
     To every state is added  size sum_k c_k sin(k pi s) / k,  s the fraction of the phase and c_k standard
-    normal: zero at both ends. Velocities and accelerations of a robot follow from its perturbed positions.
+    normal: zero at both ends. Velocities and accelerations of a robot follow from its perturbed positions; a floating
+    root is moved by ``pin.integrate``, in its own axes.
     Controls of a System get the same with free ends. ``size`` is ``spread`` times half the range between the
     bounds of the variable, or, where it is not bounded, half the range that the guess covers, at least 1. The
     result is clipped to the bounds. Free durations are multiplied by exp(spread c).
@@ -58,8 +63,12 @@ class Perturbed(Guess):
         nx, nu = len(body.states), len(body.controls)
         s = np.linspace(0.0, 1.0, 101)
         x, u = known.states(s)[:, :nx], known.controls(s)[:, :nu]
-        nq = nx if robot is None else robot.nv
-        waves = rng.standard_normal((MODES, nq)) * self._sizes(phase, body.states[:nq], x[:, :nq])
+        nq, nv = (nx, nx) if robot is None else (robot.nq, robot.nv)
+        sizes = self._sizes(phase, body.states[:nq], x[:, :nq])
+        if robot is not None and robot.root == "floating":
+            # Turns of the root have no bounds to be scaled by: a radian.
+            sizes = np.concatenate([sizes[:3], np.full(3, self.spread), sizes[QUATERNION.stop :]])
+        waves = rng.standard_normal((MODES, nv)) * sizes
         bounds = _bounds(phase, phase.dae.states)
         pushes = rng.standard_normal((MODES, nu)) * self._sizes(phase, body.controls, u)
         offsets = rng.standard_normal(nu) * self._sizes(phase, body.controls, u)
@@ -70,15 +79,18 @@ class Perturbed(Guess):
 
         def states(s: Array) -> Array:
             values = np.array(known.states(s))
-            values[:, :nq] += _sines(s, waves, 0)
-            if robot is not None:
-                values[:, nq : 2 * nq] = values[:, nq : 2 * nq] * stretch + _sines(s, waves, 1) / pace
+            added, rate = _sines(s, waves, 0), _sines(s, waves, 1) / pace
+            if robot is None:
+                values[:, :nq] += added
+            else:
+                values[:, nq : nq + nv] *= stretch
+                values[:, : nq + nv] = _moved(robot, values[:, : nq + nv], added, rate)
             return np.clip(values, *bounds)
 
         def algebraic(s: Array) -> Array:
             values = np.array(known.algebraic(s))
             if robot is not None and body.algebraic:
-                values[:, :nq] = values[:, :nq] * stretch**2 + _sines(s, waves, 2) / pace**2
+                values[:, :nv] = values[:, :nv] * stretch**2 + _sines(s, waves, 2) / pace**2
             return values
 
         def controls(s: Array) -> Array:
@@ -104,6 +116,18 @@ class Perturbed(Guess):
             bounded = np.isfinite(low) and np.isfinite(high) and self.spread > 0
             values[name] = float(low + share * (high - low)) if bounded else known.parameters[name]
         return values
+
+
+def _moved(robot: Robot, states: Array, added: Array, rate: Array) -> Array:
+    """States (m, nq + nv) moved by tangent vectors that change at a rate, (m, nv) each, velocities along with them."""
+    q, v = states[:, : robot.nq], states[:, robot.nq :]
+    if robot.root != "floating":
+        return np.hstack([q + added, v + rate])
+    rows = []
+    for at, speed, step, slope in zip(normalised(robot.model, q), v, added, rate, strict=True):
+        along, by = pin.dIntegrate(robot.model, at, step)
+        rows.append(np.concatenate([pin.integrate(robot.model, at, step), along @ speed + by @ slope]))
+    return np.array(rows)
 
 
 def _sines(s: Array, waves: Array, derivative: int) -> Array:
