@@ -25,8 +25,8 @@ class Phase:
     robot: Any = None
     system: Any = None
     constraints: Sequence[Any] = ()
-    contacts: Sequence[Any] = ()
     bound_constraints: Sequence[Any] = ()
+    contacts: Sequence[Any] = ()
 
 
 @dataclass
