@@ -8,8 +8,7 @@ from rich.console import Group
 
 from robotraj.witness.holding import Holding, part_of
 from robotraj.witness.impact import Impact
-from robotraj.witness.layout import grid, worst_rows
-from robotraj.witness.violations import Violation
+from robotraj.witness.layout import columns_of, worst_of
 
 if TYPE_CHECKING:
     from robotraj.witness.report import Report
@@ -18,12 +17,12 @@ if TYPE_CHECKING:
 def contacts(report: Report) -> Group:
     """Lay out how far every contact moves, which rows its forces break, and the impacts."""
     weight = max(holding.weight for holding in report.holdings)
-    rows, left_out = worst_rows(report.holdings, lambda h: max(h.slip.value, h.sink.value, h.turn.value))
+    rows, left_out = worst_of(report.holdings, lambda h: max(h.slip.value, h.sink.value, h.turn.value))
     title = (
         f"  contacts between the knots, forces as parts of the weight of {weight:.4g} N{left_out}\n"
         "  (down: where the simulation through all phases set the contact down, from the planned place)"
     )
-    table = grid("contact", "phase", "slip [m]", "at t [s]", "sink [m]", "at t [s]", "turn [rad]", "down [m]")
+    table = columns_of("contact", "phase", "slip [m]", "at t [s]", "sink [m]", "at t [s]", "turn [rad]", "down [m]")
     down = {(landing.contact, landing.phase): landing.distance for landing in report.landings}
     for h in rows:
         most = max(h.slip.value, h.sink.value, h.turn.value)
@@ -39,40 +38,46 @@ def contacts(report: Report) -> Group:
             f"{h.turn.value:.2e}",
             "" if where is None else f"{where:.2e}",
         )
-    forces = [line for h in report.holdings for line in _forces(h)]
-    lines = forces or ["  forces: in their cones, pushing, centre of pressure inside, at and between the knots"]
-    lines += [_differences(report.holdings)]
-    lines += [_impact(impact) for impact in report.impacts]
-    return Group(title, table, "", *lines, "")
+    held = "  normal force, friction and centre of pressure: none broken, at or between the knots"
+    rows_of_forces = _forces(report) or held
+    impacts = [line for impact in report.impacts for line in _impact(impact)]
+    return Group(title, table, "", rows_of_forces, *_differences(report.holdings), *impacts, "")
 
 
-def _forces(holding: Holding) -> list[str]:
-    return [f"  {_broken(v, holding.weight)}" for v in (*holding.planned, *holding.solved)]
+def _forces(report: Report) -> Group | None:
+    """Rows that the forces of contacts and impacts break, as a table."""
+    broken = [(v, part_of(v, h.weight)) for h in report.holdings for v in (*h.planned, *h.solved)]
+    broken += [(v, part_of(v, impact.scale)) for impact in report.impacts for v in impact.broken]
+    if not broken:
+        return None
+    rows, left_out = worst_of(broken, lambda pair: pair[1])
+    allowed = report.tolerances.forces
+    title = f"  what the ground cannot give, as a part of the weight or of the impulse{left_out}"
+    table = columns_of("row", "by", "unit", "part", "at t [s]", "phase")
+    for v, part in rows:
+        mark = " !" if allowed is not None and part > allowed else ""
+        cells = (f"{v.amount:.2e}", v.unit, f"{part:.1e}", f"{v.time:.4f}", v.phase)
+        table.add_row(f"{v.name}, {v.joint}{mark}", *cells)
+    return Group(title, table, "")
 
 
-def _broken(violation: Violation, scale: float) -> str:
-    return f"{violation}, {part_of(violation, scale):.1e} of the weight"
-
-
-def _differences(holdings: tuple[Holding, ...]) -> str:
+def _differences(holdings: tuple[Holding, ...]) -> list[str]:
     known = [(h, h.difference) for h in holdings if h.difference is not None]
     shared = sorted({h.contact for h in holdings if h.difference is None})
-    parts = []
+    lines = []
     if known:
         holding, peak = max(known, key=lambda pair: pair[1].value)
-        parts.append(
-            f"planned and solved forces differ by {peak.value:.2e} N at most, {holding.contact}, t = {peak.time:.4g} s"
-        )
+        where = f"{holding.contact}, t = {peak.time:.4g} s"
+        lines.append(f"  planned forces and those the equations give differ by {peak.value:.2e} N at most, {where}")
     if shared:
-        parts.append(f"not unique, not solved for: {', '.join(shared)}")
-    return "  " + "; ".join(parts)
+        lines.append(f"  forces not unique, not solved for: {', '.join(shared)}")
+    return lines
 
 
-def _impact(impact: Impact) -> str:
+def _impact(impact: Impact) -> list[str]:
     sizes = ", ".join(f"{name.removeprefix('impulse.')} {value:.4g}" for name, value in impact.impulses.items())
-    lines = [
-        f"  {impact.link} at t = {impact.time:.4g} s: {sizes} N s, takes {impact.lost:.4g} J; momentum off by "
-        f"{impact.momentum.value:.1e} N s, contacts move on at {impact.rest.value:.1e} {impact.rest.unit}"
+    return [
+        f"  {impact.link} at t = {impact.time:.4g} s: {sizes} N s, takes {impact.lost:.4g} J",
+        f"    momentum off by {impact.momentum.value:.1e} N s, contacts move on at {impact.rest.value:.1e} "
+        f"{impact.rest.unit}",
     ]
-    lines += [f"    {v}, {part_of(v, impact.scale):.1e} of the impulse" for v in impact.broken]
-    return "\n".join(lines)

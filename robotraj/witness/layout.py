@@ -10,11 +10,13 @@ from rich.table import Table
 
 T = TypeVar("T")
 
+WIDTH = 110
+
 MOST_ROWS = 16
 """Rows of a table; of more, the worst are shown."""
 
 
-def worst_rows(rows: Sequence[T], size: Callable[[T], float]) -> tuple[Sequence[T], str]:
+def worst_of(rows: Sequence[T], size: Callable[[T], float]) -> tuple[Sequence[T], str]:
     """Keep the worst rows in their order where there are too many, and say how many are left out."""
     if len(rows) <= MOST_ROWS:
         return rows, ""
@@ -22,7 +24,7 @@ def worst_rows(rows: Sequence[T], size: Callable[[T], float]) -> tuple[Sequence[
     return [rows[i] for i in kept], f" (the worst {MOST_ROWS} of {len(rows)})"
 
 
-def grid(*headers: str) -> Table:
+def columns_of(*headers: str) -> Table:
     """Start a table whose first column is text."""
     table = Table(box=box.SIMPLE_HEAD, header_style="none", show_edge=False, pad_edge=True)
     for i, header in enumerate(headers):

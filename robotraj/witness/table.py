@@ -10,13 +10,11 @@ import numpy as np
 from rich.console import Console, Group
 
 from robotraj.witness.contact_table import contacts
-from robotraj.witness.layout import grid, worst_rows
+from robotraj.witness.layout import WIDTH, columns_of, worst_of
 from robotraj.witness.peak import Peak
 
 if TYPE_CHECKING:
     from robotraj.witness.report import Report
-
-WIDTH = 110
 
 
 def render(report: Report) -> str:
@@ -48,9 +46,9 @@ def render(report: Report) -> str:
 
 
 def _drift(report: Report) -> Group:
-    rows, left_out = worst_rows(report.drift.rows, lambda row: row.relative)
+    rows, left_out = worst_of(report.drift.rows, lambda row: row.relative)
     title = f"  drift: |simulated - planned|{left_out}"
-    table = grid("state", "final", "largest", "at t [s]", "allowed", "unit")
+    table = columns_of("state", "final", "largest", "at t [s]", "allowed", "unit")
     for row in rows:
         allowed = np.inf if report.tolerances.drift is None else report.tolerances.drift * row.scale
         mark = " !" if row.largest > allowed else ""
@@ -68,9 +66,9 @@ def _drift(report: Report) -> Group:
 def _violations(report: Report) -> Group | None:
     if not report.violations:
         return None
-    rows, left_out = worst_rows(report.violations, lambda v: v.amount)
+    rows, left_out = worst_of(report.violations, lambda v: v.amount)
     title = f"  limits and constraints broken, {report.tolerances.limits:.1e} allowed{left_out}"
-    table = grid("row", "by", "limit", "unit", "at t [s]", "phase")
+    table = columns_of("row", "by", "limit", "unit", "at t [s]", "phase")
     for v in rows:
         mark = " !" if v.amount > report.tolerances.limits else ""
         about = f"{v.name}, {v.joint}" if v.joint else v.name
@@ -81,7 +79,7 @@ def _violations(report: Report) -> Group | None:
 def _residual(report: Report) -> Group:
     dynamics, rate = report.residual.dynamics, report.residual.rate
     names = list(dict.fromkeys([*dynamics, *rate]))
-    shown, left_out = worst_rows(names, lambda name: max(_value(dynamics.get(name)), _value(rate.get(name))))
+    shown, left_out = worst_of(names, lambda name: max(_value(dynamics.get(name)), _value(rate.get(name))))
     jump = max(report.residual.jumps.values(), key=lambda peak: peak.value, default=None)
     most = (
         "none" if jump is None else f"{jump.value:.1e} {jump.unit}".rstrip() + f", {jump.name}, t = {jump.time:.4g} s"
@@ -90,7 +88,7 @@ def _residual(report: Report) -> Group:
         f"  largest jump of the planned polynomials at a knot: {most}\n"
         f"  largest defect of the equations along the planned polynomials{left_out}"
     )
-    table = grid("of", "dynamics", "unit", "at t [s]", "rate", "unit", "at t [s]")
+    table = columns_of("of", "dynamics", "unit", "at t [s]", "rate", "unit", "at t [s]")
     for name in shown:
         table.add_row(name, *_cells(dynamics.get(name)), *_cells(rate.get(name)))
     return Group(title, table, "")
@@ -122,5 +120,5 @@ def _closing(report: Report) -> str:
         judged += [] if tolerances.forces is None else [f"forces {tolerances.forces:.1e} of the weight"]
     judged += [f"energy {tolerances.energy:.1e}"] if tolerances.energy is not None else []
     judged += [f"residual {tolerances.residual:.1e}"] if tolerances.residual is not None else []
-    lines.append(f"  judged by: {', '.join(judged)}")
+    lines.append(textwrap.fill(f"  judged by: {', '.join(judged)}", WIDTH, subsequent_indent="    "))
     return "\n".join(lines)
