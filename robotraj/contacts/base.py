@@ -82,7 +82,7 @@ class BoundContact(ABC):
     anchors : tuple of Variable
         Where it stands, ``<name>.x`` [m], ``<name>.y``, ``<name>.yaw`` [rad]: constant while it holds, unknown.
     holds : tuple of Variable
-        The held rows, named for reports.
+        The held rows, named for reports; those that say where it stands are named as the anchors.
     limit_rows : tuple of LimitRow
         The rows of ``limits``: force normal to the ground, friction, centre of pressure.
     footing_rows : tuple of LimitRow
@@ -140,10 +140,16 @@ def force_variables(name: str, linear: Sequence[int], angular: Sequence[int] = (
     return (*forces, *(Variable(f"force.{name}.m{AXES[i]}", "N m", "contact moment", name) for i in angular))
 
 
-def held_rows(name: str, linear: Sequence[int], angular: Sequence[int] = ()) -> tuple[Variable, ...]:
-    """``<name>.x`` ... along and ``<name>.rx`` ... about world axes."""
+def held_rows(
+    name: str, linear: Sequence[int], angular: Sequence[int] = (), upright: str = "yaw"
+) -> tuple[Variable, ...]:
+    """``<name>.x`` ... along and ``<name>.rx``, ``<name>.ry``, ``<name>.yaw`` about world axes.
+
+    A row that finds out an anchor has its name; ``upright`` is the row's about z.
+    """
     rows = [Variable(f"{name}.{AXES[i]}", "m", "contact position", name) for i in linear]
-    return (*rows, *(Variable(f"{name}.r{AXES[i]}", "rad", "contact position", name) for i in angular))
+    turns = [("rx", "ry", upright)[i] for i in angular]
+    return (*rows, *(Variable(f"{name}.{turn}", "rad", "contact position", name) for turn in turns))
 
 
 def spread(values: Sequence[Any], axes: Sequence[int]) -> list[Any]:

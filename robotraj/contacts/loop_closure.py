@@ -77,7 +77,7 @@ class LoopClosure(Contact):
             )
         rows = [*axes, *(3 + i for i in about)]
         require_rank(robot, lambda q: relative(q)[rows], len(rows), f"LoopClosure {self.label!r}")
-        forces, holds = force_variables(self.label, axes, about), held_rows(self.label, axes, about)
+        forces, holds = force_variables(self.label, axes, about), held_rows(self.label, axes, about, "rz")
         return BoundLoopClosure(self, self.label, self.frame_a, forces, (), holds, (), (), *ends, axes, about)
 
 

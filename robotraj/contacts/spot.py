@@ -83,10 +83,11 @@ class Spot:
         """Linear velocity of the spot and angular velocity of the frame per joint velocity (6, nv), world axes."""
         model, data = robot.model, robot.model.createData()
         index = robot.frame(self.frame)
-        rows = pin.computeFrameJacobian(model, data, q, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED).copy()
+        rows = pin.computeFrameJacobian(model, data, q, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        rows = np.array(rows).reshape(6, model.nv)  # of one joint it comes as a vector
         pin.updateFramePlacements(model, data)
         rows[:3] -= pin.skew(data.oMf[index].rotation @ np.array(self.offset)) @ rows[3:]
-        return np.asarray(rows)
+        return rows
 
     def _arm(self, point: Any) -> list[Any] | None:
         """R s, or None where the spot is the frame's origin."""

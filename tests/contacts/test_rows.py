@@ -32,6 +32,21 @@ def test_there_are_as_many_forces_and_names_as_held_rows(case: Any) -> None:
     assert len(bound.limits(point, [1.0] * case.rows, anchors)) == len(bound.limit_rows)
     assert len(bound.footing(anchors)) == len(bound.footing_rows)
     assert len(set(bound.forces)) == len(bound.forces)
+    assert {anchor.name for anchor in bound.anchors} <= {row.name for row in bound.holds}
+
+
+def test_each_anchor_is_found_out_by_the_row_of_its_name(case: Any) -> None:
+    q, v, a = case.random(1)
+    bound = case.placed(q).bind()
+    point, anchors = case.numbers(q, v, a), bound.locate(case.robot, q)
+    names = [row.name for row in bound.holds]
+    found = [names.index(name) for name in anchors]
+    slopes = [
+        np.array(bound.position(point, {**anchors, name: value + STEP}))[found] / STEP
+        for name, value in anchors.items()
+    ]
+    if slopes:
+        assert np.linalg.matrix_rank(slopes, tol=0.1) == len(anchors)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
