@@ -61,10 +61,16 @@ def _dependence(phase: Phase) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
 def _settled(phase: Phase, bounds: Bounds, anchored: Mask | None = None) -> Mask:
     """Rows that read fixed states alone, and no free parameter unless the other end settled it (``anchored``)."""
     states, parameters = _dependence(phase)
-    moving = (states & (bounds.lower < bounds.upper)).any(axis=1)
+    free = bounds.lower < bounds.upper
+    moving = (states & free).any(axis=1)
+    # J(q) v says nothing where v is zero, whatever q is.
+    resting = np.array([s.quantity == "velocity" for s in phase.dae.states]) & ~free & (bounds.lower == 0.0)
+    rates = np.array([row.quantity == "contact velocity" for row in phase.dae.invariants])
+    speeds = np.array([s.quantity == "velocity" for s in phase.dae.states])
+    moving &= ~(rates & ~(states & speeds & ~resting).any(axis=1))
     known = phase.parameter_bounds
-    free = (parameters & (known.lower < known.upper)).any(axis=1)
-    settled = np.asarray(~free) if anchored is None else ~free | anchored
+    unknown = (parameters & (known.lower < known.upper)).any(axis=1)
+    settled = np.asarray(~unknown) if anchored is None else ~unknown | anchored
     return np.asarray(~moving & settled)
 
 
