@@ -1,5 +1,20 @@
 """The second witness: MuJoCo follows the plan with feedback, on its own dynamics and its own contacts."""
 
+from robotraj.witness.mujoco.feedback import Feedback, JointFeedback, LinearQuadratic, NoFeedback
+from robotraj.witness.mujoco.feet import Softness
+from robotraj.witness.mujoco.following import second_opinion
 from robotraj.witness.mujoco.model import MujocoRobot, mujoco_robot
+from robotraj.witness.mujoco.report import FootReport, SecondOpinion
 
-__all__ = ["MujocoRobot", "mujoco_robot"]
+__all__ = [
+    "Feedback",
+    "FootReport",
+    "JointFeedback",
+    "LinearQuadratic",
+    "MujocoRobot",
+    "NoFeedback",
+    "SecondOpinion",
+    "Softness",
+    "mujoco_robot",
+    "second_opinion",
+]

@@ -1,0 +1,107 @@
+"""Names and sizes of how far the robot in MuJoCo is from the plan, and whether it has fallen."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj.terrain import Ground
+from robotraj.witness.drift import Drift, DriftRow
+from robotraj.witness.mujoco.coordinates import rotation
+from robotraj.witness.mujoco.course import QUATERNION
+from robotraj.witness.plant import RATE_UNITS, VELOCITY_SCALE
+from robotraj.witness.protocols import Array
+
+FLYING_POSITIONS = ("root_x", "root_y", "root_z", "root_rx", "root_ry", "root_rz")
+FLYING_VELOCITIES = ("root_vx", "root_vy", "root_vz", "root_wx", "root_wy", "root_wz")
+
+LEANING = 0.8
+"""A root that is turned by more than this [rad] against the plan has fallen."""
+
+LOW = 0.5
+"""A centre of mass lower above the ground than this share of its planned height has fallen."""
+
+
+def labels(robot: Any) -> tuple[list[str], list[str]]:
+    """Names (2 nv) and units of a deviation in position and velocity."""
+    positions: list[str] = []
+    velocities: list[str] = []
+    units: list[str] = []
+    for joint in robot.model.joints.tolist()[1:]:
+        name = robot.model.names[joint.id]
+        flying = joint.nv == 6
+        positions += FLYING_POSITIONS if flying else [name]
+        velocities += FLYING_VELOCITIES if flying else [name]
+        units += ["m"] * 3 + ["rad"] * 3 if flying else [_unit(joint)]
+    names = [f"q.{name}" for name in positions] + [f"v.{name}" for name in velocities]
+    return names, units + [RATE_UNITS[unit] for unit in units]
+
+
+def deviation_of(
+    robot: Any, times: Array, gaps: Array, planned: Array, q: Array, phases: list[str], ended: bool
+) -> Drift:
+    """Sum up deviations (m, 2 nv) at times (m,).
+
+    Parameters
+    ----------
+    planned : ndarray (m, nv)
+        Planned velocities, which scale those of the deviation.
+    q : ndarray (m, nq)
+        Planned positions.
+    phases : list of str
+        Name of the phase of each sample.
+    ended : bool
+        Whether the last sample is the end of the plan; if not, what is final is infinite.
+    """
+    names, units = labels(robot)
+    gaps = gaps.copy()
+    if q.shape[1] > planned.shape[1]:
+        # The shift of a floating root is known in its own axes; people think in the world's.
+        for gap, position in zip(gaps, q, strict=True):
+            gap[:3] = rotation(position[QUATERNION]) @ gap[:3]
+    sizes = np.nan_to_num(np.abs(gaps), nan=np.inf)
+    speeds = np.abs(planned).max(axis=0, initial=0.0)
+    scales = np.concatenate([np.ones(len(speeds)), VELOCITY_SCALE * np.maximum(1.0, speeds)])
+    rows = []
+    for i, (name, unit) in enumerate(zip(names, units, strict=True)):
+        worst = int(np.argmax(sizes[:, i]))
+        final = float(sizes[-1, i]) if ended else np.inf
+        rows.append(
+            DriftRow(name, unit, final, float(sizes[worst, i]), float(times[worst]), phases[worst], float(scales[i]))
+        )
+    return Drift(tuple(rows))
+
+
+class Fall:
+    """Tell a robot that has fallen: turned or sunk against the plan.
+
+    Parameters
+    ----------
+    robot : Robot
+        Whose root moves, or else it never falls.
+    ground : Ground
+        Under it.
+    """
+
+    def __init__(self, robot: Any, ground: Ground) -> None:
+        self._model, self._data, self._ground = robot.model, robot.model.createData(), ground
+        names = list(robot.model.names)[1:4]
+        flying = robot.model.nq > robot.model.nv
+        planar = names == ["root_x", "root_z", "root_pitch"]
+        self._turns = slice(3, 6) if flying else slice(2, 3) if planar else None
+
+    def has(self, planned: Array, q: Array, gap: Array) -> bool:
+        """Whether the robot at q (nq,) lies, where it should be at ``planned``."""
+        if self._turns is None:
+            return False
+        return float(np.linalg.norm(gap[self._turns])) > LEANING or self._height(q) < LOW * self._height(planned)
+
+    def _height(self, q: Array) -> float:
+        x, y, z = pin.centerOfMass(self._model, self._data, q)
+        return float(z - self._ground.height(float(x), float(y)))
+
+
+def _unit(joint: Any) -> str:
+    return "m" if joint.shortname().startswith(("JointModelP", "JointModelHelical")) else "rad"

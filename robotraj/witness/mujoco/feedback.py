@@ -1,0 +1,205 @@
+"""Feedback that holds a robot on its plan: tau = tau_plan - K(t) e, with e the deviation in position and velocity.
+
+A value each; a new kind of feedback is one new class.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robotraj.errors import InputError
+from robotraj.witness.constrained import mass_and_bias
+from robotraj.witness.mujoco.course import Course
+from robotraj.witness.mujoco.linear import LinearPhase
+from robotraj.witness.protocols import Array
+
+PIECE = 0.005
+"""Gains are constant for so long [s], or a little less."""
+
+
+class Feedback(ABC):
+    """How torques answer a deviation e = (difference(q_plan, q), v - v_plan), 2 nv entries."""
+
+    @abstractmethod
+    def gains(self, course: Course) -> tuple[Array, ...]:
+        """For each phase, gains (n, nu, 2 nv) on n pieces of equal duration, in the coordinates of the plan."""
+
+
+@dataclass(frozen=True)
+class NoFeedback(Feedback):
+    """The planned torques alone."""
+
+    def gains(self, course: Course) -> tuple[Array, ...]:
+        """Give zeros."""
+        shape = (1, course.robot.nu, 2 * course.robot.model.nv)
+        return tuple(np.zeros(shape) for _ in course.phases)
+
+    def __str__(self) -> str:
+        return "no feedback"
+
+
+@dataclass(frozen=True)
+class JointFeedback(Feedback):
+    """Each motor for itself: tau_j = tau_plan_j - M_jj (w^2 e_j + 2 z w edot_j), as motor drives do.
+
+    M_jj is the inertia that the joint feels with all others locked, at the planned position.
+
+    Parameters
+    ----------
+    frequency : float
+        w / 2 pi [Hz].
+    damping : float
+        Damping ratio z.
+
+    Raises
+    ------
+    InputError
+        A value is not positive.
+    """
+
+    frequency: float = 5.0
+    damping: float = 1.0
+
+    def __post_init__(self) -> None:
+        _positive(self, "frequency", "damping")
+
+    def gains(self, course: Course) -> tuple[Array, ...]:
+        """Evaluate inertias along the plan."""
+        model = course.robot.model
+        data = model.createData()
+        actuation = np.asarray(course.robot.actuation, dtype=float)
+        rate = 2.0 * np.pi * self.frequency
+
+        def gain(q: Array) -> Array:
+            inertia = actuation.T * np.diag(mass_and_bias(model, data, q, np.zeros(model.nv))[0])
+            return np.hstack([rate**2 * inertia, 2.0 * self.damping * rate * inertia])
+
+        return tuple(np.array([gain(q) for q in course.reference(p, _middles(course, p)).q]) for p in _all(course))
+
+    def __str__(self) -> str:
+        return f"joint feedback, {self.frequency:g} Hz, damping ratio {self.damping:g}"
+
+
+@dataclass(frozen=True)
+class LinearQuadratic(Feedback):
+    """The time-varying linear quadratic regulator along the plan, contacts held, periodic where the plan is.
+
+    It minimises the integral of the sum of (e_q / position)^2, (e_v / velocity)^2 and (u / (effort tau_scale))^2, with
+    tau_scale a motor's effort limit, or its largest planned torque where it has none.
+    Source: Tedrake, Underactuated Robotics, chapter 8 (time-varying LQR).
+
+    Parameters
+    ----------
+    position : float
+        Deviation of a position [rad, m] that costs as much as ...
+    velocity : float
+        ... this deviation of a velocity [rad/s, m/s] and ...
+    effort : float
+        ... this fraction of a motor's torque.
+
+    Raises
+    ------
+    InputError
+        A value is not positive.
+    """
+
+    position: float = 0.05
+    velocity: float = 1.0
+    effort: float = 0.2
+
+    def __post_init__(self) -> None:
+        _positive(self, "position", "velocity", "effort")
+
+    def gains(self, course: Course) -> tuple[Array, ...]:
+        """Run Riccati's recursion backwards, period after period until it repeats itself."""
+        nv = course.robot.model.nv
+        weight = np.diag(np.repeat([self.position**-2.0, self.velocity**-2.0], nv))
+        price = np.diag((self.effort * _torque_scales(course)) ** -2.0)
+        phases = [_Linear.of(course, phase) for phase in _all(course)]
+        value, gains = weight, [phase.zeros for phase in phases]
+        for _ in range(1 if course.closing is None else _MOST_SWEEPS):
+            before = value
+            for i, phase in reversed(list(enumerate(phases))):
+                value, gains[i] = phase.backwards(value, weight, price)
+                value = phase.entry.T @ value @ phase.entry
+            if np.max(np.abs(value - before)) < 1e-6 * np.max(np.abs(value)):
+                break
+        return tuple(gains)
+
+    def __str__(self) -> str:
+        return (
+            f"time-varying LQR, {self.position:g} rad or m ~ {self.velocity:g} rad/s or m/s ~ {self.effort:g} of a "
+            "motor's torque"
+        )
+
+
+_MOST_SWEEPS = 50
+"""Periods after which Riccati's recursion has repeated itself, or never will."""
+
+
+@dataclass(frozen=True)
+class _Linear:
+    """A phase as matrices: from its end before to its start, and over each piece."""
+
+    entry: Array
+    pieces: list[tuple[Array, Array]]
+    duration: float
+    zeros: Array
+
+    @classmethod
+    def of(cls, course: Course, phase: int) -> _Linear:
+        planned = course.phases[phase]
+        linear = LinearPhase(course.robot, getattr(planned.phase, "bound_contacts", ()), planned.parameters)
+        middles = _middles(course, phase)
+        duration = course.durations[phase] / len(middles)
+        pieces = [linear.step(q, v, tau, duration) for q, v, tau in zip(*course.reference(phase, middles), strict=True)]
+        entry = linear.touchdown(course.reference(phase, np.zeros(1)).q[0])
+        if phase == 0 and course.closing is not None:
+            # The end of the plan, seen from its start.
+            entry = entry @ np.kron(np.eye(2), course.closing.velocities)
+        nu, states = course.robot.nu, 2 * course.robot.model.nv
+        return cls(entry, pieces, duration, np.zeros((len(pieces), nu, states)))
+
+    def backwards(self, value: Array, weight: Array, price: Array) -> tuple[Array, Array]:
+        """Cost to go at the start of the phase from that at its end, and the gains in between."""
+        gains = self.zeros.copy()
+        for i, (moves, push) in reversed(list(enumerate(self.pieces))):
+            gains[i] = np.linalg.solve(self.duration * price + push.T @ value @ push, push.T @ value @ moves)
+            closed = moves - push @ gains[i]
+            # Joseph's form: symmetric and positive whatever the round-off.
+            spent = self.duration * (weight + gains[i].T @ price @ gains[i])
+            value = closed.T @ value @ closed + spent
+        return value, gains
+
+
+def _all(course: Course) -> range:
+    return range(len(course.phases))
+
+
+def _middles(course: Course, phase: int) -> Array:
+    """Middles of the pieces of a phase, since its start [s]."""
+    duration = course.durations[phase]
+    count = max(1, int(np.ceil(duration / PIECE)))
+    return duration * (np.arange(count) + 0.5) / count
+
+
+def _torque_scales(course: Course) -> Array:
+    """Torque (nu,) that counts as much for every motor [N m, N]."""
+    planned = [np.abs(course.reference(p, _middles(course, p)).tau).max(axis=0) for p in _all(course)]
+    largest = np.max(planned, axis=0)
+    limits = course.phases[0].phase.limits
+    if limits is not None:
+        bound = np.asarray(course.robot.actuation, dtype=float).T @ np.nan_to_num(limits.effort, posinf=0.0)
+        largest = np.where(bound > 0, bound, largest)
+    return np.where(largest > 0, largest, 1.0)
+
+
+def _positive(value: Any, *names: str) -> None:
+    for name in names:
+        number = getattr(value, name)
+        if not (isinstance(number, int | float) and np.isfinite(number) and number > 0):
+            raise InputError(f"{name} = {number!r} of {type(value).__name__} must be a positive number.")

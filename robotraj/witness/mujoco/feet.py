@@ -1,0 +1,235 @@
+"""Feet and ground for MuJoCo: what touches, where it is, how soft.
+
+A point foot is a small sphere about its contact point, a flat one a thin box, a line a capsule, all with the same
+radius r; the ground lies lower by r along its normal. So each touches where the plan holds it, and a foot that turns
+rolls by no more than r times its angle. Feet touch the ground only, each that of its contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj.contacts.flat_foot import BoundFlatFoot
+from robotraj.contacts.line_contact import BoundLineContact
+from robotraj.contacts.point_contact import BoundPointContact
+from robotraj.errors import InputError
+from robotraj.terrain import Ground, as_ground
+from robotraj.witness.mujoco.course import Course
+from robotraj.witness.mujoco.model import wxyz
+from robotraj.witness.mujoco.package import load_mujoco
+from robotraj.witness.protocols import Array
+
+MARGIN = 0.5
+"""A height field reaches so far [m] beyond the feet."""
+
+CELL = 0.01
+"""Size of its cells [m], unless it would need more than ``MOST_CELLS`` a side."""
+
+MOST_CELLS = 600
+
+PLANAR_WIDTH = 0.04
+"""Width [m] of a flat foot that has none, on a robot in a plane."""
+
+PLANE_TOLERANCE = 1e-9
+"""A ground whose heights [m] leave a plane by less is one."""
+
+SAMPLES = 50
+"""Places at which feet are looked for, by phase and period."""
+
+
+@dataclass(frozen=True)
+class Softness:
+    """MuJoCo's contacts: how far from rigid.
+
+    Parameters
+    ----------
+    time : float
+        Time constant of the critically damped contact [s], MuJoCo's ``solref``; its own default is 0.02. Smaller is
+        harder; below two simulation steps MuJoCo takes two steps.
+    radius : float
+        r [m].
+
+    Raises
+    ------
+    InputError
+        A value is not positive.
+    """
+
+    time: float = 0.01
+    radius: float = 0.005
+
+    def __post_init__(self) -> None:
+        for name in ("time", "radius"):
+            value = getattr(self, name)
+            if not (isinstance(value, int | float) and np.isfinite(value) and value > 0):
+                raise InputError(f"{name} = {value!r} of Softness must be a positive number.")
+
+
+@dataclass(frozen=True)
+class Foot:
+    """A contact as MuJoCo has it.
+
+    Attributes
+    ----------
+    name : str
+        The contact's.
+    frame : int
+        Pinocchio's index of its frame.
+    pose : pinocchio.SE3
+        Of the shape in that frame; its origin is where a point foot touches, or the middle of the sole.
+    shape : str
+        ``"SPHERE"``, ``"CAPSULE"`` along z or ``"BOX"``, whose z is up: MuJoCo's words.
+    half : tuple of float
+        Half the length of a capsule, half the length and half the width of a box [m].
+    friction : float
+    ground : Ground
+    """
+
+    name: str
+    frame: int
+    pose: pin.SE3
+    shape: str
+    half: tuple[float, ...]
+    friction: float
+    ground: Ground
+
+    def size(self, radius: float) -> list[float]:
+        """Sizes (3,) as MuJoCo wants them: a box's radius is half its height."""
+        sizes = [*self.half, radius] if self.shape == "BOX" else [radius, *self.half]
+        return sizes + [0.0] * (3 - len(sizes))
+
+
+def feet_of(course: Course) -> tuple[Foot, ...]:
+    """All feet of a plan, and those that take their places in mirrored periods.
+
+    Raises
+    ------
+    InputError
+        A contact that MuJoCo is not given here, or a mirror that does not name a foot's partner.
+    """
+    found: dict[str, Foot] = {}
+    for planned in course.phases:
+        for bound in getattr(planned.phase, "bound_contacts", ()):
+            found.setdefault(bound.name, _foot(course, bound))
+    if course.mirrored(1):
+        partners = course.closing.partners if course.closing is not None else {}
+        for name, foot in tuple(found.items()):
+            frame = course.robot.model.frames[foot.frame].name
+            other = partners.get(name, partners.get(frame, name))
+            if other not in found:
+                found[other] = replace(foot, name=other, frame=_partner(course, frame, other, partners))
+    return tuple(found.values())
+
+
+def place(foot: Foot, poses: Sequence[Any]) -> Array:
+    """Where a foot touches, given the poses of all frames, (3,) [m]."""
+    return np.array((poses[foot.frame] * foot.pose).translation)
+
+
+def furnish(course: Course, feet: Sequence[Foot], softness: Softness, spec: Any, bodies: Mapping[int, Any]) -> None:
+    """Add feet and their grounds to a specification of MuJoCo."""
+    mujoco = load_mujoco()
+    grounds: list[Ground] = []
+    for foot in feet:
+        if foot.ground not in grounds:
+            grounds.append(foot.ground)
+        bit = 1 << grounds.index(foot.ground)
+        frame = course.robot.model.frames[foot.frame]
+        pose = frame.placement * foot.pose
+        geom = bodies[frame.parentJoint].add_geom(
+            name=foot.name, pos=pose.translation, quat=wxyz(pose.rotation), contype=bit, conaffinity=0, condim=3
+        )
+        geom.type, geom.size = mujoco.mjtGeom["mjGEOM_" + foot.shape], foot.size(softness.radius)
+        geom.friction = [foot.friction, 0.0, 0.0]
+        geom.solref = [softness.time, 1.0]
+        geom.priority = 1
+    low, high = _reach(course, feet)
+    for i, ground in enumerate(grounds):
+        _add_ground(mujoco, spec, ground, low, high, softness.radius, i)
+
+
+def _foot(course: Course, bound: Any) -> Foot:
+    """Read a contact's shape, whose own axes say how it lies in its frame."""
+    contact: Any = bound.contact
+    half: tuple[float, ...] = ()
+    if isinstance(bound, BoundFlatFoot):
+        rotation = np.column_stack([bound.feet.forward, bound.feet.left, bound.feet.up])
+        given = contact.length
+        back, front = given if isinstance(given, Sequence) else (0.5 * given, 0.5 * given)
+        middle = np.array(bound.spot.offset) + 0.5 * (front - back) * rotation[:, 0]
+        wide = contact.width or PLANAR_WIDTH
+        pose, shape, half = pin.SE3(rotation, middle), "BOX", (0.5 * (back + front), 0.5 * wide)
+    elif isinstance(bound, BoundLineContact):
+        turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), np.array(bound.along)).toRotationMatrix()
+        pose, shape, half = pin.SE3(turn, np.array(bound.spot.offset)), "CAPSULE", (0.5 * bound.width,)
+    elif isinstance(bound, BoundPointContact):
+        pose, shape = pin.SE3(np.eye(3), np.array(bound.spot.offset)), "SPHERE"
+    else:
+        raise InputError(
+            f"second_opinion() knows feet on the ground: points, lines and flat feet; {type(contact).__name__} "
+            f"{bound.name!r} is none."
+        )
+    frame, ground = course.robot.frame(bound.frame), as_ground(contact.ground)
+    return Foot(bound.name, frame, pose, shape, half, float(contact.friction), ground)
+
+
+def _partner(course: Course, frame: str, name: str, partners: Mapping[str, str]) -> int:
+    """Frame of a mirrored foot: the partner of its frame, else the frame of its name."""
+    other = partners.get(frame, name)
+    if not course.robot.model.existFrame(other):
+        raise InputError(
+            f"The mirror puts contact {name!r} where frame {frame!r} was, but does not say with which frame; add "
+            f"{frame!r} to its partners."
+        )
+    return course.robot.frame(other)
+
+
+def _reach(course: Course, feet: Sequence[Foot]) -> tuple[Array, Array]:
+    """Corners (2,) [m] of the part of the ground that the feet come over."""
+    model = course.robot.model
+    data = model.createData()
+    places = []
+    for passage in course.passages:
+        times = np.linspace(0.0, course.durations[passage.phase], SAMPLES)
+        planned = course.reference(passage.phase, times)
+        for q in course.onwards(planned.q, planned.v, passage.period)[0]:
+            pin.framesForwardKinematics(model, data, q)
+            places += [place(foot, data.oMf)[:2] for foot in feet]
+    return np.min(places, axis=0) - MARGIN, np.max(places, axis=0) + MARGIN
+
+
+def _add_ground(mujoco: Any, spec: Any, ground: Ground, low: Array, high: Array, radius: float, index: int) -> None:
+    """Add a plane, or a height field where the ground is none."""
+    own = {"name": f"ground {index}", "contype": 0, "conaffinity": 1 << index, "friction": [0.0, 0.0, 0.0]}
+    middle = 0.5 * (low + high)
+    normal = np.array(ground.normal(*middle), dtype=float)
+    centre = np.array([*middle, ground.height(*middle)])
+    columns, rows = (int(min(MOST_CELLS, np.ceil(size / CELL))) + 1 for size in high - low)
+    x, y = np.linspace(low[0], high[0], columns), np.linspace(low[1], high[1], rows)
+    heights = np.asarray(ground.height(x[None, :], y[:, None]), dtype=float)
+    flat = centre[2] - (normal[0] * (x[None, :] - centre[0]) + normal[1] * (y[:, None] - centre[1])) / normal[2]
+    if np.max(np.abs(heights - flat)) < PLANE_TOLERANCE:
+        turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), normal).toRotationMatrix()
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0.0, 0.0, 1.0], pos=centre - radius * normal, quat=wxyz(turn), **own
+        )
+        return
+    # Straight down by as much as the surface moves along its normal.
+    up = np.array([np.broadcast_to(part, heights.shape) for part in ground.normal(x[None, :], y[:, None])])[2]
+    heights = heights - radius / up
+    bottom, top = heights.min(), heights.max()
+    spec.add_hfield(
+        name=f"heights {index}",
+        nrow=rows,
+        ncol=columns,
+        size=[*(0.5 * (high - low)), top - bottom, MARGIN],
+        userdata=((heights - bottom) / (top - bottom)).ravel(),
+    )
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_HFIELD, hfieldname=f"heights {index}", pos=[*middle, bottom], **own
+    )

@@ -1,0 +1,99 @@
+"""A phase linearised along its plan: how a small deviation from it moves on.
+
+A deviation is e = (difference(q_plan, q), v - v_plan), 2 nv entries, in Pinocchio's tangent space; its rate is
+A e + B u, with u what is added to the planned torques. Contacts hold in it, pulled back by Baumgarte's terms as by a
+soft ground.
+Source: Baumgarte, Stabilization of constraints and integrals of motion, Comp. Meth. Appl. Mech. Eng. 1 (1972).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import scipy
+
+from robotraj.witness.constrained import Held, accelerate, impact
+from robotraj.witness.protocols import Array
+from robotraj.witness.stance import Stance
+
+STEP = 1e-6
+"""Finite difference of positions [rad, m] and velocities [rad/s, m/s]."""
+
+STIFFNESS = 50.0
+"""Rate [1/s] at which held rows come back in the linearised motion."""
+
+
+class LinearPhase:
+    """Linearise the motion of a robot with the contacts of a phase.
+
+    Parameters
+    ----------
+    robot : Robot
+        In plain numbers.
+    contacts : sequence of BoundContact
+    parameters : mapping of str to float
+        Of the phase.
+    """
+
+    def __init__(self, robot: Any, contacts: Any, parameters: Any) -> None:
+        self.robot = robot
+        self._actuation = np.asarray(robot.actuation, dtype=float)
+        self._data = robot.model.createData()
+        self._stance = Stance(robot, contacts, parameters) if contacts else None
+
+    def rates(self, q: Array, v: Array, tau: Array) -> tuple[Array, Array]:
+        """Matrices A (2 nv, 2 nv) and B (2 nv, nu) of the rate of a deviation at a planned state."""
+        model, nv = self.robot.model, self.robot.model.nv
+        joints = self._actuation @ tau
+        held = self._held(q, v)
+        here = self._acceleration(q, v, joints, held)
+        rate = np.zeros((2 * nv, 2 * nv))
+        rate[:nv, nv:] = np.eye(nv)
+        if model.nq > nv:
+            # In the axes of a body that moves, a deviation that stays where it is turns and shifts.
+            rate[:6, :6] -= pin.Motion(v[:6]).action
+        for i, unit in enumerate(STEP * np.eye(nv)):
+            there = pin.integrate(model, q, unit)
+            rate[nv:, i] = (self._acceleration(there, v, joints, self._held(there, v), held, unit) - here) / STEP
+            rate[nv:, nv + i] = (self._acceleration(q, v + unit, joints, self._held(q, v + unit)) - here) / STEP
+        push = np.zeros((2 * nv, self._actuation.shape[1]))
+        for j, column in enumerate(self._actuation.T):
+            # Linear in the torque, so that a whole newton metre makes no error.
+            push[nv:, j] = self._acceleration(q, v, joints + column, held) - here
+        return rate, push
+
+    def step(self, q: Array, v: Array, tau: Array, duration: float) -> tuple[Array, Array]:
+        """Transition matrices (2 nv, 2 nv) and (2 nv, nu) over a short time [s], u constant."""
+        rate, push = self.rates(q, v, tau)
+        size, inputs = push.shape
+        block = np.zeros((size + inputs, size + inputs))
+        block[:size, :size], block[:size, size:] = rate, push
+        grown = scipy.linalg.expm(block * duration)
+        return grown[:size, :size], grown[:size, size:]
+
+    def touchdown(self, q: Array) -> Array:
+        """Matrix (2 nv, 2 nv) that brings a deviation onto the contacts of the phase as it begins."""
+        nv = self.robot.model.nv
+        landed = np.eye(2 * nv)
+        held = self._held(q, np.zeros(nv))
+        if held is not None:
+            for i, unit in enumerate(np.eye(nv)):
+                landed[nv:, nv + i] = impact(self.robot.model, self._data, q, unit, held)[0]
+        return landed
+
+    def _held(self, q: Array, v: Array) -> Held | None:
+        return self._stance.rows(q, v) if self._stance is not None else None
+
+    def _acceleration(
+        self, q: Array, v: Array, joints: Array, held: Held | None, planned: Held | None = None, away: Any = 0.0
+    ) -> Array:
+        """Acceleration (nv,) under torques of all joints; ``away`` is how far q is from the planned one."""
+        applied = joints - self.robot.dissipation(v)
+        if held is None:
+            return np.array(pin.aba(self.robot.model, self._data, q, v, applied))
+        # The planned state obeys the rows up to the error of the plan, which is not to be steered against.
+        gap = np.zeros_like(held.bias) if planned is None else planned.jacobian @ away
+        pull = 2.0 * STIFFNESS * (held.jacobian @ v) + STIFFNESS**2 * gap
+        return accelerate(self.robot.model, self._data, q, v, applied, held._replace(bias=held.bias + pull))[0]
