@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -60,11 +59,6 @@ class Holding:
     solved: tuple[Violation, ...]
     difference: Peak | None
     weight: float
-
-    @property
-    def worst(self) -> Violation | None:
-        """The row of forces that is broken most, as a part of the weight."""
-        return max((*self.planned, *self.solved), key=lambda v: part_of(v, self.weight), default=None)
 
 
 def part_of(violation: Violation, weight: float) -> float:
@@ -182,9 +176,3 @@ def _peak(name: str, unit: str, times: Array, values: Array, phase: str) -> Peak
     sizes = np.nan_to_num(np.abs(values), nan=np.inf)
     i = int(np.argmax(sizes))
     return Peak(name, unit, float(sizes[i]), float(times[i]), phase)
-
-
-def worst_of(holdings: Sequence[Holding], of: str) -> tuple[Holding, Peak] | None:
-    """Find the contact whose slip, sink or turn is largest."""
-    pairs = [(holding, getattr(holding, of)) for holding in holdings]
-    return max(pairs, key=lambda pair: pair[1].value, default=None)
