@@ -117,7 +117,9 @@ class FakePlan:
     def at(self, t: Any, interval: int | None = None) -> SimpleNamespace:
         found = {name: curve(t, interval) for name, curve in self.curves.items()}
         if self.phase.robot is not None:
-            return SimpleNamespace(t=t, forces={}, **found)
+            names = [force.name for contact in self.phase.bound_contacts for force in contact.forces]
+            z = {name: found["z"][..., i] for i, name in enumerate(names)}
+            return SimpleNamespace(t=t, forces={}, **(found | {"z": z}))
         system = self.phase.system
         named = {
             kind: {v.name: found[kind][..., i] for i, v in enumerate(variables)}

@@ -1,0 +1,301 @@
+"""Plans in contact made from closed forms: what holds passes, and what was spoilt is named with its place and time."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.integrate import solve_ivp
+
+import robotraj as rt
+from robotraj.contacts import FlatFoot, PointContact
+from robotraj.errors import ValidationFailed
+from robotraj.links import Touchdown
+from robotraj.witness import validate
+from robotraj.witness.integration import integrate
+from robotraj.witness.simulation import robot_rates
+from robotraj.witness.stance import Stance
+
+MASS, INERTIA, HEIGHT = 2.0, 0.05, 0.4
+ABOUT_FOOT = INERTIA + MASS * HEIGHT**2
+WEIGHT = 9.81 * MASS
+
+ROD = f"""<robot name="rod">
+  <link name="rod"><inertial><mass value="{MASS}"/>
+    <inertia ixx="{INERTIA}" iyy="{INERTIA}" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="end" type="fixed"><parent link="rod"/><child link="foot"/><origin xyz="0 0 {-HEIGHT}"/></joint>
+  <link name="foot"/>
+</robot>"""
+
+
+@pytest.fixture(scope="module")
+def rod(tmp_path_factory: pytest.TempPathFactory) -> rt.Robot:
+    """A body in the vertical plane whose centre of mass is ``HEIGHT`` above its foot when it stands upright."""
+    path: Path = tmp_path_factory.mktemp("rod") / "rod.urdf"
+    path.write_text(ROD)
+    return rt.load(str(path), root="planar")
+
+
+def falling(angle: float, speed: float, duration: float):
+    """Let a rod on a fixed foot fall; return (q, v, a, force) at (foot, t)."""
+
+    def rates(t, x):
+        return [x[1], MASS * 9.81 * HEIGHT * np.sin(x[0]) / ABOUT_FOOT]
+
+    found = solve_ivp(rates, (0, duration), [angle, speed], method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True)
+
+    def at(t, foot=0.0):
+        x, w = found.sol(t)
+        alpha = rates(t, [x, w])[1]
+        out, across = np.array([np.sin(x), np.cos(x)]), np.array([np.cos(x), -np.sin(x)])
+        linear = HEIGHT * (alpha * across - w**2 * out)
+        q = np.array([foot, 0.0, x]) + np.append(HEIGHT * out, 0.0)
+        v, a = np.append(HEIGHT * w * across, w), np.append(linear, alpha)
+        return q, v, a, MASS * (linear + np.array([0.0, 9.81]))
+
+    return at
+
+
+def stance(make, rod, motion, knots, *, foot=0.0, begin=0.0, anchor=None, friction=0.7, **changes):
+    """Plan a stance of the rod on its foot from a motion; curves may be replaced."""
+    phase = rt.Phase(rod, duration=knots[-1] - knots[0], contacts=[PointContact("foot", friction)], name="stance")
+    curves = {name: (lambda t, k, i=i: motion(t - begin, foot)[i]) for i, name in enumerate(("q", "v", "a", "z"))}
+    curves |= {"tau": lambda t, k: np.zeros(0)} | changes
+    return make.plan(phase, knots, 10, {"foot.x": foot if anchor is None else anchor}, **curves)
+
+
+def solution(*planned, links=(), impulses=()):
+    """A solution as the witness reads one."""
+    problem = rt.Problem([p.phase for p in planned], links=links)
+    return SimpleNamespace(phases=planned, problem=problem, impulses=impulses, success=True)
+
+
+KNOTS = np.linspace(0.0, 0.4, 9)
+
+
+def test_a_free_body_on_a_point_contact_is_the_pendulum_it_makes(rod):
+    # Hanging from its foot and swinging over many periods: energy and the textbook's angle are kept.
+    bound = PointContact("foot").bind(rod)
+    held = Stance(rod, [bound], {"foot.x": 0.0})
+    motion = falling(np.pi - 1.2, 0.3, 5.0)
+    q, v, _, _ = motion(0.0)
+    rates = robot_rates(rod, lambda t, k, q, v: np.zeros(0), held.acceleration)
+    found = integrate(rates, np.concatenate([q, v]), np.linspace(0, 5, 26), settle=held.settle)
+    assert found.failure is None
+    data = rod.model.createData()
+    energy = [
+        pin.computeKineticEnergy(rod.model, data, x[:3], x[3:]) + pin.computePotentialEnergy(rod.model, data, x[:3])
+        for x in found.states
+    ]
+    assert np.ptp(energy) < 1e-8
+    expected = np.array([np.concatenate(motion(t)[:2]) for t in found.times])
+    np.testing.assert_allclose(found.states, expected, atol=1e-8)
+    gaps = [np.abs(held.rows(x[:3], x[3:]).gap).max() for x in found.states]
+    assert max(gaps) < 1e-10
+
+
+def test_forces_of_the_witness_are_those_of_newton(rod):
+    bound = PointContact("foot").bind(rod)
+    held = Stance(rod, [bound], {"foot.x": 0.0})
+    q, v, _, force = falling(0.3, 1.0, 0.1)(0.05)
+    np.testing.assert_allclose(held.forces(q, v, np.zeros(3), held.rows(q, v)), force, atol=1e-9)
+
+
+def test_an_exact_stance_passes(make, rod):
+    report = validate(solution(stance(make, rod, falling(0.1, 0.0, 0.4), KNOTS)))
+    (holding,) = report.holdings
+    assert report.passed and report.failure is None
+    assert (holding.contact, holding.phase) == ("foot", "stance")
+    assert max(holding.slip.value, holding.sink.value) < 1e-9 and holding.turn.value == 0.0
+    assert holding.planned == holding.solved == ()
+    assert holding.difference.value < 1e-7
+    assert report.restarted.largest("q.") < 1e-8 and report.drift.largest("q.") < 1e-8
+    assert [(landing.contact, landing.time) for landing in report.landings] == [("foot", 0.0)]
+    assert max(peak.value for peak in report.residual.dynamics.values()) < 1e-7
+    text = str(report)
+    assert "none broken, at or between the knots" in text and "contact 1.0e-04 m" in text
+
+
+def test_a_foot_that_slides_between_two_knots_is_named_with_its_time(make, rod):
+    motion = falling(0.1, 0.0, 0.4)
+
+    def sliding(t, k):
+        begin, end = KNOTS[k], KNOTS[k + 1]
+        bump = 3e-4 * np.sin(np.pi * (t - begin) / (end - begin)) ** 2 if k == 5 else 0.0
+        return motion(t)[0] + np.array([bump, 0.0, 0.0])
+
+    report = validate(solution(stance(make, rod, motion, KNOTS, q=sliding)))
+    (holding,) = report.holdings
+    assert holding.slip.value == pytest.approx(3e-4, rel=1e-2) and holding.slip.time == pytest.approx(0.275, abs=0.002)
+    assert holding.sink.value < 1e-8
+    with pytest.raises(
+        ValidationFailed, match=r"Contact 'foot' slips: by 0\.0003 m at t = 0\.27\d* s in phase 'stance'"
+    ):
+        report.check()
+    report.check(contact=4e-4)
+
+
+def test_a_foot_that_sinks_and_one_beside_its_anchor_are_told_apart(make, rod):
+    motion = falling(0.1, 0.0, 0.4)
+    low = stance(make, rod, motion, KNOTS, q=lambda t, k: motion(t)[0] - np.array([0.0, 2e-3, 0.0]))
+    (holding,) = validate(solution(low)).holdings
+    assert holding.sink.value == pytest.approx(2e-3, abs=1e-9) and holding.slip.value < 1e-9
+    beside = stance(make, rod, motion, KNOTS, anchor=0.02)
+    report = validate(solution(beside))
+    (holding,), (landing,) = report.holdings, report.landings
+    assert holding.slip.value == pytest.approx(0.02, abs=1e-9) and holding.sink.value < 1e-9
+    # The simulation holds the foot where it is, not where the plan says.
+    assert landing.distance == pytest.approx(0.02, abs=1e-9)
+    assert report.drift.largest("q.") < 1e-8
+
+
+def test_friction_that_does_not_do_is_found_in_planned_and_in_solved_forces(make, rod):
+    motion = falling(0.1, 0.0, 0.4)
+    times = np.linspace(0, 0.4, 4001)
+    force = np.array([motion(t)[3] for t in times])
+    excess = np.abs(force[:, 0]) - 0.1 * force[:, 1]
+    report = validate(solution(stance(make, rod, motion, KNOTS, friction=0.1)))
+    (holding,) = report.holdings
+    worst, again = holding.planned[0], holding.solved[0]
+    for found in (worst, again):
+        assert found.name.startswith("friction cone") and found.joint == "foot"
+        assert found.amount == pytest.approx(excess.max(), rel=1e-3)
+        assert found.time == pytest.approx(times[np.argmax(excess)], abs=0.005)
+    with pytest.raises(
+        ValidationFailed, match=r"what it cannot give: friction cone.*, foot, t = 0\.4 s: .*of the weight"
+    ):
+        report.check()
+    report.check(forces=1.01 * excess.max() / WEIGHT)
+
+
+def test_a_planned_force_that_is_not_the_one_that_acts_differs_and_breaks_the_dynamics(make, rod):
+    motion = falling(0.1, 0.0, 0.4)
+    wrong = stance(make, rod, motion, KNOTS, z=lambda t, k: motion(t)[3] + np.array([0.0, 0.3]))
+    report = validate(solution(wrong))
+    (holding,) = report.holdings
+    assert holding.difference.value == pytest.approx(0.3, abs=1e-6)
+    assert report.residual.dynamics["root_z"].value == pytest.approx(0.3, abs=1e-6)
+    # The motion itself is right, and the witness moves by forces of its own.
+    assert report.drift.largest("q.") < 1e-8
+
+
+@pytest.fixture
+def landing(make, rod):
+    """The rod falls freely, strikes with its foot, and topples: (flight, stance, link, impulse)."""
+    angle, spin, sideways, down, flight = 0.15, -0.4, 0.2, 1.2, 0.15
+    knots = np.linspace(0.0, flight, 4)
+
+    def free(t):
+        left = flight - t
+        out = np.array([np.sin(angle), np.cos(angle)])
+        place = HEIGHT * out + np.array([-sideways * left, down * left - 0.5 * 9.81 * left**2])
+        # Velocity at the end (sideways, -down); gravity acts before it.
+        rate = np.array([sideways, -down + 9.81 * left])
+        return (
+            np.append(place, angle - spin * left),
+            np.append(rate, spin),
+            np.array([0.0, -9.81, 0.0]),
+        )
+
+    phase = rt.Phase(rod, duration=flight, name="flight")
+    curves = {name: (lambda t, k, i=i: free(t)[i]) for i, name in enumerate(("q", "v", "a"))}
+    before = make.plan(phase, knots, 10, tau=lambda t, k: np.zeros(0), z=lambda t, k: np.zeros(0), **curves)
+    # About the foot angular momentum is kept: I w + m HEIGHT (v . across).
+    across = np.array([np.cos(angle), -np.sin(angle)])
+    momentum = INERTIA * spin + MASS * HEIGHT * across @ np.array([sideways, -down])
+    after = momentum / ABOUT_FOOT
+    impulse = MASS * (HEIGHT * after * across - np.array([sideways, -down]))
+    motion = falling(angle, after, 0.2)
+    standing = stance(make, rod, motion, np.linspace(flight, flight + 0.2, 5), begin=flight)
+    return before, standing, Touchdown(0, 1), dict(zip(("impulse.foot.x", "impulse.foot.z"), impulse, strict=True))
+
+
+def test_an_exact_landing_passes(landing):
+    flight, standing, link, impulse = landing
+    report = validate(solution(flight, standing, links=[link], impulses=[impulse]))
+    (impact,) = report.impacts
+    assert report.passed
+    assert impact.time == pytest.approx(0.15) and impact.momentum.value < 1e-9 and impact.rest.value < 1e-9
+    assert impact.solved == pytest.approx(impulse, abs=1e-9)
+    assert impact.lost > 0.5
+    # Through the impact the simulation makes its own: nothing of the plan's is added.
+    assert report.drift.largest("q.") < 1e-8 and report.drift.largest("v.") < 1e-7
+    assert [landing.phase for landing in report.landings] == ["stance"] and report.landings[0].distance < 1e-9
+    assert "Touchdown(0, 1) at t = 0.15 s" in str(report)
+
+
+def test_an_impulse_that_does_not_keep_momentum_is_refused(landing):
+    flight, standing, link, impulse = landing
+    wrong = {**impulse, "impulse.foot.z": impulse["impulse.foot.z"] + 0.05}
+    report = validate(solution(flight, standing, links=[link], impulses=[wrong]))
+    (impact,) = report.impacts
+    assert impact.momentum.name == "v.root_z" and impact.momentum.value == pytest.approx(0.05, abs=1e-9)
+    with pytest.raises(ValidationFailed, match=r"does not keep momentum: v\.root_z by 0\.05 N s"):
+        report.check()
+
+
+def test_an_impulse_outside_its_cone_is_refused(make, rod, landing):
+    flight, standing, link, impulse = landing
+    size = abs(impulse["impulse.foot.x"]) / impulse["impulse.foot.z"]
+    slippery = rt.Phase(
+        rod, duration=standing.phase.duration, contacts=[PointContact("foot", 0.5 * size)], name="stance"
+    )
+    standing = dataclasses.replace(standing, phase=slippery)
+    report = validate(solution(flight, standing, links=[link], impulses=[impulse]))
+    (violation,) = report.impacts[0].broken
+    assert violation.name == "impulse friction cone" and violation.unit == "N s"
+    assert violation.amount == pytest.approx(0.5 * abs(impulse["impulse.foot.x"]), abs=1e-9)
+    with pytest.raises(ValidationFailed, match="breaks a row: impulse friction cone, foot"):
+        report.check()
+
+
+def test_a_wrong_flight_drifts_through_the_landing_but_the_stance_by_itself_does_not(make, rod, landing):
+    flight, standing, link, impulse = landing
+    q, tilted = flight.curves["q"], []
+    for values in q.values:
+        tilted.append(values + np.array([0.0, 4e-3, 0.0]))
+    moved = dataclasses.replace(flight, curves={**flight.curves, "q": dataclasses.replace(q, values=tilted)})
+    report = validate(solution(moved, standing, links=[link], impulses=[impulse]))
+    # It comes down 4 mm too high and is held there; the plan of the stance is right.
+    assert report.landings[0].distance == pytest.approx(4e-3, abs=1e-8)
+    assert report.drift["q.root_z"].largest >= 4e-3 - 1e-8
+    assert report.restarted["q.root_z"].largest < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("friction", "length", "row", "amount"),
+    [
+        (0.2, 0.4, "friction cone", WEIGHT * (np.sin(0.3) - 0.2 * np.cos(0.3))),
+        (0.5, 0.2, "centre of pressure", WEIGHT * (HEIGHT * np.sin(0.3) - 0.1 * np.cos(0.3))),
+        (0.5, 0.4, None, 0.0),
+    ],
+)
+def test_a_body_on_a_slope_slides_or_tips_by_what_is_missing(make, rod, friction, length, row, amount):
+    # Standing square on a slope that falls towards +x by 0.3 rad, its foot at the origin.
+    ground = rt.Slope(-np.tan(0.3), 0.0)
+    contact = FlatFoot("foot", length=length, friction=friction, ground=ground)
+    phase = rt.Phase(rod, duration=0.2, contacts=[contact], name="stand")
+    (bound,) = phase.bound_contacts
+    q = np.array([HEIGHT * np.sin(0.3), HEIGHT * np.cos(0.3), 0.3])
+    # World axes: the ground carries the weight; its moment at the foot keeps the body from falling over.
+    carried = np.array([0.0, WEIGHT, -WEIGHT * q[0]])
+    assert [force.name for force in bound.forces] == ["force.foot.x", "force.foot.z", "force.foot.my"]
+    planned = make.plan(
+        phase, [0.0, 0.1, 0.2], 4, {"foot.x": 0.0}, q=lambda t, k: q, v=lambda t, k: np.zeros(3),
+        a=lambda t, k: np.zeros(3), tau=lambda t, k: np.zeros(0), z=lambda t, k: carried,
+    )  # fmt: skip
+    report = validate(solution(planned))
+    (holding,) = report.holdings
+    assert max(holding.slip.value, holding.sink.value, holding.turn.value) < 1e-12
+    assert holding.difference.value < 1e-10
+    if row is None:
+        assert report.passed and holding.planned == holding.solved == ()
+        return
+    (violation,), (solved,) = holding.planned, holding.solved
+    assert row in violation.name and row in solved.name
+    assert violation.amount == pytest.approx(amount, rel=1e-9) and solved.amount == pytest.approx(amount, rel=1e-9)
+    assert not report.passed
