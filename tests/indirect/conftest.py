@@ -55,14 +55,14 @@ def kirk() -> Known:
 
 @pytest.fixture(scope="session")
 def bryson_denham() -> Known:
-    """Double integrator from v = 1 back to v = -1 in 1 s below x = 1/9: three arcs, cut at 1/3 and 2/3.
+    """Double integrator from v = 1 back to v = -1 in 1 s below x = top = 1/9: three arcs, cut at 3 top and 1 - 3 top.
 
-    Before the contact u = -6 (1 - 3 t) = -lambda_v and lambda_x = 18; on the arc both vanish; then the mirror image.
+    Before the contact u = -2 / (3 top) (1 - t / (3 top)) = -lambda_v and lambda_x = 2 / (9 top^2); on the arc both
+    vanish; then the mirror image. Other tops, up to 1/6, have the same three arcs.
     """
     system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
 
-    def phase(start: Any = (0.0, 1.0), as_path: bool = False) -> rt.Phase:
-        top = 1 / 9
+    def phase(start: Any = (0.0, 1.0), as_path: bool = False, top: float = 1 / 9) -> rt.Phase:
         path = [rt.PathConstraint(lambda point: point.x["x"], upper=top)]
         return rt.Phase(
             system,
@@ -74,10 +74,12 @@ def bryson_denham() -> Known:
             states={} if as_path else {"x": rt.between(None, top)},
         )
 
-    def costates(t: Any) -> Any:
+    def costates(t: Any, top: float = 1 / 9) -> Any:
+        reach = 3 * top
         away = np.minimum(t, 1 - t)
-        by_v = np.where(away < 1 / 3, 6 * (1 - 3 * away), 0.0)
-        return np.column_stack([np.where(t < 1 / 3, 18.0, np.where(t < 2 / 3, 0.0, -18.0)), by_v])
+        by_v = np.where(away < reach, 2 / reach * (1 - away / reach), 0.0)
+        by_x = 2 / reach**2 * np.where(t < reach, 1.0, np.where(t < 1 - reach - 1e-12, 0.0, -1.0))
+        return np.column_stack([by_x, by_v])
 
     return Known(phase, costates)
 

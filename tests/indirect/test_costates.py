@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -99,6 +100,56 @@ def test_bryson_denhams_costates_jump_where_the_constraint_is_touched(
 def test_gauss_sees_bryson_denhams_contact_too(bryson_denham: Any) -> None:
     solution = rt.plan(bryson_denham.phase(), rt.Mesh(9, rt.GaussLegendre(points=3)), solver=TIGHT)
     t = np.linspace(0, 1, 400)
+    size = np.array([18.0, 6.0])
+    assert costates_at(solution, t) / size == pytest.approx(bryson_denham.costates(t) / size, abs=1e-4)
+
+
+def in_three_arcs(phase: rt.Phase, top: float) -> rt.Problem:
+    """Entry, arc and exit as phases of free durations; the bound is met and left without speed (tangency)."""
+    touching = rt.State([top, 0])
+    parts = [
+        replace(phase, duration=(0.05, 0.9), end=touching, name="entry"),
+        replace(phase, duration=(0.05, 0.9), start=None, end=touching, name="arc"),
+        replace(phase, duration=(0.05, 0.9), start=None, name="exit"),
+    ]
+    in_all = rt.Linkage([0, 2], lambda first, last: last.end.t - first.start.t, 1.0, 1.0, name="in all", unit="s")
+    return rt.Problem(parts, [rt.Continuity(0, 1), rt.Continuity(1, 2), in_all])
+
+
+@pytest.mark.parametrize("top", [1 / 9, 0.08, 0.13])
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        rt.Mesh(1, rt.RadauIIA(points=3)),
+        rt.Mesh(3, rt.RadauIIA(points=3)),
+        rt.Mesh(2, rt.GaussLegendre(points=3)),
+        rt.Mesh(4, rt.HermiteSimpson()),
+    ],
+    ids=str,
+)
+def test_bryson_denhams_costates_without_knowing_the_junctions(bryson_denham: Any, mesh: rt.Mesh, top: float) -> None:
+    """The plan finds where the arcs join, to 1e-6 s, and both costates over the whole second.
+
+    At the junctions, where the costate of x jumps, every phase gives the limit from its side.
+    """
+    problem = in_three_arcs(bryson_denham.phase(top=top), top)
+    solution = rt.plan(problem, mesh, solver=rt.Ipopt(tolerance=1e-12))
+    assert solution.objective == pytest.approx(4 / (9 * top), rel=1e-9)
+    size = np.abs(bryson_denham.costates(np.array([0.0]), top)[0])
+    sides = [(0.0, 3 * top - 1e-9), (3 * top + 1e-9, 1 - 3 * top - 1e-9), (1 - 3 * top + 1e-9, 1.0)]
+    for part, side in zip(rt.costates(solution).phases, sides, strict=True):
+        first, last = part.solution.t0, part.solution.t0 + part.solution.duration
+        assert (first, last) == pytest.approx(side, abs=1e-6)
+        t = np.linspace(first, last, 401)
+        exact = bryson_denham.costates(np.clip(t, *side), top)
+        assert part.duals.costate(t) / size == pytest.approx(exact / size, abs=1e-4)
+
+
+def test_refinement_alone_finds_bryson_denhams_costates_but_for_the_intervals_of_the_jumps(bryson_denham: Any) -> None:
+    """The junctions fall inside intervals, which are halved until the objective has settled: 0.005 s are left."""
+    solution = rt.plan(bryson_denham.phase(), tolerance=1e-6, solver=TIGHT)
+    t = np.linspace(0, 1, 2001)
+    t = t[np.minimum(np.abs(t - 1 / 3), np.abs(t - 2 / 3)) > 5e-3]
     size = np.array([18.0, 6.0])
     assert costates_at(solution, t) / size == pytest.approx(bryson_denham.costates(t) / size, abs=1e-4)
 
