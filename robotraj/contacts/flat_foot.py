@@ -232,8 +232,8 @@ class BoundFlatFoot(BoundContact):
         return [force[2], *sole.rows(friction, self.shape, force, moment)]
 
     def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
-        """Evaluate what the ground asks of the place."""
-        return self.where.values(anchors)
+        """Evaluate what the ground asks of the whole sole."""
+        return self.where.values(anchors, (self.shape.back, self.shape.front, self.shape.half))
 
     def locate(self, robot: Robot, q: Any) -> dict[str, float]:
         """Place of the sole's point and heading of the foot in configuration q."""

@@ -86,11 +86,38 @@ class Footing:
         count = len(self.values({anchor.name: ca.SX.sym(anchor.name) for anchor in self.anchors}))
         return tuple(LimitRow("foothold", "m", 0.0, float("inf"), self.name) for _ in range(count))
 
-    def values(self, anchors: Mapping[str, Any]) -> list[Any]:
-        """Evaluate what must not be negative where the contact stands [m]."""
-        return list(self.ground.footing(*self._plan(anchors)))
+    def values(self, anchors: Mapping[str, Any], sole: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> list[Any]:
+        """Evaluate what must not be negative where the contact stands [m].
+
+        Parameters
+        ----------
+        anchors : mapping of str
+        sole : (back, front, half)
+            How far it extends from the place along the foot's heading, and half its width [m].
+        """
+        x, y = self._plan(anchors)
+        back, front, half = sole
+        if not any(sole):
+            return list(self.ground.footing(x, y))
+        ahead = self._ahead(anchors)
+        x, y = (value + 0.5 * (front - back) * part for value, part in zip((x, y), ahead, strict=True))
+        along, across = (_size(part) for part in ahead)
+        length = 0.5 * (front + back)
+        return list(self.ground.footing(x, y, (length * along + half * across, length * across + half * along)))
+
+    def _ahead(self, anchors: Mapping[str, Any]) -> tuple[Any, Any]:
+        """Heading of a foot on level ground, world x and y: by its yaw, or in the plane."""
+        if self.horizontal == (0, 1):
+            yaw = anchors[f"{self.name}.yaw"]
+            return ca.cos(yaw), ca.sin(yaw)
+        return (1.0, 0.0) if self.horizontal == (0,) else (0.0, -1.0)
 
     def _plan(self, anchors: Mapping[str, Any]) -> tuple[Any, Any]:
         """World x and y [m] of the anchor."""
         x, y = (anchors[f"{self.name}.{AXES[i]}"] if i in self.axes else self.still[i] for i in (0, 1))
         return x, y
+
+
+def _size(value: Any) -> Any:
+    """Absolute value without its corner, on the safe side by at most 0.01."""
+    return abs(value) if isinstance(value, float) else (value * value + 1e-4) ** 0.5

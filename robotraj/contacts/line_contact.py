@@ -201,8 +201,8 @@ class BoundLineContact(BoundContact):
         return [normal, *friction, reach - tipping, reach + tipping, grip - twist, grip + twist]
 
     def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
-        """Evaluate what the ground asks of the place."""
-        return self.where.values(anchors)
+        """Evaluate what the ground asks of the whole edge."""
+        return self.where.values(anchors, (0.0, 0.0, 0.5 * self.width))
 
     def locate(self, robot: Robot, q: Any) -> dict[str, float]:
         """Place of the edge's middle and heading across it in configuration q."""

@@ -26,9 +26,21 @@ class Ground(ABC):
     def surface(self, x: ca.SX, y: ca.SX) -> Any:
         """Height h(x, y) [m] of symbols x and y [m], twice differentiable where a foot may come."""
 
-    def footing(self, x: Any, y: Any) -> list[Any]:
-        """Rows [m] that must not be negative where a foot stands at (x, y) [m]; none where it may stand anywhere."""
+    def footing(self, x: Any, y: Any, reach: tuple[Any, Any] = (0.0, 0.0)) -> list[Any]:
+        """Rows [m] that must not be negative where a foot stands at (x, y) [m]; none where it may stand anywhere.
+
+        Parameters
+        ----------
+        x, y : scalar
+            Middle of its sole [m].
+        reach : pair of scalars
+            How far the sole extends each way along world x and y [m]; 0 for a point.
+        """
         return []
+
+    def stance(self, corners: Sequence[tuple[Any, Any]]) -> list[Any]:
+        """Rows [m] that must not be negative where a sole, or an edge of it, stands with corners (x, y) [m] in turn."""
+        return [row for x, y in corners for row in self.footing(x, y)]
 
     def height(self, x: Any, y: Any) -> Any:
         """Height of the ground [m] at world position (x, y) [m]; symbolic where x and y are."""

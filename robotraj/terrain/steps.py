@@ -88,13 +88,14 @@ class Steps(Ground):
         """Ten pieces for each ramp."""
         return [float(x) for riser in self.risers for x in np.linspace(*riser, 11)], ()
 
-    def footing(self, x: Any, y: Any) -> list[Any]:
-        """One row [m] per riser: ((x - c)^2 - (width/2)^2) / width >= 0 with c the middle of its ramp.
+    def footing(self, x: Any, y: Any, reach: tuple[Any, Any] = (0.0, 0.0)) -> list[Any]:
+        """One row [m] per riser: ((x - c)^2 - b^2) / (2 b) >= 0, with c the middle of its ramp, b = width/2 + reach.
 
-        Beside the ramp the row grows as the distance from it does.
+        So a sole lies on one tread, on either side of each ramp; beside it the row grows as the distance does.
         """
         half = 0.5 * self.width
-        return [((x - low - half) ** 2 - half**2) / self.width for low, _ in self.risers]
+        near = half + reach[0]
+        return [((x - low - half) ** 2 - near * near) / (2.0 * near) for low, _ in self.risers]
 
 
 def _pairs(values: Sequence[float]) -> list[tuple[float, float]]:

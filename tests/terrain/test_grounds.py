@@ -118,6 +118,10 @@ def test_a_foot_may_stand_on_treads_and_on_no_riser() -> None:
     low, high = steps.risers[1]
     distance = steps.footing(np.array([low - 0.01, high + 0.01]), 0.0)[1]
     assert np.all((distance > 0.01 - 1e-12) & (distance < 0.013))
+    heel_and_toe = np.min(steps.footing(xs, 0.0, (0.11, 0.05)), axis=0) >= 0.0
+    alike = np.isclose(steps.height(xs - 0.11, 0.0), steps.height(xs + 0.11, 0.0), atol=1e-12)
+    assert heel_and_toe.any() and alike[heel_and_toe].all() and stands[heel_and_toe].all()
+    assert heel_and_toe.sum() >= (alike & level).sum() - 20
     assert rt.Slope(0.3).footing(0.0, 0.0) == []
 
 
