@@ -19,7 +19,8 @@ class DriftRow:
     Attributes
     ----------
     name : str
-        ``q.<joint>``, ``v.<joint>``, or the state's name.
+        ``q.<joint>``, ``v.<joint>``, or the state's name. A floating root is shifted by q.root_x, q.root_y, q.root_z
+        in the world and turned by the rotation vector q.root_rx, q.root_ry, q.root_rz in its own axes.
     unit : str
     final : float
         |simulated - planned| at the end; infinite if the simulation did not get there.
@@ -82,11 +83,11 @@ def drift_of(plant: Plant, motion: Motion, phase: str) -> tuple[DriftRow, ...]:
     for k in np.unique(motion.intervals):
         chosen = motion.intervals == k
         planned[chosen] = plant.states(motion.times[chosen], int(k))
-    gaps = np.nan_to_num(np.abs(motion.states - planned), nan=np.inf)
+    gaps = np.nan_to_num(np.abs(plant.gaps(motion.states, planned)), nan=np.inf)
     peaks = np.nan_to_num(np.abs(planned), nan=0.0).max(axis=0)
+    rows = zip(plant.gap_names, plant.gap_units, plant.scales(peaks), strict=True)
     return tuple(
-        _row(name, unit, gaps[:, i], motion, phase, float(scale))
-        for i, (name, unit, scale) in enumerate(zip(plant.names, plant.units, plant.scales(peaks), strict=True))
+        _row(name, unit, gaps[:, i], motion, phase, float(scale)) for i, (name, unit, scale) in enumerate(rows)
     )
 
 

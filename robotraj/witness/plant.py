@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 
 from robotraj.design import realised
+from robotraj.tangent import PLACE, difference, floats, normalised
 from robotraj.witness.integration import Rates, Settle
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.point import system_point
@@ -21,6 +22,9 @@ RATE_UNITS = {"rad": "rad/s", "m": "m/s"}
 ALGEBRAIC_TOLERANCE = 1e-9
 """Largest entry of 0 = g that counts as solved, in units of 1 + the largest planned |z|."""
 
+
+FLYING = ("root_x", "root_y", "root_z", "root_rx", "root_ry", "root_rz")
+"""How far a floating root is from its plan: along the world's axes [m], and a rotation vector in its own [rad]."""
 
 VELOCITY_SCALE = 10.0
 """Velocities may drift ten times as far as positions: planned motions change within a tenth of a second."""
@@ -50,19 +54,26 @@ class Plant(Protocol):
 
     Attributes
     ----------
-    names, units : tuple of str
+    names : tuple of str
         Of the states x, (n,).
+    gap_names, gap_units : tuple of str
+        Of the difference of two states, (k,): a floating root is turned by three angles, not by four.
     """
 
     names: tuple[str, ...]
-    units: tuple[str, ...]
+    gap_names: tuple[str, ...]
+    gap_units: tuple[str, ...]
 
     def states(self, times: Array, interval: int | None = None) -> Array:
         """Planned states (m, n) at times (m,)."""
         ...
 
+    def gaps(self, states: Array, planned: Array) -> Array:
+        """Differences (m, k) of states and planned states, (m, n) each."""
+        ...
+
     def scales(self, peaks: Array) -> Array:
-        """Give the factors of a drift tolerance (n,), from the largest planned magnitudes (n,)."""
+        """Give the factors of a drift tolerance (k,), from the largest planned magnitudes (n,)."""
         ...
 
     @property
@@ -90,21 +101,39 @@ class RobotPlant:
 
     def __init__(self, planned: PhaseSolutionLike) -> None:
         robot = planned.phase.robot
-        self.names = tuple(f"q.{j}" for j in robot.joint_names) + tuple(f"v.{j}" for j in robot.joint_names)
-        self.units = tuple(robot.units) + tuple(RATE_UNITS[unit] for unit in robot.units)
+        speeds = tuple(f"v.{name}" for name in robot.velocity_names)
+        self.names = (*(f"q.{name}" for name in robot.position_names), *speeds)
+        self._model = robot.model
+        moved = robot.velocity_names
+        if floats(self._model):
+            moved = (*FLYING, *moved[len(FLYING) :])
+        self.gap_names = (*(f"q.{name}" for name in moved), *speeds)
+        self.gap_units = (*robot.units, *(RATE_UNITS[unit] for unit in robot.units))
         self._planned = planned
         contacts = planned.phase.bound_contacts
         self._stance = Stance(realised(planned), contacts, planned.parameters) if contacts else None
 
     def states(self, times: Array, interval: int | None = None) -> Array:
-        """Planned (q, v), (m, 2 nv)."""
+        """Planned (q, v), (m, nq + nv)."""
         sample = self._planned.at(times, interval=interval)
         return np.hstack([sample.q, sample.v])
 
+    def gaps(self, states: Array, planned: Array) -> Array:
+        """Shift of a floating root in the world and its turn in its own axes, then all else, (m, 2 nv)."""
+        if not floats(self._model):
+            return states - planned
+        nq = self._model.nq
+        there, here = states[:, :nq], planned[:, :nq]
+        moved = np.full((len(states), self._model.nv), np.nan)
+        known = np.isfinite(states).all(axis=1) & np.isfinite(planned).all(axis=1)
+        moved[known] = difference(self._model, here[known], there[known])
+        moved[:, PLACE] = there[:, PLACE] - here[:, PLACE]
+        return np.hstack([moved, states[:, nq:] - planned[:, nq:]])
+
     def scales(self, peaks: Array) -> Array:
         """Give 1 for positions, ``VELOCITY_SCALE`` max(1, peak) for velocities."""
-        half = len(peaks) // 2
-        return np.concatenate([np.ones(half), VELOCITY_SCALE * np.maximum(1.0, peaks[half:])])
+        nq, nv = self._model.nq, self._model.nv
+        return np.concatenate([np.ones(nv), VELOCITY_SCALE * np.maximum(1.0, peaks[nq:])])
 
     @property
     def rates(self) -> Rates:
@@ -118,12 +147,21 @@ class RobotPlant:
 
     @property
     def settle(self) -> Settle | None:
-        """Projection on the held rows."""
-        return None if self._stance is None else self._stance.settle
+        """Projection on the held rows, and of quaternions on length 1."""
+        stance, model = self._stance, self._model
+        if not floats(model):
+            return None if stance is None else stance.settle
+
+        def settle(x: Array) -> Array:
+            x = normalised(model, x)
+            return x if stance is None else stance.settle(x)
+
+        return settle
 
     def begin(self, x: Array) -> tuple[Array, tuple[Landing, ...]]:
         """Hold the contacts where they are and bring them to rest by an impact, none where they rest already."""
         stance = self._stance
+        x = normalised(self._model, x)
         if stance is None:
             return x, ()
         nq = stance.robot.model.nq
@@ -143,12 +181,17 @@ class SystemPlant:
     def __init__(self, planned: PhaseSolutionLike) -> None:
         self._system: SystemLike = planned.phase.system
         self.names = tuple(s.name for s in self._system.states)
-        self.units = tuple(s.unit for s in self._system.states)
+        self.gap_names = self.names
+        self.gap_units = tuple(s.unit for s in self._system.states)
         self._planned = planned
 
     def states(self, times: Array, interval: int | None = None) -> Array:
         """Planned states (m, n)."""
         return columns(self._planned.at(times, interval=interval).x, self.names, len(times))
+
+    def gaps(self, states: Array, planned: Array) -> Array:
+        """Differences (m, n), state by state."""
+        return states - planned
 
     def scales(self, peaks: Array) -> Array:
         """Give max(1, peak): the unit of a user's state is not known."""

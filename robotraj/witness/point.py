@@ -25,8 +25,8 @@ class NumericPoint(Point):
     robot : Robot
     t : float
         Time [s].
-    q, v, a : array_like (nv,)
-        Joint positions [rad, m], velocities and accelerations.
+    q, v, a : array_like (nq,), (nv,), (nv,)
+        Positions [rad, m], velocities and accelerations.
     tau : array_like (nu,)
         Torques of the actuated joints [N m, N].
     parameters : mapping of str to float, optional
@@ -63,7 +63,7 @@ class NumericPoint(Point):
         self._q, self._v, self._a = (np.array(s, dtype=float) for s in (q, v, a))
         self._vector = ca.DM if columns else np.asarray
         tau = np.array(tau, dtype=float)
-        joints = robot.joint_names
+        moved = robot.velocity_names
         parameters = parameters or {}
         forces = forces or {}
         algebraic = algebraic or {}
@@ -71,12 +71,12 @@ class NumericPoint(Point):
             float(t),
             Named(
                 "state",
-                [f"q.{j}" for j in joints] + [f"v.{j}" for j in joints],
+                [f"q.{name}" for name in robot.position_names] + [f"v.{name}" for name in moved],
                 [*self._q, *self._v],
             ),
             Named(
                 "algebraic variable",
-                [f"a.{j}" for j in joints] + list(algebraic),
+                [f"a.{name}" for name in moved] + list(algebraic),
                 [*self._a, *(float(value) for value in algebraic.values())],
             ),
             Named("control", [f"tau.{j}" for j in robot.actuated], list(tau)),

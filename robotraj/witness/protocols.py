@@ -16,15 +16,19 @@ class RobotLike(Protocol):
 
     @property
     def model(self) -> Any:
-        """Pinocchio's model, one position and one velocity per joint."""
+        """Pinocchio's model: one position and one velocity per joint, but for a free-flyer at the root."""
 
     @property
     def nv(self) -> int:
-        """Number of joints that move."""
+        """Number of velocities."""
 
     @property
-    def joint_names(self) -> Sequence[str]:
-        """Joints in the order of v."""
+    def position_names(self) -> Sequence[str]:
+        """Entries of q."""
+
+    @property
+    def velocity_names(self) -> Sequence[str]:
+        """Entries of v."""
 
     @property
     def actuated(self) -> Sequence[str]:
@@ -36,7 +40,11 @@ class RobotLike(Protocol):
 
     @property
     def units(self) -> Sequence[str]:
-        """``"rad"`` or ``"m"`` by joint."""
+        """``"rad"`` or ``"m"`` by velocity: what it moves along, per second."""
+
+    @property
+    def position_units(self) -> Sequence[str]:
+        """Units of q, empty for a quaternion's entries."""
 
     @property
     def damping(self) -> Any:

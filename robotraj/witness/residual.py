@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj.design import realised
+from robotraj.tangent import velocities
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak, peaks
 from robotraj.witness.plant import RATE_UNITS, columns, plant_of
@@ -40,7 +41,7 @@ class Residual:
         Robots, by joint: max over t of |RNEA(q, v, dv/dt) + d(v) - B tau - J' f| [N m, N], f the contact forces.
         Systems, by algebraic row: |g|.
     rate : mapping of str to Peak
-        Robots, by joint: max over t of |dq/dt - v| [rad/s, m/s].
+        Robots, by joint: max over t of |dq/dt - v| [rad/s, m/s]; of a floating root in its own axes.
         Systems, by state: |dx/dt - f(x, z, u, p, t)|.
     jumps : mapping of str to Peak
         By state: largest gap at a knot between the polynomials of its two intervals, zero once a
@@ -69,9 +70,10 @@ def _jumps(planned: PhaseSolutionLike) -> dict[str, Peak]:
     ends = [(s.begin, plant.states(s.times, s.interval)) for s in stretches(planned, 2)]
     if len(ends) < 2:
         return {}
-    gaps = np.array([after[0] - before[-1] for (_, before), (_, after) in pairwise(ends)])
+    meet = list(pairwise(ends))
+    gaps = plant.gaps(np.array([after[0] for _, (_, after) in meet]), np.array([before[-1] for (_, before), _ in meet]))
     times = np.array([begin for begin, _ in ends[1:]])
-    return peaks(plant.names, plant.units, times, gaps, planned.phase.name)
+    return peaks(plant.gap_names, plant.gap_units, times, gaps, planned.phase.name)
 
 
 def _robot(planned: PhaseSolutionLike, samples: int) -> Peaks:
@@ -91,10 +93,10 @@ def _robot(planned: PhaseSolutionLike, samples: int) -> Peaks:
         for i, (q, v, a, tau) in enumerate(zip(sample.q, sample.v, acceleration, sample.tau, strict=True)):
             needed = pin.rnea(robot.model, data, q, v, a) + robot.dissipation(v) - actuation @ tau
             torque.append(needed if forces is None else needed - stance.rows(q, v).jacobian.T @ forces[i])
-        rate.append(time_derivative(sample.q, stretch) - sample.v)
+        rate.append(velocities(robot.model, sample.q, time_derivative(sample.q, stretch)) - sample.v)
         times.append(stretch.times)
     t, name = np.concatenate(times), planned.phase.name
-    joints = robot.joint_names
+    joints = robot.velocity_names
     return (
         peaks(joints, [TORQUE_UNITS[u] for u in robot.units], t, np.array(torque), name),
         peaks(joints, [RATE_UNITS[u] for u in robot.units], t, np.concatenate(rate), name),

@@ -10,6 +10,10 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj.errors import InputError
+from robotraj.loading.configuration import unit_quaternion
+from robotraj.loading.root import QUATERNION
+from robotraj.tangent import floats, normalised
+from robotraj.tangent import rates as rates_of
 from robotraj.witness.integration import Motion, Rates, integrate
 from robotraj.witness.protocols import Array, RobotLike
 
@@ -27,8 +31,10 @@ class Simulation:
     ----------
     times : ndarray (m,)
         Sample times [s].
-    q, v : ndarray (m, nv)
-        Joint positions [rad, m] and velocities [rad/s, m/s].
+    q : ndarray (m, nq)
+        Positions [rad, m].
+    v : ndarray (m, nv)
+        Velocities [rad/s, m/s].
     failure : str or None
         Why the simulation stopped early, None if it reached the end.
     stopped : float
@@ -48,9 +54,10 @@ class Simulation:
 
 
 def robot_rates(robot: RobotLike, torque: Torque, acceleration: Acceleration | None = None) -> Rates:
-    """Rates of (q, v): v and a = ABA(q, v, B tau - d(v)), with d the joint damping and friction.
+    """Rates of (q, v): q' and a = ABA(q, v, B tau - d(v)), with d the joint damping and friction.
 
-    A robot whose contacts hold brings its own ``acceleration`` in the place of ABA.
+    q' is v; of a quaternion it is half its product with (omega, 0), omega in the body's axes. A robot whose contacts
+    hold brings its own ``acceleration`` in the place of ABA.
 
     Pinocchio's own algorithms ignore damping and friction, so they are subtracted from the torque.
     Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
@@ -58,7 +65,7 @@ def robot_rates(robot: RobotLike, torque: Torque, acceleration: Acceleration | N
     model = robot.model
     data = model.createData()
     actuation = np.asarray(robot.actuation, dtype=float)
-    nv = robot.nv
+    nq = model.nq
 
     def by_aba(q: Array, v: Array, applied: Array) -> Array:
         return np.asarray(pin.aba(model, data, q, v, applied))
@@ -66,9 +73,9 @@ def robot_rates(robot: RobotLike, torque: Torque, acceleration: Acceleration | N
     accelerate = acceleration or by_aba
 
     def rates(t: float, x: Array, k: int) -> Array:
-        q, v = x[:nv], x[nv:]
+        q, v = normalised(model, x[:nq]), x[nq:]
         applied = actuation @ np.asarray(torque(t, k, q, v), dtype=float) - robot.dissipation(v)
-        return np.concatenate([v, accelerate(q, v, applied)])
+        return np.concatenate([rates_of(model, x[:nq], v), accelerate(q, v, applied)])
 
     return rates
 
@@ -90,8 +97,8 @@ def simulate(
     Parameters
     ----------
     robot : Robot
-    q0, v0 : array_like (nv,)
-        First positions [rad, m] and velocities [rad/s, m/s].
+    q0, v0 : array_like (nq,), (nv,)
+        First positions [rad, m] and velocities [rad/s, m/s]; quaternions have length 1.
     torque : callable
         ``torque(t, k, q, v)`` gives the torques (nu,) [N m, N] of the actuated joints in interval k.
     t_span : (float, float)
@@ -111,25 +118,29 @@ def simulate(
     begin, end = float(t_span[0]), float(t_span[1])
     if not begin < end:
         raise InputError(f"t_span = ({begin:g}, {end:g}) s must run forward.")
-    x0 = np.concatenate([_vector(q0, robot.nv, "q0", robot), _vector(v0, robot.nv, "v0", robot)])
+    q = _vector(q0, robot.position_names, "q0")
+    if floats(robot.model):
+        q[QUATERNION] = unit_quaternion(q[QUATERNION], "q0")
+    x0 = np.concatenate([q, _vector(v0, robot.velocity_names, "v0")])
     between = [float(t) for t in (knots if knots is not None else ()) if begin < t < end]
     times = np.array([begin, *sorted(between), end])
     motion = integrate(
         robot_rates(robot, torque), x0, times, rtol=rtol, atol=atol, samples_per_interval=samples_per_interval
     )
-    return split(motion, robot.nv)
+    return split(motion, robot.model)
 
 
-def split(motion: Motion, nv: int) -> Simulation:
-    """Separate positions from velocities."""
-    return Simulation(motion.times, motion.states[:, :nv], motion.states[:, nv:], motion.failure, motion.stopped)
+def split(motion: Motion, model: pin.Model) -> Simulation:
+    """Separate positions, with quaternions of length 1, from velocities."""
+    q, v = normalised(model, motion.states[:, : model.nq]), motion.states[:, model.nq :]
+    return Simulation(motion.times, q, v, motion.failure, motion.stopped)
 
 
-def _vector(value: Any, size: int, what: str, robot: RobotLike) -> Array:
-    array = np.asarray(value, dtype=float).ravel()
-    if array.size != size:
-        raise InputError(f"{what} has {array.size} values; it needs {size}: {', '.join(robot.joint_names)}.")
+def _vector(value: Any, names: Sequence[str], what: str) -> Array:
+    array = np.array(value, dtype=float).ravel()
+    if array.size != len(names):
+        raise InputError(f"{what} has {array.size} values; it needs {len(names)}: {', '.join(names)}.")
     if not np.isfinite(array).all():
-        joint = robot.joint_names[int(np.flatnonzero(~np.isfinite(array))[0])]
+        joint = names[int(np.flatnonzero(~np.isfinite(array))[0])]
         raise InputError(f"{what} of joint {joint!r} is not finite; give a number.")
     return array

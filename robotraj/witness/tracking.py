@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from robotraj.design import realised
 from robotraj.errors import InputError
+from robotraj.tangent import difference
 from robotraj.witness import drift as drifts
 from robotraj.witness.drift import Drift, DriftRow, drift_of
 from robotraj.witness.integration import integrate
@@ -63,7 +65,8 @@ def track(
     kp, kd : float or sequence (nu,)
         Gains [N m/rad, N/m] and [N m s/rad, N s/m], at least 0.
     offset : float or array_like (2 nv,)
-        Added to the plan's first state (q, v), a disturbance to recover from.
+        Moves the plan's first state: q by ``pin.integrate``, which adds to all but a floating root, and v; a
+        disturbance to recover from.
     rtol, atol, samples_per_interval
         As for ``simulate``.
 
@@ -84,8 +87,8 @@ def track(
         gains = _gains(kp, "kp", robot.actuated), _gains(kd, "kd", robot.actuated)
         knots = np.asarray(planned.knots, dtype=float)
         if x is None:
-            x = plant.states(knots[:1], 0)[0] + np.asarray(offset, dtype=float)
-        feedback = _Feedback(planned, np.asarray(robot.actuation, dtype=float), *gains)
+            x = _moved(robot.model, plant.states(knots[:1], 0)[0], offset)
+        feedback = _Feedback(planned, robot.model, np.asarray(robot.actuation, dtype=float), *gains)
 
         motion = integrate(
             robot_rates(robot, feedback.torque),
@@ -95,14 +98,14 @@ def track(
             atol=atol,
             samples_per_interval=samples_per_interval,
         )
-        simulation = split(motion, robot.nv)
+        simulation = split(motion, robot.model)
         torques = np.array(
             [
                 feedback.added(planned.at(t, interval=int(k)), q, v)
                 for t, k, q, v in zip(motion.times, motion.intervals, simulation.q, simulation.v, strict=True)
             ]
         )
-        unit = dict(zip(robot.joint_names, robot.units, strict=True))
+        unit = dict(zip(robot.velocity_names, robot.units, strict=True))
         units = [TORQUE_UNITS[unit[joint]] for joint in robot.actuated]
         added.append(peaks(robot.actuated, units, motion.times, torques, planned.phase.name))
         rows.append(drift_of(plant, motion, planned.phase.name))
@@ -119,18 +122,30 @@ class _Feedback:
     """Planned torque plus proportional and derivative feedback of the actuated joints."""
 
     planned: Any
+    model: pin.Model
     actuation: Array
     kp: Array
     kd: Array
 
     def added(self, sample: Any, q: Array, v: Array) -> Array:
         """Torque (nu,) that the feedback adds to the plan's."""
-        return self.kp * (self.actuation.T @ (sample.q - q)) + self.kd * (self.actuation.T @ (sample.v - v))
+        away = difference(self.model, q, sample.q)
+        return self.kp * (self.actuation.T @ away) + self.kd * (self.actuation.T @ (sample.v - v))
 
     def torque(self, t: float, k: int, q: Array, v: Array) -> Array:
         """Torque (nu,) of plan and feedback."""
         sample = self.planned.at(t, interval=k)
         return np.asarray(sample.tau + self.added(sample, q, v))
+
+
+def _moved(model: pin.Model, x: Array, offset: Any) -> Array:
+    """Move a state (q, v) by an offset (2 nv,)."""
+    nq, nv = model.nq, model.nv
+    try:
+        away = np.array(np.broadcast_to(np.asarray(offset, dtype=float).ravel(), 2 * nv))
+    except ValueError as error:
+        raise InputError(f"offset has {np.size(offset)} values; give one, or {2 * nv} of q and v.") from error
+    return np.concatenate([pin.integrate(model, x[:nq], away[:nv]), x[nq:] + away[nv:]])
 
 
 def _gains(value: Any, what: str, joints: Sequence[str]) -> Array:

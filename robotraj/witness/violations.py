@@ -131,7 +131,8 @@ def _key(row: Row) -> tuple[str, str | None, float, float]:
 def _limit_rows(phase: Any) -> Iterable[tuple[Row, Callable[[Any], Array]]]:
     """Rows of the joint limits that bound something, and how each reads a sample of many times."""
     limits, robot = phase.limits, phase.robot
-    joints = list(robot.joint_names)
+    joints = list(robot.velocity_names)
+    shift = int(robot.model.nq) - len(joints)  # a floating root has one position more than velocities, and no limits
     symmetric = (
         ("velocity limit", "v", limits.velocity, RATE_UNITS, joints),
         ("acceleration limit", "a", limits.acceleration, ACCELERATION_UNITS, joints),
@@ -140,7 +141,7 @@ def _limit_rows(phase: Any) -> Iterable[tuple[Row, Callable[[Any], Array]]]:
     for i, joint in enumerate(joints):
         lower, upper = float(limits.position_lower[i]), float(limits.position_upper[i])
         if np.isfinite(lower) or np.isfinite(upper):
-            yield Row("position limit", robot.units[i], lower, upper, joint), _column("q", i)
+            yield Row("position limit", robot.units[i], lower, upper, joint), _column("q", i + shift)
     for name, kind, bounds, units, moved in symmetric:
         for column, joint in enumerate(moved):
             i = joints.index(joint)
@@ -237,4 +238,4 @@ def _integrals(planned: PhaseSolutionLike, constraints: Sequence[Any], samples: 
 
 
 def _state_units(robot: Any) -> list[str]:
-    return [*robot.units, *(RATE_UNITS[unit] for unit in robot.units)]
+    return [*robot.position_units, *(RATE_UNITS[unit] for unit in robot.units)]

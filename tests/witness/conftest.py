@@ -30,8 +30,16 @@ class FakeRobot:
     friction_speed: float = 0.1
 
     @property
-    def joint_names(self) -> tuple[str, ...]:
+    def velocity_names(self) -> tuple[str, ...]:
         return tuple(self.model.names)[1:]
+
+    @property
+    def position_names(self) -> tuple[str, ...]:
+        return self.velocity_names
+
+    @property
+    def position_units(self) -> tuple[str, ...]:
+        return self.units
 
     @property
     def nv(self) -> int:
@@ -39,7 +47,7 @@ class FakeRobot:
 
     @property
     def actuation(self) -> Any:
-        chosen = [self.joint_names.index(name) for name in self.actuated]
+        chosen = [self.velocity_names.index(name) for name in self.actuated]
         return np.eye(self.nv)[:, chosen]
 
     def dissipation(self, v: Any) -> Any:
