@@ -38,10 +38,6 @@ class Ground(ABC):
         """
         return []
 
-    def stance(self, corners: Sequence[tuple[Any, Any]]) -> list[Any]:
-        """Rows [m] that must not be negative where a sole, or an edge of it, stands with corners (x, y) [m] in turn."""
-        return [row for x, y in corners for row in self.footing(x, y)]
-
     def height(self, x: Any, y: Any) -> Any:
         """Height of the ground [m] at world position (x, y) [m]; symbolic where x and y are."""
         return self.plane(x, y)[0]
