@@ -13,7 +13,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
     0: ("chart", "errors", "robot", "loading", "symbolic", "polynomials", "tangent", "terrain"),
     1: ("contacts", "design", "dynamics", "trajectory"),
     2: ("constraints", "objectives"),
-    3: ("state", "links", "feasibility", "printing", "problem"),
+    3: ("state", "links", "feasibility", "printing", "problem", "unrolled"),
     4: ("schemes", "guess", "guesses"),
     5: ("transcription", "refinement"),
     6: ("solvers", "status", "progress"),

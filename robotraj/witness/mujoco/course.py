@@ -1,51 +1,22 @@
 """A plan run through several times: every period displaced from the last, and mirrored if the plan is half a gait.
 
-The plan's closing link says how its start x_0 sees its end x_T: x_0 = P x_T + d, with P a permutation with signs (the
-identity, or left and right swapped). So the next period starts where the last one ended if it follows
-F(x) = P' (x - d), the one after F(F(x)), and so on.
+How the plan closes on itself, and so what a later period is, says ``robotraj.unrolled``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from robotraj.design import realised
 from robotraj.errors import InputError
-from robotraj.links import Mirror, Periodic
+from robotraj.unrolled import Return, closing_of
 from robotraj.witness.protocols import Array, SolutionLike
 
 QUATERNION = slice(3, 7)
 """Where q of a free-flyer at the root holds the quaternion."""
-
-
-@dataclass(frozen=True)
-class Return:
-    """How the start of a plan sees its end: q_0 = P q_T + d, v_0 = P_v v_T.
-
-    Attributes
-    ----------
-    positions : ndarray (nq, nq)
-        P.
-    shift : ndarray (nq,)
-        d [m, rad]; zero for a quaternion.
-    velocities : ndarray (nv, nv)
-        P_v.
-    partners : mapping of str to str
-        Contacts, or their frames, that change places.
-    """
-
-    positions: Array
-    shift: Array
-    velocities: Array
-    partners: Mapping[str, str] = field(default_factory=dict)
-
-    def onwards(self, q: Array) -> Array:
-        """Position (..., nq) as it is a period later."""
-        return (q - self.shift) @ self.positions
 
 
 class Passage(NamedTuple):
@@ -107,7 +78,7 @@ class Course:
         names = list(self.robot.model.names)
         if any(list(robot.model.names) != names for robot in robots):
             raise InputError("The phases move different robots; second_opinion() follows one robot.")
-        self.closing = _closing(solution)
+        self.closing = closing_of(solution)
         self.periods = _count(periods, self.closing)
         self.floating = self.robot.model.nq > self.robot.model.nv
 
@@ -129,6 +100,16 @@ class Course:
             for phase, duration in enumerate(self.durations):
                 yield Passage(phase, period, begin)
                 begin += duration
+
+    def grid(self, phase: int, step: float) -> Array:
+        """Give times since the start of a phase (m,) [s], no more than a step apart, its knots among them."""
+        knots = np.asarray(self.phases[phase].knots, dtype=float) - self.starts[phase]
+        knots = knots[np.concatenate([[True], np.diff(knots) > 0])]
+        parts = [
+            np.linspace(begin, end, max(1, int(np.ceil((end - begin) / step - 1e-9))), endpoint=False)
+            for begin, end in zip(knots[:-1], knots[1:], strict=True)
+        ]
+        return np.concatenate([*parts, knots[-1:]])
 
     def reference(self, phase: int, times: Array) -> Reference:
         """Sample a phase at times (m,) since its start [s]."""
@@ -196,35 +177,3 @@ def _count(periods: int | None, closing: Return | None) -> int:
             "rt.Touchdown(repeat=...) closes it. Follow it once."
         )
     return periods
-
-
-def _closing(solution: SolutionLike) -> Return | None:
-    """Find the link from the last phase to the first, and how far the plan gets in a period."""
-    phases = solution.phases
-    for link in getattr(solution.problem, "links", ()):
-        if isinstance(link, Periodic | Mirror):
-            repeat, first, last = link, link.first, link.last
-        elif getattr(link, "repeat", None) is not None:
-            repeat, first, last = link.repeat, link.second, link.first
-        else:
-            continue
-        if first % len(phases) == 0 and last % len(phases) == len(phases) - 1:
-            return _read(repeat, phases[0], phases[-1])
-    return None
-
-
-def _read(repeat: Periodic | Mirror, opening: Any, closing: Any) -> Return:
-    """Write a repetition as matrices."""
-    model = opening.phase.robot.model
-    nq, nv = model.nq, model.nv
-    names = [state.name for state in opening.phase.body.states][: nq + nv]
-    seen = repeat.of(closing.phase, names, type(repeat).__name__)
-    matrix = np.zeros((nq + nv, nq + nv))
-    for row, (source, sign) in enumerate(seen.sources[: nq + nv]):
-        matrix[row, names.index(source)] = sign
-    positions = matrix[:nq, :nq]
-    start, end = opening.at(opening.knots[0]), closing.at(closing.knots[-1])
-    shift = np.asarray(start.q) - positions @ np.asarray(end.q)
-    if nq > nv:
-        shift[QUATERNION] = 0.0
-    return Return(positions, shift, matrix[nq:, nq:], seen.partners)
