@@ -3,7 +3,8 @@
 Direct collocation by the lecture's scheme at 51, 101 and 201 points, multiple and single shooting at 21, and an
 adaptive mesh against uniform ones. Seconds are medians of five runs of ``rt.plan``, taken in turn; ratios are of this
 run. The lecture reports 2, 7 and 55 s for 51, 101 and 201 points. ``python benchmarks/lecture.py`` prints the tables
-and writes the figures into the working directory.
+and writes figures 3 to 10 (see ``lecture_figures``) into the working directory, as ``lecture_03.png`` to
+``lecture_10.png``.
 """
 
 from __future__ import annotations
@@ -13,14 +14,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from lecture_figures import draw_costs, draw_errors, draw_mesh
+from lecture_figures import draw_costs, draw_meshes, draw_motion, draw_seconds
 from numpy.typing import NDArray
 
 import robotraj as rt
 
+Array = NDArray[np.float64]
+
 RUNS = 5
 DISTANCE = 10.0
 LECTURE = rt.HermiteSimpson(control=rt.LinearControl(), quadrature=rt.TrapezoidalQuadrature())
+REPORTED = (2.0, 7.0, 55.0)
+"""Seconds in the lecture of the first three ``METHODS``."""
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
 
 
@@ -40,10 +45,11 @@ def optimum(brake: float = 1.0) -> float:
     return float(np.sqrt(2 * DISTANCE * (1 + 1 / brake)))
 
 
-def exact_position(t: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Full ahead to half of the duration, full back after it, with a brake of 1."""
+def exact(t: Array) -> tuple[Array, Array, Array]:
+    """Position, velocity and force: full ahead to half of the duration, full back after it, with a brake of 1."""
     left = np.maximum(optimum() - t, 0)
-    return np.where(t < optimum() / 2, t**2 / 2, DISTANCE - left**2 / 2)
+    ahead = t < optimum() / 2
+    return np.where(ahead, t**2 / 2, DISTANCE - left**2 / 2), np.where(ahead, t, left), np.where(ahead, 1.0, -1.0)
 
 
 @dataclass(frozen=True)
@@ -128,22 +134,33 @@ def table(measured: dict[str, Measured]) -> None:
         print(f"{name:44} {points:6d} {iterations:10d} {each.seconds:8.3f} {each.error:15.1e}")
 
 
-def figures(methods: dict[str, Measured], adaptive_run: Measured) -> None:
+def figures(methods: dict[str, Measured], meshes: dict[str, Measured]) -> None:
+    names = [run.name for run in METHODS]
+    drawn = [names[0], names[1], names[2], names[4], names[6]]
+    paths = [draw_motion(n, name, methods[name].solution, exact) for n, name in enumerate(drawn, start=3)]
+    solutions = {name: methods[name].solution for name in names}
+    seconds = {name: methods[name].seconds for name in names}
+    paths.append(draw_seconds(8, solutions, seconds, dict(zip(names, REPORTED, strict=False)), exact))
+    own, *uniform = (meshes[run.name].solution for run in MESHES)
+    near = min(uniform, key=lambda other: abs(len(other.phases[0].points) - len(own.phases[0].points)))
+    paths += [draw_meshes(9, own, near), draw_costs(10, against_points(own))]
+    print("\nwrote", ", ".join(str(path) for path in paths))
+
+
+def against_points(adaptive_run: rt.Solution) -> dict[str, list[tuple[int, float, float]]]:
+    """Points, error and seconds of uniform meshes by scheme, and of the meshes of an adaptive run."""
     series = {}
     for name, scheme in SCHEMES.items():
         runs = [fixed(str(n), n, scheme, BRAKE) for n in (10, 20, 40, 80, 160)]
         each = measure(runs).values()
         series[name] = [(len(m.solution.phases[0].points), m.error, m.seconds) for m in each]
-    steps = adaptive_run.solution.refinement
+    steps = adaptive_run.refinement
     spent = np.cumsum([step.seconds for step in steps])
     series["adaptive, Radau IIA"] = [
         (step.points, abs(step.objective / optimum(BRAKE) - 1), float(total))
         for step, total in zip(steps, spent, strict=True)
     ]
-    solutions = {name: each.solution for name, each in methods.items()}
-    print("\nwrote", draw_costs(series, "lecture_costs.png"), end=", ")
-    print(draw_errors(solutions, exact_position, "lecture_errors.png"), end=", ")
-    print(draw_mesh(adaptive_run.solution, "lecture_mesh.png"))
+    return series
 
 
 def main() -> None:
@@ -161,7 +178,7 @@ def main() -> None:
     table(meshes)
     fine, own = MESHES[-1].name, meshes[MESHES[0].name]
     print(f"\n{fine} against adaptive: {meshes[fine].seconds / own.seconds:.2f} times the seconds")
-    figures(methods, own)
+    figures(methods, meshes)
 
 
 if __name__ == "__main__":
