@@ -102,12 +102,12 @@ class CollisionShapes:
             robot.frame(link)
         shapes = [(robot.model.frames[s.parentFrame].name, s) for s in robot.collision_model.geometryObjects]
         carriers = list(dict.fromkeys(link for link, shape in shapes if shape.parentJoint > 0))
-        for link in wanted or ("any link",):
-            if link not in carriers and (wanted or not carriers):
-                raise InputError(
-                    f"{robot.name} has no collision shape that moves on {link}. Links that carry one: "
-                    f"{', '.join(carriers) or 'none'}. Name frames, or points of frames, instead."
-                )
+        absent = [link for link in wanted if link not in carriers] if wanted or carriers else ["any link"]
+        if absent:
+            raise InputError(
+                f"{robot.name} has no collision shape that moves on {absent[0]}. Links that carry one: "
+                f"{', '.join(carriers) or 'none'}. Name frames, or points of frames, instead."
+            )
         chosen = wanted or carriers
         return [spot for link, shape in shapes if link in chosen for spot in _spots(robot, link, shape)]
 
@@ -160,9 +160,6 @@ def spots_of(what: Any, robot: Robot) -> list[Spot]:
     if isinstance(what, str):
         robot.frame(what)
         return [Spot(what, what)]
-    if isinstance(what, Spot):
-        robot.frame(what.frame)
-        return [what]
     if _is_point(what):
         frame, offset = what[0], _vector(what[1])
         robot.frame(frame)

@@ -103,6 +103,31 @@ def test_a_shape_is_as_clear_as_its_lowest_point(kind: str, ground: str) -> None
     assert every == rows
 
 
+@pytest.mark.parametrize(("name", "root"), [("solo12", "floating"), ("five_link", "planar"), ("ur5", "fixed")])
+def test_shapes_of_a_urdf_move_with_their_links(name: str, root: str) -> None:
+    """Their corners and centres are where Pinocchio's geometry has them, locked joints or not."""
+    lock = {"left_hip": 0.3} if name == "five_link" else {}
+    robot = rt.load(name, root=root, locked=lock)
+    random = np.random.default_rng(5)
+    q = pin.integrate(robot.model, robot.neutral, random.uniform(-0.5, 0.5, robot.nv))
+    shapes, data = robot.collision_model, robot.model.createData()
+    placed = pin.GeometryData(shapes)
+    pin.updateGeometryPlacements(robot.model, data, shapes, placed, q)
+    zeros = np.zeros(robot.nv)
+    point = NumericPoint(robot, 0.0, q, zeros, zeros, np.zeros(robot.nu))
+    spots = {spot.label: np.array(spot.position(point)) for spot in rt.CollisionShapes().spots(robot)}
+    moving = [
+        (shape, pose) for shape, pose in zip(shapes.geometryObjects, placed.oMg, strict=True) if shape.parentJoint
+    ]
+    assert moving
+    for shape, pose in moving:
+        of_shape = [
+            place for label, place in spots.items() if label == shape.name or label.startswith(f"{shape.name} ")
+        ]
+        shape.geometry.computeLocalAABB()
+        np.testing.assert_allclose(np.mean(of_shape, axis=0), pose.act(shape.geometry.aabb_center), atol=1e-6)
+
+
 def test_an_upright_cylinders_row_is_smooth_and_on_the_safe_side() -> None:
     shape = coal.Cylinder(0.1, 0.5)
     robot = replace(rt.load("cartpole"), geometry=OneShape(shape, "tip"))

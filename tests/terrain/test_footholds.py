@@ -53,3 +53,34 @@ def test_in_a_plane_heel_and_toe_stand_on_one_tread() -> None:
     foot = rt.FlatFoot("foot", (0.05, 0.15), ground=STEPS)
     for x in np.linspace(-0.3, 1.5, 500):
         assert (min(rows(robot, foot, x=x)) >= 0.0) == stands(np.array([x - 0.05, x + 0.15]))
+
+
+def test_a_planned_foothold_stays_off_the_riser() -> None:
+    robot = rt.load("hopper", root="planar")
+    steps = rt.Steps([0.02], [0.0, 0.2], 0.03)
+    phase = rt.Phase(
+        robot,
+        0.6,
+        rt.State(q={"root_pitch": 0.0, "hip": 0.1, "leg": 0.4}, v=0),
+        rt.State(q={"root_pitch": 0.1, "hip": -0.1, "leg": 0.6}),
+        rt.Effort(),
+        contacts=[rt.PointContact("foot", ground=steps)],
+        parameters={"foot.x": rt.between(0.0, 0.1)},
+    )
+    solution = rt.plan(phase, rt.Mesh(8))
+    x = solution.phases[0].parameters["foot.x"]
+    assert steps.footing(x, 0.0)[0] >= -1e-8
+    assert steps.height(x, 0.0) == pytest.approx(0.2, abs=1e-12)
+
+
+def test_a_swing_foot_measures_its_progress_from_a_foothold() -> None:
+    robot = rt.load("five_link", root="planar")
+    swing = rt.GroundClearance("right_foot", rt.SwingApex(0.05, lambda point: point.p["left_foot.x"] - 0.3, 0.3))
+    named = rt.GroundClearance("right_foot", rt.SwingApex(0.05, -0.3, "left_foot.x"))
+    stance = rt.PointContact("left_foot")
+    phase = rt.Phase(robot, 0.7, constraints=[swing, named], contacts=[stance])
+    labels = [row.label for bound in phase.bound_constraints for row in bound.rows]
+    assert labels.count("swing apex, right_foot") == 2
+    with pytest.raises(rt.UnknownName, match="right_foot.x.*left_foot.x"):
+        wrong = rt.GroundClearance("right_foot", rt.SwingApex(0.05, -0.3, "right_foot.x"))
+        rt.Phase(robot, 0.7, constraints=[wrong], contacts=[stance]).bound_constraints  # noqa: B018
