@@ -181,14 +181,19 @@ def positive(value: Any, what: str, unit: str) -> float:
 
 def force_range(value: Any, who: str) -> tuple[float, float]:
     """Read (least, greatest) normal force [N], 0 <= least < greatest; the greatest may be infinite."""
-    pair = value if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 2 else (None, None)
-    least, greatest = _number(pair[0]), _number(pair[1])
+    least, greatest = (_number(entry) for entry in (value if np.shape(value) == (2,) else (None, None)))
     if not 0.0 <= least < greatest or np.isinf(least):
         raise InputError(
             f"The normal_force of {who} is {value!r}; give (least, greatest) [N] with 0 <= least < greatest: the "
             "ground only pushes."
         )
     return least, greatest
+
+
+def keep(contact: Contact, **values: Any) -> None:
+    """Replace fields by what was read of them, tuples of floats: contacts then compare and are stored by value."""
+    for name, value in values.items():
+        object.__setattr__(contact, name, value)
 
 
 def _number(value: Any) -> float:

@@ -18,16 +18,17 @@ from robotraj.contacts.base import (
     force_range,
     force_variables,
     held_rows,
+    keep,
     label_of,
     positive,
     spread,
 )
-from robotraj.contacts.foot_axes import FootAxes, foot_axes
+from robotraj.contacts.foot_axes import FootAxes, foot_axes, unit
 from robotraj.contacts.footing import Footing
 from robotraj.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.contacts.point_contact import require_vertical
 from robotraj.contacts.soles import PressureAndTorsion, Rectangle, Sole
-from robotraj.contacts.spot import Spot, spot_of
+from robotraj.contacts.spot import Spot, Triple, offset_of
 from robotraj.contacts.vectors import add, cross, dot, scale
 from robotraj.dynamics.variable import Variable
 from robotraj.errors import InputError
@@ -87,9 +88,9 @@ class FlatFoot(Contact):
     name: str | None = None
     sole: Sole = field(default_factory=PressureAndTorsion)
     normal_force: tuple[float, float] = (0.0, np.inf)
-    offset: Sequence[float] = (0.0, 0.0, 0.0)
-    normal: Sequence[float] | None = None
-    forward: Sequence[float] | None = None
+    offset: Triple = (0.0, 0.0, 0.0)
+    normal: Triple | None = None
+    forward: Triple | None = None
 
     def __post_init__(self) -> None:
         who = f"FlatFoot {self.label!r}"
@@ -97,10 +98,16 @@ class FlatFoot(Contact):
         positive(self.friction, f"friction of {who}", "")
         if not isinstance(self.sole, Sole):
             raise InputError(f"The sole of {who} is {self.sole!r}; give rt.PressureAndTorsion() or rt.FourCorners().")
-        force_range(self.normal_force, who)
-        spot_of(self.frame, self.offset, who)
-        self._shape()
-        foot_axes(np.eye(3), (0.0, 0.0, 1.0), self.normal, self.forward, who)
+        keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
+        keep(self, length=_length(self.length, f"length of {who}"))
+        if self.width is not None:
+            keep(self, width=positive(self.width, f"width of {who}", "m"))
+        if self.normal is not None:
+            keep(self, normal=unit(self.normal, f"normal of {who}"))
+        if self.forward is not None:
+            keep(self, forward=unit(self.forward, f"forward axis of {who}"))
+        if self.normal is not None and self.forward is not None:
+            foot_axes(np.eye(3), self.normal, self.normal, self.forward, who)
         as_ground(self.ground)
 
     @property
@@ -112,7 +119,7 @@ class FlatFoot(Contact):
         """Find the foot's axes and whether it moves in a plane, and write out rows and forces."""
         who = f"FlatFoot {self.label!r}"
         robot.frame(self.frame)
-        spot = spot_of(self.frame, self.offset, who)
+        spot = Spot(self.frame, self.offset)
         axes, about = mobility(robot, lambda q: spot.jacobian(robot, q))
         require_plane(robot, self.frame, axes, about)
         require_vertical(robot, self.frame, axes)
@@ -150,17 +157,9 @@ class FlatFoot(Contact):
         )
 
     def _shape(self) -> Rectangle:
-        """Check the sizes of the sole and write them as its rectangle."""
-        what = f"length of FlatFoot {self.label!r}"
-        if isinstance(self.length, Sequence) and not isinstance(self.length, str):
-            if len(self.length) != 2:
-                raise InputError(f"The {what} is {self.length!r}; give one number or (back, front) [m].")
-            back, front = (_reach(entry, what) for entry in self.length)
-            positive(back + front, what, "m")
-        else:
-            back = front = positive(self.length, what, "m") / 2.0
-        half = 0.0 if self.width is None else positive(self.width, f"width of FlatFoot {self.label!r}", "m") / 2.0
-        return Rectangle(back, front, half)
+        """Write the sizes of the sole as its rectangle."""
+        back, front = self.length  # type: ignore[misc]  # as __post_init__ keeps it
+        return Rectangle(back, front, 0.0 if self.width is None else self.width / 2.0)
 
     def _section(self, left: Any, axis: int, robot: Robot) -> Rectangle:
         """Turn the rectangle to where the axis out of the plane, the foot's left or right, has its left."""
@@ -180,9 +179,16 @@ class FlatFoot(Contact):
         return (normal, *(LimitRow(name, unit, 0.0, np.inf, self.label) for name, unit in labels))
 
 
-def _reach(value: Any, what: str) -> float:
-    """How far a sole reaches one way [m]: zero where the point is at its end."""
-    return 0.0 if isinstance(value, int | float) and value == 0 else positive(value, what, "m")
+def _length(value: Any, what: str) -> tuple[float, float]:
+    """Read how far a sole reaches backwards and forwards [m]: one way it may end at its point."""
+    if np.ndim(value) == 0:
+        half = positive(value, what, "m") / 2.0
+        return half, half
+    if np.shape(value) != (2,):
+        raise InputError(f"The {what} is {value!r}; give one number or (back, front) [m].")
+    back, front = (0.0 if entry == 0.0 else positive(entry, what, "m") for entry in value)
+    positive(back + front, what, "m")
+    return back, front
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.contacts.spot import vector_of
+from robotraj.contacts.spot import Triple, vector_of
 from robotraj.errors import InputError
 
 Array = NDArray[np.float64]
-Triple = tuple[float, float, float]
 
 
 @dataclass(frozen=True)

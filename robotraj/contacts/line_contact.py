@@ -17,15 +17,16 @@ from robotraj.contacts.base import (
     checked_name,
     force_range,
     held_rows,
+    keep,
     label_of,
     positive,
 )
 from robotraj.contacts.cones import FrictionCone, SecondOrder
-from robotraj.contacts.foot_axes import Triple, foot_axes, unit
+from robotraj.contacts.foot_axes import foot_axes, unit
 from robotraj.contacts.footing import Footing
 from robotraj.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.contacts.point_contact import bind_point
-from robotraj.contacts.spot import Spot, spot_of
+from robotraj.contacts.spot import Spot, Triple, offset_of
 from robotraj.contacts.vectors import add, cross, dot, scale
 from robotraj.dynamics.variable import Variable
 from robotraj.errors import InputError
@@ -75,8 +76,8 @@ class LineContact(Contact):
     name: str | None = None
     cone: FrictionCone = field(default_factory=SecondOrder)
     normal_force: tuple[float, float] = (0.0, np.inf)
-    offset: Sequence[float] = (0.0, 0.0, 0.0)
-    direction: Sequence[float] | None = None
+    offset: Triple = (0.0, 0.0, 0.0)
+    direction: Triple | None = None
 
     def __post_init__(self) -> None:
         who = f"LineContact {self.label!r}"
@@ -86,9 +87,9 @@ class LineContact(Contact):
             positive(self.width, f"width of {who}", "m")
         if not isinstance(self.cone, FrictionCone):
             raise InputError(f"The cone of {who} is {self.cone!r}; give rt.SecondOrder() or rt.Linearised(faces).")
-        force_range(self.normal_force, who)
-        spot_of(self.frame, self.offset, who)
-        self._along(np.eye(3), VERTICAL)
+        keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
+        if self.direction is not None:
+            keep(self, direction=unit(self.direction, f"direction of {who}"))
         as_ground(self.ground)
 
     @property
@@ -100,7 +101,7 @@ class LineContact(Contact):
         """In space an edge, in a plane the point that it is there."""
         who = f"LineContact {self.label!r}"
         robot.frame(self.frame)
-        spot = spot_of(self.frame, self.offset, who)
+        spot = Spot(self.frame, self.offset)
         axes, about = mobility(robot, lambda q: spot.jacobian(robot, q))
         require_plane(robot, self.frame, axes, about)
         if len(axes) < 3:
@@ -142,10 +143,9 @@ class LineContact(Contact):
 
     def _along(self, rotation: Any, normal: Sequence[Any]) -> Triple:
         """Direction of the edge in the frame's axes, a unit vector."""
-        who = f"LineContact {self.label!r}"
         if self.direction is None:
-            return foot_axes(rotation, normal, None, None, who).left
-        return unit(self.direction, f"direction of {who}")
+            return foot_axes(rotation, normal, None, None, f"LineContact {self.label!r}").left
+        return self.direction
 
 
 @dataclass(frozen=True, eq=False)

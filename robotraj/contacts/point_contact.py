@@ -17,6 +17,7 @@ from robotraj.contacts.base import (
     force_range,
     force_variables,
     held_rows,
+    keep,
     label_of,
     positive,
     spread,
@@ -24,7 +25,7 @@ from robotraj.contacts.base import (
 from robotraj.contacts.cones import FrictionCone, SecondOrder
 from robotraj.contacts.footing import Footing
 from robotraj.contacts.mobility import mobility, require_plane, require_rank
-from robotraj.contacts.spot import Spot, spot_of
+from robotraj.contacts.spot import Spot, Triple, offset_of
 from robotraj.errors import InputError
 from robotraj.terrain import Flat, Ground, as_ground
 
@@ -68,7 +69,7 @@ class PointContact(Contact):
     name: str | None = None
     cone: FrictionCone = field(default_factory=SecondOrder)
     normal_force: tuple[float, float] = (0.0, np.inf)
-    offset: Sequence[float] = (0.0, 0.0, 0.0)
+    offset: Triple = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         who = f"PointContact {self.label!r}"
@@ -76,8 +77,7 @@ class PointContact(Contact):
         positive(self.friction, f"friction of {who}", "")
         if not isinstance(self.cone, FrictionCone):
             raise InputError(f"The cone of {who} is {self.cone!r}; give rt.SecondOrder() or rt.Linearised(faces).")
-        force_range(self.normal_force, who)
-        spot_of(self.frame, self.offset, who)
+        keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
         as_ground(self.ground)
 
     @property
@@ -87,7 +87,7 @@ class PointContact(Contact):
 
     def bind(self, robot: Robot) -> BoundPointContact:
         """Find the axes in which the point can move, and write one row and one force for each."""
-        return bind_point(self, robot, spot_of(self.frame, self.offset, self.label))
+        return bind_point(self, robot, Spot(self.frame, self.offset))
 
 
 def bind_point(contact: Any, robot: Robot, spot: Spot) -> BoundPointContact:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from robotraj.robot import Robot
 
 Array = NDArray[np.float64]
+Triple = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Spot:
     """
 
     frame: str
-    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    offset: Triple = (0.0, 0.0, 0.0)
 
     def position(self, point: Any) -> list[Any]:
         """Place in the world (3,) [m]."""
@@ -94,12 +95,12 @@ class Spot:
         return self.axis(point, self.offset) if any(self.offset) else None
 
 
-def spot_of(frame: Any, offset: Any, who: str) -> Spot:
-    """Check an offset [m] and make the spot; ``who`` names the contact in errors."""
-    return Spot(frame, vector_of(offset, f"offset of {who}", "metres in the frame's axes"))
+def offset_of(value: Any, who: str) -> Triple:
+    """Read an offset [m]; ``who`` names the contact in errors."""
+    return vector_of(value, f"offset of {who}", "metres in the frame's axes")
 
 
-def vector_of(value: Any, what: str, advice: str) -> tuple[float, float, float]:
+def vector_of(value: Any, what: str, advice: str) -> Triple:
     """Read three finite numbers."""
     try:
         array = np.asarray(value, dtype=float)
