@@ -14,7 +14,7 @@ from robotraj.witness.integration import Rates, Settle
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike, SystemLike
-from robotraj.witness.simulation import robot_rates
+from robotraj.witness.simulation import Torque, robot_rates
 from robotraj.witness.stance import Stance
 
 RATE_UNITS = {"rad": "rad/s", "m": "m/s"}
@@ -137,13 +137,17 @@ class RobotPlant:
 
     @property
     def rates(self) -> Rates:
-        """Rates by ABA, or by constrained dynamics where contacts hold."""
+        """Rates under the planned torques."""
         planned = self._planned
 
         def torque(t: float, k: int, q: Array, v: Array) -> Any:
             return planned.at(t, interval=k).tau
 
-        return robot_rates(realised(planned), torque, None if self._stance is None else self._stance.acceleration)
+        return self.under(torque)
+
+    def under(self, torque: Torque) -> Rates:
+        """Rates under any torque, by ABA, or by constrained dynamics where contacts hold."""
+        return robot_rates(realised(self._planned), torque, None if self._stance is None else self._stance.acceleration)
 
     @property
     def settle(self) -> Settle | None:

@@ -19,7 +19,7 @@ from robotraj.witness.peak import Peak, largest, peaks
 from robotraj.witness.plant import RobotPlant
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.residual import TORQUE_UNITS
-from robotraj.witness.simulation import Simulation, robot_rates, split
+from robotraj.witness.simulation import Simulation, split
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,8 @@ def track(
 ) -> Tracking:
     """Simulate tau = tau_plan + kp (q_plan - q) + kd (v_plan - v) of the actuated joints.
 
-    Open-loop drift of an unstable motion grows whatever the mesh; this asks whether feedback keeps it.
+    Open-loop drift of an unstable motion grows whatever the mesh; this asks whether feedback keeps it. Contacts hold
+    and touch down as in ``validate``, when the plan says so.
 
     Parameters
     ----------
@@ -90,13 +91,15 @@ def track(
             x = _moved(robot.model, plant.states(knots[:1], 0)[0], offset)
         feedback = _Feedback(planned, robot.model, np.asarray(robot.actuation, dtype=float), *gains)
 
+        x, _ = plant.begin(x)
         motion = integrate(
-            robot_rates(robot, feedback.torque),
+            plant.under(feedback.torque),
             x,
             knots,
             rtol=rtol,
             atol=atol,
             samples_per_interval=samples_per_interval,
+            settle=plant.settle,
         )
         simulation = split(motion, robot.model)
         torques = np.array(

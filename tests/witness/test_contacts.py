@@ -15,7 +15,7 @@ import robotraj as rt
 from robotraj.contacts import FlatFoot, PointContact
 from robotraj.errors import ValidationFailed
 from robotraj.links import Touchdown
-from robotraj.witness import validate
+from robotraj.witness import track, validate
 from robotraj.witness.integration import integrate
 from robotraj.witness.simulation import robot_rates
 from robotraj.witness.stance import Stance
@@ -299,3 +299,10 @@ def test_a_body_on_a_slope_slides_or_tips_by_what_is_missing(make, rod, friction
     assert row in violation.name and row in solved.name
     assert violation.amount == pytest.approx(amount, rel=1e-9) and solved.amount == pytest.approx(amount, rel=1e-9)
     assert not report.passed
+
+
+def test_tracking_holds_contacts_too(landing):
+    flight, standing, link, impulse = landing
+    followed = track(solution(flight, standing, links=[link], impulses=[impulse]), kp=[], kd=[])
+    assert followed.failure is None
+    assert followed.error.largest("q.") < 1e-7
