@@ -32,7 +32,7 @@ def configuration_of(robot: Robot, text: str | None, option: str) -> Any:
         if not equals:
             raise InputError(f"{option} {text!r} mixes 'joint=value' with values alone ({part!r}); name every joint.")
         values[joint.strip()] = _number(value, option)
-    neutral = dict(zip(robot.joint_names, robot.neutral, strict=True))
+    neutral = dict(zip(robot.position_names, robot.neutral, strict=True))
     return robot.configuration({**neutral, **values}, option)
 
 

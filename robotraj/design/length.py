@@ -61,7 +61,7 @@ class LinkLength(Quantity):
     def check(self, robot: Robot) -> tuple[object, ...]:
         """Refuse joints and tips that are unknown or leave the direction open."""
         self.original(robot)
-        return LinkLength, robot.joint(self.joint)
+        return LinkLength, joint_id(robot, self.joint)
 
     def check_lower(self, name: str, lower: float) -> None:
         """Lengths are above 0."""
@@ -80,7 +80,7 @@ class LinkLength(Quantity):
             The joint or the tip is unknown, the tip is not on the body or no distance away, or the body has
             several child joints and no tip is named.
         """
-        model, joint = robot.model, 1 + robot.joint(self.joint)
+        model, joint = robot.model, joint_id(robot, self.joint)
         children = {model.names[i]: model.jointPlacements[i].translation for i in _children(robot, joint)}
         frames = {f.name: f.placement.translation for f in model.frames if f.parentJoint == joint}
         if self.tip is not None:
@@ -109,7 +109,7 @@ class LinkLength(Quantity):
 
     def write(self, bodies: Bodies, value: Any) -> None:
         """Move every point r of the body to S r."""
-        robot, joint = bodies.robot, 1 + bodies.robot.joint(self.joint)
+        robot, joint = bodies.robot, joint_id(bodies.robot, self.joint)
         length, direction = self.original(robot)
         along = np.outer(direction, direction)
         stretch = ca.DM.eye(3) + (value / length - 1) * ca.DM(along)
@@ -121,6 +121,19 @@ class LinkLength(Quantity):
         for index, frame in enumerate(robot.model.frames):
             if frame.parentJoint == joint and np.linalg.norm(along @ frame.placement.translation) > 0:
                 bodies.set_frame_translation(index, ca.mtimes(stretch, bodies.frame_translation(index)))
+
+
+def joint_id(robot: Robot, name: str) -> int:
+    """Pinocchio's index of a moving joint.
+
+    Raises
+    ------
+    UnknownName
+        There is no moving joint of that name.
+    """
+    if name not in robot.joint_names:
+        raise unknown_name("moving joint", name, robot.joint_names)
+    return 1 + robot.joint_names.index(name)
 
 
 def _children(robot: Robot, joint: int) -> list[int]:

@@ -17,6 +17,7 @@ from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.problem import Problem
 from robotraj.schemes import LobattoIIIA, Mesh
 from robotraj.status import Status
+from robotraj.tangent import normalised
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
 
@@ -155,8 +156,8 @@ class Polished:
         robot = self.equations.phase.robot
         if robot is None:
             return PolishedSample(t, x, controls, costate, y[..., 2 * nx])
-        nv = robot.nv
-        motion = y[..., :nv], y[..., nv : 2 * nv], u[..., : robot.nu]
+        end = robot.nq + robot.nv
+        motion = normalised(robot.model, y[..., : robot.nq]), y[..., robot.nq : end], u[..., : robot.nu]
         return PolishedSample(t, x, controls, costate, y[..., 2 * nx], *motion)
 
     @cached_property

@@ -166,7 +166,7 @@ class Jerks(Augmented):
     def jerks(self) -> tuple[Variable, ...]:
         """``jerk.<joint>``."""
         robot = _robot(self.inner)
-        pairs = zip(robot.joint_names, robot.units, strict=True)
+        pairs = zip(robot.velocity_names, robot.units, strict=True)
         return tuple(Variable(f"jerk.{joint}", f"{unit}/s^3", "jerk", joint) for joint, unit in pairs)
 
     @property
@@ -187,11 +187,13 @@ class Jerks(Augmented):
         robot = _robot(self.inner)
         inner = body_of(self.inner)
         body = InverseDynamics().of(robot, inner.design if isinstance(inner, RigidBody) else None)
-        q, v, a, j = (ca.SX.sym(name, robot.nv) for name in "qvaj")
+        q = ca.SX.sym("q", robot.nq)
+        v, a, j = (ca.SX.sym(name, robot.nv) for name in "vaj")
         tau, rate = ca.SX.sym("tau", robot.nu), ca.SX.sym("rate", robot.nu)
         p = ca.SX.sym("p", len(names))
         point = body.point(ca.SX(0), ca.vertcat(q, v), a, tau, p, names)
-        along = ca.jtimes(body.residual(point), ca.vertcat(q, v, a, tau), ca.vertcat(v, a, j, rate))
+        moved = v if robot.nq == robot.nv else robot.symbolic.configuration_rate(q, v)
+        along = ca.jtimes(body.residual(point), ca.vertcat(q, v, a, tau), ca.vertcat(moved, a, j, rate))
         return ca.Function("balance_rate", [q, v, a, tau, j, rate, p], [along])
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:

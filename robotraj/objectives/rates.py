@@ -73,11 +73,11 @@ class Jerk(Integral):
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Check that there is a robot, and the weights against its joints."""
-        weights_of(self.weights, robot_of(dynamics, "Jerk").joint_names, "Jerk")
+        weights_of(self.weights, robot_of(dynamics, "Jerk").velocity_names, "Jerk")
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """Make the torques states and add the jerks."""
-        jerks = [f"jerk.{joint}" for joint in robot_of(body_of(dynamics), "Jerk").joint_names]
+        jerks = [f"jerk.{joint}" for joint in robot_of(body_of(dynamics), "Jerk").velocity_names]
         return dynamics if has(dynamics, jerks) else Jerks(with_control_rates(dynamics))
 
 

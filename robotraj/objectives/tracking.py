@@ -30,13 +30,13 @@ class Tracking(Integral):
     Parameters
     ----------
     reference : callable or Solution
-        ``reference(t)`` of the global time t [s] returns a mapping: ``"q"`` and ``"v"`` to vectors (nv,),
+        ``reference(t)`` of the global time t [s] returns a mapping: ``"q"`` and ``"v"`` to vectors (nq,) and (nv,),
         names of frames to positions (3,) [m], names of a System's states to numbers, as far as weights ask
         for them; t is a CasADi symbol, on which NumPy's and CasADi's functions work. A Solution is followed
         as it is, and held still before its start and after its end.
     q, v : number, sequence or mapping by joint
-        Weights of joint positions [1/rad^2, 1/m^2] and velocities; q = 1 and v = 0 where nothing else is
-        asked for.
+        Weights of positions [1/rad^2, 1/m^2] and velocities; q = 1 and v = 0 where nothing else is asked for. For a
+        floating root they weigh the quaternion's entries: a small angle e [rad] counts as e^2 / 4.
     frames : mapping of str to number
         Weights of frames' positions [1/m^2].
     states : None, number, sequence or mapping by state
@@ -78,11 +78,10 @@ class Tracking(Integral):
             raise InputError("Tracking weighs nothing; give a weight above 0.")
 
     def _robot_entries(self, point: Any, robot: Any) -> list[tuple[str, Any, list[float]]]:
-        joints = robot.joint_names
         q = (0.0 if self.frames or np.any(self._array(self.v)) else 1.0) if self.q is None else self.q
         entries = [
-            ("q", point.q, weights_of(q, joints, "Tracking(q)")),
-            ("v", point.v, weights_of(self.v, joints, "Tracking(v)")),
+            ("q", point.q, weights_of(q, robot.position_names, "Tracking(q)")),
+            ("v", point.v, weights_of(self.v, robot.velocity_names, "Tracking(v)")),
         ]
         for name, weight in self.frames.items():
             entries.append((name, point.frame(name).position, weights_of(weight, [name], "Tracking(frames)") * 3))
@@ -107,9 +106,10 @@ class Tracking(Integral):
             return given
         if robot is None:
             return symbolic_states(self.reference, names, t)
-        parts = ["q", *(["v"] if "v" in names else [])]
-        columns = [f"{part}.{joint}" for part in parts for joint in robot.joint_names]
-        states = symbolic_states(self.reference, columns, t)
-        known = {part: ca.vertcat(*(states[f"{part}.{joint}"] for joint in robot.joint_names)) for part in parts}
+        parts = {"q": [f"q.{name}" for name in robot.position_names]}
+        if "v" in names:
+            parts["v"] = [f"v.{name}" for name in robot.velocity_names]
+        states = symbolic_states(self.reference, [column for columns in parts.values() for column in columns], t)
+        known = {part: ca.vertcat(*(states[column] for column in columns)) for part, columns in parts.items()}
         placed = {f: robot.symbolic.frame_placement(f)(known["q"])[0] for f in names if f not in parts}
         return known | placed

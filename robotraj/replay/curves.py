@@ -1,4 +1,4 @@
-"""The curves beside the 3D view: position, velocity and torque of every joint, or a system's variables."""
+"""The curves beside the 3D view: position, velocity, torque and contact force of a robot, or a system's variables."""
 
 from __future__ import annotations
 
@@ -9,7 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.replay.contacts import footholds
+from robotraj.unrolled import Passage, Unrolled
+
 Array = NDArray[np.float64]
+SAME = {"rad": "rad", "m": "m", "": ""}
 RATE = {"rad": "rad/s", "m": "m/s"}
 EFFORT = {"rad": "N m", "m": "N"}
 SAMPLES = 900
@@ -38,21 +42,36 @@ class Panel:
 
 def robot_panels(robot: Any) -> list[Panel]:
     """Position, velocity and torque charts of a robot's joints; torque of the actuated ones only."""
-    units = dict(zip(robot.joint_names, robot.units, strict=True))
 
-    def series(prefix: str, joints: Sequence[str], unit: dict[str, str]) -> tuple[Series, ...]:
-        return tuple(Series(j, unit[units[j]], f"{prefix}.{j}") for j in joints)
+    def series(prefix: str, names: Sequence[str], units: Sequence[str], unit: dict[str, str]) -> tuple[Series, ...]:
+        return tuple(Series(n, unit[u], f"{prefix}.{n}") for n, u in zip(names, units, strict=True))
 
-    same = {"rad": "rad", "m": "m"}
     panels = [
-        Panel("Joint position", "q", series("q", robot.joint_names, same), lambda s: _rows(s.q)),
-        Panel("Joint velocity", "v", series("v", robot.joint_names, RATE), lambda s: _rows(s.v)),
+        Panel(
+            "Joint position", "q", series("q", robot.position_names, robot.position_units, SAME), lambda s: _rows(s.q)
+        ),
+        Panel("Joint velocity", "v", series("v", robot.velocity_names, robot.units, RATE), lambda s: _rows(s.v)),
     ]
     if len(robot.actuated):
-        kinds = {units[j] for j in robot.actuated}
+        units = dict(zip(robot.velocity_names, robot.units, strict=True))
+        kinds = [units[joint] for joint in robot.actuated]
         title = {frozenset({"m"}): "Actuator force", frozenset({"rad"}): "Joint torque"}.get(frozenset(kinds), "Effort")
-        panels.append(Panel(title, "τ", series("tau", robot.actuated, EFFORT), lambda s: _rows(s.tau)))
+        panels.append(Panel(title, "τ", series("tau", robot.actuated, kinds, EFFORT), lambda s: _rows(s.tau)))
     return panels
+
+
+def contact_panel(passage: Passage) -> list[Panel]:
+    """Chart of the normal force of each contact with the ground; none without contacts."""
+    holds = footholds(passage)
+    if not holds:
+        return []
+    # A bound on the normal force of level ground is one of the variable along z.
+    series = tuple(Series(hold.name, "N", f"force.{hold.contact.name}.z") for hold in holds)
+
+    def read(sample: Any) -> Array:
+        return np.column_stack([hold.normal_force(sample) for hold in holds])
+
+    return [Panel("Normal force of contacts", "fₙ", series, read)]
 
 
 def system_panels(system: Any) -> list[Panel]:
@@ -75,7 +94,7 @@ def system_panels(system: Any) -> list[Panel]:
     return [panel(title, symbol, group) for title, symbol, group in groups if len(group)]
 
 
-def curves(solution: Any) -> list[dict[str, Any]]:
+def curves(course: Unrolled) -> list[dict[str, Any]]:
     """Sample every chart of a solution, ready for JSON.
 
     Each interval between knots is read with its own polynomial, so a jump at a knot shows as one. Limits are
@@ -88,11 +107,14 @@ def curves(solution: Any) -> list[dict[str, Any]]:
         ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
     """
     drawn: dict[str, dict[str, Any]] = {}
-    for result in solution.phases:
-        phase = result.phase
-        panels = robot_panels(phase.robot) if phase.robot is not None else system_panels(phase.system)
-        limits = _limits(phase)
-        times, samples = _sample(result)
+    for passage in course.phases:
+        phase = passage.phase
+        if phase.robot is not None:
+            panels = robot_panels(phase.robot) + contact_panel(passage)
+        else:
+            panels = system_panels(phase.system)
+        limits = _limits(passage)
+        times, samples = _sample(passage)
         for panel in panels:
             labels = [{"label": s.label, "unit": s.unit} for s in panel.series]
             chart = drawn.setdefault(
@@ -113,25 +135,34 @@ def curves(solution: Any) -> list[dict[str, Any]]:
     return list(drawn.values())
 
 
-def _sample(result: Any) -> tuple[Array, list[Any]]:
+def _sample(passage: Passage) -> tuple[Array, list[Any]]:
     """Read a phase interval by interval; both sides of every knot are there."""
-    knots = np.asarray(result.knots, dtype=float).ravel()
+    knots = passage.knots
     count = max(3, int(np.ceil(SAMPLES / max(len(knots) - 1, 1))) + 1)
     grids = [np.linspace(a, b, count) for a, b in zip(knots[:-1], knots[1:], strict=True)]
-    return np.concatenate(grids), [result.at(grid, interval=k) for k, grid in enumerate(grids)]
+    return np.concatenate(grids), [passage.at(grid, interval=k) for k, grid in enumerate(grids)]
 
 
-def _limits(phase: Any) -> dict[str, tuple[float, float]]:
-    """Bounds by variable name, from the rows that hold throughout the phase."""
+def _limits(passage: Passage) -> dict[str, tuple[float, float]]:
+    """Bounds by variable name, from the rows that hold throughout the phase, as they are in the period."""
     limits: dict[str, tuple[float, float]] = {}
-    for bound in phase.bound_constraints:
+    for bound in passage.phase.bound_constraints:
         if bound.where.value != "throughout":
             continue
         for row in bound.rows:
             if row.variable is not None:
                 low, high = limits.get(row.variable, (-np.inf, np.inf))
                 limits[row.variable] = (max(low, float(row.lower)), min(high, float(row.upper)))
-    return limits
+    robot = passage.phase.robot
+    if passage.period == 0 or robot is None:
+        return limits
+    moved = {name: pair for name, pair in limits.items() if name.startswith("force.")}
+    groups = (("q", robot.position_names), ("v", robot.velocity_names), ("tau", robot.actuated))
+    for quantity, joints in groups:
+        names = [f"{quantity}.{joint}" for joint in joints]
+        lower, upper = np.array([limits.get(name, (-np.inf, np.inf)) for name in names]).reshape(-1, 2).T
+        moved |= dict(zip(names, zip(*passage.bounds(quantity, lower, upper), strict=True), strict=True))
+    return moved
 
 
 def _rows(values: Any) -> Array:
