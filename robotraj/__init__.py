@@ -92,7 +92,18 @@ from robotraj.status import Status
 from robotraj.sweep import sweep
 from robotraj.terrain import Flat, HeightFunction, HeightMap, Slope, Steps
 from robotraj.transcription import Nlp, transcribe
-from robotraj.witness import Report, simulate, track, validate
+from robotraj.witness import (
+    JointFeedback,
+    LinearQuadratic,
+    NoFeedback,
+    Report,
+    SecondOpinion,
+    Softness,
+    second_opinion,
+    simulate,
+    track,
+    validate,
+)
 
 __all__ = [
     "AbsolutePower",
@@ -130,6 +141,7 @@ __all__ = [
     "JointAcceleration",
     "JointDamping",
     "JointEffort",
+    "JointFeedback",
     "JointPosition",
     "JointVelocity",
     "Jump",
@@ -140,6 +152,7 @@ __all__ = [
     "Limits",
     "LineContact",
     "LinearControl",
+    "LinearQuadratic",
     "Linearised",
     "LinkLength",
     "Linkage",
@@ -154,6 +167,7 @@ __all__ = [
     "MultipleShooting",
     "Multistart",
     "Nlp",
+    "NoFeedback",
     "NoSolutionFound",
     "Optimum",
     "OwnQuadrature",
@@ -175,9 +189,11 @@ __all__ = [
     "RobotrajError",
     "RungeKutta4",
     "SameParameter",
+    "SecondOpinion",
     "SecondOrder",
     "SingleShooting",
     "Slope",
+    "Softness",
     "Solution",
     "SplitAndMerge",
     "SplitOrRaise",
@@ -206,6 +222,7 @@ __all__ = [
     "plan",
     "polish",
     "replay",
+    "second_opinion",
     "simulate",
     "sweep",
     "track",

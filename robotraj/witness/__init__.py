@@ -2,6 +2,16 @@
 
 from robotraj.witness.drift import Drift, DriftRow
 from robotraj.witness.energy import Energy
+from robotraj.witness.mujoco import (
+    Feedback,
+    FootReport,
+    JointFeedback,
+    LinearQuadratic,
+    NoFeedback,
+    SecondOpinion,
+    Softness,
+    second_opinion,
+)
 from robotraj.witness.peak import Peak
 from robotraj.witness.point import NumericPoint
 from robotraj.witness.report import Report, Tolerances
@@ -15,14 +25,22 @@ __all__ = [
     "Drift",
     "DriftRow",
     "Energy",
+    "Feedback",
+    "FootReport",
+    "JointFeedback",
+    "LinearQuadratic",
+    "NoFeedback",
     "NumericPoint",
     "Peak",
     "Report",
     "Residual",
+    "SecondOpinion",
     "Simulation",
+    "Softness",
     "Tolerances",
     "Tracking",
     "Violation",
+    "second_opinion",
     "simulate",
     "track",
     "validate",

@@ -83,6 +83,11 @@ class Course:
         self.floating = self.robot.model.nq > self.robot.model.nv
 
     @property
+    def nu(self) -> int:
+        """Number of motors."""
+        return len(self.robot.actuated)
+
+    @property
     def starts(self) -> tuple[float, ...]:
         """Start of each phase [s]."""
         return tuple(float(planned.knots[0]) for planned in self.phases)
@@ -173,7 +178,7 @@ def _count(periods: int | None, closing: Return | None) -> int:
         raise InputError(f"periods = {periods!r}; give a whole number, 1 or more.")
     if periods > 1 and closing is None:
         raise InputError(
-            f"periods = {periods}, but the plan ends elsewhere than it starts: no rt.Periodic, rt.Mirror or "
+            f"periods = {periods}, but the plan does not end as it starts: no rt.Periodic, rt.Mirror or "
             "rt.Touchdown(repeat=...) closes it. Follow it once."
         )
     return periods

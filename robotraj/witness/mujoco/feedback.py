@@ -35,7 +35,7 @@ class NoFeedback(Feedback):
 
     def gains(self, course: Course) -> tuple[Array, ...]:
         """Give zeros."""
-        shape = (1, course.robot.nu, 2 * course.robot.model.nv)
+        shape = (1, course.nu, 2 * course.robot.model.nv)
         return tuple(np.zeros(shape) for _ in course.phases)
 
     def __str__(self) -> str:
@@ -153,7 +153,7 @@ class _Linear:
     @classmethod
     def of(cls, course: Course, phase: int) -> _Linear:
         planned = course.phases[phase]
-        linear = LinearPhase(course.robot, getattr(planned.phase, "bound_contacts", ()), planned.parameters)
+        linear = LinearPhase(course.robot, getattr(planned.phase, "bound_contacts", ()))
         middles = _middles(course, phase)
         duration = course.durations[phase] / len(middles)
         pieces = [linear.step(q, v, tau, duration) for q, v, tau in zip(*course.reference(phase, middles), strict=True)]
@@ -161,7 +161,7 @@ class _Linear:
         if phase == 0 and course.closing is not None:
             # The end of the plan, seen from its start.
             entry = entry @ np.kron(np.eye(2), course.closing.velocities)
-        nu, states = course.robot.nu, 2 * course.robot.model.nv
+        nu, states = course.nu, 2 * course.robot.model.nv
         return cls(entry, pieces, duration, np.zeros((len(pieces), nu, states)))
 
     def backwards(self, value: Array, weight: Array, price: Array) -> tuple[Array, Array]:

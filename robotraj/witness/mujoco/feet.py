@@ -144,7 +144,7 @@ def furnish(course: Course, feet: Sequence[Foot], softness: Softness, spec: Any,
         geom = bodies[frame.parentJoint].add_geom(
             name=foot.name, pos=pose.translation, quat=wxyz(pose.rotation), contype=bit, conaffinity=0, condim=3
         )
-        geom.type, geom.size = mujoco.mjtGeom["mjGEOM_" + foot.shape], foot.size(softness.radius)
+        geom.type, geom.size = getattr(mujoco.mjtGeom, f"mjGEOM_{foot.shape}"), foot.size(softness.radius)
         geom.friction = [foot.friction, 0.0, 0.0]
         geom.solref = [softness.time, 1.0]
         geom.priority = 1

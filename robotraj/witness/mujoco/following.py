@@ -61,7 +61,7 @@ def second_opinion(
     softness : Softness, optional
         Of the contacts.
     step : float
-        Longest simulation step [s]; every phase is a whole number of steps.
+        Longest simulation step [s]; every interval of the plan is a whole number of steps.
 
     Returns
     -------
@@ -76,6 +76,15 @@ def second_opinion(
     course = Course(solution, periods)
     if not (isinstance(step, int | float) and np.isfinite(step) and step > 0):
         raise InputError(f"step = {step!r}; give a positive time [s].")
+    if not (feedback is None or isinstance(feedback, Feedback)):
+        raise InputError(
+            f"feedback = {feedback!r}; give rt.LinearQuadratic(), rt.JointFeedback() or rt.NoFeedback(), or nothing."
+        )
+    away = np.asarray(offset, dtype=float).ravel()
+    if away.size not in (1, 2 * course.robot.model.nv):
+        raise InputError(
+            f"offset has {away.size} values; give one, or {2 * course.robot.model.nv}: positions, then speeds."
+        )
     feet = feet_of(course)
     softness = softness if softness is not None else Softness()
     feedback = feedback if feedback is not None else LinearQuadratic()
@@ -86,7 +95,7 @@ def second_opinion(
 
     robot = mujoco_robot(course.robot, limits, touching if feet else None)
     run = _Run(course, robot, feedback, Footfalls(robot.model, feet), Fall(course.robot, _ground(feet)), bool(feet))
-    run.place(np.asarray(offset, dtype=float))
+    run.place(away)
     for passage in course.passages:
         if not run.through(passage, float(step)):
             break
@@ -116,7 +125,7 @@ class _Run:
         self._gains = feedback.gains(course)
         self._actuation = np.asarray(course.robot.actuation, dtype=float)
         limits = course.phases[0].phase.limits
-        effort = np.full(course.robot.nu, np.inf) if limits is None else self._actuation.T @ _finite(limits.effort)
+        effort = np.full(course.nu, np.inf) if limits is None else self._actuation.T @ _finite(limits.effort)
         self._effort = np.where(effort > 0, effort, np.inf)
         self._rows: list[tuple[Array, ...]] = []
         self._names: list[str] = []
@@ -136,37 +145,38 @@ class _Run:
 
     def through(self, passage: Passage, step: float) -> bool:
         """Pass through a phase; False if the robot fell or the simulation blew up."""
-        course, duration = self._course, self._course.durations[passage.phase]
-        count = max(1, int(np.ceil(duration / step - 1e-9)))
-        size = duration / count
-        self._model.opt.timestep = size
-        self._longest = max(self._longest, size)
-        planned = course.reference(passage.phase, np.linspace(0.0, duration, count + 1))
+        course = self._course
+        times = course.grid(passage.phase, step)
+        sizes = np.diff(times)
+        self._longest = max(self._longest, float(sizes.max()))
+        planned = course.reference(passage.phase, times)
         q, v = course.onwards(planned.q, planned.v, passage.period)
         # The torque is held over a step: the planned one of its middle leaves an error of second order.
-        middles = np.linspace(0.5 * size, duration - 0.5 * size, count)
+        middles = times[:-1] + 0.5 * sizes
         tau = course.torques_onwards(course.reference(passage.phase, middles).tau, passage.period)
         gains = course.gains_onwards(self._gains[passage.phase], passage.period)
-        self._expect(passage, middles, size)
-        name, glance = course.phases[passage.phase].phase.name, max(1, int(GLANCE / size))
-        for k in range(count):
+        pieces = np.minimum(middles / times[-1] * len(gains), len(gains) - 1).astype(int)
+        self._expect(passage, middles, sizes)
+        name, glance = course.phases[passage.phase].phase.name, max(1, int(GLANCE / step))
+        for k, size in enumerate(sizes):
             here, gap = self._look(q[k], v[k])
-            added = -gains[k * len(gains) // count] @ gap
+            added = -gains[pieces[k]] @ gap
             torque = np.clip(tau[k] + added, -self._effort, self._effort)
             self._keep(name, q[k], v[k], here, gap, added, np.abs(torque) >= self._effort)
             if k % glance == 0 and self._fall.has(q[k], here[: self._pin.nq], gap):
                 self._fell = self._time
                 return False
             self._data.qfrc_applied[:] = self._robot.coordinates.force(here[: self._pin.nq], self._actuation @ torque)
+            self._model.opt.timestep = size
             self._mujoco.mj_step(self._model, self._data)
-            self._footfalls.watch(self._data, size)
-            self._time += size
+            self._footfalls.watch(self._data, float(size))
+            self._time += float(size)
             if not np.max(np.abs(self._data.qvel)) < DIVERGED:
                 self._failure = f"MuJoCo's velocities blew up at t = {self._time:.4g} s, in phase {name!r}"
                 return False
         if passage == (len(course.phases) - 1, course.periods - 1, passage.begin):
             here, gap = self._look(q[-1], v[-1])
-            still = np.zeros(course.robot.nu)
+            still = np.zeros(course.nu)
             self._keep(name, q[-1], v[-1], here, gap, still, still > 0)
         return True
 
@@ -181,13 +191,13 @@ class _Run:
         self._names.append(name)
         self._rows.append((np.array([self._time]), *row))
 
-    def _expect(self, passage: Passage, times: Array, size: float) -> None:
+    def _expect(self, passage: Passage, times: Array, sizes: Array) -> None:
         """Add up the planned contact forces, over which time they act."""
         planned = self._course.phases[passage.phase]
         forces = planned.at(self._course.starts[passage.phase] + times).forces
         for name in forces:
             foot, sign = self._course.foot_onwards(name, passage.period)
-            impulse = sign * np.asarray(forces[name], dtype=float)[:, :3].sum(axis=0) * size
+            impulse = sign * (sizes @ np.asarray(forces[name], dtype=float)[:, :3])
             self._planned[foot] = self._planned.get(foot, np.zeros(3)) + impulse
 
     def report(self, feedback: Feedback) -> SecondOpinion:
@@ -196,7 +206,7 @@ class _Run:
         times, q, v, states, gaps, added, full = (np.array(column) for column in zip(*self._rows, strict=True))
         times = times[:, 0]
         ended = self._failure is None and self._fell is None
-        unit = dict(zip(robot.joint_names, robot.units, strict=True))
+        unit = dict(zip(robot.velocity_names, robot.units, strict=True))
         units = [TORQUE_UNITS[unit[joint]] for joint in robot.actuated]
         total = sum(course.durations) * course.periods
         expected = {name: impulse / total for name, impulse in self._planned.items()} if ended else {}

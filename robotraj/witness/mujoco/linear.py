@@ -8,6 +8,7 @@ Source: Baumgarte, Stabilization of constraints and integrals of motion, Comp. M
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,13 @@ import pinocchio as pin
 import scipy
 
 from robotraj.witness.constrained import Held, accelerate, impact
+from robotraj.witness.numbers import as_numbers
 from robotraj.witness.protocols import Array
-from robotraj.witness.stance import Stance
 
 STEP = 1e-6
 """Finite difference of positions [rad, m] and velocities [rad/s, m/s]."""
+
+WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 STIFFNESS = 50.0
 """Rate [1/s] at which held rows come back in the linearised motion."""
@@ -33,21 +36,20 @@ class LinearPhase:
     robot : Robot
         In plain numbers.
     contacts : sequence of BoundContact
-    parameters : mapping of str to float
-        Of the phase.
     """
 
-    def __init__(self, robot: Any, contacts: Any, parameters: Any) -> None:
+    def __init__(self, robot: Any, contacts: Any) -> None:
         self.robot = robot
         self._actuation = np.asarray(robot.actuation, dtype=float)
         self._data = robot.model.createData()
-        self._stance = Stance(robot, contacts, parameters) if contacts else None
+        self._contacts = tuple(contacts)
 
     def rates(self, q: Array, v: Array, tau: Array) -> tuple[Array, Array]:
         """Matrices A (2 nv, 2 nv) and B (2 nv, nu) of the rate of a deviation at a planned state."""
         model, nv = self.robot.model, self.robot.model.nv
         joints = self._actuation @ tau
-        held = self._held(q, v)
+        rows = self._rows(q)
+        held = self._held(rows, q, v)
         here = self._acceleration(q, v, joints, held)
         rate = np.zeros((2 * nv, 2 * nv))
         rate[:nv, nv:] = np.eye(nv)
@@ -56,8 +58,8 @@ class LinearPhase:
             rate[:6, :6] -= pin.Motion(v[:6]).action
         for i, unit in enumerate(STEP * np.eye(nv)):
             there = pin.integrate(model, q, unit)
-            rate[nv:, i] = (self._acceleration(there, v, joints, self._held(there, v), held, unit) - here) / STEP
-            rate[nv:, nv + i] = (self._acceleration(q, v + unit, joints, self._held(q, v + unit)) - here) / STEP
+            rate[nv:, i] = (self._acceleration(there, v, joints, self._held(rows, there, v), held, unit) - here) / STEP
+            rate[nv:, nv + i] = (self._acceleration(q, v + unit, joints, self._held(rows, q, v + unit)) - here) / STEP
         push = np.zeros((2 * nv, self._actuation.shape[1]))
         for j, column in enumerate(self._actuation.T):
             # Linear in the torque, so that a whole newton metre makes no error.
@@ -77,14 +79,44 @@ class LinearPhase:
         """Matrix (2 nv, 2 nv) that brings a deviation onto the contacts of the phase as it begins."""
         nv = self.robot.model.nv
         landed = np.eye(2 * nv)
-        held = self._held(q, np.zeros(nv))
+        held = self._held(self._rows(q), q, np.zeros(nv))
         if held is not None:
             for i, unit in enumerate(np.eye(nv)):
                 landed[nv:, nv + i] = impact(self.robot.model, self._data, q, unit, held)[0]
         return landed
 
-    def _held(self, q: Array, v: Array) -> Held | None:
-        return self._stance.rows(q, v) if self._stance is not None else None
+    def _rows(self, q: Array) -> list[tuple[int, str, Array]]:
+        """Frames and matrices (m, 6): what each contact holds of their motion, constant for small deviations."""
+        pin.framesForwardKinematics(self.robot.model, self._data, q)
+        found = []
+        for contact in self._contacts:
+            point = _Moving(self.robot, self._data)
+            as_numbers(contact.velocity(point), contact.name)
+            for name, index in tuple(point.read.items()):
+                columns = [
+                    as_numbers(contact.velocity(point.with_motion(name, unit)), contact.name) for unit in np.eye(6)
+                ]
+                found.append((index, contact.name, np.column_stack(columns)))
+        return found
+
+    def _held(self, rows: list[tuple[int, str, Array]], q: Array, v: Array) -> Held | None:
+        """Evaluate what the contacts hold at a state near the planned one."""
+        if not rows:
+            return None
+        model, data, nv = self.robot.model, self._data, self.robot.model.nv
+        pin.forwardKinematics(model, data, q, v, np.zeros(nv))
+        pin.computeJointJacobians(model, data, q)
+        pin.updateFramePlacements(model, data)
+        jacobians: dict[str, Array] = {}
+        biases: dict[str, Array] = {}
+        for index, name, matrix in rows:
+            bias = matrix @ pin.getFrameClassicalAcceleration(model, data, index, WORLD).vector
+            jacobian = matrix @ pin.getFrameJacobian(model, data, index, WORLD)
+            # The rows of a closed loop read two frames.
+            biases[name] = biases.get(name, 0.0) + bias
+            jacobians[name] = jacobians.get(name, 0.0) + jacobian
+        bias = np.concatenate(list(biases.values()))
+        return Held(np.zeros_like(bias), np.concatenate(list(jacobians.values())), bias)
 
     def _acceleration(
         self, q: Array, v: Array, joints: Array, held: Held | None, planned: Held | None = None, away: Any = 0.0
@@ -97,3 +129,23 @@ class LinearPhase:
         gap = np.zeros_like(held.bias) if planned is None else planned.jacobian @ away
         pull = 2.0 * STIFFNESS * (held.jacobian @ v) + STIFFNESS**2 * gap
         return accelerate(self.robot.model, self._data, q, v, applied, held._replace(bias=held.bias + pull))[0]
+
+
+class _Moving:
+    """A point at which one frame moves and all others stand still: the rows of contacts are linear in such motions."""
+
+    def __init__(self, robot: Any, data: Any) -> None:
+        self._robot, self._data = robot, data
+        self._moving: tuple[str, Array] = ("", np.zeros(6))
+        self.read: dict[str, int] = {}
+
+    def with_motion(self, name: str, motion: Array) -> _Moving:
+        """Move a frame, with velocity (6,) in world axes."""
+        self._moving = name, motion
+        return self
+
+    def frame(self, name: str) -> Any:
+        index = self.read.setdefault(name, self._robot.frame(name))
+        place, (moving, motion) = self._data.oMf[index], self._moving
+        velocity = motion if name == moving else np.zeros(6)
+        return SimpleNamespace(position=place.translation, rotation=place.rotation, velocity=velocity)
