@@ -55,6 +55,8 @@ def _dependence(phase: Phase) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     point = symbols_of(phase.dae, phase.parameter_names)
     rows = phase.dae.invariant(point)
     x, p = (ca.vertcat(ca.SX(0, 1), *named.values()) for named in (point.x, point.p))
+    # States that the objective added come last, and no invariant reads them.
+    x = ca.vertcat(x, ca.SX.sym("added", len(phase.dae.states) - x.numel()))
     return tuple(np.array(ca.DM(ca.jacobian_sparsity(rows, s), 1.0).full(), dtype=bool) for s in (x, p))  # type: ignore[return-value]
 
 
