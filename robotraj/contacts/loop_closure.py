@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from robotraj.contacts.base import BoundContact, Contact, Wrench, checked_name, force_variables, held_rows, spread
+from robotraj.contacts.base import BoundContact, Contact, Wrench, checked_name, force_variables, held_rows, keep, spread
 from robotraj.contacts.mobility import mobility, require_rank
-from robotraj.contacts.spot import Spot
+from robotraj.contacts.spot import Spot, Triple, offset_of
 from robotraj.contacts.vectors import add, cross, scale, subtract
 from robotraj.errors import InputError
 
@@ -18,20 +18,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LoopClosure(Contact):
-    """Two frames whose origins coincide (three rows), or whose whole placements do (six).
+    """Two points of frames that coincide (three rows), or whose frames also have the same axes (six).
 
     Along and about world axes in which the frames cannot move against each other there are neither rows nor forces, so
     that a linkage in a plane has two rows. The rows of orientation are half the sum over the axes of b_i x a_i, the
-    rotation from b to a to first order, whose rate is the difference of the angular velocities where it is zero. The
-    wrench acts on a's body, and its opposite on b's.
+    rotation from b to a to first order, whose rate is the difference of the angular velocities where they are zero. The
+    force and moment act at the point on a's body, and their opposites on b's.
 
     Parameters
     ----------
     frame_a, frame_b : str
+        One may be ``"universe"``, the world.
     rigid : bool
         Whether the frames' axes coincide too.
     name : str, optional
         ``"<frame_a>-<frame_b>"`` where none is given.
+    offset_a, offset_b : sequence of 3 float
+        The points in the frames' axes [m].
 
     Raises
     ------
@@ -43,9 +46,13 @@ class LoopClosure(Contact):
     frame_b: str
     rigid: bool = False
     name: str | None = None
+    offset_a: Triple = (0.0, 0.0, 0.0)
+    offset_b: Triple = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        checked_name(self.name, f"LoopClosure {self.label!r}")
+        who = f"LoopClosure {self.label!r}"
+        checked_name(self.name, who)
+        keep(self, offset_a=offset_of(self.offset_a, who), offset_b=offset_of(self.offset_b, who))
         if self.frame_a == self.frame_b:
             raise InputError(f"LoopClosure joins frame {self.frame_a!r} to itself; give two frames.")
 
@@ -56,7 +63,7 @@ class LoopClosure(Contact):
 
     def bind(self, robot: Robot) -> BoundLoopClosure:
         """Find the axes in which the frames move against each other."""
-        ends = Spot(self.frame_a), Spot(self.frame_b)
+        ends = Spot(self.frame_a, self.offset_a), Spot(self.frame_b, self.offset_b)
         for end in ends:
             robot.frame(end.frame)
 
@@ -109,7 +116,11 @@ class BoundLoopClosure(BoundContact):
     def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
         """Act on a, and oppositely on b, each at its own origin."""
         values = self._spread(forces)
-        return [(self.first.frame, values), (self.second.frame, [-1.0 * value for value in values])]
+        back = [-1.0 * value for value in values]
+        return [
+            (self.first.frame, self.first.wrench(point, values[:3], values[3:])),
+            (self.second.frame, self.second.wrench(point, back[:3], back[3:])),
+        ]
 
     def vector(self, forces: Sequence[Any]) -> list[Any]:
         """Force (3), with the moment where placements coincide (6), on a's body [N, N m]."""

@@ -95,6 +95,14 @@ CASES: dict[str, Callable[[], Case]] = {
         load("talos_legs", "floating"), LoopClosure(SOLE, "right_sole_link", rigid=True), 6
     ),
     "loop in a plane": lambda: Case(load("five_link", "planar"), LoopClosure("left_foot", "right_foot"), 2),
+    "loop of two points beside their frames": lambda: Case(
+        load("talos_legs", "floating"),
+        LoopClosure(SOLE, "right_sole_link", True, offset_a=(0.1, 0.0, 0.02), offset_b=(0.0, 0.1, 0.0)),
+        6,
+    ),
+    "arm held by the world": lambda: Case(
+        load("ur5", "fixed"), LoopClosure("tool0", "universe", offset_b=(0.4, 0.2, 0.4)), 3
+    ),
     "rigid loop in a plane": lambda: Case(
         load("five_link", "planar"), LoopClosure("left_foot", "right_foot", rigid=True), 3
     ),
