@@ -48,9 +48,11 @@ from robotraj.links import (
 from robotraj.multistart import Multistart, Optimum, multistart
 from robotraj.objectives import (
     AbsolutePower,
+    CentroidalMomentum,
     CostOfTransport,
     Duration,
     Effort,
+    FrameSmoothness,
     Jerk,
     Lagrange,
     Mayer,
@@ -111,6 +113,7 @@ __all__ = [
     "AtEnd",
     "AtStart",
     "BodyMass",
+    "CentroidalMomentum",
     "CollisionShapes",
     "CompressedHermiteSimpson",
     "ConstantControl",
@@ -126,6 +129,7 @@ __all__ = [
     "FourCorners",
     "FramePose",
     "FramePosition",
+    "FrameSmoothness",
     "FromSolution",
     "GaussLegendre",
     "GroundClearance",

@@ -6,7 +6,9 @@ from robotraj.objectives.duration import Duration
 from robotraj.objectives.effort import Effort
 from robotraj.objectives.lagrange import Lagrange
 from robotraj.objectives.mayer import Mayer
+from robotraj.objectives.momentum import CentroidalMomentum
 from robotraj.objectives.rates import Jerk, TorqueRate
+from robotraj.objectives.smoothness import FrameSmoothness
 from robotraj.objectives.terminal_pose import TerminalPose
 from robotraj.objectives.tracking import Tracking
 from robotraj.objectives.transport import CostOfTransport
@@ -15,10 +17,12 @@ from robotraj.objectives.work import AbsolutePower, MechanicalWork
 __all__ = [
     "AbsolutePower",
     "Augmented",
+    "CentroidalMomentum",
     "CostOfTransport",
     "Duration",
     "Effort",
     "EndCost",
+    "FrameSmoothness",
     "Integral",
     "Jerk",
     "Lagrange",
