@@ -38,6 +38,7 @@ def check_phase(phase: Phase) -> None:
             raise InputError(f"Phase {phase.name!r}: the {which} of {name!r} has its lower bound above its upper one.")
         _check_against_limits(phase, which, bounds)
         _check_expressions(phase, which, bounds)
+    _check_contacts(phase)
     _check_duration(phase)
 
 
@@ -116,6 +117,38 @@ def _check_expression(
             raise InputError(
                 f"Phase {phase.name!r}: at the {which}, {row.label} is {number:.6g} {row.unit}, outside "
                 f"[{row.lower:g}, {row.upper:g}] {row.unit}. Move the {which}, or relax the constraint."
+            )
+
+
+def _check_contacts(phase: Phase) -> None:
+    """Refuse a fixed end at which a contact does not hold; it stands where the first fixed configuration puts it."""
+    if not phase.bound_contacts or phase.robot is None or phase.bound_design is not None:
+        return
+    size, stands = phase.robot.nq, dict(zip(phase.parameter_names, phase.parameter_bounds.lower, strict=True))
+    known = [n for n, low, up in zip(phase.parameter_names, *phase.parameter_bounds, strict=True) if low == up]
+    rows = phase.body.invariants
+    located = False
+    for which, bounds in (("start", phase.start_bounds), ("end", phase.end_bounds)):
+        fixed = (bounds.lower == bounds.upper)[: len(phase.body.states)]
+        if not fixed[:size].all():
+            continue
+        state = np.where(fixed, bounds.lower[: fixed.size], 0.0)
+        if not located:
+            found = {k: v for c in phase.bound_contacts for k, v in c.locate(phase.robot, state[:size]).items()}
+            stands, located = {**stands, **{k: v for k, v in found.items() if k not in known}}, True
+        point = symbols_of(phase.body, phase.parameter_names)
+        x, p = (ca.vertcat(ca.SX(0, 1), *named.values()) for named in (point.x, point.p))
+        held = phase.body.invariant(point)
+        moving = np.array(ca.DM(ca.jacobian_sparsity(held, x), 1.0).full(), dtype=bool) @ ~fixed
+        values = np.array(
+            ca.Function("held", [x, p], [held])(state, [stands[n] for n in phase.parameter_names])
+        ).ravel()
+        worst = int(np.argmax(np.where(moving, 0.0, np.abs(values))))
+        if not moving[worst] and abs(values[worst]) > SLACK:
+            raise InputError(
+                f"Phase {phase.name!r}: at the {which}, contact {rows[worst].label!r} does not hold: its row "
+                f"{rows[worst].name} is {values[worst]:.3g} {rows[worst].unit} instead of 0. Move the {which}, free "
+                "some of it, or end the contact before."
             )
 
 

@@ -51,6 +51,37 @@ def test_a_linkage_stays_closed_between_the_knots_and_its_simulation_agrees() ->
     assert rt.validate(plans[-1]).passed
 
 
+@pytest.mark.parametrize(
+    ("start", "end", "complaint"),
+    [
+        (
+            {"q": [0.5, -0.9, -0.4, 0.8], "v": 0},
+            None,
+            "at the start, contact 'left_foot-right_foot' does not hold.* m ",
+        ),
+        (None, {"q": [0.5, -0.9, -0.4, 0.8]}, "at the end, contact 'left_foot-right_foot' does not hold"),
+        ({"q": [0.5, -0.8, -0.3, 0.8], "v": [1, 0, 0, 0]}, None, "at the start, contact .* m/s instead of 0"),
+    ],
+)
+def test_an_end_at_which_a_contact_does_not_hold_is_refused(start: Any, end: Any, complaint: str) -> None:
+    robot = rt.load("five_link", root="fixed")
+    ends = (None if values is None else rt.State(**values) for values in (start, end))
+    with pytest.raises(rt.InputError, match=complaint):
+        rt.Phase(robot, 1.0, *ends, rt.Effort(), contacts=[rt.LoopClosure("left_foot", "right_foot")], limits=None)
+
+
+def test_a_foot_that_stands_elsewhere_at_the_end_is_refused() -> None:
+    robot = rt.load("five_link", root="planar")
+    ends = [rt.State(q=[x, 0.0, 0.0, 0.1, 0.2, 0.1, 0.2], v=0) for x in (0.0, 0.1)]
+    place = numbers(robot, ends[0].q, np.zeros(7)).frame("left_foot").position
+    foot = rt.PointContact("left_foot", ground=rt.Flat(place[2]))
+    rt.Phase(robot, 1.0, ends[0], ends[0], rt.Effort(), contacts=[foot])
+    with pytest.raises(rt.InputError, match="at the end, contact 'left_foot' does not hold: .* is 0.1 m"):
+        rt.Phase(robot, 1.0, *ends, rt.Effort(), contacts=[foot])
+    with pytest.raises(rt.InputError, match="at the start, contact 'left_foot' does not hold"):
+        rt.Phase(robot, 1.0, ends[0], None, rt.Effort(), contacts=[foot], parameters={"left_foot.x": place[0] + 0.2})
+
+
 def standing(robot: rt.Robot) -> Any:
     """Talos's legs on level ground, both soles flat."""
     q = np.array(robot.neutral)
