@@ -176,3 +176,11 @@ def test_a_somersault_is_planned_by_the_negative_quaternion():
     assert rt.validate(plan).passed
     turned = np.trapezoid(plan.at(np.linspace(0, plan.duration, 2001)).v[:, 3:6], dx=plan.duration / 2000, axis=0)
     assert np.linalg.norm(turned) == pytest.approx(2 * np.pi, rel=1e-2)
+
+
+def test_costates_of_a_quaternion_are_refused_by_name(plan):
+    if plan.phases[0].robot.root == "planar":
+        assert rt.costates(plan).at(0.1).x["v.root_x"] == pytest.approx(0.0, abs=1.0)
+        return
+    with pytest.raises(rt.InputError, match="quaternion of a floating root"):
+        rt.costates(plan)

@@ -155,13 +155,19 @@ def costates(solution: Solution) -> Costates:
     Raises
     ------
     InputError
-        The solver did not converge.
+        The solver did not converge, or a phase holds contacts or a quaternion.
 
     Notes
     -----
     Sign: lambda = dJ/dx of the minimised objective J. Order at the knots is the scheme's own; see
     ``robotraj.indirect.covector``.
     """
+    held = [phase.name for phase in solution.problem.phases if phase.dae.invariants]
+    if held:
+        raise InputError(
+            f"Phase {held[0]!r} holds contacts or the quaternion of a floating root at every collocation point: its "
+            "states obey those rows, and its costates are not unique. Costates are of phases without them."
+        )
     if not solution.duals:
         raise InputError(
             "This solution has no costates: the solver did not converge. Plan again until solution.success holds."

@@ -79,7 +79,8 @@ def rooted(model: pin.Model, root: str) -> pin.Model:
     """Copy a model with the joints of the root before its root link, which carry all that was fixed in the world.
 
     Reference configurations of the model are kept, with the root at the origin. A model that starts with a free-flyer
-    has its root already: it stays, named ``root_joint``.
+    has its root already: it stays, named ``root_joint``. The position limits that the model itself has for its root
+    are 1 m and half a turn either way, so that ``pin.randomConfiguration`` is finite; ``Limits`` has none.
 
     Raises
     ------
@@ -88,7 +89,7 @@ def rooted(model: pin.Model, root: str) -> pin.Model:
     """
     about = root_of(root)
     if flies(model):
-        return _named(model, root)
+        return _near(_named(model, root), about)
     copy = model.copy()
     if root == "fixed":
         return copy
@@ -97,7 +98,7 @@ def rooted(model: pin.Model, root: str) -> pin.Model:
     for entry in model.referenceConfigurations:
         start = pin.neutral(copy)[: len(about.positions)]
         copy.referenceConfigurations[entry.key()] = np.concatenate([start, entry.data()])
-    return copy
+    return _near(copy, about)
 
 
 def in_plane(q: Array) -> Array:
@@ -117,6 +118,14 @@ def carried(shapes: pin.GeometryModel, before: int) -> pin.GeometryModel:
         shape.parentJoint += before
         shape.parentFrame += before
     return copy
+
+
+def _near(model: pin.Model, about: Root) -> pin.Model:
+    """Bound the positions of the root, in place; Pinocchio draws random configurations within such bounds."""
+    reach = np.array([np.pi if unit == "rad" else 1.0 for unit in about.position_units])
+    model.lowerPositionLimit[: len(reach)] = -reach
+    model.upperPositionLimit[: len(reach)] = reach
+    return model
 
 
 def _joints(root: str) -> Sequence[pin.JointModel]:

@@ -209,6 +209,20 @@ def test_a_body_without_joints_can_be_thrown(urdf):
     assert held.joint_names == ("root_x", "root_z", "root_pitch")
 
 
+@pytest.mark.parametrize("root", ["planar", "floating"])
+def test_random_configurations_are_finite_and_the_root_has_no_limits(root):
+    for source in ("solo12", pin.buildModelFromUrdf(str(find("solo12").urdf), pin.JointModelFreeFlyer())):
+        if root == "planar" and source != "solo12":
+            continue
+        robot = rt.load(source, root=root)
+        for _ in range(5):
+            q = pin.randomConfiguration(robot.model)
+            assert np.abs(q).max() <= 10
+            np.testing.assert_array_equal(robot.configuration(q).shape, (robot.nq,))
+        first = robot.nv - 12
+        assert np.isposinf(robot.limits.position_upper[:first]).all()
+
+
 def test_limits_for_all_joints_leave_the_root_free():
     robot = rt.load("cartpole", root="floating", limits={"velocity": 3.0, "position": 1.0, "effort": 7.0})
     for values, last in ((robot.limits.velocity, 3), (robot.limits.position_upper, 1), (robot.limits.effort, 7)):
