@@ -2,7 +2,14 @@
 // Curves with limits, a legend that reads their values, and a time cursor. Canvas only.
 
 const PALETTE = ["#1f6fc4", "#d9541e", "#2a8f4f", "#9a3fb5", "#c08a00", "#118f9e", "#c2335f", "#6b5a46", "#5560d8", "#7a8a12"];
-const MARGIN = { left: 56, right: 10, top: 6, bottom: 20 };
+const MARGIN = { left: 68, right: 10, top: 6, bottom: 20 };
+
+// Whether two colours, #rrggbb and rgb(r, g, b), are hard to tell apart.
+function alike(hex, rgb) {
+  const one = [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
+  const two = rgb.match(/\d+/g).map(Number);
+  return Math.hypot(...one.map((x, k) => x - two[k])) < 80;
+}
 
 function ticks(low, high, count) {
   const rough = (high - low) / count;
@@ -33,8 +40,9 @@ function valueAt(chart, series, t) {
 }
 
 class Chart {
-  constructor(host, data, phases, state, onSeek) {
-    Object.assign(this, { data, phases, state, fit: false });
+  constructor(host, data, { phases, impacts }, state, onSeek) {
+    Object.assign(this, { data, phases, impacts, state, fit: false });
+    this.tints = tints(phases);
     this.start = phases[0].start;
     this.end = phases[phases.length - 1].end;
     const units = [...new Set(data.series.map((s) => s.unit).filter(Boolean))].join(", ");
@@ -137,7 +145,7 @@ class Chart {
     this.drawLimits(pen);
     this.drawCurves(pen);
     pen.restore();
-    this.drawNames(pen, frame);
+    this.drawImpacts(pen, frame);
     this.setTime(this.time ?? this.start);
   }
 
@@ -145,25 +153,25 @@ class Chart {
     if (this.phases.length < 2) return;
     this.phases.forEach((phase, k) => {
       const [a, b] = [this.x(phase.start), this.x(phase.end)];
-      pen.fillStyle = k % 2 ? "#ffffff" : "#eff3f8";
+      pen.fillStyle = this.tints[k][0];
+      pen.globalAlpha = 0.65;
       pen.fillRect(a, frame.y1, b - a, frame.y0 - frame.y1);
     });
+    pen.globalAlpha = 1;
   }
 
-  drawNames(pen, frame) {
-    if (this.phases.length < 2) return;
-    pen.font = "11px system-ui, sans-serif";
-    pen.textBaseline = "top";
-    pen.textAlign = "left";
-    this.phases.forEach((phase, k) => {
-      const [a, b] = [this.x(phase.start), this.x(phase.end)];
-      const width = pen.measureText(phase.name).width;
-      if (width + 12 > b - a) return;
-      pen.fillStyle = k % 2 ? "rgba(255, 255, 255, 0.85)" : "rgba(239, 243, 248, 0.85)";
-      pen.fillRect(a + 2, frame.y1 + 1, width + 8, 15);
-      pen.fillStyle = "#5a6675";
-      pen.fillText(phase.name, a + 6, frame.y1 + 3);
-    });
+  // Impacts as dotted lines.
+  drawImpacts(pen, frame) {
+    pen.strokeStyle = "#6a1fb0";
+    pen.lineWidth = 1.2;
+    pen.setLineDash([2, 3]);
+    for (const t of this.impacts) {
+      pen.beginPath();
+      pen.moveTo(this.x(t), frame.y1);
+      pen.lineTo(this.x(t), frame.y0);
+      pen.stroke();
+    }
+    pen.setLineDash([]);
   }
 
   drawAxes(pen, frame, low, high) {
@@ -278,7 +286,7 @@ class Legend {
         if (series < 0) continue;
         const number = document.createElement("span");
         cell.append(number, " ", Object.assign(document.createElement("small"), { textContent: chart.series[series].unit }));
-        this.cells.push({ number, chart, series });
+        this.cells.push({ cell, number, chart, series });
       }
       row.addEventListener("click", () => {
         state.hidden[state.hidden.has(label) ? "delete" : "add"](label);
@@ -296,8 +304,9 @@ class Legend {
   }
 
   setTime(t) {
-    for (const { number, chart, series } of this.cells) {
+    for (const { cell, number, chart, series } of this.cells) {
       const value = valueAt(chart, series, t);
+      cell.style.visibility = value === null ? "hidden" : "";
       const text = value === null ? "" : (Math.abs(value) < 5e-4 ? 0 : value).toFixed(3).replace("-", "−");
       if (number.textContent !== text) number.textContent = text;
     }

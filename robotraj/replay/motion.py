@@ -46,12 +46,19 @@ def motion_of(model: pin.Model, solution: Any, fps: int) -> Motion:
     """Sample every phase at 1/(FINEST fps) and put the robot there.
 
     At a boundary the later phase counts, except at the very end.
+
+    Parameters
+    ----------
+    model : pin.Model
+    solution : Solution or Unrolled
+    fps : int
     """
     times, rows = [], []
-    for number, phase in enumerate(solution.phases):
+    phases = solution.phases
+    for number, phase in enumerate(phases):
         steps = max(int(np.ceil(phase.duration * fps * FINEST - 1e-9)), 1)
         grid = phase.t0 + np.minimum(np.arange(steps + 1) / (fps * FINEST), phase.duration)
-        if number < len(solution.phases) - 1:
+        if number < len(phases) - 1:
             grid = grid[:-1]
         times.append(grid)
         rows.append(np.asarray(phase.at(grid).q, dtype=float).reshape(len(grid), model.nq))

@@ -36,10 +36,16 @@ class Player {
 
   makeCharts() {
     const labels = [...new Set(this.data.charts.flatMap((chart) => chart.series.map((s) => s.label)))];
-    const state = { colors: new Map(), hidden: new Set(), marked: null, hold: (held) => (this.held = held) };
-    labels.forEach((label, k) => state.colors.set(label, PALETTE[k % PALETTE.length]));
+    const hold = (held) => (this.held = held);
+    const state = { colors: new Map(), hidden: new Set(this.data.hidden), marked: null, hold };
+    // Contacts wear the colour they have in the view; no joint gets one like it, and hidden ones take what is left.
+    const free = PALETTE.filter((color) => Object.values(this.data.colors).every((other) => !alike(color, other)));
+    const joints = labels.filter((label) => !this.data.colors[label]);
+    joints.sort((a, b) => this.data.hidden.includes(a) - this.data.hidden.includes(b));
+    for (const label of labels) state.colors.set(label, this.data.colors[label] || free[joints.indexOf(label) % free.length]);
+    this.bars = new Bars(byId("bars"), this.data, hold, (t) => this.seek(t));
     const host = byId("charts");
-    this.charts = this.data.charts.map((chart) => new Chart(host, chart, this.data.phases, state, (t) => this.seek(t)));
+    this.charts = this.data.charts.map((chart) => new Chart(host, chart, this.data, state, (t) => this.seek(t)));
     const redraw = () => this.charts.forEach((chart) => chart.draw());
     this.legend = new Legend(byId("legend"), this.data.charts, state, redraw);
   }
@@ -102,6 +108,7 @@ class Player {
     byId("scrubber").value = this.now;
     this.charts.forEach((chart) => chart.setTime(this.now));
     this.legend.setTime(this.now);
+    this.bars.setTime(this.now);
     if (this.view) this.view.seek(this.now);
   }
 }
@@ -111,14 +118,21 @@ function complain(text) {
   byId("complaint").hidden = false;
 }
 
-async function makeView(scene) {
+async function makeView(scene, colors) {
   const packets = await unpack("commands");
   try {
-    const view = new View(byId("pane"), scene, packets);
+    const view = new View(byId("pane"), scene, packets, colors);
     for (const trace of scene.traces) {
       const item = document.createElement("li");
       item.innerHTML = `<i style="background: rgb(${trace.color})"></i>`;
       item.append(`path of ${trace.frame}`);
+      byId("marks").append(item);
+    }
+    for (const [sign, color, text] of view.contacts.marks()) {
+      const item = document.createElement("li");
+      const icon = Object.assign(document.createElement("em"), { textContent: sign });
+      icon.style.color = color;
+      item.append(icon, text);
       byId("marks").append(item);
     }
     return view;
@@ -134,7 +148,7 @@ async function makeView(scene) {
     return;
   }
   const data = JSON.parse(new TextDecoder().decode(await unpack("data")));
-  const view = data.scene ? await makeView(data.scene) : null;
+  const view = data.scene ? await makeView(data.scene, data.colors) : null;
   const player = new Player(data, view);
   window.robotraj = {
     seek: (t) => {
@@ -143,6 +157,7 @@ async function makeView(scene) {
     },
     time: () => player.now,
     poses: () => (view ? view.poses() : {}),
+    view,
     viewer: view && view.viewer,
   };
   player.play(!window.matchMedia("(prefers-reduced-motion: reduce)").matches);

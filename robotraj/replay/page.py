@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
-SCRIPTS = ("view.js", "charts.js", "page.js")
+SCRIPTS = ("view.js", "contacts.js", "bars.js", "charts.js", "page.js")
 
 
 @dataclass(frozen=True)

@@ -15,14 +15,17 @@ from meshcat.path import Path as NodePath
 from numpy.typing import NDArray
 from trimesh import creation
 
+from robotraj.replay.clearance import clearance_scene
+from robotraj.replay.colors import rgb
+from robotraj.replay.contacts import contact_frames, contact_scene
 from robotraj.replay.ground import GroundView, ground_of
 from robotraj.replay.motion import Motion, keys, motion_of
 from robotraj.replay.shapes import tube
 from robotraj.replay.visuals import Visual, visuals_of
 from robotraj.replay.window import PackedTrack, RecordingWindow, draw
+from robotraj.unrolled import Unrolled
 
 Array = NDArray[np.float64]
-TRACE_COLORS = ((0.84, 0.15, 0.36), (0.10, 0.45, 0.82), (0.93, 0.55, 0.08), (0.35, 0.30, 0.75))
 GROUND_COLOR = (0.80, 0.82, 0.78, 1.0)
 ROOT = NodePath(("meshcat",))
 STILL = 1e-9
@@ -45,23 +48,24 @@ class Scene:
     description: dict[str, Any]
 
 
-def scene_of(robot: Any, solution: Any, fps: int, traces: Sequence[str] | None) -> Scene:
+def scene_of(robot: Any, course: Unrolled, fps: int, traces: Sequence[str] | None) -> Scene:
     """Record a robot's solution as meshcat commands.
 
     Parameters
     ----------
     robot : Robot
         ``.model``, ``.visual_model``, ``.frame(name)``.
-    solution : Solution
+    course : Unrolled
     fps : int
         Animation keys per second; more are added where the motion bends.
     traces : sequence of str or None
-        Frames whose path is drawn; None takes the tip of the longest chain.
+        Frames whose path is drawn; None takes those of the contacts, without any the tip of the longest chain.
     """
     model = robot.model
-    names = [tip_frame(model)] if traces is None else list(traces)
+    feet = list(contact_frames(course).values())
+    names = (feet or [tip_frame(model)]) if traces is None else list(traces)
     frames = [robot.frame(name) for name in names]
-    motion = motion_of(model, solution, fps)
+    motion = motion_of(model, course, fps)
     visuals = visuals_of(model, robot.visual_model)
     window = RecordingWindow()
     viewer = meshcat.Visualizer(window=window)
@@ -75,13 +79,20 @@ def scene_of(robot: Any, solution: Any, fps: int, traces: Sequence[str] | None) 
             draw(node[f"part {k}"], part, color)
     hull = _hull(visuals, motion)
     low, high = hull.min(axis=0), hull.max(axis=0)
-    ground = ground_of(solution, low, high)
+    ground = ground_of(course, low, high)
     if ground.surface is not None:
         draw(viewer["ground"], ground.surface, GROUND_COLOR, shininess=0.0)
     size = float(np.linalg.norm(high - low))
-    drawn = [_trace(viewer, motion, model.frames[frame], k, size) for k, frame in enumerate(frames)]
+    # A contact's trace wears the contact's colour.
+    colors = [feet.index(name) if name in feet else len(feet) + k for k, name in enumerate(names)]
+    pairs = zip(frames, colors, strict=True)
+    drawn = [_trace(viewer, motion, model.frames[frame], k, rgb(c), size) for k, (frame, c) in enumerate(pairs)]
     window.send(meshcat.commands.SetAnimation(_animation(motion, paths, fps), play=False, repetitions=1))
-    return Scene(window.packed(), _description(model, motion, paths, hull, ground, drawn))
+    description = _description(model, motion, paths, hull, ground, drawn) | {
+        "contacts": contact_scene(course, robot, _stature(visuals, motion)),
+        "clearance": clearance_scene(course),
+    }
+    return Scene(window.packed(), description)
 
 
 def joint_paths(model: pin.Model) -> list[str]:
@@ -138,6 +149,13 @@ def _hull(visuals: Sequence[Visual], motion: Motion) -> Array:
     return points[np.unique(np.argmax(points @ directions.T, axis=0))]
 
 
+def _stature(visuals: Sequence[Visual], motion: Motion) -> float:
+    """Longest side [m] of the box around all visuals at the start."""
+    frames = motion.world[0]
+    clouds = [v.corners() @ frames[v.joint, :3, :3].T + frames[v.joint, :3, 3] for v in visuals]
+    return float(np.ptp(np.concatenate(clouds), axis=0).max())
+
+
 def _animation(motion: Motion, paths: list[str], fps: int) -> Animation:
     """One clip per joint that moves, with a track for what changes."""
     animation = Animation(default_framerate=fps)
@@ -158,7 +176,12 @@ def _animation(motion: Motion, paths: list[str], fps: int) -> Animation:
 
 
 def _trace(
-    viewer: meshcat.Visualizer, motion: Motion, frame: pin.Frame, number: int, size: float
+    viewer: meshcat.Visualizer,
+    motion: Motion,
+    frame: pin.Frame,
+    number: int,
+    color: tuple[float, float, float],
+    size: float,
 ) -> dict[str, Any] | None:
     """Draw a frame's path as a thin tube; None if the frame stays where it is."""
     world = motion.world[:, frame.parentJoint]
@@ -170,14 +193,13 @@ def _trace(
     if len(kept) < 3:
         return None
     part = tube(points[kept], 1.6e-3 * size)
-    color = (*TRACE_COLORS[number % len(TRACE_COLORS)], 1.0)
     path = f"traces/{number} {_safe(frame.name)}"
-    draw(viewer[path]["ahead"], part, (*color[:3], 0.22), shininess=0.0)
-    draw(viewer[path]["past"], part, color, shininess=0.0)
+    draw(viewer[path]["ahead"], part, (*color, 0.22), shininess=0.0)
+    draw(viewer[path]["past"], part, (*color, 1.0), shininess=0.0)
     times = [float(f"{t:.7g}") for t in motion.times[kept]]
     return {
         "frame": frame.name,
         "path": f"meshcat/{path}/past".split("/"),
         "times": times,
-        "color": [round(255 * c) for c in color[:3]],
+        "color": [round(255 * c) for c in color],
     }

@@ -2,7 +2,7 @@
 // The 3D view: meshcat's viewer fed from recorded commands, framed and lit for the robot.
 
 class View {
-  constructor(pane, scene, packets) {
+  constructor(pane, scene, packets, colors) {
     this.scene = scene;
     this.pane = pane;
     this.viewer = new MeshCat.Viewer(pane, false);
@@ -17,6 +17,7 @@ class View {
     this.past = scene.traces.map((trace) => this.viewer.scene_tree.find([...trace.path, "<object>"]).object);
     this.addLight();
     this.addGround();
+    this.contacts = new ContactsView(this.viewer, scene, colors);
     this.moved = false;
     this.listen(this.viewer.controls);
     new ResizeObserver(() => this.resize()).observe(pane);
@@ -173,6 +174,8 @@ class View {
       const passed = trace.times.filter((stamp) => stamp <= t + 1e-9).length - 1;
       geometry.setDrawRange(0, Math.max(passed, 0) * perRing);
     });
+    this.contacts.seek(t, this.scene.clearance);
+    this.viewer.set_dirty();
   }
 
   draw() {

@@ -12,8 +12,12 @@ import numpy as np
 
 from robotraj.design import realised
 from robotraj.errors import InputError
+from robotraj.loading.root import root_of
+from robotraj.replay.colors import css
+from robotraj.replay.contacts import contact_names, held
 from robotraj.replay.curves import curves
 from robotraj.replay.page import Heading, page
+from robotraj.unrolled import Unrolled, unrolled
 
 SAME_PLACE = 1e-6
 """Dimensions [m] of two phases' robots that differ by less are one: so far a solver may let them differ."""
@@ -26,6 +30,7 @@ def replay(
     speed: float = 1.0,
     fps: int = 30,
     traces: Sequence[str] | str | None = None,
+    periods: int = 1,
     title: str | None = None,
 ) -> Path:
     """Write a page that shows the robot in motion beside its position, velocity and torque curves.
@@ -36,6 +41,11 @@ def replay(
     In the browser's console, ``robotraj.seek(t)`` moves to a time [s], ``robotraj.time()`` reads it,
     ``robotraj.poses()`` gives the world position [m] and quaternion (x, y, z, w) of every joint as drawn, and
     ``robotraj.viewer`` is meshcat's viewer.
+
+    Where contacts are held, their forces are arrows (the page says how long a body weight is), with the friction cones
+    at the footholds, the impulses of impacts, the height that ``GroundClearance`` asks for, and bars that say which
+    phase runs and which contact is held. A gait that closes on itself is shown through several periods, each displaced
+    from the last and mirrored if the plan is half a gait.
 
     A solution of an ``rt.System`` has no robot to show: its page holds the curves alone.
 
@@ -51,7 +61,11 @@ def replay(
         Animation keys per second of motion, 1 to 240. Up to eight times as many are kept where the motion
         bends, so that joints stay within about 1e-5 rad and m of the solution between keys.
     traces : sequence of str, optional
-        Frames whose path is drawn; by default the tip of the longest chain. ``()`` draws none.
+        Frames whose path is drawn; by default those of the contacts, else the tip of the longest chain. ``()`` draws
+        none.
+    periods : int
+        How often the plan is passed through; more than once needs ``rt.Periodic``, ``rt.Mirror`` or
+        ``rt.Touchdown(repeat=...)`` from its last phase to its first.
     title : str, optional
         Heading of the page; the robot's or system's name by default.
 
@@ -64,7 +78,8 @@ def replay(
     ------
     InputError
         A suffix other than ``.html``, a missing directory, a speed or fps out of range, phases that move
-        different robots, ``traces`` for a system. An unknown frame raises UnknownName.
+        different robots, ``traces`` for a system, several periods of a plan that ends elsewhere. An
+        unknown frame raises UnknownName.
     """
     target = _checked_path(path)
     if not (_is_number(speed) and np.isfinite(speed) and speed > 0.0):
@@ -75,20 +90,24 @@ def replay(
     names = [traces] if isinstance(traces, str) else traces
     if robot is None and names:
         raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; leave it out.")
+    course = unrolled(solution, periods)
     scene = None
     if robot is not None:
         # Imported here, since meshcat and trimesh take a second that planning alone need not wait for.
         from robotraj.replay.scene import scene_of
 
-        scene = scene_of(robot, solution, int(fps), names)
-    phases = [{"name": p.phase.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in solution.phases]
+        scene = scene_of(robot, course, int(fps), names)
     description = {
         "speed": float(speed),
-        "phases": phases,
-        "charts": curves(solution),
+        "phases": [{"name": p.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in course.phases],
+        "charts": curves(course),
+        "held": held(course) if robot is not None else [],
+        "impacts": sorted({impact.t for impact in course.impacts}),
+        "colors": {name: css(k) for k, name in enumerate(contact_names(course))} if robot is not None else {},
+        "hidden": list(root_of(robot.root).positions + root_of(robot.root).velocities) if robot is not None else [],
         "scene": scene.description if scene is not None else None,
     }
-    text = page(_heading(solution, robot, title), description, scene.commands if scene is not None else None)
+    text = page(_heading(course, robot, title), description, scene.commands if scene is not None else None)
     target.write_text(text, encoding="utf-8")
     return target
 
@@ -138,11 +157,14 @@ def _name(phase: Any) -> str:
     return str((phase.robot or phase.system).name)
 
 
-def _heading(solution: Any, robot: Any, title: str | None) -> Heading:
+def _heading(course: Unrolled, robot: Any, title: str | None) -> Heading:
+    solution = course.solution
     first = solution.phases[0].phase
     names = [result.phase.name for result in solution.phases]
     shown = " → ".join(names[:6]) + (f" → … ({len(names)} phases)" if len(names) > 6 else "")
     facts = [("Duration", f"{solution.duration:.4g} s"), ("Objective", f"{solution.objective:.6g}")]
+    if course.periods > 1:
+        facts[0] = ("Duration", f"{course.periods} × {course.period:.4g} s")
     if getattr(solution, "iterations", None) is not None:
         facts.append(("Iterations", str(solution.iterations)))
     status = str(getattr(solution.status, "value", solution.status))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import robotraj as rt
 from robotraj.robot import load
 
 
@@ -27,6 +28,7 @@ class Phase:
     constraints: Sequence[Any] = ()
     bound_constraints: Sequence[Any] = ()
     contacts: Sequence[Any] = ()
+    bound_contacts: Sequence[Any] = ()
 
 
 @dataclass
@@ -153,3 +155,33 @@ def talos() -> Any:
 @pytest.fixture(scope="session")
 def double_pendulum() -> Any:
     return load("double_pendulum")
+
+
+@pytest.fixture(scope="session")
+def walk() -> Any:
+    """Half a gait of the five-link biped, its swing foot raised; left and right change places at its heel strike."""
+    robot = load("five_link", root="planar")
+    swing = rt.PathConstraint(lambda p: p.frame("right_foot").velocity[2], lower=0, name="swing foot up")
+    landing = rt.PathConstraint(lambda p: p.frame("right_foot").velocity[2], upper=0, name="swing foot down")
+    raised = rt.GroundClearance("right_foot", rt.SwingApex(0.03, -0.5, 0.5))
+    phase = rt.Phase(
+        robot,
+        duration=0.7,
+        contacts=[rt.PointContact("left_foot", friction=5.0)],
+        objective=rt.Effort(),
+        constraints=[raised, rt.AtStart(swing), rt.AtEnd(landing)],
+        parameters={"left_foot.x": 0.0},
+        name="step",
+    )
+    pairs = {"left_hip": "right_hip", "left_knee": "right_knee", "left_foot": "right_foot"}
+    mirror = rt.Mirror(partners=pairs, displacement={"q.root_x": 0.5})
+    joints = {"root_z": 0.8, "root_pitch": 0.1, "left_knee": 0.3, "right_knee": 0.3}
+    ends = [
+        rt.State(q=robot.configuration(joints | {"root_x": x, "left_hip": left, "right_hip": right}))
+        for x, left, right in ((-0.25, -0.4, 0.2), (0.25, 0.2, -0.4))
+    ]
+    problem = rt.Problem([phase], links=[rt.Touchdown(0, 0, repeat=mirror)])
+    mesh = rt.Mesh(6, rt.HermiteSimpson())
+    solution = rt.plan(problem, mesh=mesh, guess=rt.Keyframes([0, 1], ends), check=False)
+    assert solution.success
+    return solution

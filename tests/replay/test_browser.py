@@ -10,6 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from robotraj.replay import replay
+from robotraj.replay.contacts import contact_scene
+from robotraj.unrolled import unrolled
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -83,7 +85,7 @@ def browser(chromium: Any) -> Iterator[Browser]:
         context.close()
 
 
-def drag(page: Any, chart: int, share: float, margins: tuple[float, float] = (56.0, 10.0)) -> float:
+def drag(page: Any, chart: int, share: float, margins: tuple[float, float] = (68.0, 10.0)) -> float:
     """Drag the time cursor in a chart to a share of its width; return the time the page then shows."""
     box = page.locator(".plot").nth(chart).bounding_box()
     left, width = box["x"] + margins[0], box["width"] - sum(margins)
@@ -200,4 +202,76 @@ def test_a_system_shows_its_curves_without_a_view(block_plan, browser, tmp_path)
         "v\t0.500 m/s\t",
         "u\t\t−1.000 N",
     ]
+    browser.check(path)
+
+
+DRAWN = """() => {
+  const { contacts } = robotraj.view, THREE = MeshCat.THREE;
+  contacts.group.updateMatrixWorld(true);
+  const back = robotraj.viewer.scene.matrixWorld.clone().invert();
+  const place = (object, x, y, z) => object.localToWorld(new THREE.Vector3(x, y, z)).applyMatrix4(back).toArray();
+  const arrow = ({ group, head }) => group.visible && [place(group, 0, 0, 0), place(head, 0, 0.5, 0)];
+  const cone = ({ visible, children: [mantle] }) => {
+    const { radius, height } = mantle.geometry.parameters;
+    const [apex, open] = [place(mantle, 0, height / 2, 0), place(mantle, 0, -height / 2, 0)];
+    return visible && { apex, open, mu: radius / height };
+  };
+  return {
+    forces: contacts.arrows.map(arrow),
+    impulses: contacts.blows.map(arrow),
+    cones: contacts.cones.map(cone),
+    curves: contacts.curves.map(({ line }) => line.opacity),
+  };
+}"""
+
+
+def test_arrows_and_cones_stand_where_the_plan_has_the_forces(walk, browser, tmp_path):
+    path = replay(walk, tmp_path / "walk.html", periods=3)
+    page, course = browser.open(path), unrolled(walk, 3)
+    scale = page.evaluate("() => robotraj.view.contacts.scale")
+    told = contact_scene(course, walk.phases[0].phase.robot, 1.0)
+    assert scale == pytest.approx(page.evaluate("() => robotraj.view.contacts.data.length") / told["unit"])
+    for t, foot, number in ((0.3, "left_foot", 0), (1.0, "right_foot", 1), (1.75, "left_foot", 2)):
+        page.evaluate(f"() => robotraj.seek({t})")
+        drawn, now = page.evaluate(DRAWN), course.phases[number].at(t)
+        tail, tip = (np.array(end) for end in drawn["forces"][number % 2])
+        np.testing.assert_allclose((tip - tail) / scale, now.forces[foot], atol=2.0)
+        np.testing.assert_allclose(tail, [0.5 * number, 0.08 - 0.16 * (number % 2), 0.0], atol=1e-3)
+        assert drawn["forces"][1 - number % 2] is False
+        assert [bool(cone) for cone in drawn["cones"]] == [k == number for k in range(3)]
+        cone = drawn["cones"][number]
+        np.testing.assert_allclose(cone["apex"], [0.5 * number, 0.08 - 0.16 * (number % 2), 0.0], atol=1e-6)
+        assert cone["mu"] == pytest.approx(5.0)
+        assert cone["open"][2] > 0.01
+        assert drawn["curves"] == [1 if k == number else 0.3 for k in range(3)]
+        assert drawn["impulses"] == [False] * 3
+    page.evaluate("() => robotraj.seek(0.7)")
+    (tail, tip), *others = page.evaluate(DRAWN)["impulses"]
+    np.testing.assert_allclose(tail, [0.5, -0.08, 0.0], atol=1e-6)
+    blow = [walk.impulses[0][f"impulse.left_foot.{axis}"] for axis in "xz"]
+    np.testing.assert_allclose((np.array(tip) - tail)[[0, 2]] / scale * 0.1, blow, rtol=1e-3)
+    assert others == [False] * 2
+    browser.check(path)
+
+
+def test_bars_and_marks_say_what_runs_and_what_is_drawn(walk, browser, tmp_path):
+    path = replay(walk, tmp_path / "walk.html", periods=4)
+    page = browser.open(path)
+    assert page.locator("#bars .phase").all_inner_texts() == ["step", "step (mirrored)"] * 2
+    colors = page.evaluate("() => [...document.querySelectorAll('#bars .phase')].map((bar) => bar.style.background)")
+    assert colors[0] == colors[2] != colors[1] == colors[3]
+    assert page.locator("#bars [data-contact=left_foot] b").count() == 2
+    assert page.locator("#bars .impact").count() == 4
+    marks = page.locator("#marks").inner_text()
+    assert "body weight, 392 N, is 0.46 m long" in marks
+    assert "39.2 N s is as long" in marks
+    box = page.locator("#bars .area").bounding_box()
+    page.mouse.click(box["x"] + 0.75 * box["width"], box["y"] + 30.0)
+    assert page.evaluate("() => robotraj.time()") == pytest.approx(2.1, abs=0.01)
+    page.evaluate("() => robotraj.seek(1.0)")
+    rows = {text.split("\t")[0]: text for text in page.locator("#legend tbody tr").all_inner_texts()}
+    force = unrolled(walk, 2).phases[1].at(1.0).forces["right_foot"][2]
+    shown = float(rows["right_foot"].split("\t")[-1].split()[0])
+    assert shown == pytest.approx(force, abs=0.5)
+    assert page.locator("#legend tr.off").count() == 3
     browser.check(path)

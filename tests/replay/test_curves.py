@@ -1,7 +1,12 @@
 import numpy as np
 import pytest
 
-from robotraj.replay.curves import curves
+from robotraj.replay.curves import curves as curves_of
+from robotraj.unrolled import unrolled
+
+
+def curves(plan):
+    return curves_of(unrolled(plan))
 
 
 def test_a_jump_at_a_knot_shows_both_sides(block_plan):
