@@ -20,6 +20,7 @@ from robotraj.constraints import (
 from robotraj.contacts import (
     FlatFoot,
     FourCorners,
+    ImplicitContact,
     Linearised,
     LineContact,
     LoopClosure,
@@ -88,7 +89,7 @@ from robotraj.schemes import (
 )
 from robotraj.solution import Solution, load_solution
 from robotraj.solvers import Ipopt
-from robotraj.stages import Stage
+from robotraj.stages import Stage, tightening
 from robotraj.state import State
 from robotraj.status import Status
 from robotraj.sweep import sweep
@@ -136,6 +137,7 @@ __all__ = [
     "HeightFunction",
     "HeightMap",
     "HermiteSimpson",
+    "ImplicitContact",
     "InputError",
     "IntegralConstraint",
     "InverseDynamics",
@@ -229,6 +231,7 @@ __all__ = [
     "second_opinion",
     "simulate",
     "sweep",
+    "tightening",
     "track",
     "transcribe",
     "validate",

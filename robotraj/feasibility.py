@@ -122,7 +122,8 @@ def _check_expression(
 
 def _check_contacts(phase: Phase) -> None:
     """Refuse a fixed end at which a contact does not hold; it stands where the first fixed configuration puts it."""
-    if not phase.bound_contacts or phase.robot is None or phase.bound_design is not None:
+    held_at_all = any(contact.holds for contact in phase.bound_contacts)
+    if not held_at_all or phase.robot is None or phase.bound_design is not None:
         return
     size, stands = phase.robot.nq, dict(zip(phase.parameter_names, phase.parameter_bounds.lower, strict=True))
     known = [n for n, low, up in zip(phase.parameter_names, *phase.parameter_bounds, strict=True) if low == up]

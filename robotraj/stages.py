@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
+from robotraj.contacts import ImplicitContact
 from robotraj.errors import InputError, unknown_name
 from robotraj.guess import Guess
 from robotraj.problem import Phase, Problem
@@ -34,10 +35,10 @@ class Stage:
     ----------
     mesh : Mesh or sequence of Mesh, optional
         Of this stage.
-    objective, constraints, limits : optional
+    objective, constraints, limits, contacts : optional
         Of every phase, or a mapping from names of phases to theirs (phases not named stay as they are). None
         for ``objective`` looks for any feasible motion, for ``limits`` drops the joint limits; ``()`` for
-        ``constraints`` drops those.
+        ``constraints`` and ``contacts`` drops those.
     solver : Solver, optional
         Of this stage.
     name : str
@@ -51,6 +52,7 @@ class Stage:
     objective: Any = SAME
     constraints: Any = SAME
     limits: Any = SAME
+    contacts: Any = SAME
     solver: Solver | None = None
     name: str = ""
 
@@ -63,7 +65,7 @@ class Stage:
             A mapping names a phase that does not exist, or the changed phase cannot be posed.
         """
         names = [phase.name for phase in problem.phases]
-        given = {key: getattr(self, key) for key in ("objective", "constraints", "limits")}
+        given = {key: getattr(self, key) for key in ("objective", "constraints", "limits", "contacts")}
         for value in given.values():
             for name in value if isinstance(value, Mapping) else ():
                 if name not in names:
@@ -73,6 +75,36 @@ class Stage:
             return problem
         pairs = zip(problem.phases, changes, strict=True)
         return Problem([replace(phase, **change) for phase, change in pairs], problem.links)
+
+
+def tightening(problem: Problem | Phase, relaxations: Sequence[float]) -> list[Stage]:
+    """Stages that solve a problem with implicit contacts from loose to tight.
+
+    Parameters
+    ----------
+    problem : Problem or Phase
+        Its ``rt.ImplicitContact``s keep their own relaxation, the last and smallest, for the problem itself.
+    relaxations : sequence of float
+        Descending, such as ``[1.0, 0.1, 0.01]`` [N m, W].
+
+    Raises
+    ------
+    InputError
+        There is no implicit contact, or the relaxations do not descend.
+    """
+    phases = (problem,) if isinstance(problem, Phase) else problem.phases
+    if not any(isinstance(contact, ImplicitContact) for phase in phases for contact in phase.contacts):
+        raise InputError("rt.tightening is for phases with contacts=[rt.ImplicitContact(...)]; there is none.")
+    if any(b >= a for a, b in zip(relaxations[:-1], relaxations[1:], strict=True)):
+        raise InputError(f"The relaxations of rt.tightening must descend; got {list(relaxations)}.")
+
+    def loosened(contact: Any, e: float) -> Any:
+        return replace(contact, relaxation=e) if isinstance(contact, ImplicitContact) else contact
+
+    return [
+        Stage(contacts={p.name: [loosened(c, e) for c in p.contacts] for p in phases}, name=f"relaxation {e:g}")
+        for e in relaxations
+    ]
 
 
 def _changes(given: Mapping[str, Any], phase: Phase) -> dict[str, Any]:

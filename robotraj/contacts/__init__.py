@@ -3,6 +3,7 @@
 from robotraj.contacts.base import BoundContact, Contact, LimitRow
 from robotraj.contacts.cones import FrictionCone, Linearised, SecondOrder
 from robotraj.contacts.flat_foot import FlatFoot
+from robotraj.contacts.implicit import ImplicitContact
 from robotraj.contacts.line_contact import LineContact
 from robotraj.contacts.loop_closure import LoopClosure
 from robotraj.contacts.point_contact import PointContact
@@ -14,6 +15,7 @@ __all__ = [
     "FlatFoot",
     "FourCorners",
     "FrictionCone",
+    "ImplicitContact",
     "LimitRow",
     "LineContact",
     "Linearised",
