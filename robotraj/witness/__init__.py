@@ -2,6 +2,8 @@
 
 from robotraj.witness.drift import Drift, DriftRow
 from robotraj.witness.energy import Energy
+from robotraj.witness.holding import Holding
+from robotraj.witness.impact import Impact
 from robotraj.witness.mujoco import (
     Feedback,
     FootReport,
@@ -13,6 +15,7 @@ from robotraj.witness.mujoco import (
     second_opinion,
 )
 from robotraj.witness.peak import Peak
+from robotraj.witness.plant import Landing
 from robotraj.witness.point import NumericPoint
 from robotraj.witness.report import Report, Tolerances
 from robotraj.witness.residual import Residual
@@ -27,7 +30,10 @@ __all__ = [
     "Energy",
     "Feedback",
     "FootReport",
+    "Holding",
+    "Impact",
     "JointFeedback",
+    "Landing",
     "LinearQuadratic",
     "NoFeedback",
     "NumericPoint",

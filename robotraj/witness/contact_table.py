@@ -41,7 +41,9 @@ def contacts(report: Report) -> Group:
     held = "  normal force, friction and centre of pressure: none broken, at or between the knots"
     rows_of_forces = _forces(report) or held
     impacts = [line for impact in report.impacts for line in _impact(impact)]
-    return Group(title, table, "", rows_of_forces, *_differences(report.holdings), *impacts, "")
+    moved = max(report.landings, key=lambda landing: landing.moved, default=None)
+    kept = "" if moved is None else f"  in the simulation a contact moves by {moved.moved:.1e} m at most while it holds"
+    return Group(title, table, "", kept, rows_of_forces, *_differences(report.holdings), *impacts, "")
 
 
 def _forces(report: Report) -> Group | None:

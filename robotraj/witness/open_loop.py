@@ -62,8 +62,8 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, samples: int) ->
 
         if failure is None:
             x, landed = plant.begin(_handed_on(solution, i, plant, own, before))
-            landings += landed
             motion = run(x)
+            landings += plant.watched(landed, motion.states)
             through.append(drift_of(plant, motion, planned.phase.name))
             if motion.failure is not None:
                 failure = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -41,12 +41,15 @@ class Landing:
         Start of the phase [s].
     distance : float
         From the planned place [m].
+    moved : float
+        How far the simulation let it go from there while it held [m, rad].
     """
 
     contact: str
     phase: str
     time: float
     distance: float
+    moved: float = 0.0
 
 
 class Plant(Protocol):
@@ -88,6 +91,10 @@ class Plant(Protocol):
 
     def begin(self, x: Array) -> tuple[Array, tuple[Landing, ...]]:
         """Begin the phase from x: contacts take hold where they are. The state after, and where they stand."""
+        ...
+
+    def watched(self, landings: tuple[Landing, ...], states: Array) -> tuple[Landing, ...]:
+        """Add to landings how far their contacts moved in simulated states (m, n)."""
         ...
 
 
@@ -178,6 +185,18 @@ class RobotPlant:
         )
         return np.concatenate([x[:nq], after]), landings
 
+    def watched(self, landings: tuple[Landing, ...], states: Array) -> tuple[Landing, ...]:
+        """Evaluate the held rows on the simulated states."""
+        stance = self._stance
+        if stance is None:
+            return landings
+        nq = stance.robot.model.nq
+        gaps = stance.by_contact(np.array([stance.rows(x[:nq], x[nq:]).gap for x in states]))
+        return tuple(
+            replace(landing, moved=float(np.nan_to_num(np.abs(gaps[landing.contact]), nan=np.inf).max(initial=0.0)))
+            for landing in landings
+        )
+
 
 class SystemPlant:
     """A System under its planned controls; algebraic variables are solved for wherever rates are needed."""
@@ -206,6 +225,10 @@ class SystemPlant:
     def begin(self, x: Array) -> tuple[Array, tuple[Landing, ...]]:
         """Begin from x as it is."""
         return x, ()
+
+    def watched(self, landings: tuple[Landing, ...], states: Array) -> tuple[Landing, ...]:
+        """Nothing is held."""
+        return landings
 
     @property
     def rates(self) -> Rates:
