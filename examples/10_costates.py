@@ -22,20 +22,13 @@ print(polished)
 (switch,) = polished.switching_times["tau.slider"]
 print(f"switching time {switch:.12f} s, exactly sqrt(10) = {np.sqrt(10):.12f} s")
 
-# Bryson and Denham's problem: a bound on a state is met, kept and left. Entry, arc and exit are phases of free
-# durations, so that knots come to stand where the costate of x jumps.
-top = 1 / 9
+# Bryson and Denham's problem: a bound on a state is met, kept and left, and the costate of x jumps there. Cut at these
+# junctions, the motion is three phases of free durations, whose ends come to stand on the jumps.
 mass = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
-common = {"objective": rt.Lagrange(lambda point: 0.5 * point.u["u"] ** 2), "states": {"x": rt.between(None, top)}}
-touching, free = rt.State([top, 0]), (0.05, 0.9)
-arcs = [
-    rt.Phase(mass, free, rt.State([0, 1]), touching, name="entry", **common),
-    rt.Phase(mass, free, None, touching, name="arc", **common),
-    rt.Phase(mass, free, None, rt.State([0, -1]), name="exit", **common),
-]
-one_second = rt.Linkage([0, 2], lambda first, last: last.end.t - first.start.t, 1.0, 1.0, name="one second", unit="s")
-problem = rt.Problem(arcs, [rt.Continuity(0, 1), rt.Continuity(1, 2), one_second])
-entry, arc, _ = rt.costates(rt.plan(problem, rt.Mesh(3, rt.RadauIIA(3)), solver=rt.Ipopt(1e-12))).phases
+effort = rt.Lagrange(lambda point: 0.5 * point.u["u"] ** 2)
+bounce = rt.Phase(mass, 1.0, rt.State([0, 1]), rt.State([0, -1]), effort, states={"x": rt.between(None, 1 / 9)})
+arcs, guess = rt.cut_at_junctions(rt.plan(bounce, tolerance=1e-6))
+entry, arc, _ = rt.costates(rt.plan(arcs, rt.Mesh(3, rt.RadauIIA(3)), guess, rt.Ipopt(1e-12))).phases
 print(f"the bound is met at {arc.solution.t0:.6f} s (exactly 1/3); the costates jump there")
 print(f"from {entry.final.round(4)} (exactly 18, 0) to {arc.initial.round(4)} (exactly 0, 0)\n")
 

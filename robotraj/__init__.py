@@ -33,7 +33,7 @@ from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
 from robotraj.guess import FromSolution, Keyframes, StraightLine
 from robotraj.guesses import InverseKinematics, MinimumJerk, Perturbed
-from robotraj.indirect import PolishFailed, conditions, costates, polish
+from robotraj.indirect import PolishFailed, conditions, costates, cut_at_junctions, polish
 from robotraj.kinematic import Kinematic
 from robotraj.links import (
     Continuity,
@@ -222,6 +222,7 @@ __all__ = [
     "catalogue",
     "conditions",
     "costates",
+    "cut_at_junctions",
     "load",
     "load_solution",
     "multistart",

@@ -3,6 +3,7 @@
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.conditions import conditions
 from robotraj.indirect.costates import Costates, CostateSample, PhaseCostates, costates
+from robotraj.indirect.junctions import cut_at_junctions
 from robotraj.indirect.polish import polish
 from robotraj.indirect.polished import Polished, PolishFailed
 from robotraj.indirect.report import Condition, ConditionsReport
@@ -19,5 +20,6 @@ __all__ = [
     "Side",
     "conditions",
     "costates",
+    "cut_at_junctions",
     "polish",
 ]

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from robotraj.indirect.densities import Density, split
+from robotraj.indirect.densities import Density, run_out, split
 from robotraj.indirect.duals import PhaseDuals
 from robotraj.indirect.stepped import stepped_duals
 from robotraj.polynomials import integrals, lobatto_sites
@@ -120,16 +120,20 @@ class _Phase:
         return weights
 
     def _bound_density(self, group: str, size: int) -> Density:
-        """Multipliers of the variables' bounds at the places; those at the ends of the phase are left out."""
+        """Multipliers of the variables' bounds at the places.
+
+        At an end of the phase those of states are mixed with what holds the end; their densities are carried there from
+        beside it, so that an arc may run up to the end.
+        """
         values = np.zeros((self.places, size))
         for interval in self.layout.intervals:
             values[interval.places] = self.bounds[getattr(interval, group)]
         if group == "states":
             owners = self.layout.intervals
             if owners[0].scheme.nodes[0] == 0.0:
-                values[owners[0].places[0]] = 0.0
+                values[0] = self.weights[0] * run_out(values[1:3] / self.weights[1:3, None])
             if owners[-1].scheme.nodes[-1] == 1.0:
-                values[owners[-1].places[-1]] = 0.0
+                values[-1] = self.weights[-1] * run_out(values[-2:-4:-1] / self.weights[-2:-4:-1, None])
         return split(values, self.weights)
 
     def _defects(self, nlp: Nlp, index: int, rows: Array) -> None:

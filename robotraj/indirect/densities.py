@@ -37,3 +37,16 @@ def split(multipliers: Array, weights: Array) -> Density:
     alone = np.abs(raw) > STANDS_OUT * np.maximum(np.abs(before), np.abs(after))
     density = np.where(alone, 0.5 * (before + after), raw)
     return Density(density, np.where(alone, multipliers - weights[:, None] * density, 0.0))
+
+
+def run_out(beside: Array) -> Array:
+    """Carry densities on by one place along a line through the two before it, (2, n), nearest first.
+
+    None where they are no arc: of different signs, or the nearer one stands out.
+    """
+    if len(beside) < 2:
+        return np.zeros(beside.shape[1])
+    near, far = beside
+    arc = (near * far > 0) & (np.abs(near) <= STANDS_OUT * np.abs(far))
+    ahead = 2 * near - far
+    return np.where(arc & (ahead * near > 0), ahead, 0.0)

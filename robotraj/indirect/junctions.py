@@ -1,0 +1,225 @@
+"""A motion cut where bounds on its states are met and left: each arc a phase of free duration.
+
+Where a bound on a state is met, the costate jumps, and controls bend or jump. Inside an interval neither can be
+represented; on the end of a phase both can, and free durations let the ends come to stand there. Where a bound S(x) of
+order q is met, its q - 1 first derivatives, which no control enters, vanish with it (tangency):
+
+    S(x) = 0,   dS/dt = 0,   ...,   d^(q-1) S/dt^(q-1) = 0   at the junctions.
+
+Source: Bryson, Denham and Dreyfus, Optimal programming problems with inequality constraints I, AIAA Journal 1 (1963).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.constraints import AtEnd, AtStart, PathConstraint, Row, Where
+from robotraj.errors import InputError
+from robotraj.guess import Guess, PhaseGuess
+from robotraj.links import Continuity, Linkage
+from robotraj.objectives import Duration, EndCost
+from robotraj.problem import Phase, Problem
+
+if TYPE_CHECKING:
+    from robotraj.dynamics import Variable
+    from robotraj.phase_solution import PhaseSolution
+    from robotraj.solution import Solution
+
+Array = NDArray[np.float64]
+
+NEAR = 1e-3
+"""Distance from a bound, relative to the range of the state over the motion, below which the state is at it."""
+SHORTEST = 0.02
+"""Share of the motion below which a stretch at a bound is a touch, no arc."""
+SAMPLES = 2001
+"""Times at which the motion is looked at."""
+LEAST, MOST = 0.2, 5.0
+"""How far the duration of an arc may shrink and grow from what was read off."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A state at a bound from ``start`` to ``end`` [s]; junctions are the ends that lie inside the motion."""
+
+    start: float
+    end: float
+    state: int
+    bound: float
+
+
+@dataclass(frozen=True)
+class Cut(Guess):
+    """Start every phase from its piece of an earlier solution of one phase.
+
+    Parameters
+    ----------
+    source : PhaseSolution
+    times : sequence of float
+        Ends of the pieces [s], one more than there are.
+    """
+
+    source: PhaseSolution
+    times: Sequence[float]
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Sample piece number ``index``."""
+        first, last = self.times[index], self.times[index + 1]
+
+        def sampled(variables: Sequence[Variable]) -> Any:
+            def curve(s: Array) -> Array:
+                times = first + np.asarray(s) * (last - first)
+                columns = self.source.columns(times, [v.name for v in variables])
+                return np.column_stack(columns) if columns else np.zeros((len(times), 0))
+
+            return curve
+
+        dae = phase.dae
+        states, algebraic, controls = (sampled(group) for group in (dae.states, dae.algebraic, dae.controls))
+        return PhaseGuess(last - first, states, algebraic, controls, self.source.parameters)
+
+
+def cut_at_junctions(solution: Solution) -> tuple[Problem, Guess]:
+    """Restate a motion as one phase per arc of its active state bounds, and the motion as its guess.
+
+    Bounds of states are those of ``states=`` and joint limits, on position and speed. Solve the problem on a few
+    intervals, and tightly, since the objective hardly moves with the durations of the arcs; by Radau IIA or Lobatto
+    IIIA, since Gauss-Legendre has no node at knots, where a bound's multiplier then makes a step of the costate::
+
+        problem, guess = rt.cut_at_junctions(rt.plan(phase, tolerance=1e-6))
+        rt.costates(rt.plan(problem, rt.Mesh(3, rt.RadauIIA(3)), guess, rt.Ipopt(1e-12)))
+
+    Parameters
+    ----------
+    solution : Solution
+        Of one phase, converged.
+
+    Returns
+    -------
+    Problem
+        Phases joined by ``Continuity``, of free durations that add up to one that the motion may have.
+    Guess
+
+    Raises
+    ------
+    InputError
+        Several phases, no arc on a bound of a state, or what cannot be shared out over phases: unknown parameters,
+        integral constraints, end costs other than ``Duration``.
+    """
+    if len(solution.phases) != 1:
+        raise InputError(f"cut_at_junctions takes a solution of one phase; this one has {len(solution.phases)}.")
+    part = solution.phases[0]
+    phase = solution.problem.phases[0]
+    _refuse_what_cannot_be_shared(phase)
+    stretches = _stretches(part)
+    inside = part.t0 + SHORTEST * part.duration, part.t0 + (1 - SHORTEST) * part.duration
+    junctions = [
+        (time, stretch)
+        for stretch in stretches
+        for time in (stretch.start, stretch.end)
+        if inside[0] < time < inside[1]
+    ]
+    if not junctions:
+        raise InputError(
+            f"No bound on a state of phase {phase.name!r} is met or left inside the motion along more than "
+            f"{SHORTEST:.0%} of it: there is nothing to cut."
+        )
+    junctions.sort(key=lambda pair: pair[0])
+    times = [part.t0, *(time for time, _ in junctions), part.t0 + part.duration]
+    phases = [_piece(phase, part, i, times, junctions) for i in range(len(times) - 1)]
+    last, (low, high) = len(phases) - 1, phase.duration_bounds
+    whole = Linkage([0, last], lambda a, b: b.end.t - a.start.t, low, high, name=f"duration of {phase.name}", unit="s")
+    return Problem(phases, [*(Continuity(i, i + 1) for i in range(last)), whole]), Cut(part, tuple(times))
+
+
+def _refuse_what_cannot_be_shared(phase: Phase) -> None:
+    what = None
+    if phase.parameter_names and not np.array_equal(*phase.parameter_bounds):
+        what = "parameters that are unknown"
+    if any(constraint.where is Where.INTEGRAL for constraint in phase.bound_constraints):
+        what = "an integral constraint"
+    terms = phase.objective.terms if phase.objective else ()
+    if any(isinstance(term, EndCost) and not isinstance(term, Duration) for _, term in terms):
+        what = "a cost of its end points"
+    if what:
+        raise InputError(
+            f"Phase {phase.name!r} has {what}, which cannot be shared out over arcs; write its phases out."
+        )
+
+
+def _stretches(part: PhaseSolution) -> list[Stretch]:
+    """Arcs on bounds of states, in the order of time."""
+    times = np.linspace(part.t0, part.t0 + part.duration, SAMPLES)
+    x = part.trajectory.x(times)
+    reach = NEAR * np.maximum(np.ptp(x, axis=0), 1e-9)
+    found = []
+    for i, bound, _ in _state_bounds(part.phase):
+        at = np.abs(x[:, i] - bound) < reach[i]
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]])))
+        for first, after in edges.reshape(-1, 2):
+            if after - first > SHORTEST * SAMPLES:
+                found.append(Stretch(float(times[first]), float(times[after - 1]), i, bound))
+    return sorted(found, key=lambda stretch: stretch.start)
+
+
+def _state_bounds(phase: Phase) -> list[tuple[int, float, Row]]:
+    """Index of the state, bound and row of every finite bound that holds throughout."""
+    names = [state.name for state in phase.dae.states]
+    return [
+        (names.index(row.variable), bound, row)
+        for constraint in phase.bound_constraints
+        for row in constraint.rows
+        if constraint.where is Where.THROUGHOUT and row.variable in names
+        for bound in (row.lower, row.upper)
+        if np.isfinite(bound)
+    ]
+
+
+def _piece(
+    phase: Phase, part: PhaseSolution, i: int, times: Sequence[float], junctions: Sequence[tuple[float, Stretch]]
+) -> Phase:
+    """Phase of arc i: the rows of the ends go with the first and the last, a junction is the end of the arc before."""
+    first, last = i == 0, i == len(times) - 2
+    kept = [
+        constraint
+        for constraint in phase.constraints
+        if (first or not isinstance(constraint, AtStart)) and (last or not isinstance(constraint, AtEnd))
+    ]
+    if not last:
+        kept += _junction(part.phase, junctions[i][1])
+    duration = times[i + 1] - times[i]
+    return replace(
+        phase,
+        duration=(LEAST * duration, MOST * duration),
+        start=phase.start if first else None,
+        end=phase.end if last else None,
+        constraints=kept,
+        name=f"{phase.name}, arc {i + 1}",
+    )
+
+
+def _junction(phase: Phase, stretch: Stretch) -> list[AtEnd]:
+    """Hold the bound and its derivatives that no control enters at the end."""
+    dae, names = phase.dae, phase.parameter_names
+    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(names))
+    t, x, z, u, p = [ca.SX.sym(n, size) for n, size in zip("txzup", sizes, strict=True)]
+    rates = dae.rates(dae.point(t, x, z, u, p, names))
+    value = x[stretch.state] - stretch.bound
+    rows: list[ca.SX] = []
+    while len(rows) < len(dae.states) and not ca.depends_on(value, ca.vertcat(z, u)):
+        rows.append(value)
+        value = ca.jacobian(value, x) @ rates + ca.jacobian(value, t)
+    function = ca.Function("junction", [t, x, p], [ca.vertcat(*rows)])
+    states = [state.name for state in dae.states]
+
+    def expression(point: Any) -> Any:
+        at = ca.vertcat(*(point.x[name] for name in states)), ca.vertcat(*(point.p[name] for name in names))
+        return function(point.t, *at)
+
+    label = dae.states[stretch.state].name
+    return [AtEnd(PathConstraint(expression, [0.0] * len(rows), [0.0] * len(rows), f"junction of {label}"))]
