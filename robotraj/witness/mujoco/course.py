@@ -13,10 +13,8 @@ import numpy as np
 from robotraj.design import realised
 from robotraj.errors import InputError
 from robotraj.unrolled import Return, closing_of
+from robotraj.witness.mujoco.roots import QUATERNION, Root
 from robotraj.witness.protocols import Array, SolutionLike
-
-QUATERNION = slice(3, 7)
-"""Where q of a free-flyer at the root holds the quaternion."""
 
 
 class Passage(NamedTuple):
@@ -80,7 +78,7 @@ class Course:
             raise InputError("The phases move different robots; second_opinion() follows one robot.")
         self.closing = closing_of(solution)
         self.periods = _count(periods, self.closing)
-        self.floating = self.robot.model.nq > self.robot.model.nv
+        self.root = Root(self.robot.model)
 
     @property
     def nu(self) -> int:
@@ -96,6 +94,20 @@ class Course:
     def durations(self) -> tuple[float, ...]:
         """Duration of each phase [s]."""
         return tuple(float(planned.knots[-1] - planned.knots[0]) for planned in self.phases)
+
+    def stands(self, phase: int) -> tuple[str, ...]:
+        """Contacts that a phase holds."""
+        return tuple(contact.name for contact in getattr(self.phases[phase].phase, "bound_contacts", ()))
+
+    def lands(self, phase: int) -> tuple[str, ...]:
+        """Contacts that come down as a phase begins; none as a plan begins that does not repeat itself."""
+        if phase > 0:
+            before = self.stands(phase - 1)
+        elif self.closing is None:
+            return ()
+        else:
+            before = tuple(self.closing.partners.get(name, name) for name in self.stands(len(self.phases) - 1))
+        return tuple(name for name in self.stands(phase) if name not in before)
 
     @property
     def passages(self) -> Iterator[Passage]:
@@ -166,7 +178,7 @@ class Course:
 
     def _unit(self, q: Array) -> Array:
         q = np.array(q, dtype=float)
-        if self.floating:
+        if self.root.floating:
             q[..., QUATERNION] /= np.linalg.norm(q[..., QUATERNION], axis=-1, keepdims=True)
         return q
 

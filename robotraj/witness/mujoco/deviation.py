@@ -9,8 +9,7 @@ import pinocchio as pin
 
 from robotraj.terrain import Ground
 from robotraj.witness.drift import Drift, DriftRow
-from robotraj.witness.mujoco.coordinates import rotation
-from robotraj.witness.mujoco.course import QUATERNION
+from robotraj.witness.mujoco.roots import Root
 from robotraj.witness.plant import RATE_UNITS, VELOCITY_SCALE
 from robotraj.witness.protocols import Array
 
@@ -56,11 +55,8 @@ def deviation_of(
         Whether the last sample is the end of the plan; if not, what is final is infinite.
     """
     names, units = labels(robot)
-    gaps = gaps.copy()
-    if q.shape[1] > planned.shape[1]:
-        # The shift of a floating root is known in its own axes; people think in the world's.
-        for gap, position in zip(gaps, q, strict=True):
-            gap[:3] = rotation(position[QUATERNION]) @ gap[:3]
+    root = Root(robot.model)
+    gaps = np.array([root.upright(position, gap) for position, gap in zip(q, gaps, strict=True)])
     sizes = np.nan_to_num(np.abs(gaps), nan=np.inf)
     speeds = np.abs(planned).max(axis=0, initial=0.0)
     scales = np.concatenate([np.ones(len(speeds)), VELOCITY_SCALE * np.maximum(1.0, speeds)])
@@ -87,16 +83,13 @@ class Fall:
 
     def __init__(self, robot: Any, ground: Ground) -> None:
         self._model, self._data, self._ground = robot.model, robot.model.createData(), ground
-        names = list(robot.model.names)[1:4]
-        flying = robot.model.nq > robot.model.nv
-        planar = names == ["root_x", "root_z", "root_pitch"]
-        self._turns = slice(3, 6) if flying else slice(2, 3) if planar else None
+        self._root = Root(robot.model)
 
     def has(self, planned: Array, q: Array, gap: Array) -> bool:
         """Whether the robot at q (nq,) lies, where it should be at ``planned``."""
-        if self._turns is None:
+        if not self._root.moves:
             return False
-        return float(np.linalg.norm(gap[self._turns])) > LEANING or self._height(q) < LOW * self._height(planned)
+        return float(np.linalg.norm(gap[self._root.turns])) > LEANING or self._height(q) < LOW * self._height(planned)
 
     def _height(self, q: Array) -> float:
         x, y, z = pin.centerOfMass(self._model, self._data, q)

@@ -14,6 +14,7 @@ import numpy as np
 from robotraj.errors import InputError
 from robotraj.witness.constrained import mass_and_bias
 from robotraj.witness.mujoco.course import Course
+from robotraj.witness.mujoco.feet import feet_of
 from robotraj.witness.mujoco.linear import LinearPhase
 from robotraj.witness.protocols import Array
 
@@ -157,10 +158,7 @@ class _Linear:
         middles = _middles(course, phase)
         duration = course.durations[phase] / len(middles)
         pieces = [linear.step(q, v, tau, duration) for q, v, tau in zip(*course.reference(phase, middles), strict=True)]
-        entry = linear.touchdown(course.reference(phase, np.zeros(1)).q[0])
-        if phase == 0 and course.closing is not None:
-            # The end of the plan, seen from its start.
-            entry = entry @ np.kron(np.eye(2), course.closing.velocities)
+        entry = _entry(course, phase, linear)
         nu, states = course.nu, 2 * course.robot.model.nv
         return cls(entry, pieces, duration, np.zeros((len(pieces), nu, states)))
 
@@ -174,6 +172,20 @@ class _Linear:
             spent = self.duration * (weight + gains[i].T @ price @ gains[i])
             value = closed.T @ value @ closed + spent
         return value, gains
+
+
+def _entry(course: Course, phase: int, linear: LinearPhase) -> Array:
+    """Matrix (2 nv, 2 nv) from a deviation at the end of the phase before to one at the start of a phase."""
+    planned = course.phases[phase - 1]
+    end = planned.at(float(planned.knots[-1]))
+    rate = np.concatenate([end.v, end.a])
+    seen: Array = np.eye(len(rate))
+    if phase == 0 and course.closing is not None:
+        # The end of the plan, seen from its start.
+        seen = np.kron(np.eye(2), course.closing.velocities)
+    lands = course.lands(phase)
+    feet = [foot for foot in feet_of(course) if foot.name in lands]
+    return linear.touchdown(course.reference(phase, np.zeros(1)).q[0], seen @ rate, feet, course.root) @ seen
 
 
 def _all(course: Course) -> range:

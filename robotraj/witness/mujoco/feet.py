@@ -50,7 +50,7 @@ class Softness:
     ----------
     time : float
         Time constant of the critically damped contact [s], MuJoCo's ``solref``; its own default is 0.02. Smaller is
-        harder; below two simulation steps MuJoCo takes two steps.
+        harder: below two simulation steps MuJoCo takes two steps.
     radius : float
         r [m].
 
@@ -60,7 +60,7 @@ class Softness:
         A value is not positive.
     """
 
-    time: float = 0.01
+    time: float = 0.005
     radius: float = 0.005
 
     def __post_init__(self) -> None:

@@ -37,6 +37,7 @@ class Footfalls:
         count = len(feet)
         self._impulse, self._slid = np.zeros((count, 3)), np.zeros((count, 3))
         self._slip, self._sink, self._loaded = np.zeros(count), np.zeros(count), np.zeros(count)
+        self._now = np.zeros(count)
         self._stances, self._off, self._time = np.zeros(count, dtype=int), np.full(count, np.inf), 0.0
 
     def watch(self, data: Any, duration: float) -> None:
@@ -54,6 +55,7 @@ class Footfalls:
             force[foot] += axes.T @ parts[:3]
             normal[foot] += parts[0]
             motion[foot] += parts[0] * self._sliding(data, contact, axes)
+        self._now = normal
         for i in range(count):
             if normal[i] <= self._least:
                 self._off[i] += duration
@@ -68,11 +70,17 @@ class Footfalls:
             self._slid[i] += motion[i] / normal[i] * duration
             self._slip[i] = max(self._slip[i], float(np.linalg.norm(self._slid[i])))
 
+    def carry(self, names: Sequence[str]) -> bool:
+        """Whether any of these feet carries load."""
+        return any(self._now[i] > self._least for i, foot in enumerate(self._feet) if foot.name in names)
+
     def _sliding(self, data: Any, contact: Any, axes: Array) -> Array:
         """Velocity (3,) of the foot's surface along the ground [m/s]; rolling is none."""
         geom, twist = int(contact.geom[1]), np.zeros(6)
         self._mujoco.mj_objectVelocity(self._model, data, self._mujoco.mjtObj.mjOBJ_GEOM, geom, twist, 0)
-        velocity = twist[3:] + np.cross(twist[:3], contact.pos - data.geom_xpos[geom])
+        wx, wy, wz = twist[:3]
+        x, y, z = contact.pos - data.geom_xpos[geom]
+        velocity = twist[3:] + [wy * z - wz * y, wz * x - wx * z, wx * y - wy * x]
         return np.asarray(velocity - axes[0] * (axes[0] @ velocity))
 
     def reports(self, planned: Mapping[str, Array]) -> tuple[FootReport, ...]:

@@ -8,6 +8,7 @@ Source: Baumgarte, Stabilization of constraints and integrals of motion, Comp. M
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,11 +17,16 @@ import pinocchio as pin
 import scipy
 
 from robotraj.witness.constrained import Held, accelerate, impact
+from robotraj.witness.mujoco.feet import Foot, place
+from robotraj.witness.mujoco.roots import Root
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.protocols import Array
 
 STEP = 1e-6
 """Finite difference of positions [rad, m] and velocities [rad/s, m/s]."""
+
+SLOWEST = 0.05
+"""A foot that comes down more slowly [m/s] does so at the planned time: its moment says nothing."""
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
@@ -75,15 +81,48 @@ class LinearPhase:
         grown = scipy.linalg.expm(block * duration)
         return grown[:size, :size], grown[:size, size:]
 
-    def touchdown(self, q: Array) -> Array:
-        """Matrix (2 nv, 2 nv) that brings a deviation onto the contacts of the phase as it begins."""
+    def touchdown(self, q: Array, rate: Array, feet: Sequence[Foot], root: Root) -> Array:
+        """Matrix (2 nv, 2 nv) that takes a deviation through the impact as the phase begins.
+
+        The impact comes when the feet reach the ground, not at its planned time; afterwards the plan is followed from
+        where they stand. So what is left of a deviation is what it is at that moment, impact and shift included.
+        Source: Saccon, van de Wouw and Nijmeijer, Sensitivity analysis of hybrid systems with state jumps, CDC 2014.
+
+        Parameters
+        ----------
+        q : ndarray (nq,)
+            Planned position at the impact.
+        rate : ndarray (2 nv,)
+            Planned rate of (q, v) just before it.
+        feet : sequence of Foot
+            Those that come down.
+        root : Root
+        """
         nv = self.robot.model.nv
         landed = np.eye(2 * nv)
         held = self._held(self._rows(q), q, np.zeros(nv))
         if held is not None:
             for i, unit in enumerate(np.eye(nv)):
                 landed[nv:, nv + i] = impact(self.robot.model, self._data, q, unit, held)[0]
-        return landed
+        if not feet:
+            return landed
+        model, data = self.robot.model, self._data
+        pin.computeJointJacobians(model, data, q)
+        pin.updateFramePlacements(model, data)
+        moves, upward = np.zeros((3, nv)), np.zeros(nv)
+        for foot in feet:
+            motion = pin.getFrameJacobian(model, data, foot.frame, WORLD)
+            arm = data.oMf[foot.frame].rotation @ foot.pose.translation
+            jacobian = motion[:3] - pin.skew(arm) @ motion[3:]
+            x, y, _ = place(foot, data.oMf)
+            moves += jacobian / len(feet)
+            upward += np.array(foot.ground.normal(float(x), float(y))) @ jacobian / len(feet)
+        height = np.concatenate([upward, np.zeros(nv)])
+        if (speed := height @ rate) < -SLOWEST:
+            landed = landed @ (np.eye(2 * nv) - np.outer(rate, height) / speed)
+        shift = np.eye(2 * nv)
+        shift[:nv, :nv] -= root.along(q) @ moves[:2]
+        return np.asarray(shift @ landed)
 
     def _rows(self, q: Array) -> list[tuple[int, str, Array]]:
         """Frames and matrices (m, 6): what each contact holds of their motion, constant for small deviations."""

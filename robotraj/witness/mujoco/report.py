@@ -65,7 +65,9 @@ class SecondOpinion:
         Why and when the simulation stopped early; None if it did not.
     periods : int
     duration : float
-        Of all periods [s].
+        Of all periods, as planned [s].
+    lag : float
+        How much longer they took, because feet came down when they did [s].
     step : float
         Longest step of MuJoCo [s].
     feedback : str
@@ -83,6 +85,7 @@ class SecondOpinion:
     failure: str | None
     periods: int
     duration: float
+    lag: float
     step: float
     feedback: str
     simulator: str

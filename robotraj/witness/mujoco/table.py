@@ -23,6 +23,10 @@ def render(report: SecondOpinion) -> str:
     console.print(f"MuJoCo follows the plan {times}, {report.duration:.6g} s: {_verdict(report)}")
     for line in (report.feedback, f"{report.simulator}, steps of {report.step:.2g} s"):
         console.print(textwrap.fill(line, WIDTH, initial_indent="  ", subsequent_indent="    "))
+    if report.lag:
+        console.print(
+            f"  touchdowns set the clock: {abs(report.lag):.2g} s {'later' if report.lag > 0 else 'sooner'} in all"
+        )
     rows, left_out = worst_of(report.deviation.rows, lambda row: row.relative)
     console.print(f"  deviation: |simulated - planned|{left_out}")
     table = columns_of("state", "final", "largest", "at t [s]", "unit")

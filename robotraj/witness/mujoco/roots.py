@@ -1,0 +1,60 @@
+"""The root of a robot: whether it moves, how it is shifted over the ground, which of its velocities turn it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj.witness.mujoco.coordinates import rotation
+from robotraj.witness.protocols import Array
+
+QUATERNION = slice(3, 7)
+"""Where q of a floating root holds the quaternion."""
+
+PLANAR = ["root_x", "root_z", "root_pitch"]
+
+
+class Root:
+    """A root that is fixed, planar (x, z and pitch first) or floating.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+
+    Attributes
+    ----------
+    floating, moves : bool
+    turns : slice
+        The velocities that turn it; none of a fixed one.
+    """
+
+    def __init__(self, model: pin.Model) -> None:
+        self._nv = int(model.nv)
+        self.floating = bool(model.nq > model.nv)
+        self.moves = self.floating or list(model.names)[1:4] == PLANAR
+        self.turns = slice(3, 6) if self.floating else slice(2, 3) if self.moves else slice(0, 0)
+
+    def moved(self, q: Array, shift: Array) -> Array:
+        """Positions (..., nq) of the robot elsewhere, by (2,) along world x and y [m]; a planar one along x alone."""
+        there = np.array(q)
+        if self.moves:
+            there[..., : 2 if self.floating else 1] += shift[: 2 if self.floating else 1]
+        return there
+
+    def along(self, q: Array) -> Array:
+        """Velocities (nv, 2) that move the robot along world x and y."""
+        found = np.zeros((self._nv, 2))
+        if self.floating:
+            found[:3] = rotation(q[QUATERNION]).T[:, :2]
+        elif self.moves:
+            found[0, 0] = 1.0
+        return found
+
+    def upright(self, q: Array, gap: Any) -> Array:
+        """Deviation (2 nv,) from q with the shift of a floating root along world axes instead of its own."""
+        shown = np.array(gap)
+        if self.floating:
+            shown[:3] = rotation(q[QUATERNION]) @ shown[:3]
+        return shown

@@ -1,0 +1,218 @@
+"""One simulation: MuJoCo steps along the plan, under planned torques and feedback, and what it sees on the way.
+
+A foot lands when it lands, so the clock of the plan goes by the feet: a phase that begins with a touchdown begins when
+one of its new feet carries load, and until then the one before runs on, its last velocities and torques held. From
+there the plan is followed as seen from where these feet stand. This is how walking machines are controlled, and why
+their steps may be a little longer or later than planned.
+Source: Westervelt et al., Feedback Control of Dynamic Bipedal Robot Locomotion (2007), section 3.4 (hybrid systems).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj.witness.mujoco.course import Course, Passage
+from robotraj.witness.mujoco.deviation import Fall, deviation_of
+from robotraj.witness.mujoco.feedback import Feedback
+from robotraj.witness.mujoco.feet import Foot, place
+from robotraj.witness.mujoco.footfalls import Footfalls
+from robotraj.witness.mujoco.model import MujocoRobot
+from robotraj.witness.mujoco.package import load_mujoco
+from robotraj.witness.mujoco.report import SecondOpinion
+from robotraj.witness.peak import peaks
+from robotraj.witness.protocols import Array
+from robotraj.witness.residual import TORQUE_UNITS
+from robotraj.witness.simulation import Simulation
+
+DIVERGED = 1e6
+"""A velocity [rad/s, m/s] that no robot reaches: the simulation has blown up."""
+
+GLANCE = 0.005
+"""Every so often [s] the robot is looked at, whether it has fallen."""
+
+IMPEDANCE_RATIO = 10.0
+"""How much harder friction is than the normal direction: soft contacts creep, this makes it a tenth."""
+
+EARLY, LATE = 0.6, 1.3
+"""Shares of a phase's duration: before the first a touchdown is a stumble, after the second the foot is not coming."""
+
+
+class Run:
+    """The state of a simulation, and what it has seen.
+
+    Parameters
+    ----------
+    course : Course
+    robot : MujocoRobot
+    feedback : Feedback
+    feet : sequence of Foot
+    fall : Fall
+    """
+
+    def __init__(
+        self, course: Course, robot: MujocoRobot, feedback: Feedback, feet: Sequence[Foot], fall: Fall
+    ) -> None:
+        self._mujoco = mujoco = load_mujoco()
+        self._course, self._robot, self._feedback, self._fall = course, robot, feedback, fall
+        self._feet, self._footfalls = {foot.name: foot for foot in feet}, Footfalls(robot.model, feet)
+        self._model, self._pin, self._kinematics = robot.model, course.robot.model, course.robot.model.createData()
+        option = self._model.opt
+        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST if feet else mujoco.mjtIntegrator.mjINT_RK4
+        option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, IMPEDANCE_RATIO
+        # A blown-up simulation is told, not started again.
+        option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+        self._how = "implicit Euler, soft contacts" if feet else "RK4"
+        self._data = mujoco.MjData(self._model)
+        self._gains = feedback.gains(course)
+        self._actuation = np.asarray(course.robot.actuation, dtype=float)
+        limits = course.phases[0].phase.limits
+        effort = np.full(course.nu, np.inf) if limits is None else self._actuation.T @ _finite(limits.effort)
+        self._effort = np.where(effort > 0, effort, np.inf)
+        self._rows: list[tuple[Array, ...]] = []
+        self._names: list[str] = []
+        self._planned: dict[str, Array] = {}
+        self._shift = np.zeros(2)
+        self._time, self._longest, self._lag = 0.0, 0.0, 0.0
+        self._failure: str | None = None
+        self._fell: float | None = None
+
+    def place(self, offset: Array) -> None:
+        """Start on the plan, or beside it by (2 nv,) or one number."""
+        nv = self._pin.nv
+        start = self._course.reference(0, np.zeros(1))
+        away = np.broadcast_to(offset, 2 * nv)
+        q = pin.integrate(self._pin, start.q[0], np.array(away[:nv]))
+        self._data.qpos[:] = self._robot.coordinates.qpos(q)
+        self._data.qvel[:] = self._robot.coordinates.qvel(q, start.v[0] + away[nv:])
+
+    def through(self, passage: Passage, step: float) -> bool:
+        """Pass through a phase; False if the robot fell or the simulation blew up."""
+        course, name = self._course, self._course.phases[passage.phase].phase.name
+        times, coming = course.grid(passage.phase, step), self._coming(passage)
+        duration = float(times[-1])
+        planned = len(times) - 1
+        if coming:
+            times = np.append(times, np.arange(duration, LATE * duration, step)[1:])
+        sizes = np.diff(times)
+        self._longest = max(self._longest, float(sizes.max()))
+        q, v = self._extended(passage, times, duration)
+        # The torque is held over a step: the planned one of its middle leaves an error of second order.
+        middles = times[:-1] + 0.5 * sizes
+        tau = course.torques_onwards(course.reference(passage.phase, middles).tau, passage.period)
+        gains = course.gains_onwards(self._gains[passage.phase], passage.period)
+        pieces = np.minimum(middles / duration * len(gains), len(gains) - 1).astype(int)
+        self._expect(passage, middles[:planned], sizes[:planned])
+        self._anchor(passage, q[0])
+        followed, glance = course.root.moved(q, self._shift), max(1, int(GLANCE / step))
+        last = 0
+        for k, size in enumerate(sizes):
+            last = k + 1
+            here, gap = self._look(followed[k], v[k])
+            added = -gains[pieces[k]] @ gap
+            torque = np.clip(tau[k] + added, -self._effort, self._effort)
+            self._keep(name, q[k], v[k], here, added, np.abs(torque) >= self._effort)
+            if k % glance == 0 and self._fall.has(q[k], here[: self._pin.nq], gap):
+                self._fell = self._time
+                return False
+            self._data.qfrc_applied[:] = self._robot.coordinates.force(here[: self._pin.nq], self._actuation @ torque)
+            self._model.opt.timestep = size
+            self._mujoco.mj_step(self._model, self._data)
+            self._footfalls.watch(self._data, float(size))
+            self._time += float(size)
+            if not np.max(np.abs(self._data.qvel)) < DIVERGED:
+                self._failure = f"MuJoCo's velocities blew up at t = {self._time:.4g} s, in phase {name!r}"
+                return False
+            if times[last] > EARLY * duration and self._footfalls.carry(coming):
+                break
+        self._lag += float(times[last]) - duration
+        if passage.period == course.periods - 1 and passage.phase == len(course.phases) - 1:
+            here, _ = self._look(q[last], v[last])
+            none = np.zeros(course.nu)
+            self._keep(name, q[last], v[last], here, none, none > 0)
+        return True
+
+    def _coming(self, passage: Passage) -> tuple[str, ...]:
+        """Feet whose touchdown ends a passage."""
+        following = passage.phase + 1
+        over, phase = divmod(following, len(self._course.phases))
+        if over and self._course.closing is None:
+            return ()
+        return tuple(self._course.foot_onwards(name, passage.period + over)[0] for name in self._course.lands(phase))
+
+    def _extended(self, passage: Passage, times: Array, duration: float) -> tuple[Array, Array]:
+        """Planned positions and velocities; beyond the end of the phase the last velocity goes on."""
+        sample = self._course.reference(passage.phase, times)
+        q, v = self._course.onwards(sample.q, sample.v, passage.period)
+        for k in np.flatnonzero(times > duration):
+            q[k] = pin.integrate(self._pin, q[k], v[k] * (times[k] - duration))
+        return q, v
+
+    def _anchor(self, passage: Passage, planned: Array) -> None:
+        """See the plan from where the feet stand that have come down, not from where they should."""
+        landed = self._course.lands(passage.phase)
+        if not landed or (passage.phase, passage.period) == (0, 0):
+            return
+        here = self._robot.coordinates.q(self._data.qpos)
+        feet = [self._feet[self._course.foot_onwards(name, passage.period)[0]] for name in landed]
+        places = []
+        for q in (here, planned):
+            pin.framesForwardKinematics(self._pin, self._kinematics, q)
+            places.append(np.mean([place(foot, self._kinematics.oMf) for foot in feet], axis=0))
+        self._shift = (places[0] - places[1])[:2]
+
+    def _look(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """State (q, v) of the robot, and its deviation (2 nv,) from a planned one."""
+        position = self._robot.coordinates.q(self._data.qpos)
+        velocity = self._robot.coordinates.v(position, self._data.qvel)
+        gap = np.concatenate([pin.difference(self._pin, q, position), velocity - v])
+        return np.concatenate([position, velocity]), gap
+
+    def _keep(self, name: str, q: Array, v: Array, here: Array, added: Array, full: Any) -> None:
+        """Note down an instant: the plan, the robot, and what the motors do about it."""
+        away = np.concatenate([pin.difference(self._pin, q, here[: self._pin.nq]), here[self._pin.nq :] - v])
+        self._names.append(name)
+        self._rows.append((np.array([self._time]), q, v, here, away, added, full))
+
+    def _expect(self, passage: Passage, times: Array, sizes: Array) -> None:
+        """Add up the planned contact forces, over which time they act."""
+        planned = self._course.phases[passage.phase]
+        forces = planned.at(self._course.starts[passage.phase] + times).forces
+        for name in forces:
+            foot, sign = self._course.foot_onwards(name, passage.period)
+            impulse = sign * (sizes @ np.asarray(forces[name], dtype=float)[:, :3])
+            self._planned[foot] = self._planned.get(foot, np.zeros(3)) + impulse
+
+    def report(self) -> SecondOpinion:
+        """Sum up."""
+        course, robot = self._course, self._course.robot
+        times, q, v, states, gaps, added, full = (np.array(column) for column in zip(*self._rows, strict=True))
+        times = times[:, 0]
+        ended = self._failure is None and self._fell is None
+        unit = dict(zip(robot.velocity_names, robot.units, strict=True))
+        units = [TORQUE_UNITS[unit[joint]] for joint in robot.actuated]
+        total = sum(course.durations) * course.periods
+        expected = {name: impulse / total for name, impulse in self._planned.items()} if ended else {}
+        nq = self._pin.nq
+        return SecondOpinion(
+            Simulation(times, states[:, :nq], states[:, nq:], self._failure, self._time),
+            deviation_of(robot, times, gaps, v, q, self._names, ended),
+            self._footfalls.reports(expected),
+            peaks(robot.actuated, units, times, added, "all"),
+            float(full.mean(axis=0).max(initial=0.0)),
+            self._fell,
+            self._failure,
+            course.periods,
+            total,
+            self._lag,
+            self._longest,
+            str(self._feedback),
+            f"MuJoCo {self._mujoco.__version__}, {self._how}",
+        )
+
+
+def _finite(values: Any) -> Array:
+    return np.nan_to_num(np.asarray(values, dtype=float), posinf=0.0)
