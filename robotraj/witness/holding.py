@@ -14,11 +14,11 @@ from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import stretches
-from robotraj.witness.stance import Instant, Stance
+from robotraj.witness.stance import Instant, Stance, forces_in
 from robotraj.witness.violations import Violation, Watch
 
-NEWTONS = {"N": 1, "N m": 1, "N^2": 2, "N s": 1, "N m s": 1, "N^2 s^2": 2}
-"""Power of the force in the unit of a row, by which it is measured against the robot's weight."""
+NEWTONS = {"N": 1, "N m": 1, "N^2": 2, "N s": 1, "N m s": 1, "N^2 s^2": 2, "m": 0, "m/s": 0, "W": 1}
+"""Power of the force in the unit of a row, by which it is measured against the robot's weight; rest in SI units."""
 
 FORCE_NOISE = 1e-6
 """Rows of forces broken by less, as parts of the weight, are a solver's tolerance and are not listed."""
@@ -80,23 +80,23 @@ def holding_of(planned: PhaseSolutionLike, samples: int) -> tuple[Holding, ...]:
     watched = [_Watched(contact, stance, i) for i, contact in enumerate(phase.bound_contacts)]
     actuation = np.asarray(stance.robot.actuation, dtype=float)
     data = stance.robot.model.createData()
-    times: list[float] = []
     for stretch in stretches(planned, samples):
         sample = planned.at(stretch.times, interval=stretch.interval)
         for i, t in enumerate(stretch.times):
             q, v = sample.q[i], sample.v[i]
             held = stance.rows(q, v)
             gaps = stance.by_contact(held.gap)
-            forces = {c.name: np.array([sample.z[f.name][i] for f in c.forces]) for c in phase.bound_contacts}
+            forces = forces_in(sample, phase.bound_contacts, i)
             applied = actuation @ sample.tau[i] - stance.robot.dissipation(v)
             own = stance.forces(q, v, applied, held)
             solved = None if own is None else stance.by_contact(own)
             instant = Instant(stance.robot, data, q, v)
             for watch in watched:
                 name = watch.contact.name
-                watch.see(instant, gaps[name], forces[name], None if solved is None else solved[name])
-            times.append(float(t))
-    return tuple(watch.result(phase.name, np.array(times)) for watch in watched)
+                # Forces of contacts that come and go act over an interval: they are what they are at its end.
+                if watch.contact.holds or i == len(stretch.times) - 1:
+                    watch.see(instant, float(t), gaps[name], forces[name], None if solved is None else solved[name])
+    return tuple(watch.result(phase.name) for watch in watched)
 
 
 class _Watched:
@@ -107,20 +107,23 @@ class _Watched:
         self._weight = weight_of(stance.robot)
         self._anchors = stance.anchors[index]
         self._rows = [Row(r.name, r.unit, r.lower, r.upper, r.joint) for r in contact.limit_rows]
+        self._times: list[float] = []
         self._gaps: list[tuple[float, float, float]] = []
         self._planned: list[Array] = []
         self._solved: list[Array] = []
         self._differences: list[float] = []
 
-    def see(self, instant: Instant, gap: Array, forces: Array, solved: Array | None) -> None:
+    def see(self, instant: Instant, t: float, gap: Array, forces: Array, solved: Array | None) -> None:
+        self._times.append(t)
         self._gaps.append(split(self.contact, self._anchors, instant, gap))
         what = f"limits of contact {self.contact.name!r}"
         self._planned.append(as_numbers(self.contact.limits(instant, list(forces), self._anchors), what))
-        if solved is not None:
+        if solved is not None and len(solved) == len(forces):
             self._solved.append(as_numbers(self.contact.limits(instant, list(solved), self._anchors), what))
             self._differences.append(float(np.max(np.abs(forces - solved), initial=0.0)))
 
-    def result(self, phase: str, times: Array) -> Holding:
+    def result(self, phase: str) -> Holding:
+        times = np.array(self._times)
         slip, sink, turn = (
             _peak(name, unit, times, np.array(values), phase)
             for (name, unit), values in zip(

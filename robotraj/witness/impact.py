@@ -84,8 +84,10 @@ def _check(solution: SolutionLike, index: int, link: Any) -> Impact:
     names = [f"impulse.{c.name}.{force.name.rsplit('.', 1)[-1]}" for c in contacts for force in c.forces]
     impulse = np.array([planned[name] for name in names])
     unique = np.linalg.matrix_rank(held.jacobian) == len(names)
+    ends = np.cumsum([len(contact.forces) for contact in contacts])[:-1]
+    parts = {c.name: part for c, part in zip(contacts, np.split(impulse, ends), strict=True)}
     own = stance.strike(q, v_before)[1]
-    momentum = mass @ (v_after - v_before) - held.jacobian.T @ impulse
+    momentum = mass @ (v_after - v_before) - stance.torques(q, parts)
     scale = max(float(np.linalg.norm(impulse)), LEAST_IMPULSE * weight_of(robot))
     where = f"{before.phase.name} to {after.phase.name}"
     rows = [row for contact in contacts for row in contact.holds]
@@ -97,7 +99,7 @@ def _check(solution: SolutionLike, index: int, link: Any) -> Impact:
         _largest(plant_of(after).names[nq:], ["N s"] * len(momentum), momentum, ending[-1], where),
         _largest([r.name for r in rows], [f"{r.unit}/s" for r in rows], held.jacobian @ v_after, ending[-1], where),
         0.5 * float(v_before @ mass @ v_before - v_after @ mass @ v_after),
-        _broken(stance, q, v_after, impulse, float(ending[-1]), where, scale),
+        _broken(stance, q, v_after, parts, float(ending[-1]), where, scale),
         scale,
     )
 
@@ -114,12 +116,11 @@ def _image(solution: SolutionLike, index: int, before: Any, ended: Array) -> Arr
 
 
 def _broken(
-    stance: Stance, q: Array, v: Array, impulse: Array, time: float, where: str, scale: float
+    stance: Stance, q: Array, v: Array, parts: Mapping[str, Array], time: float, where: str, scale: float
 ) -> tuple[Violation, ...]:
     """Rows of the contacts' limits that scale with the force, on impulses."""
     instant = Instant(stance.robot, stance.robot.model.createData(), q, v)
     found = []
-    parts = stance.by_contact(impulse)
     for contact, anchors in zip(stance.contacts, stance.anchors, strict=True):
         values = as_numbers(contact.limits(instant, list(parts[contact.name]), anchors), f"limits of {contact.name!r}")
         for row, value in zip(contact.limit_rows, values, strict=True):

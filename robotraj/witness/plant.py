@@ -15,7 +15,7 @@ from robotraj.witness.numbers import as_numbers
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike, SystemLike
 from robotraj.witness.simulation import Torque, robot_rates
-from robotraj.witness.stance import Stance
+from robotraj.witness.stance import Stance, forces_in
 
 RATE_UNITS = {"rad": "rad/s", "m": "m/s"}
 
@@ -153,8 +153,19 @@ class RobotPlant:
         return self.under(torque)
 
     def under(self, torque: Torque) -> Rates:
-        """Rates under any torque, by ABA, or by constrained dynamics where contacts hold."""
-        return robot_rates(realised(self._planned), torque, None if self._stance is None else self._stance.acceleration)
+        """Rates under any torque, by ABA, or by constrained dynamics where contacts hold.
+
+        The forces of contacts that hold no rows, but come and go, are the planned ones.
+        """
+        stance = self._stance
+        if stance is None:
+            return robot_rates(realised(self._planned), torque)
+        loose = [contact for contact in stance.contacts if not contact.holds]
+
+        def push(t: float, k: int, q: Array) -> Array:
+            return stance.torques(q, forces_in(self._planned.at(t, interval=k), loose))
+
+        return robot_rates(realised(self._planned), torque, stance.acceleration, push if loose else None)
 
     @property
     def settle(self) -> Settle | None:
@@ -182,6 +193,7 @@ class RobotPlant:
         landings = tuple(
             Landing(c.name, phase, time, float(np.linalg.norm(away[c.name][[row.unit == "m" for row in c.holds]])))
             for c in stance.contacts
+            if c.holds
         )
         return np.concatenate([x[:nq], after]), landings
 

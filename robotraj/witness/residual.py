@@ -17,7 +17,7 @@ from robotraj.witness.plant import RATE_UNITS, columns, plant_of
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import stretches, time_derivative
-from robotraj.witness.stance import Stance
+from robotraj.witness.stance import Stance, forces_in
 
 TORQUE_UNITS = {"rad": "N m", "m": "N"}
 
@@ -82,17 +82,15 @@ def _robot(planned: PhaseSolutionLike, samples: int) -> Peaks:
     actuation = np.asarray(robot.actuation, dtype=float)
     contacts = planned.phase.bound_contacts
     stance = Stance(robot, contacts, planned.parameters)
-    names = [force.name for contact in contacts for force in contact.forces]
     times: list[Array] = []
     torque: list[Array] = []
     rate: list[Array] = []
     for stretch in stretches(planned, samples):
         sample = planned.at(stretch.times, interval=stretch.interval)
         acceleration = time_derivative(sample.v, stretch)
-        forces = columns(sample.z, tuple(names), len(stretch.times)) if contacts else None
         for i, (q, v, a, tau) in enumerate(zip(sample.q, sample.v, acceleration, sample.tau, strict=True)):
             needed = pin.rnea(robot.model, data, q, v, a) + robot.dissipation(v) - actuation @ tau
-            torque.append(needed if forces is None else needed - stance.rows(q, v).jacobian.T @ forces[i])
+            torque.append(needed - stance.torques(q, forces_in(sample, contacts, i)) if contacts else needed)
         rate.append(velocities(robot.model, sample.q, time_derivative(sample.q, stretch)) - sample.v)
         times.append(stretch.times)
     t, name = np.concatenate(times), planned.phase.name

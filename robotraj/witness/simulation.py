@@ -22,6 +22,9 @@ Torque = Callable[[float, int, Array, Array], Any]
 Acceleration = Callable[[Array, Array, Array], Array]
 """``acceleration(q, v, applied)`` (nv,) under the torques applied to all joints."""
 
+Push = Callable[[float, int, Array], Array]
+"""``push(t, k, q)``: torques (nv,) on all joints besides those of the motors [N m, N]."""
+
 
 @dataclass(frozen=True)
 class Simulation:
@@ -53,11 +56,13 @@ class Simulation:
         return self.failure is None
 
 
-def robot_rates(robot: RobotLike, torque: Torque, acceleration: Acceleration | None = None) -> Rates:
+def robot_rates(
+    robot: RobotLike, torque: Torque, acceleration: Acceleration | None = None, push: Push | None = None
+) -> Rates:
     """Rates of (q, v): q' and a = ABA(q, v, B tau - d(v)), with d the joint damping and friction.
 
     q' is v; of a quaternion it is half its product with (omega, 0), omega in the body's axes. A robot whose contacts
-    hold brings its own ``acceleration`` in the place of ABA.
+    hold brings its own ``acceleration`` in the place of ABA, and one on which known forces act their torques, ``push``.
 
     Pinocchio's own algorithms ignore damping and friction, so they are subtracted from the torque.
     Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
@@ -75,6 +80,8 @@ def robot_rates(robot: RobotLike, torque: Torque, acceleration: Acceleration | N
     def rates(t: float, x: Array, k: int) -> Array:
         q, v = normalised(model, x[:nq]), x[nq:]
         applied = actuation @ np.asarray(torque(t, k, q, v), dtype=float) - robot.dissipation(v)
+        if push is not None:
+            applied = applied + push(t, k, q)
         return np.concatenate([rates_of(model, x[:nq], v), accelerate(q, v, applied)])
 
     return rates

@@ -63,6 +63,15 @@ class Instant:
         return np.array(pin.getFrameJacobian(self._robot.model, self._data, index, WORLD))
 
 
+def forces_in(sample: Any, contacts: Sequence[Any], index: int | None = None) -> dict[str, Array]:
+    """Read the planned forces of contacts from a sample, one of many times where an index is given."""
+    found = {}
+    for contact in contacts:
+        values = [np.asarray(sample.z[force.name], dtype=float) for force in contact.forces]
+        found[contact.name] = np.array([value if index is None else value[index] for value in values], dtype=float)
+    return found
+
+
 class Stance:
     """A robot whose contacts hold.
 
@@ -135,7 +144,17 @@ class Stance:
         nq = self.robot.model.nq
         return np.concatenate(project(self.robot.model, self._data, x[:nq], x[nq:], self.rows))
 
-    def by_contact(self, forces: Array) -> dict[str, Array]:
-        """Split forces (..., m) of all contacts by contact name."""
-        ends = np.cumsum([len(contact.forces) for contact in self.contacts])[:-1]
-        return {c.name: part for c, part in zip(self.contacts, np.split(forces, ends, axis=-1), strict=True)}
+    def torques(self, q: Array, forces: Mapping[str, Array]) -> Array:
+        """Torques J' f (nv,) on the joints by values of the contacts' forces, from the wrenches they say they are."""
+        instant = Instant(self.robot, self._data, q, np.zeros(self.robot.nv))
+        total = np.zeros(self.robot.nv)
+        for contact in self.contacts:
+            if contact.name in forces:
+                for frame, wrench in contact.wrench(instant, list(forces[contact.name])):
+                    total += instant.jacobian(frame).T @ as_numbers(wrench, f"contact {contact.name!r}")
+        return total
+
+    def by_contact(self, rows: Array) -> dict[str, Array]:
+        """Split values (..., m) of the held rows by contact name."""
+        ends = np.cumsum([len(contact.holds) for contact in self.contacts])[:-1]
+        return {c.name: part for c, part in zip(self.contacts, np.split(rows, ends, axis=-1), strict=True)}
