@@ -72,7 +72,7 @@ def _differences(holdings: tuple[Holding, ...]) -> list[str]:
         where = f"{holding.contact}, t = {peak.time:.4g} s"
         lines.append(f"  planned forces and those the equations give differ by {peak.value:.2e} N at most, {where}")
     if shared:
-        lines.append(f"  forces not unique, not solved for: {', '.join(shared)}")
+        lines.append(f"  forces that the equations leave open, as planned: {', '.join(shared)}")
     return lines
 
 

@@ -11,6 +11,7 @@ import pinocchio as pin
 from robotraj.design import realised
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import stretches
+from robotraj.witness.stance import Stance, forces_in
 
 QUADRATURE_POINTS = 16
 """Gauss-Legendre points of an interval: exact for power of degree 31 in time, far above any plan's."""
@@ -25,7 +26,7 @@ class Energy:
     work : float
         Work of the actuators, integral of (B tau)'v [J].
     dissipated : float
-        Energy lost to damping and friction, integral of d(v)'v [J].
+        Energy lost to damping and friction, integral of d(v)'v, and to contacts that slide, of -(J' f)'v [J].
     change : float
         Change of kinetic plus potential energy over the intervals [J].
     scale : float
@@ -61,6 +62,8 @@ def energy_of(planned: PhaseSolutionLike, samples: int = QUADRATURE_POINTS) -> E
     actuation = np.asarray(robot.actuation, dtype=float)
     nodes, weights = np.polynomial.legendre.leggauss(samples)
     data = robot.model.createData()
+    sliding = [contact for contact in planned.phase.bound_contacts if not contact.holds]
+    stance = Stance(robot, sliding, planned.parameters)
     work = dissipated = change = moved = 0.0
     worst, time = 0.0, float(planned.knots[0])
     kinetic: list[float] = []
@@ -69,6 +72,9 @@ def energy_of(planned: PhaseSolutionLike, samples: int = QUADRATURE_POINTS) -> E
         sample = planned.at(stretch.begin + half * (nodes + 1.0), interval=stretch.interval)
         power = np.einsum("mi,mi->m", sample.tau @ actuation.T, sample.v)
         loss = np.array([robot.dissipation(v) @ v for v in sample.v])
+        if sliding:
+            pushes = [stance.torques(q, forces_in(sample, sliding, i)) for i, q in enumerate(sample.q)]
+            loss -= np.einsum("mi,mi->m", np.array(pushes), sample.v)
         inside = zip(sample.q, sample.v, strict=True)
         kinetic += [pin.computeKineticEnergy(robot.model, data, q, v) for q, v in inside]
         ends = planned.at(stretch.times, interval=stretch.interval)

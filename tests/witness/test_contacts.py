@@ -307,3 +307,36 @@ def test_tracking_holds_contacts_too(landing):
     followed = track(solution(flight, standing, links=[link], impulses=[impulse]), kp=[], kd=[])
     assert followed.failure is None
     assert followed.error.largest("q.") < 1e-7
+
+
+def test_a_body_that_slides_on_a_contact_that_comes_and_goes_loses_its_energy_to_friction(make):
+    # mu m g brakes a mass on the ground: x = v0 t - mu g t^2 / 2.
+    model = pin.Model()
+    x = model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), "x")
+    z = model.addJoint(x, pin.JointModelPZ(), pin.SE3.Identity(), "z")
+    model.appendBodyToJoint(z, pin.Inertia(2.0, np.zeros(3), 1e-2 * np.eye(3)), pin.SE3.Identity())
+    model.addFrame(pin.Frame("body", z, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    mu, speed, brake = 0.4, 2.0, 0.4 * 9.81
+    contact = rt.ImplicitContact("body", friction=mu, relaxation=1e-6)
+    phase = rt.Phase(rt.load(model, actuated=[]), duration=0.3, contacts=[contact], limits=None, name="slide")
+    (bound,) = phase.bound_contacts
+    # Normal force, friction along +x and -x, slipping speed.
+    assert [tuple(direction) for direction in bound.directions] == [(1, 0, 0), (-1, 0, 0)]
+    sliding = make.plan(
+        phase, np.linspace(0, 0.3, 4), 6,
+        q=lambda t, k: [speed * t - 0.5 * brake * t**2, 0.0], v=lambda t, k: [speed - brake * t, 0.0],
+        a=lambda t, k: [-brake, 0.0], tau=lambda t, k: np.zeros(0),
+        z=lambda t, k: [2.0 * 9.81, 0.0, mu * 2.0 * 9.81, speed - brake * t],
+    )  # fmt: skip
+    report = validate(solution(sliding))
+    assert report.passed and report.landings == ()
+    assert report.drift.largest("q.") < 1e-9
+    assert max(peak.value for peak in report.residual.dynamics.values()) < 1e-9
+    assert report.energy.dissipated == pytest.approx(2.0 * 9.81 * mu * (speed * 0.3 - 0.5 * brake * 0.3**2), rel=1e-9)
+    assert abs(report.energy.imbalance) < 1e-9
+    faster = make.plan(
+        phase, np.linspace(0, 0.3, 4), 6, **{name: curve for name, curve in sliding.curves.items() if name != "z"},
+        z=lambda t, k: [2.0 * 9.81, 0.0, 1.2 * mu * 2.0 * 9.81, speed - brake * t],
+    )  # fmt: skip
+    (holding,) = validate(solution(faster)).holdings
+    assert "friction cone" in {violation.name for violation in holding.planned}
