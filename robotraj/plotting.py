@@ -36,6 +36,8 @@ CROWD = 250
 REACH = 0.75
 """A limit farther from the curves than this share of their span is told in words: curves stay legible."""
 QUANTITIES = ("position", "velocity", "acceleration", "effort", "state", "algebraic variable", "control")
+QUATERNION = ("position", "")
+"""The positions without a unit: the quaternion of a floating root."""
 QUIET = "0.45"
 DASHES = (0, (5, 3))
 
@@ -135,7 +137,8 @@ def _arrange(variables: Sequence[Variable], systems: bool) -> tuple[list[Panel |
     columns = min(most, 3)
     arranged: list[Panel | None] = []
     for quantity in quantities:
-        row = [panel for panel in panels if panel[0] == quantity]
+        # A floating root's quaternion comes after what has a unit, so that columns keep to one.
+        row = sorted((panel for panel in panels if panel[0] == quantity), key=lambda panel: not panel[1])
         arranged += [*row, *[None] * (-len(row) % columns)]
     return arranged, columns
 
@@ -279,7 +282,7 @@ def _legend(figure: Figure, variables: Sequence[Variable], colors: dict[str, Any
 
 def _heading(panel: Panel, shown: Sequence[Variable]) -> str:
     """Quantity and unit; with the variable's name where it is alone and has no legend."""
-    quantity, unit = panel
+    quantity, unit = panel if panel != QUATERNION else ("quaternion", "")
     named = f"{quantity} {shown[0].label}" if len(shown) == 1 else quantity
     return f"{named} [{unit.replace('^2', chr(0xB2))}]" if unit else named
 

@@ -112,6 +112,8 @@ def test_tables_name_positions_and_velocities(plan, tmp_path):
 def test_plots_and_replays_show_the_root(plan, tmp_path):
     robot = plan.phases[0].robot
     figure = plan.plot()
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert ("quaternion" in titles) == (robot.root == "floating")
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert set(robot.position_names) | set(robot.velocity_names) <= set(legend)
     rt.replay(plan, tmp_path / "thrown.html")
