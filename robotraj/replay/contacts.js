@@ -71,9 +71,14 @@ class ContactsView {
     // three.js has the apex of a cone on its +y; here it stands on the ground.
     cone.add(mantle, rim);
     cone.quaternion.setFromUnitVectors(new T.Vector3(0, -1, 0), new T.Vector3(...normal));
-    cone.position.set(...apex.map((x, i) => x + (normal[i] * height) / 2));
+    cone.userData.middle = normal.map((x) => (x * height) / 2);
+    this.place(cone, apex);
     this.group.add(cone);
     return cone;
+  }
+
+  place(cone, apex) {
+    cone.position.set(...apex.map((x, i) => x + cone.userData.middle[i]));
   }
 
   // The height asked for as a line, and a curtain from it down to the ground.
@@ -108,7 +113,12 @@ class ContactsView {
       curve.curtain.opacity = now ? 0.2 : 0.06;
     });
     if (!this.data) return;
-    this.cones.forEach((cone, k) => (cone.visible = t >= this.data.cones[k].start && t <= this.data.cones[k].end));
+    this.cones.forEach((cone, k) => {
+      const { start, end, foot, stays } = this.data.cones[k];
+      cone.visible = t >= start && t <= end;
+      // A contact that may slip takes its cone along.
+      if (cone.visible && !stays) this.place(cone, this.force(foot, t).at);
+    });
     this.arrows.forEach((arrow, foot) => {
       const found = this.force(foot, t);
       if (found) arrow.set(found.at, found.force.map((f) => f * this.scale));

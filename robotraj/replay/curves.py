@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.replay.contacts import footholds
+from robotraj.replay.footholds import footholds
 from robotraj.unrolled import Passage, Unrolled
 
 Array = NDArray[np.float64]

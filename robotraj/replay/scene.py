@@ -17,7 +17,8 @@ from trimesh import creation
 
 from robotraj.replay.clearance import clearance_scene
 from robotraj.replay.colors import rgb
-from robotraj.replay.contacts import contact_frames, contact_scene
+from robotraj.replay.contacts import contact_scene
+from robotraj.replay.footholds import contact_frames
 from robotraj.replay.ground import GroundView, ground_of
 from robotraj.replay.motion import Motion, keys, motion_of
 from robotraj.replay.shapes import tube

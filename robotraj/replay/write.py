@@ -14,8 +14,9 @@ from robotraj.design import realised
 from robotraj.errors import InputError
 from robotraj.loading.root import root_of
 from robotraj.replay.colors import css
-from robotraj.replay.contacts import contact_names, held
+from robotraj.replay.contacts import held
 from robotraj.replay.curves import curves
+from robotraj.replay.footholds import contact_names
 from robotraj.replay.page import Heading, page
 from robotraj.unrolled import Unrolled, unrolled
 

@@ -13,7 +13,8 @@ import pytest
 import robotraj as rt
 from robotraj.replay import replay
 from robotraj.replay.clearance import clearance_scene
-from robotraj.replay.contacts import Foothold, contact_frames, contact_scene, held, weight_of
+from robotraj.replay.contacts import contact_scene, held, weight_of
+from robotraj.replay.footholds import Foothold, contact_frames
 from robotraj.unrolled import unrolled
 
 
@@ -146,7 +147,7 @@ def test_a_flat_foot_is_pushed_at_its_centre_of_pressure():
     )
     course = unrolled(SimpleNamespace(phases=(planned,)))
     hold = Foothold("sole", course.phases[0], contact)
-    times, places, pushes = hold.track()
+    times, places, pushes = hold.track
     place, _ = contact.spot.placed(robot, q)
     np.testing.assert_allclose(places, np.tile(place + lever, (len(times), 1)), atol=1e-12)
     np.testing.assert_array_equal(pushes, np.tile(force, (len(times), 1)))
@@ -158,3 +159,35 @@ def tile(t, sample):
         forces={name: np.tile(rows[0], (len(t), 1)) for name, rows in sample.forces.items()},
         q=np.tile(sample.q[0], (len(t), 1)),
     )
+
+
+def test_a_contact_that_the_optimum_finds_is_held_while_it_pushes():
+    """A mass falls from 0.2 m and stays: its bar starts where it lands."""
+    model = pin.Model()
+    model.name = "mass"
+    x = model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), "x")
+    z = model.addJoint(x, pin.JointModelPZ(), pin.SE3.Identity(), "z")
+    model.appendBodyToJoint(z, pin.Inertia(2.0, np.zeros(3), 1e-2 * np.eye(3)), pin.SE3.Identity())
+    model.addFrame(pin.Frame("body", z, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    fall = np.sqrt(2 * 0.2 / 9.81)
+    phase = rt.Phase(
+        rt.load(model, actuated=[]),
+        duration=2 * fall,
+        contacts=[rt.ImplicitContact("body", friction=0.5, relaxation=1e-5)],
+        start=rt.State(q=[0.0, 0.2], v=0),
+        limits=None,
+    )
+    solution = rt.plan(
+        phase, mesh=rt.Mesh(50, rt.RadauIIA(1)), stages=rt.tightening(phase, [1.0, 0.1, 1e-2, 1e-3]), check=False
+    )
+    course = unrolled(solution)
+    (bar,) = held(course)
+    ((start, end),) = bar["spans"]
+    assert start == pytest.approx(fall, abs=4 * fall / 50)
+    assert end == pytest.approx(2 * fall)
+    scene = contact_scene(course, phase.robot, 0.5)
+    (cone,) = scene["cones"]
+    assert cone["stays"] is False
+    # The first push acts from one step before the ground is reached: implicit Euler.
+    np.testing.assert_allclose(cone["apex"], 0.0, atol=9.81 * fall * 2 * fall / 50)
+    assert np.tan(cone["angle"]) == pytest.approx(0.5)
