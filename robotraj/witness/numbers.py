@@ -20,6 +20,8 @@ def as_numbers(values: Any, what: str) -> Array:
     InputError
         The value is no number, or symbols are left in it; ``what`` names the expression.
     """
+    if isinstance(values, list) and all(isinstance(value, float) for value in values):
+        return np.array(values)
     try:
         return np.array(_flat(values), dtype=float)
     except (TypeError, ValueError, RuntimeError) as error:

@@ -14,8 +14,6 @@ from robotraj.witness.protocols import Array, RobotLike
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
-STILL = np.zeros(6)
-
 
 class Frame(NamedTuple):
     """Pose and motion of a frame, as the rows of a contact read them."""
@@ -31,36 +29,30 @@ class Instant:
 
     Attributes
     ----------
-    read : dict of str to int
-        The frames that rows have asked for, by name.
-    moving : tuple of str and ndarray (6,), or None
-        If given, this frame moves so and all others stand still: rows are linear in the motion of frames.
+    q, v : ndarray
+    by_joint : bool
+        Give velocities of frames as their Jacobians (6, nv): rows are linear in them, and so become rows of J.
     """
 
     def __init__(self, robot: RobotLike, data: Any, q: Array, v: Array) -> None:
         self._robot, self._data = robot, data
         self.q, self.v = q, v
-        self.read: dict[str, int] = {}
-        self.moving: tuple[str, Array] | None = None
+        self.by_joint = False
         pin.forwardKinematics(robot.model, data, q, v, np.zeros(robot.nv))
         pin.computeJointJacobians(robot.model, data, q)
         pin.updateFramePlacements(robot.model, data)
 
     def frame(self, name: str) -> Frame:
         """Pose and motion of a frame in world axes."""
-        index = self.read.setdefault(name, self._robot.frame(name))
-        model, data, moving = self._robot.model, self._data, self.moving
+        index, model, data = self._robot.frame(name), self._robot.model, self._data
         place = data.oMf[index]
-        if moving is not None:
-            return Frame(place.translation, place.rotation, moving[1] if moving[0] == name else STILL, STILL)
-        velocity = pin.getFrameVelocity(model, data, index, WORLD).vector
         acceleration = pin.getFrameClassicalAcceleration(model, data, index, WORLD).vector
+        velocity = self.jacobian(name) if self.by_joint else pin.getFrameVelocity(model, data, index, WORLD).vector
         return Frame(place.translation, place.rotation, velocity, acceleration)
 
     def jacobian(self, name: str) -> Array:
         """Jacobian (6, nv) of a frame, world axes."""
-        index = self.read.setdefault(name, self._robot.frame(name))
-        return np.array(pin.getFrameJacobian(self._robot.model, self._data, index, WORLD))
+        return np.array(pin.getFrameJacobian(self._robot.model, self._data, self._robot.frame(name), WORLD))
 
 
 def forces_in(sample: Any, contacts: Sequence[Any], index: int | None = None) -> dict[str, Array]:
@@ -104,26 +96,26 @@ class Stance:
     def rows(self, q: Array, v: Array) -> Held:
         """Evaluate all held rows."""
         instant = Instant(self.robot, self._data, q, v)
-        gaps, jacobians, biases = [], [], []
-        for contact, anchors in zip(self.contacts, self.anchors, strict=True):
-            what = f"contact {contact.name!r}"
-            gaps.append(as_numbers(contact.position(instant, anchors), what))
-            instant.read.clear()
-            biases.append(as_numbers(contact.acceleration(instant), what))
-            jacobian = np.zeros((len(gaps[-1]), self.robot.nv))
-            for name in tuple(instant.read):
-                columns = []
-                for unit in np.eye(6):
-                    instant.moving = name, unit
-                    columns.append(as_numbers(contact.velocity(instant), what))
-                jacobian += np.column_stack(columns) @ instant.jacobian(name)
-            instant.moving = None
-            jacobians.append(jacobian)
-        return Held(np.concatenate(gaps) - self._shift, np.concatenate(jacobians), np.concatenate(biases))
+        gaps = [
+            as_numbers(contact.position(instant, anchors), f"contact {contact.name!r}")
+            for contact, anchors in zip(self.contacts, self.anchors, strict=True)
+        ]
+        return Held(np.concatenate([*gaps, np.zeros(0)]) - self._shift, *self._rates(instant))
+
+    def _rates(self, instant: Instant) -> tuple[Array, Array]:
+        """Jacobian and bias of all held rows."""
+        biases = [as_numbers(c.acceleration(instant), f"contact {c.name!r}") for c in self.contacts]
+        instant.by_joint = True
+        rows = [np.broadcast_to(row, self.robot.nv) for c in self.contacts for row in c.velocity(instant)]
+        instant.by_joint = False
+        jacobian = np.array(rows, dtype=float).reshape(len(rows), self.robot.nv)
+        return jacobian, np.concatenate([*biases, np.zeros(0)])
 
     def acceleration(self, q: Array, v: Array, applied: Array) -> Array:
         """Acceleration (nv,) under torques on all joints while the contacts hold."""
-        return accelerate(self.robot.model, self._data, q, v, applied, self.rows(q, v))[0]
+        instant = Instant(self.robot, self._data, q, v)
+        held = Held(np.zeros_like(self._shift), *self._rates(instant))
+        return accelerate(self.robot.model, self._data, q, v, applied, held)[0]
 
     def forces(self, q: Array, v: Array, applied: Array, held: Held) -> Array | None:
         """Solve for the forces (m,) that hold the rows ``held`` at this state; None where they are not unique.

@@ -15,7 +15,7 @@ import robotraj as rt
 from robotraj.contacts import FlatFoot, PointContact
 from robotraj.errors import ValidationFailed
 from robotraj.links import Touchdown
-from robotraj.witness import track, validate
+from robotraj.witness import NumericPoint, track, validate
 from robotraj.witness.integration import integrate
 from robotraj.witness.simulation import robot_rates
 from robotraj.witness.stance import Stance
@@ -340,3 +340,32 @@ def test_a_body_that_slides_on_a_contact_that_comes_and_goes_loses_its_energy_to
     )  # fmt: skip
     (holding,) = validate(solution(faster)).holdings
     assert "friction cone" in {violation.name for violation in holding.planned}
+
+
+SOLE = "left_sole_link"
+
+
+@pytest.mark.parametrize(
+    "contact",
+    [
+        rt.PointContact(SOLE, offset=(0.1, 0.02, 0.0)),
+        rt.FlatFoot(SOLE, length=0.2, width=0.1),
+        rt.LineContact(SOLE, width=0.1),
+        rt.LoopClosure(SOLE, "right_sole_link", rigid=True),
+    ],
+    ids=lambda contact: type(contact).__name__,
+)
+def test_rows_of_every_contact_are_linear_forms_of_the_velocities(contact):
+    robot = rt.load("talos_legs", root="floating")
+    bound = contact.bind(robot)
+    held = Stance(robot, [bound], {anchor.name: 0.1 for anchor in bound.anchors})
+    rng = np.random.default_rng(5)
+    q = pin.integrate(robot.model, np.array(robot.neutral), rng.uniform(-0.3, 0.3, robot.nv))
+    v, force = rng.normal(size=robot.nv), rng.normal(size=len(bound.forces))
+    rows = held.rows(q, v)
+    still, moving = (NumericPoint(robot, 0.0, q, v, a, np.zeros(robot.nu)) for a in (np.zeros(robot.nv), v))
+    np.testing.assert_allclose(rows.jacobian @ v, bound.velocity(still), atol=1e-12)
+    np.testing.assert_allclose(rows.bias, bound.acceleration(still), atol=1e-12)
+    np.testing.assert_allclose(rows.jacobian @ v + rows.bias, bound.acceleration(moving), atol=1e-11)
+    # The wrenches do the power of the forces on the rows.
+    np.testing.assert_allclose(held.torques(q, {bound.name: force}), rows.jacobian.T @ force, atol=1e-12)
