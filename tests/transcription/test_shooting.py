@@ -281,11 +281,6 @@ def test_what_shooting_is_not_meant_for_is_said(phase: rt.Phase, mesh: rt.Mesh, 
         rt.plan(phase, mesh)
 
 
-def test_refinement_wants_collocation() -> None:
-    with pytest.raises(rt.InputError, match="MultipleShooting has no estimate"):
-        rt.plan(phase_of(), rt.Mesh(4, rt.MultipleShooting()), tolerance=1e-6)
-
-
 def test_bounds_of_accelerations_point_to_the_constraint() -> None:
     robot = rt.load("pendulum")
     joint = robot.joint_names[0]
