@@ -11,7 +11,7 @@ from robotraj.witness.mujoco import (
     LinearQuadratic,
     NoFeedback,
     SecondOpinion,
-    Softness,
+    SoftGround,
     second_opinion,
 )
 from robotraj.witness.peak import Peak
@@ -42,7 +42,7 @@ __all__ = [
     "Residual",
     "SecondOpinion",
     "Simulation",
-    "Softness",
+    "SoftGround",
     "Tolerances",
     "Tracking",
     "Violation",

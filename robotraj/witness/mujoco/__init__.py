@@ -1,7 +1,7 @@
 """The second witness: MuJoCo follows the plan with feedback, on its own dynamics and its own contacts."""
 
 from robotraj.witness.mujoco.feedback import Feedback, JointFeedback, LinearQuadratic, NoFeedback
-from robotraj.witness.mujoco.feet import Softness
+from robotraj.witness.mujoco.feet import SoftGround
 from robotraj.witness.mujoco.following import second_opinion
 from robotraj.witness.mujoco.model import MujocoRobot, mujoco_robot
 from robotraj.witness.mujoco.report import FootReport, SecondOpinion
@@ -14,7 +14,7 @@ __all__ = [
     "MujocoRobot",
     "NoFeedback",
     "SecondOpinion",
-    "Softness",
+    "SoftGround",
     "mujoco_robot",
     "second_opinion",
 ]

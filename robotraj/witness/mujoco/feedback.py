@@ -90,7 +90,7 @@ class LinearQuadratic(Feedback):
     """The time-varying linear quadratic regulator along the plan, contacts held, periodic where the plan is.
 
     It minimises the integral of the sum of (e_q / position)^2, (e_v / velocity)^2 and (u / (effort tau_scale))^2, with
-    tau_scale a motor's effort limit, or its largest planned torque where it has none.
+    tau_scale a motor's largest planned torque, at least a fifth of the largest of all.
     Source: Tedrake, Underactuated Robotics, chapter 8 (time-varying LQR).
 
     Parameters
@@ -100,7 +100,7 @@ class LinearQuadratic(Feedback):
     velocity : float
         ... this deviation of a velocity [rad/s, m/s] and ...
     effort : float
-        ... this fraction of a motor's torque.
+        ... this fraction of tau_scale.
 
     Raises
     ------
@@ -137,6 +137,9 @@ class LinearQuadratic(Feedback):
             "motor's torque"
         )
 
+
+IDLE = 0.2
+"""A motor that rests in the plan may be used as if it gave this share of the largest torque."""
 
 _MOST_SWEEPS = 50
 """Periods after which Riccati's recursion has repeated itself, or never will."""
@@ -179,10 +182,9 @@ def _entry(course: Course, phase: int, linear: LinearPhase) -> Array:
     planned = course.phases[phase - 1]
     end = planned.at(float(planned.knots[-1]))
     rate = np.concatenate([end.v, end.a])
-    seen: Array = np.eye(len(rate))
-    if phase == 0 and course.closing is not None:
-        # The end of the plan, seen from its start.
-        seen = np.kron(np.eye(2), course.closing.velocities)
+    # The end of a plan that repeats itself is seen from its start.
+    around = course.closing is not None and phase == 0
+    seen = np.kron(np.eye(2), course.closing.velocities if around and course.closing else np.eye(len(end.v)))
     lands = course.lands(phase)
     feet = [foot for foot in feet_of(course) if foot.name in lands]
     return linear.touchdown(course.reference(phase, np.zeros(1)).q[0], seen @ rate, feet, course.root) @ seen
@@ -200,14 +202,17 @@ def _middles(course: Course, phase: int) -> Array:
 
 
 def _torque_scales(course: Course) -> Array:
-    """Torque (nu,) that counts as much for every motor [N m, N]."""
-    planned = [np.abs(course.reference(p, _middles(course, p)).tau).max(axis=0) for p in _all(course)]
-    largest = np.max(planned, axis=0)
+    """Torque (nu,) that counts as much for every motor [N m, N]: what it gives in the plan, or a share of the largest.
+
+    A URDF's effort limits are too often placeholders to weigh with, but no motor gives more.
+    """
+    planned = np.max([np.abs(course.reference(p, _middles(course, p)).tau).max(axis=0) for p in _all(course)], axis=0)
+    scales = np.maximum(planned, IDLE * planned.max(initial=0.0))
     limits = course.phases[0].phase.limits
     if limits is not None:
         bound = np.asarray(course.robot.actuation, dtype=float).T @ np.nan_to_num(limits.effort, posinf=0.0)
-        largest = np.where(bound > 0, bound, largest)
-    return np.where(largest > 0, largest, 1.0)
+        scales = np.where(bound > 0, np.where(scales > 0, np.minimum(scales, bound), bound), scales)
+    return np.where(scales > 0, scales, 1.0)
 
 
 def _positive(value: Any, *names: str) -> None:

@@ -43,8 +43,8 @@ SAMPLES = 50
 
 
 @dataclass(frozen=True)
-class Softness:
-    """MuJoCo's contacts: how far from rigid.
+class SoftGround:
+    """The ground in MuJoCo: how far from rigid, and how rough.
 
     Parameters
     ----------
@@ -53,6 +53,9 @@ class Softness:
         harder: below two simulation steps MuJoCo takes two steps.
     radius : float
         r [m].
+    grip : float
+        Friction in MuJoCo as a multiple of what the plan counts on. A plan uses all that it is allowed, and soft
+        contacts slide at the edge of the cone; plan with less than there is.
 
     Raises
     ------
@@ -62,12 +65,13 @@ class Softness:
 
     time: float = 0.005
     radius: float = 0.005
+    grip: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("time", "radius"):
+        for name in ("time", "radius", "grip"):
             value = getattr(self, name)
             if not (isinstance(value, int | float) and np.isfinite(value) and value > 0):
-                raise InputError(f"{name} = {value!r} of Softness must be a positive number.")
+                raise InputError(f"{name} = {value!r} of SoftGround must be a positive number.")
 
 
 @dataclass(frozen=True)
@@ -131,7 +135,7 @@ def place(foot: Foot, poses: Sequence[Any]) -> Array:
     return np.array((poses[foot.frame] * foot.pose).translation)
 
 
-def furnish(course: Course, feet: Sequence[Foot], softness: Softness, spec: Any, bodies: Mapping[int, Any]) -> None:
+def furnish(course: Course, feet: Sequence[Foot], soft: SoftGround, spec: Any, bodies: Mapping[int, Any]) -> None:
     """Add feet and their grounds to a specification of MuJoCo."""
     mujoco = load_mujoco()
     grounds: list[Ground] = []
@@ -144,13 +148,13 @@ def furnish(course: Course, feet: Sequence[Foot], softness: Softness, spec: Any,
         geom = bodies[frame.parentJoint].add_geom(
             name=foot.name, pos=pose.translation, quat=wxyz(pose.rotation), contype=bit, conaffinity=0, condim=3
         )
-        geom.type, geom.size = getattr(mujoco.mjtGeom, f"mjGEOM_{foot.shape}"), foot.size(softness.radius)
-        geom.friction = [foot.friction, 0.0, 0.0]
-        geom.solref = [softness.time, 1.0]
+        geom.type, geom.size = getattr(mujoco.mjtGeom, f"mjGEOM_{foot.shape}"), foot.size(soft.radius)
+        geom.friction = [soft.grip * foot.friction, 0.0, 0.0]
+        geom.solref = [soft.time, 1.0]
         geom.priority = 1
     low, high = _reach(course, feet)
     for i, ground in enumerate(grounds):
-        _add_ground(mujoco, spec, ground, low, high, softness.radius, i)
+        _add_ground(mujoco, spec, ground, low, high, soft.radius, i)
 
 
 def _foot(course: Course, bound: Any) -> Foot:

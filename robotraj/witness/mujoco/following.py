@@ -11,7 +11,7 @@ from robotraj.terrain import Flat
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.deviation import Fall
 from robotraj.witness.mujoco.feedback import Feedback, LinearQuadratic
-from robotraj.witness.mujoco.feet import Softness, feet_of, furnish
+from robotraj.witness.mujoco.feet import SoftGround, feet_of, furnish
 from robotraj.witness.mujoco.model import mujoco_robot
 from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.mujoco.run import Run
@@ -24,7 +24,7 @@ def second_opinion(
     feedback: Feedback | None = None,
     *,
     offset: Any = 0.0,
-    softness: Softness | None = None,
+    ground: SoftGround | None = None,
     step: float = 5e-4,
 ) -> SecondOpinion:
     """Let MuJoCo follow a plan: tau = tau_plan - K(t) e, cut off at the effort limits.
@@ -44,8 +44,8 @@ def second_opinion(
         ``LinearQuadratic()`` by default; ``JointFeedback()``, ``NoFeedback()``.
     offset : float or array_like (2 nv,)
         Added to the plan's first state, a disturbance to recover from: positions in tangent space, then velocities.
-    softness : Softness, optional
-        Of the contacts.
+    ground : SoftGround, optional
+        How soft and how rough MuJoCo's ground is.
     step : float
         Longest simulation step [s]; every interval of the plan is a whole number of steps.
 
@@ -72,12 +72,12 @@ def second_opinion(
             f"offset has {away.size} values; give one, or {2 * course.robot.model.nv}: positions, then speeds."
         )
     feet = feet_of(course)
-    softness = softness if softness is not None else Softness()
+    soft = ground if ground is not None else SoftGround()
     feedback = feedback if feedback is not None else LinearQuadratic()
     limits = course.phases[0].phase.limits
 
     def touching(spec: Any, bodies: Any) -> None:
-        furnish(course, feet, softness, spec, bodies)
+        furnish(course, feet, soft, spec, bodies)
 
     robot = mujoco_robot(course.robot, limits, touching if feet else None)
     run = Run(course, robot, feedback, feet, Fall(course.robot, feet[0].ground if feet else Flat()))

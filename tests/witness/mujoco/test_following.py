@@ -157,7 +157,7 @@ def test_options_that_cannot_hold_are_refused(swing, options, message):
     [
         (lambda: rt.LinearQuadratic(velocity=0.0), "velocity = 0.0 of LinearQuadratic"),
         (lambda: rt.JointFeedback(frequency=-1.0), "frequency = -1.0 of JointFeedback"),
-        (lambda: rt.Softness(time=np.nan), "time = nan of Softness"),
+        (lambda: rt.SoftGround(time=np.nan), "time = nan of SoftGround"),
     ],
 )
 def test_values_without_meaning_are_refused(make_value, message):

@@ -1,0 +1,179 @@
+from dataclasses import replace
+from types import SimpleNamespace
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+from robotraj.errors import InputError
+from robotraj.witness.mujoco import mujoco_robot
+from robotraj.witness.mujoco.course import Course
+from robotraj.witness.mujoco.feet import feet_of, furnish
+
+mujoco = pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
+
+GROUNDS = {
+    "flat": (rt.Flat(0.2), 1e-12),
+    "slope": (rt.Slope(0.3, -0.2, 0.1), 1e-12),
+    "waves": (rt.HeightFunction(lambda x, y: 0.05 * ca.sin(3 * x) + 0.03 * ca.cos(2 * y)), 1e-4),
+}
+
+
+def resting(robot, contacts, q):
+    """A plan that stays at q."""
+
+    def at(t, interval=None):
+        many = np.shape(t)
+        return SimpleNamespace(
+            q=np.broadcast_to(q, (*many, robot.nq)),
+            v=np.zeros((*many, robot.nv)),
+            tau=np.zeros((*many, robot.nu)),
+        )
+
+    bound = tuple(contact.bind(robot) for contact in contacts)
+    phase = SimpleNamespace(name="rest", robot=robot, limits=None, bound_contacts=bound)
+    plan = SimpleNamespace(phase=phase, knots=np.array([0.0, 0.1]), parameters={}, at=at)
+    return SimpleNamespace(phases=(plan,), problem=SimpleNamespace(links=()))
+
+
+def standing(robot, frame, place, rotation=None):
+    """Configuration (nq,) whose frame stands at a place, turned by a rotation."""
+    q = np.array(robot.neutral)
+    q[7:] = np.linspace(0.3, -0.6, robot.nq - 7)
+    model, data = robot.model, robot.model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    foot = data.oMf[robot.frame(frame)]
+    goal = pin.SE3(foot.rotation if rotation is None else rotation, np.asarray(place, dtype=float))
+    q[:7] = pin.SE3ToXYZQUAT(goal * foot.inverse() * pin.XYZQUATToSE3(q[:7]))
+    return q
+
+
+def distances(robot, contact, q):
+    """Distances [m] of MuJoCo's contacts where the plan's foot stands on the ground."""
+    course = Course(resting(robot, [contact], q))
+    feet = feet_of(course)
+    soft = rt.SoftGround(radius=0.01)
+    second = mujoco_robot(robot, None, lambda spec, bodies: furnish(course, feet, soft, spec, bodies))
+    # Contacts are made from 1 mm above the ground on, so that those that just touch are seen.
+    second.model.geom_margin[:] = 1e-3
+    data = mujoco.MjData(second.model)
+    data.qpos[:] = second.coordinates.qpos(q)
+    mujoco.mj_forward(second.model, data)
+    return np.array(data.contact.dist)
+
+
+@pytest.fixture(scope="module")
+def monopod():
+    return rt.load("monopod", root="floating")
+
+
+@pytest.mark.parametrize(("ground", "tolerance"), GROUNDS.values(), ids=GROUNDS)
+@pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), (0.02, -0.01, -0.03)], ids=["frame", "beside"])
+def test_a_point_foot_touches_where_the_plan_holds_it(monopod, ground, tolerance, offset):
+    x, y = 0.37, -0.22
+    contact = rt.PointContact("foot", ground=ground, offset=offset)
+    q = standing(monopod, "foot", [0.0, 0.0, 0.0])
+    data = monopod.model.createData()
+    pin.framesForwardKinematics(monopod.model, data, q)
+    at = data.oMf[monopod.frame("foot")].act(np.array(offset))
+    q[:3] += np.array([x, y, float(ground.height(x, y))]) - at
+    found = distances(monopod, contact, q)
+    assert len(found) >= 1 and abs(found.min()) < tolerance
+
+
+@pytest.mark.parametrize(("ground", "tolerance"), list(GROUNDS.values())[:2], ids=list(GROUNDS)[:2])
+def test_soles_and_edges_lie_on_the_ground(monopod, ground, tolerance):
+    x, y = 0.37, -0.22
+    first, second, normal = (np.array(axis, dtype=float) for axis in ground.axes(x, y))
+    q = standing(monopod, "foot", [x, y, float(ground.height(x, y))], np.column_stack([first, second, normal]))
+    axes = {"normal": (0, 0, 1), "forward": (1, 0, 0)}
+    sole = rt.FlatFoot("foot", length=(0.05, 0.15), width=0.08, ground=ground, **axes)
+    corners = distances(monopod, sole, q)
+    assert len(corners) == 4 and np.abs(corners).max() < 1e-9
+    edge = rt.LineContact("foot", width=0.1, ground=ground, direction=(0, 1, 0))
+    ends = distances(monopod, edge, q)
+    assert len(ends) == 2 and np.abs(ends).max() < 1e-9
+
+
+def test_feet_touch_their_own_ground_alone(monopod):
+    q = standing(monopod, "foot", [0.0, 0.0, 0.0])
+    low, high = rt.PointContact("foot"), rt.PointContact("foot", name="other", ground=rt.Flat(0.5), offset=(0, 0, 0.5))
+    course = Course(resting(monopod, [low, high], q))
+    feet = feet_of(course)
+    second = mujoco_robot(monopod, None, lambda spec, bodies: furnish(course, feet, rt.SoftGround(), spec, bodies))
+    second.model.geom_margin[:] = 1e-3
+    data = mujoco.MjData(second.model)
+    q[2] -= 1e-4
+    data.qpos[:] = second.coordinates.qpos(q)
+    mujoco.mj_forward(second.model, data)
+    pairs = {tuple(second.model.geom(int(g)).name for g in pair) for pair in data.contact.geom}
+    assert ("ground 0", "foot") in pairs and not any(
+        pair in pairs for pair in [("ground 1", "foot"), ("ground 0", "other")]
+    )
+
+
+def test_loops_are_no_feet(monopod):
+    q = standing(monopod, "foot", [0.0, 0.0, 0.0])
+    course = Course(resting(monopod, [rt.PointContact("foot")], q))
+    course.phases[0].phase.bound_contacts = (SimpleNamespace(name="rod", contact=object(), frame="foot"),)
+    with pytest.raises(InputError, match="knows feet on the ground: points, lines and flat feet; object 'rod' is none"):
+        feet_of(course)
+
+
+@pytest.fixture(scope="module")
+def squat():
+    hopper = rt.load("hopper", root="planar")
+    phase = rt.Phase(
+        hopper,
+        duration=0.5,
+        start=rt.State(q=[0, 0.5, 0, 0, 0.5], v=0),
+        end=rt.State(q=[0, 0.45, 0, 0, 0.45], v=0),
+        contacts=[rt.PointContact("foot")],
+        objective=rt.Effort(),
+        name="squat",
+    )
+    return rt.plan(phase, mesh=rt.Mesh(8, rt.HermiteSimpson()))
+
+
+def test_a_squatting_foot_stays_and_carries_the_weight(squat):
+    opinion = rt.second_opinion(squat)
+    assert opinion.completed and opinion.upright
+    assert opinion.slip < 1e-9 and opinion.sink < 1e-3
+    assert opinion.deviation.largest("q.") < 2e-3
+    (foot,) = opinion.feet
+    assert (foot.name, foot.stances, foot.loaded) == ("foot", 1, pytest.approx(1.0, abs=0.01))
+    # The robot is at rest before and after, so that the ground gives its weight on the average.
+    assert foot.force == pytest.approx([0.0, 0.0, 3.5 * 9.81], abs=0.05)
+    assert foot.planned == pytest.approx([0.0, 0.0, 3.5 * 9.81], abs=1e-6)
+    assert "COMPLETED, upright" in str(opinion) and "mean force" in str(opinion)
+
+
+def test_harder_ground_gives_way_less(squat):
+    soft, hard = (rt.second_opinion(squat, ground=rt.SoftGround(time=time)).sink for time in (0.02, 0.004))
+    assert hard < 0.2 * soft
+
+
+def test_a_robot_that_topples_is_told(squat):
+    opinion = rt.second_opinion(squat, feedback=rt.NoFeedback(), offset=[0, 0, 0, 0, 0, 0, 0, 4.0, 0, 0])
+    assert not opinion.completed and not opinion.upright and opinion.failure is None
+    assert 0.05 < opinion.fell < 0.5
+    assert opinion.deviation["q.root_pitch"].final == np.inf
+    assert f"FELL at t = {opinion.fell:.4g} s" in str(opinion)
+
+
+def test_ice_is_slippery():
+    hopper = rt.load("hopper", root="planar")
+    lean = rt.Phase(
+        hopper,
+        duration=0.3,
+        start=rt.State(q=[0, 0.5, 0, 0, 0.5], v=0),
+        end=rt.State(q={"root_x": 0.05}, v=0),
+        contacts=[rt.PointContact("foot")],
+        objective=rt.Effort(),
+    )
+    solution = rt.plan(lean, mesh=rt.Mesh(8, rt.HermiteSimpson()))
+    rough, ice = (rt.second_opinion(solution, ground=rt.SoftGround(grip=grip)) for grip in (1.5, 0.05))
+    assert rough.slip < 2e-3 < 2e-2 < ice.slip
+    assert replace(rough, fell=0.1).completed is False
