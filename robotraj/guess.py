@@ -20,6 +20,7 @@ from robotraj.state import State
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
+    from robotraj.links import BoundLink
     from robotraj.problem import Phase, Problem
 
 Array = NDArray[np.float64]
@@ -52,6 +53,10 @@ class Guess(ABC):
     @abstractmethod
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Guess phase number ``index`` of the problem."""
+
+    def of_link(self, link: BoundLink, index: int) -> Mapping[str, float]:
+        """Guess the unknowns of link number ``index`` by name, such as impulses; what is not named is 0."""
+        return {}
 
     def prepared(self, problem: Problem) -> Guess:
         """Do what needs the whole problem, before its phases are guessed; most guesses need nothing."""
@@ -173,6 +178,11 @@ class FromSolution(Guess):
             _sampled(source, phase.dae.controls),
             {name: source.parameters.get(name, value) for name, value in fallback.items()},
         )
+
+    def of_link(self, link: BoundLink, index: int) -> Mapping[str, float]:
+        """Impulses of the earlier solution's link of the same index."""
+        known = self.solution.impulses
+        return known[index] if index < len(known) else {}
 
 
 def as_guess(value: Any) -> Guess | None:

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.errors import InputError
-from robotraj.guess import Guess, StraightLine, as_guess
-from robotraj.guesses import Perturbed
+from robotraj.guess import Guess, as_guess
+from robotraj.guesses import Perturbed, default_guess
 from robotraj.phase_solution import PhaseSolution
 from robotraj.planning import plan
 from robotraj.problem import Phase, Problem
@@ -159,7 +159,7 @@ def multistart(
     for name in ("check", "progress"):
         if name in options:
             raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
-    first = as_guess(guess) or StraightLine()
+    first = as_guess(guess) or default_guess(problem)
     guesses = [first, *(Perturbed(first, (seed, i), spread) for i in range(1, starts))]
     found: Sequence[Solution] = run(_plan, (problem, options), guesses, executor)
     solved = sorted((s.objective, i) for i, s in enumerate(found) if s.success)

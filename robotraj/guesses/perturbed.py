@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from robotraj.tangent import normalised
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
+    from robotraj.links import BoundLink
     from robotraj.problem import Phase, Problem
     from robotraj.robot import Robot
 
@@ -101,6 +103,10 @@ class Perturbed(Guess):
             return np.clip(values, *_bounds(phase, phase.dae.controls))
 
         return PhaseGuess(duration, states, algebraic, controls, self._parameters(phase, known, rng))
+
+    def of_link(self, link: BoundLink, index: int) -> Mapping[str, float]:
+        """Impulses as the guess has them."""
+        return self.guess.of_link(link, index)
 
     def _sizes(self, phase: Phase, variables: tuple[Variable, ...], values: Array) -> Array:
         lower, upper = _bounds(phase, variables)

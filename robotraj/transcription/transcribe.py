@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from robotraj.constraints import Where
 from robotraj.errors import InputError
-from robotraj.guess import Guess, PhaseGuess, StraightLine
+from robotraj.guess import Guess, PhaseGuess
+from robotraj.guesses import default_guess
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import collocate
@@ -52,7 +53,7 @@ def transcribe(
     mesh : Mesh or sequence of Mesh
         One for all phases, or one for each.
     guess : Guess, optional
-        Where the solver starts; a straight line by default.
+        Where the solver starts; ``default_guess`` by default.
     guards : sequence of Guard
         Rows to impose between collocation points as well.
 
@@ -96,7 +97,11 @@ def transcribe(
     every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]
     every += [widen(block, *shape) for block in blocks]
     matrix = linear.matrix(shape)
-    start = _guess(problem, layouts, (guess or StraightLine()).prepared(problem), len(variables))
+    known = (guess or default_guess(problem)).prepared(problem)
+    start = _guess(problem, layouts, known, len(variables))
+    for i, (link, own) in enumerate(zip(problem.bound_links, unknowns, strict=True)):
+        brought = known.of_link(link, i)
+        start[own] = [brought.get(unknown.name, 0.0) for unknown in link.unknowns]
     start = np.clip(start, variables.lower, variables.upper)
     scale = variable_scale(variables, start)
     return Nlp(

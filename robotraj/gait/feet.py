@@ -1,0 +1,73 @@
+"""Which frames are feet, and what they stand with."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import pinocchio as pin
+
+from robotraj.contacts import Contact
+from robotraj.errors import InputError
+from robotraj.robot import Robot
+
+FootKind = Contact | Callable[[str], Contact]
+"""What a foot stands with: ``rt.PointContact``, a function of the frame, or a contact to copy to other frames."""
+
+WORDS = ("sole", "foot", "toe")
+"""Parts of the names of feet, the first that a robot has wins."""
+
+
+def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
+    """Check the frames given, or find frames whose name says sole, foot or toe.
+
+    Raises
+    ------
+    InputError
+        No frame is named so; the message lists the frames at the ends of the robot's limbs.
+    """
+    if feet is not None:
+        names = (feet,) if isinstance(feet, str) else tuple(feet)
+        for name in names:
+            robot.frame(name)
+        if not names or len(set(names)) != len(names):
+            raise InputError(f"feet= is {list(names)!r}; name each foot's frame once.")
+        return names
+    ends = limb_ends(robot)
+    for word in WORDS:
+        found = tuple(name for name in ends if word in re.split(r"[^a-z]+", name.lower()))
+        if found:
+            return found
+    raise InputError(
+        f"No frame of {robot.name!r} is named like a foot; give feet=[...]. Frames at the ends of its limbs: "
+        f"{', '.join(ends) or 'none'}."
+    )
+
+
+def limb_ends(robot: Robot) -> tuple[str, ...]:
+    """Links fixed to joints that carry no further joint."""
+    model = robot.model
+    carrying = {model.parents[i] for i in range(1, model.njoints)}
+    return tuple(
+        frame.name
+        for frame in model.frames
+        if frame.type == pin.FrameType.BODY and frame.parentJoint and frame.parentJoint not in carrying
+    )
+
+
+def stands(kind: FootKind, frame: str) -> Contact:
+    """Contact of a foot.
+
+    Raises
+    ------
+    InputError
+        The function gives no contact.
+    """
+    contact = replace(kind, frame=frame, name=None) if isinstance(kind, Contact) else kind(frame)  # type: ignore[call-arg]
+    if not isinstance(contact, Contact):
+        raise InputError(
+            f"contact= gave {contact!r} for foot {frame!r}; give rt.PointContact, a contact to copy, or a function from "
+            "a frame's name to a contact."
+        )
+    return contact

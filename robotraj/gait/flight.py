@@ -1,0 +1,35 @@
+"""A phase in the air."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robotraj.errors import InputError
+from robotraj.problem import Phase
+
+
+@dataclass(frozen=True, eq=False)
+class Flight(Phase):
+    """A phase in which nothing touches: of a robot whose root is free, without contacts.
+
+    The centre of mass falls freely and the angular momentum about it is kept, whatever the joints do. Parameters are
+    those of ``rt.Phase``.
+
+    Raises
+    ------
+    InputError
+        The phase has contacts, or what moves is a System or a robot with a fixed root, which cannot fly.
+    """
+
+    name: str = "flight"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.robot is None or self.robot.root == "fixed":
+            raise InputError(
+                f"Flight {self.name!r} moves {'a System' if self.robot is None else repr(self.robot.name)}, which is "
+                "fixed in the world; load the robot with root='floating' or root='planar'."
+            )
+        if self.contacts:
+            names = ", ".join(repr(contact.label) for contact in self.contacts)
+            raise InputError(f"Flight {self.name!r} has contacts ({names}); a phase that stands is an rt.Phase.")

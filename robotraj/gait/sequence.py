@@ -1,0 +1,238 @@
+"""From a timetable of feet to a problem: phases, links between them, clearance of what swings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from robotraj.constraints import Constraint, GroundClearance, RequiredHeight
+from robotraj.contacts import PointContact
+from robotraj.errors import InputError
+from robotraj.gait.feet import FootKind, stands
+from robotraj.gait.flight import Flight
+from robotraj.gait.upright import Upright
+from robotraj.guesses.stance import Stance, standing
+from robotraj.links import Continuity, Liftoff, Link, Mirror, Periodic, Touchdown
+from robotraj.objectives import Effort, Objective
+from robotraj.problem import Phase, Problem
+from robotraj.robot import Robot
+from robotraj.state import State
+from robotraj.terrain import Flat, Ground, as_ground
+
+
+TOUCH = 1e-4
+"""How far below the ground [m] a foot may come where it leaves and lands, so that rows there do not say things twice."""
+
+
+@dataclass(frozen=True)
+class Support:
+    """One phase of a gait: which feet stand, and how long.
+
+    Attributes
+    ----------
+    feet : tuple of str
+        Frames that stand; none in flight.
+    duration : float or (float, float)
+        Fixed or bounded [s].
+    name : str
+    """
+
+    feet: tuple[str, ...]
+    duration: Any
+    name: str
+
+
+@dataclass(frozen=True)
+class Terms:
+    """What the phases of a gait share.
+
+    Attributes
+    ----------
+    contact : Contact or callable
+        What a foot stands with: ``rt.PointContact``, a contact to copy to the other feet, or a function of a frame.
+    clearance : float or None
+        How high swinging feet pass between their footholds [m], 0 for above the ground alone, None for no such row.
+    objective : Objective or None
+        Of every phase.
+    upright : Upright or None
+    ground : Ground or callable
+        For clearance; contacts carry their own.
+    """
+
+    contact: FootKind = PointContact
+    clearance: float | None = 0.0
+    objective: Objective | None = None
+    upright: Upright | None = None
+    ground: Ground | Any = Flat()
+
+
+def sequence(
+    robot: Robot,
+    supports: Sequence[Support],
+    terms: Terms,
+    repeat: Mirror | Periodic | None,
+    start: State | None = None,
+    end: State | None = None,
+) -> Problem:
+    """Write phases and links: ``Liftoff`` where feet leave, ``Touchdown`` where all that stand then come down.
+
+    Where one foot stays while another comes down, that one is set down at rest and the state runs on, ``Continuity``.
+
+    Parameters
+    ----------
+    robot : Robot
+    supports : sequence of Support
+        In the order of time.
+    terms : Terms
+    repeat : Mirror, Periodic or None
+        How the start sees the end; a gait that repeats starts at root_x = 0 (and root_y = 0, heading along x, where it
+        does not turn left into right), since it could start anywhere.
+    start, end : State, optional
+        Of the whole motion, where it does not repeat.
+
+    Raises
+    ------
+    InputError
+        A robot whose root is fixed, or a clearance that is negative.
+    """
+    if robot.root == "fixed":
+        raise InputError(
+            f"{robot.name!r} is fixed in the world; load it with root='floating', or root='planar' for motion in the "
+            "x-z plane."
+        )
+    if terms.clearance is not None and not terms.clearance >= 0.0:
+        raise InputError(f"clearance= is {terms.clearance!r}; give metres from 0 on, or None for no such row.")
+    ground = as_ground(terms.ground)
+    feet = tuple(dict.fromkeys(foot for support in supports for foot in support.feet))
+    partners = _partners(repeat)
+    every = tuple(dict.fromkeys((*feet, *(partners.get(foot, foot) for foot in feet))))
+    contacts = {foot: stands(terms.contact, foot) for foot in every}
+    posture = standing(Stance(robot, tuple(contact.bind(robot) for contact in contacts.values())))
+    phases: list[Phase] = []
+    for i, support in enumerate(supports):
+        swinging = [foot for foot in every if foot not in support.feet]
+        rows: list[Constraint] = _swing(support, swinging, terms, ground, repeat)
+        states = {}
+        if terms.upright is not None:
+            states = terms.upright.states(robot)
+            rows += terms.upright.constraints(robot, posture, ground)
+        kind = Phase if support.feet else Flight
+        phases.append(
+            kind(
+                robot,
+                support.duration,
+                start=(_origin(robot, repeat) if repeat is not None else start) if i == 0 else None,
+                end=end if i == len(supports) - 1 else None,
+                objective=terms.objective if terms.objective is not None else Effort(),
+                constraints=rows,
+                contacts=[contacts[foot] for foot in support.feet],
+                states=states,
+                name=support.name,
+            )
+        )
+    links = [_link(i, supports[i].feet, supports[i + 1].feet) for i in range(len(phases) - 1)]
+    if repeat is not None:
+        last = tuple(partners.get(foot, foot) for foot in supports[-1].feet)
+        links.append(_closing(len(phases) - 1, last, supports[0].feet, repeat))
+    return Problem(phases, links)
+
+
+def _partners(repeat: Mirror | Periodic | None) -> dict[str, str]:
+    if not isinstance(repeat, Mirror):
+        return {}
+    return {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
+
+
+def _link(i: int, before: Sequence[str], after: Sequence[str]) -> Link:
+    if _lands(before, after):
+        return Touchdown(i, i + 1)
+    return Liftoff(i, i + 1) if set(after) < set(before) else Continuity(i, i + 1)
+
+
+def _closing(last: int, before: Sequence[str], after: Sequence[str], repeat: Mirror | Periodic) -> Link:
+    """Repeat through an impact where feet come down, else as the state runs on."""
+    if _lands(before, after):
+        return Touchdown(last, 0, repeat=repeat)
+    return replace(repeat, first=0, last=last)
+
+
+def _lands(before: Sequence[str], after: Sequence[str]) -> bool:
+    """Whether feet come down with an impact: those that do, while none stays.
+
+    Where a foot stays, an impact of the other would as a rule pull at it (Hurmuzlu and Marghitu, Int. J. Robotics
+    Research 13, 1994), which no ground does. The only impulse left is then zero: the foot is set down at rest, the
+    state runs on, and the rows of the phase after it hold.
+    """
+    return bool(set(after) - set(before)) and not set(after) & set(before)
+
+
+def _origin(robot: Robot, repeat: Mirror | Periodic | None) -> State:
+    """Fix what a repeating motion leaves open: where it starts, and where it heads."""
+    if robot.root == "planar" or isinstance(repeat, Mirror):
+        return State(q={"root_x": 0.0})
+    return State(q={"root_x": 0.0, "root_y": 0.0, "root_qz": 0.0})
+
+
+def _swing(
+    support: Support, swinging: Sequence[str], terms: Terms, ground: Ground, repeat: Mirror | Periodic | None
+) -> list[Constraint]:
+    """Clearance of the feet that do not stand.
+
+    Halfway through a mirrored gait a foot swings past its partner, which stands in the middle of its way: from one
+    displacement behind the partner's foothold to one before it. Elsewhere feet stay above the ground.
+    """
+    if terms.clearance is None or not swinging:
+        return []
+    partners = _partners(repeat)
+    gain = repeat.displacement.get("q.root_x") if repeat is not None else None
+    rows: list[Constraint] = []
+    level = []
+    for foot in swinging:
+        other = partners.get(foot, foot)
+        if terms.clearance > 0.0 and other in support.feet and isinstance(gain, int | float) and gain != 0.0:
+            place, step = f"{stands(terms.contact, other).label}.x", float(gain)
+            rows.append(GroundClearance(foot, Arc(terms.clearance, place, step), ground))
+        else:
+            level.append(foot)
+    return [*rows, GroundClearance(level, -TOUCH, ground)] if level else rows
+
+
+@dataclass(frozen=True)
+class Arc(RequiredHeight):
+    """Height [m] of a swing foot, h = 4 apex s (1 - s) - 0.1 mm, with s its progress between footholds; never below.
+
+    s runs from 0 to 1 between one step behind and one step before the partner's foothold. The tenth of a millimetre
+    keeps the row from saying at both ends what the phases before and after say as well, that the foot is on the ground:
+    an inequality that can hold in one way alone has no multipliers.
+
+    Attributes
+    ----------
+    apex : float
+        [m].
+    anchor : str
+        Parameter of the phase: world x of the partner's foothold.
+    step : float
+        What a step gains along x [m].
+    """
+
+    apex: float
+    anchor: str
+    step: float
+
+    def heights(self, point: Any, position: Sequence[Any]) -> dict[str, Any]:
+        """Height that a place at ``position`` must have."""
+        progress = 0.5 + 0.5 * (position[0] - point.p[self.anchor]) / self.step
+        return {"ground clearance": -TOUCH, "swing apex": 4.0 * self.apex * progress * (1.0 - progress) - TOUCH}
+
+
+def shares(duration: Any, parts: Sequence[float]) -> list[Any]:
+    """Split a duration [s], fixed or bounded, in proportion."""
+    whole = np.asarray(duration, dtype=float)
+    every = [whole * part / sum(parts) for part in parts]
+    return [tuple(float(v) for v in value) if value.shape else float(value) for value in every]
+
+
+__all__ = ["Arc", "Support", "Terms", "sequence", "shares"]
