@@ -67,7 +67,10 @@ def accelerate(model: Any, data: Any, q: Array, v: Array, applied: Array, held: 
         The force of every row [N, N m], the least one where rows are redundant.
     """
     mass, bias = mass_and_bias(model, data, q, v)
-    free = np.asarray(np.linalg.solve(mass, applied - bias), dtype=float)
+    try:
+        free = np.asarray(np.linalg.solve(mass, applied - bias), dtype=float)
+    except np.linalg.LinAlgError:
+        free = np.full(len(v), np.nan)
     return obey(mass, held.jacobian, free, -held.bias)
 
 
@@ -112,15 +115,21 @@ def project(model: Any, data: Any, q: Array, v: Array, rows: HeldRows) -> tuple[
 def obey(mass: Array, jacobian: Array, free: Array, target: Array) -> tuple[Array, Array]:
     """Minimise (x - free)' M (x - free) / 2 subject to J x = target: Gauss's principle of least constraint.
 
+    What is not finite, and a mass matrix that is not positive, give no numbers back: a simulation then says so.
+
     Returns
     -------
     x : ndarray (n,)
     multipliers : ndarray (m,)
         y with M (x - free) = J' y, of least norm.
     """
+    nothing = np.full(len(free), np.nan), np.full(len(target), np.nan)
     if not (np.isfinite(mass).all() and np.isfinite(jacobian).all()):
-        return np.full(len(free), np.nan), np.full(len(target), np.nan)
-    root = np.linalg.cholesky(mass)
+        return nothing
+    try:
+        root = np.linalg.cholesky(mass)
+    except np.linalg.LinAlgError:
+        return nothing
     # J L^-T = U S V': the rows in coordinates in which the metric is the identity.
     left, sizes, right = np.linalg.svd(np.linalg.solve(root, jacobian.T).T, full_matrices=False)
     kept = sizes > RANK_TOLERANCE * np.max(sizes, initial=0.0)

@@ -83,7 +83,8 @@ def _check(solution: SolutionLike, index: int, link: Any) -> Impact:
     mass, _ = mass_and_bias(robot.model, robot.model.createData(), q, v_after)
     names = [f"impulse.{c.name}.{force.name.rsplit('.', 1)[-1]}" for c in contacts for force in c.forces]
     impulse = np.array([planned[name] for name in names])
-    unique = np.linalg.matrix_rank(held.jacobian) == len(names)
+    known = np.isfinite(held.jacobian).all()
+    unique = known and np.linalg.matrix_rank(held.jacobian) == len(names)
     ends = np.cumsum([len(contact.forces) for contact in contacts])[:-1]
     parts = {c.name: part for c, part in zip(contacts, np.split(impulse, ends), strict=True)}
     own = stance.strike(q, v_before)[1]

@@ -192,3 +192,5 @@ def test_no_rows_leave_the_motion_free_and_no_numbers_give_none():
     assert multipliers.shape == (0,)
     x, multipliers = obey(mass, np.full((1, 2), np.nan), np.zeros(2), np.zeros(1))
     assert np.isnan(x).all() and np.isnan(multipliers).all()
+    x, _ = obey(np.diag([1.0, 0.0]), np.ones((1, 2)), np.zeros(2), np.zeros(1))
+    assert np.isnan(x).all()

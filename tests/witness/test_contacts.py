@@ -369,3 +369,17 @@ def test_rows_of_every_contact_are_linear_forms_of_the_velocities(contact):
     np.testing.assert_allclose(rows.jacobian @ v + rows.bias, bound.acceleration(moving), atol=1e-11)
     # The wrenches do the power of the forces on the rows.
     np.testing.assert_allclose(held.torques(q, {bound.name: force}), rows.jacobian.T @ force, atol=1e-12)
+
+
+def test_a_plan_with_numbers_missing_is_reported_not_raised(make, rod, landing):
+    flight, standing, link, impulse = landing
+    for part in (flight, standing):
+        q = part.curves["q"]
+        values = [q.values[0], *(np.full_like(value, np.nan) for value in q.values[1:])]
+        lost = dataclasses.replace(part, curves={**part.curves, "q": dataclasses.replace(q, values=values)})
+        phases = [lost if planned is part else planned for planned in (flight, standing)]
+        report = validate(solution(*phases, links=[link], impulses=[impulse]))
+        assert not report.passed
+        assert "FAILED" in str(report)
+    (holding,) = report.holdings
+    assert holding.slip.value == np.inf and holding.slip.time == pytest.approx(0.2)

@@ -76,3 +76,12 @@ def test_columns_make_casadi_expressions_mean_the_same_on_numbers(two_link, stat
     assert float(ca.mtimes(point.q.T, point.q)) == pytest.approx(state[0] @ state[0])
     assert point.frame("tip").rotation.shape == (3, 3)
     assert float(ca.sin(point.v[1])) == pytest.approx(np.sin(state[1][1]))
+
+
+def test_contact_forces_are_read_by_contact_and_by_component(two_link, state):
+    named = {"force.foot.x": 3.0, "force.foot.z": 40.0}
+    point = NumericPoint(two_link, 0.0, *state, forces={"foot": [3.0, 0.0, 40.0]}, algebraic=named)
+    np.testing.assert_array_equal(point.forces["foot"], [3, 0, 40])
+    assert (point.z["force.foot.z"], point.z["a.elbow"]) == (40.0, state[2][1])
+    with pytest.raises(UnknownName, match="foot"):
+        point.forces["food"]

@@ -342,3 +342,9 @@ def test_a_robot_of_many_joints_prints_its_worst_rows_only(make):
     text = str(validate(make.solution(planned)))
     assert "(the worst 16 of 40)" in text and "(the worst 16 of 20)" in text
     assert "slider19" in text and len(text.splitlines()) < 60
+
+
+def test_a_threshold_that_does_not_exist_is_named_with_those_that_do(make, swinging):
+    report = validate(make.solution(swinging()))
+    with pytest.raises(InputError, match="drif.*drift"):
+        report.check(drif=1.0)
