@@ -5,14 +5,8 @@ import numpy as np
 import robotraj as rt
 
 block = rt.load("block")
-move = rt.Phase(
-    block,
-    duration=(0.1, 200.0),
-    start=rt.State(q=0, v=0),
-    end=rt.State(q=10, v=0),
-    objective=rt.Duration(),
-    name="block, minimum time",
-)
+ends = rt.State(q=0, v=0), rt.State(q=10, v=0)
+move = rt.Phase(block, (0.1, 200.0), *ends, objective=rt.Duration(), name="block, minimum time")
 direct = rt.plan(move, tolerance=1e-6)
 print(direct)
 print(rt.conditions(direct))
