@@ -5,7 +5,7 @@ How the plan closes on itself, and so what a later period is, says ``robotraj.un
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,8 @@ from robotraj.errors import InputError
 from robotraj.unrolled import Return, closing_of
 from robotraj.witness.mujoco.roots import QUATERNION, Root
 from robotraj.witness.protocols import Array, SolutionLike
+
+AXES = ("x", "y", "z")
 
 
 class Passage(NamedTuple):
@@ -77,6 +79,7 @@ class Course:
         if any(list(robot.model.names) != names for robot in robots):
             raise InputError("The phases move different robots; second_opinion() follows one robot.")
         self.closing = closing_of(solution)
+        self._impulses = _impulses(solution)
         self.periods = _count(periods, self.closing)
         self.root = Root(self.robot.model)
 
@@ -108,6 +111,10 @@ class Course:
         else:
             before = tuple(self.closing.partners.get(name, name) for name in self.stands(len(self.phases) - 1))
         return tuple(name for name in self.stands(phase) if name not in before)
+
+    def strikes(self, phase: int) -> Mapping[str, Array]:
+        """Planned impulses (3,) [N s] of the contacts that come down as a phase begins, world axes."""
+        return self._impulses.get(phase, {})
 
     @property
     def passages(self) -> Iterator[Passage]:
@@ -181,6 +188,19 @@ class Course:
         if self.root.floating:
             q[..., QUATERNION] /= np.linalg.norm(q[..., QUATERNION], axis=-1, keepdims=True)
         return q
+
+
+def _impulses(solution: SolutionLike) -> dict[int, dict[str, Array]]:
+    """Read the impulses of all touchdowns, by the phase that begins with them: ``impulse.<contact>.<axis>``."""
+    read: dict[int, dict[str, Array]] = {}
+    links, found = getattr(solution.problem, "links", ()), getattr(solution, "impulses", ())
+    for link, impulses in zip(links, found, strict=False):
+        for name, value in impulses.items():
+            contact, axis = name.removeprefix("impulse.").rsplit(".", 1)
+            if axis in AXES:
+                by_contact = read.setdefault(link.second % len(solution.phases), {})
+                by_contact.setdefault(contact, np.zeros(3))[AXES.index(axis)] = value
+    return read
 
 
 def _count(periods: int | None, closing: Return | None) -> int:

@@ -25,7 +25,7 @@ class FootReport:
     sink : float
         Deepest that it went into the soft ground [m].
     force : ndarray (3,)
-        Mean contact force over the whole motion, world axes [N].
+        Mean contact force over the whole motion, impacts included, world axes [N].
     planned : ndarray (3,) or None
         The same of the plan; None where the plan does not tell forces.
     loaded : float

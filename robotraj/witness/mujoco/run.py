@@ -178,12 +178,16 @@ class Run:
         self._rows.append((np.array([self._time]), q, v, here, away, added, full))
 
     def _expect(self, passage: Passage, times: Array, sizes: Array) -> None:
-        """Add up the planned contact forces, over which time they act."""
+        """Add up the impulses of the planned contact forces, those of impacts included."""
         planned = self._course.phases[passage.phase]
         forces = planned.at(self._course.starts[passage.phase] + times).forces
-        for name in forces:
+        impulses = {name: sizes @ np.asarray(forces[name], dtype=float)[:, :3] for name in forces}
+        if (passage.phase, passage.period) != (0, 0):
+            for name, impulse in self._course.strikes(passage.phase).items():
+                impulses[name] = impulses[name] + impulse
+        for name, parts in impulses.items():
             foot, sign = self._course.foot_onwards(name, passage.period)
-            impulse = sign * (sizes @ np.asarray(forces[name], dtype=float)[:, :3])
+            impulse = sign * parts
             self._planned[foot] = self._planned.get(foot, np.zeros(3)) + impulse
 
     def report(self) -> SecondOpinion:
