@@ -10,6 +10,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj import gait
 
 SIDES = {"left_hip": "right_hip", "left_knee": "right_knee", "left_foot": "right_foot"}
 
@@ -77,3 +78,28 @@ def test_a_quadruped_on_four_feet_is_simulated_as_planned():
     assert max(max(h.slip.value, h.sink.value) for h in report.holdings) < 1e-5
     assert max(h.difference.value for h in report.holdings) < 0.05
     assert report.drift.largest("q.") < 1e-3
+
+
+@pytest.mark.slow
+def test_a_robot_on_two_flat_feet_is_simulated_as_planned():
+    robot = rt.load("talos_legs", root="floating")
+    soles = ("left_sole_link", "right_sole_link")
+
+    def foot(frame: str) -> rt.FlatFoot:
+        return rt.FlatFoot(frame, length=0.2, width=0.1, friction=0.6)
+
+    here = dict(zip(robot.position_names, gait.stand(robot, soles, contact=foot), strict=True))
+    squat = rt.Phase(
+        robot,
+        duration=0.6,
+        start=rt.State(q=here, v=0),
+        end=rt.State(q={"root_z": here["root_z"] - 0.05, "root_y": here["root_y"] + 0.04}, v=0),
+        contacts=[foot(sole) for sole in soles],
+        objective=1e-3 * rt.Effort() + rt.Lagrange(lambda point: ca.sumsqr(point.v)),
+        name="squat",
+    )
+    report = rt.validate(rt.plan(squat, mesh=rt.Mesh(6)), drift=2e-2, phase_drift=2e-2)
+    assert report.passed
+    for holding in report.holdings:
+        assert max(holding.slip.value, holding.sink.value, holding.turn.value) < 5e-5
+        assert holding.difference.value < 5e-3 * holding.weight
