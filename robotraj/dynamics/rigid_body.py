@@ -50,11 +50,8 @@ class RigidBody:
     @cached_property
     def states(self) -> tuple[Variable, ...]:
         """Positions, then velocities: ``q.<position>``, ``v.<velocity>``."""
-        unit_of = dict(zip(self.robot.velocity_names, self.robot.units, strict=True))
-        positions = tuple(
-            Variable(f"q.{name}", unit_of.get(name, self._root_unit(name)), "position", name)
-            for name in self.robot.position_names
-        )
+        places = zip(self.robot.position_names, self.robot.position_units, strict=True)
+        positions = tuple(Variable(f"q.{name}", unit, "position", name) for name, unit in places)
         return positions + self._joints("v", "velocity", lambda unit: RATE_UNITS[unit][0])
 
     @cached_property
@@ -77,11 +74,6 @@ class RigidBody:
     @property
     def _has_quaternion(self) -> bool:
         return self.robot.root == "floating"
-
-    @staticmethod
-    def _root_unit(position: str) -> str:
-        """Give the unit of a coordinate of the free-flyer: metres, or none for the quaternion."""
-        return "m" if position in ("root_x", "root_y", "root_z") else ""
 
     def _joints(self, prefix: str, quantity: str, unit_of: Any) -> tuple[Variable, ...]:
         pairs = zip(self.robot.velocity_names, self.robot.units, strict=True)

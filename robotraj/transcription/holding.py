@@ -85,9 +85,6 @@ def _carried(phases: Sequence[Phase], index: int, links: Sequence[BoundLink]) ->
         for i, row in enumerate(here):
             partner = carry.partners.get(row.label, row.label)
             carried[i] |= row.quantity in carry.quantities and (row.quantity, partner) in there
-    # Where a contact stands is found out at the start: as many rows as say where are kept.
-    _, parameters = _dependence(phases[index])
-    for contact in phases[index].bound_contacts:
-        rows = [i for i, row in enumerate(here) if row.label == contact.name and parameters[i].any()]
-        carried[rows[: len(contact.anchors)]] = False
-    return carried
+    # Where a contact stands is found out at the start: the rows that say where bear the names of its anchors.
+    footholds = {anchor.name for contact in phases[index].bound_contacts for anchor in contact.anchors}
+    return carried & ~np.array([row.name in footholds for row in here], dtype=bool)
