@@ -1,0 +1,30 @@
+"""A hopper goes half a metre forward: when its foot stands, slips or flies is found, not given.
+
+The contact is a relaxed complementarity, tightened in stages; every interval ends in one collocation point, so that an
+impact is a force that lasts one interval.
+"""
+
+import numpy as np
+
+import robotraj as rt
+
+robot = rt.load("hopper", root="planar")
+still = {"root_z": 0.5, "root_pitch": 0.0, "hip": 0.0, "leg": 0.5}
+hop = rt.Phase(
+    robot,
+    duration=1.0,
+    contacts=[rt.ImplicitContact("foot", friction=0.8, relaxation=1e-4)],
+    start=rt.State(q=still | {"root_x": 0.0}, v=0),
+    end=rt.State(q=still | {"root_x": 0.5}, v=0),
+    objective=rt.Effort({"hip": 1.0, "leg": 0.01}),
+    name="hop",
+)
+solution = rt.plan(hop, mesh=rt.Mesh(40, rt.RadauIIA(1)), stages=rt.tightening(hop, [1.0, 0.1, 1e-2, 1e-3]))
+print(solution)
+
+middles = 0.5 * (solution.knots[1:] + solution.knots[:-1])
+stands = solution.at(middles).forces["foot"][:, 2] > 1.0
+changes = np.flatnonzero(np.diff(stands)) + 1
+times = ", ".join(f"{solution.knots[i]:.3f}" for i in changes)
+print(f"the foot stands {np.mean(stands):.0%} of the time; it lifts off and touches down at t = {times} s")
+print("wrote", rt.replay(solution, "13_hopper.html"))
