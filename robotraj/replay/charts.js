@@ -42,6 +42,11 @@ function valueAt(chart, series, t) {
 class Chart {
   constructor(host, data, { phases, impacts }, state, onSeek) {
     Object.assign(this, { data, phases, impacts, state, fit: false });
+    // Limits far away would leave the curves no room: then they are shown on demand.
+    const all = this.range();
+    this.fit = true;
+    const own = this.range();
+    this.fit = own[1] - own[0] < 0.3 * (all[1] - all[0]);
     this.tints = tints(phases);
     this.start = phases[0].start;
     this.end = phases[phases.length - 1].end;
@@ -64,7 +69,7 @@ class Chart {
   addLimitButton() {
     const button = document.createElement("button");
     Object.assign(button, { type: "button", textContent: "limits", title: "Show the limits, or fit the curves" });
-    button.setAttribute("aria-pressed", "true");
+    button.setAttribute("aria-pressed", String(!this.fit));
     button.addEventListener("click", () => {
       this.fit = !this.fit;
       button.setAttribute("aria-pressed", String(!this.fit));
@@ -266,7 +271,8 @@ class Legend {
   constructor(host, charts, state, redraw) {
     this.cells = [];
     this.charts = charts;
-    const labels = [...state.colors.keys()];
+    // What starts hidden comes last.
+    const labels = [...state.colors.keys()].sort((a, b) => state.hidden.has(a) - state.hidden.has(b));
     const table = document.createElement("table");
     const head = table.createTHead().insertRow();
     const title = (text) => head.append(Object.assign(document.createElement("th"), { textContent: text }));

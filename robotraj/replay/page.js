@@ -60,7 +60,11 @@ class Player {
     scrubber.addEventListener("input", () => this.seek(Number(scrubber.value)));
     scrubber.addEventListener("pointerdown", () => (this.held = true));
     for (const kind of ["pointerup", "pointercancel", "change"]) scrubber.addEventListener(kind, () => (this.held = false));
-    if (this.view) byId("home").addEventListener("click", () => this.view.home());
+    if (this.view) {
+      byId("home").addEventListener("click", () => this.view.home());
+      byId("follow").hidden = !this.data.scene.body;
+      byId("follow").addEventListener("click", () => this.view.follow(!this.view.followed));
+    }
     window.addEventListener("keydown", (event) => this.key(event));
     this.play(false);
   }

@@ -15,6 +15,7 @@ from meshcat.path import Path as NodePath
 from numpy.typing import NDArray
 from trimesh import creation
 
+from robotraj.loading.root import root_of
 from robotraj.replay.clearance import clearance_scene
 from robotraj.replay.colors import rgb
 from robotraj.replay.contacts import contact_scene
@@ -89,8 +90,11 @@ def scene_of(robot: Any, course: Unrolled, fps: int, traces: Sequence[str] | Non
     pairs = zip(frames, colors, strict=True)
     drawn = [_trace(viewer, motion, model.frames[frame], k, rgb(c), size) for k, (frame, c) in enumerate(pairs)]
     window.send(meshcat.commands.SetAnimation(_animation(motion, paths, fps), play=False, repetitions=1))
+    stature = _stature(visuals, motion)
     description = _description(model, motion, paths, hull, ground, drawn) | {
-        "contacts": contact_scene(course, robot, _stature(visuals, motion)),
+        "body": root_of(robot.root).joints[-1] if robot.root != "fixed" else None,
+        "stature": round(stature, 4),
+        "contacts": contact_scene(course, robot, stature),
         "clearance": clearance_scene(course),
     }
     return Scene(window.packed(), description)

@@ -15,6 +15,10 @@ class View {
     this.joints = {};
     for (const [name, path] of Object.entries(scene.joints)) this.joints[name] = this.viewer.scene_tree.find(path).object;
     this.past = scene.traces.map((trace) => this.viewer.scene_tree.find([...trace.path, "<object>"]).object);
+    for (const trace of scene.traces) {
+      const lines = this.viewer.scene_tree.find(trace.path.slice(0, -1)).object;
+      lines.traverse((node) => (node.castShadow = false));
+    }
     this.addLight();
     this.addGround();
     this.contacts = new ContactsView(this.viewer, scene, colors);
@@ -153,8 +157,41 @@ class View {
     this.viewer.controls.target.copy(target);
     camera.position.copy(target).addScaledVector(toward, 1.14 * distance);
     this.moved = false;
+    this.follow(false);
     this.viewer.controls.update();
     this.viewer.set_dirty();
+  }
+
+  // Where the body is that the root moves, as drawn; along the ground alone.
+  body() {
+    const node = this.joints[this.scene.body];
+    node.updateWorldMatrix(true, false);
+    return new MeshCat.THREE.Vector3().setFromMatrixPosition(node.matrixWorld).setY(0);
+  }
+
+  // Keep the camera beside the robot as it moves along, close enough to fill the view.
+  follow(wanted) {
+    this.followed = wanted ? this.body() : null;
+    byId("follow").setAttribute("aria-pressed", String(wanted));
+    if (!wanted) return;
+    const { camera, controls } = this.viewer;
+    const toward = camera.position.clone().sub(controls.target).normalize();
+    const { center } = this.box();
+    controls.target.copy(this.followed).setY(View.drawn(center).y);
+    const half = Math.tan(((camera.fov / 2) * Math.PI) / 180) * Math.min(1, camera.aspect);
+    camera.position.copy(controls.target).addScaledVector(toward, (0.85 * this.scene.stature) / half);
+    this.moved = true;
+    controls.update();
+    this.viewer.set_dirty();
+  }
+
+  keepUp() {
+    const now = this.body();
+    const step = now.clone().sub(this.followed);
+    this.followed = now;
+    this.viewer.controls.target.add(step);
+    this.viewer.camera.position.add(step);
+    this.viewer.controls.update();
   }
 
   resize() {
@@ -175,6 +212,7 @@ class View {
       geometry.setDrawRange(0, Math.max(passed, 0) * perRing);
     });
     this.contacts.seek(t, this.scene.clearance);
+    if (this.followed) this.keepUp();
     this.viewer.set_dirty();
   }
 

@@ -275,3 +275,25 @@ def test_bars_and_marks_say_what_runs_and_what_is_drawn(walk, browser, tmp_path)
     assert shown == pytest.approx(force, abs=0.5)
     assert page.locator("#legend tr.off").count() == 3
     browser.check(path)
+
+
+def test_the_camera_follows_on_demand_and_far_limits_wait(walk, browser, tmp_path):
+    path = replay(walk, tmp_path / "walk.html", periods=4)
+    page = browser.open(path)
+    camera = "() => robotraj.viewer.camera.position.toArray()"
+    page.evaluate("() => robotraj.seek(0.35)")
+    still = page.evaluate(camera)
+    page.locator("#follow").click()
+    here = page.evaluate(camera)
+    assert here != still
+    page.evaluate("() => robotraj.seek(1.75)")
+    # Two steps on, 1 m along x; three.js has its y up.
+    np.testing.assert_allclose(np.subtract(page.evaluate(camera), here), [1.0, 0.0, 0.0], atol=1e-3)
+    page.locator("#home").click()
+    np.testing.assert_allclose(page.evaluate(camera), still, atol=1e-6)
+    assert page.locator("#follow").get_attribute("aria-pressed") == "false"
+    buttons = page.locator(".chart button")
+    assert [button.get_attribute("aria-pressed") for button in buttons.all()] == ["false", "false", "true", "true"]
+    buttons.first.click()
+    assert buttons.first.get_attribute("aria-pressed") == "true"
+    browser.check(path)
