@@ -119,15 +119,28 @@ class ImplicitContact(Contact):
         rows += [LimitRow("slipping speed", "m/s", 0.0, np.inf, name) for _ in directions]
         rows += [LimitRow("friction against the slip", "W", -np.inf, self.relaxation, name) for _ in directions]
         up = tuple(float(part) for part in normal)
+        ground, friction = as_ground(self.ground), float(self.friction)
         return BoundImplicitContact(
-            self, name, self.frame, forces, (), (), tuple(rows), (), spot, as_ground(self.ground), up, directions
+            self, name, self.frame, forces, (), (), tuple(rows), (), friction, spot, ground, up, directions
         )
 
 
 @dataclass(frozen=True, eq=False)
 class BoundImplicitContact(BoundContact):
-    """A point that no row holds: forces, and rows that say when they act."""
+    """A point that no row holds: forces, and rows that say when they act.
 
+    Attributes
+    ----------
+    friction : float
+    spot : Spot
+    ground : Ground
+    normal : tuple of 3 float
+        Of the plane.
+    directions : tuple of tuples of 3 float
+        Along which friction acts.
+    """
+
+    friction: float
     spot: Spot
     ground: Ground
     normal: tuple[float, ...]
@@ -163,7 +176,7 @@ class BoundImplicitContact(BoundContact):
         """Evaluate gap, complementarities and cone."""
         normal, *friction, slip = forces
         gap, motion = self.gap(point), self.spot.velocity(point)
-        inside = float(self.contact.friction) * normal - sum(friction)
+        inside = self.friction * normal - sum(friction)
         against = [slip + dot(direction, motion) for direction in self.directions]
         dissipated = [speed * part for speed, part in zip(against, friction, strict=True)]
         return [gap, gap * normal, *forces, inside, inside * slip, *against, *dissipated]
