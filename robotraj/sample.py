@@ -55,13 +55,13 @@ class Sample:
 
 
 def join(samples: list[Sample], order: NDArray[np.int_]) -> Sample:
-    """Stack samples of array times of the same dynamics, then reorder them."""
+    """Stack samples of array times, then reorder them; of named variables, those that all of them have."""
 
     def stack(parts: list[Any]) -> Any:
         return None if parts[0] is None else np.concatenate(parts)[order]
 
     def stack_named(parts: list[Named]) -> Named:
-        names = list(parts[0])
+        names = [name for name in parts[0] if all(name in part for part in parts)]
         return Named(parts[0].kind, names, [stack([part[name] for part in parts]) for name in names])
 
     x, z, u, forces = (stack_named([getattr(s, key) for s in samples]) for key in ("x", "z", "u", "forces"))

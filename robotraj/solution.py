@@ -124,7 +124,8 @@ class Solution:
         Returns
         -------
         Sample
-            ``.q .v .a .tau`` for robots, ``.x .u .z`` by name for Systems; (n,) for one time, (m, n) for m times.
+            ``.q .v .a .tau`` for robots, ``.x .u .z`` by name for Systems; (n,) for one time, (m, n) for m times. Times
+            in several phases give the variables that all of these have; forces are 0 where a contact is not held.
         """
         times = np.asarray(t, dtype=float)
         starts = np.array([phase.t0 for phase in self.phases])

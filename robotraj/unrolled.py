@@ -189,7 +189,7 @@ class Passage:
 
     def bounds(self, quantity: str, lower: Array, upper: Array) -> tuple[Array, Array]:
         """Bounds of the plan's ``"q"``, ``"v"`` or ``"tau"`` as they are in this period."""
-        if self.closing is None:
+        if self.closing is None or not len(lower):
             return lower, upper
         actuation = np.asarray(self.phase.robot.actuation)
         matrix, shift = {

@@ -136,10 +136,33 @@ class Mirror(Link):
             if name not in labels and name not in feet and not _is_frame(phase, name):
                 raise unknown_name("joint", name, labels, "Mirror(partners=...) names joints or contacts.")
         by_kind = {(s.quantity, s.label): s.name for s in states}
-        sources = [
-            (by_kind[s.quantity, both.get(s.label, s.label)], -1.0 if s.label in self.negated else 1.0) for s in states
-        ]
+        # Seen from the end, where the sign is that of the partner: x_m(s)(end) = sign_m(s) x_s(start).
+        images = [(s.quantity, both.get(s.label, s.label)) for s in states]
+        sources = [(by_kind[image], -1.0 if image[1] in self.negated else 1.0) for image in images]
         return _displaced(names, sources, self.displacement, both, who)
+
+
+def check_partners(repeat: Repeat, phase: Phase) -> None:
+    """Refuse contacts without a partner on limbs that change places: which foot stands next would be unknown.
+
+    Raises
+    ------
+    InputError
+        Such a contact of the phase.
+    """
+    robot = phase.robot
+    if robot is None:
+        return
+    model = robot.model
+    for contact in phase.bound_contacts:
+        above = [model.names[i] for i in model.supports[model.frames[robot.frame(contact.frame)].parentJoint]]
+        swapped = [name for name in above if repeat.partners.get(name, name) != name]
+        if swapped and contact.name not in repeat.partners:
+            joint, other = swapped[-1], repeat.partners[swapped[-1]]
+            raise InputError(
+                f"Mirror swaps {joint!r}, which carries contact {contact.name!r}, with {other!r}; name the contact's "
+                f"partner as well: partners={{..., {contact.name!r}: <the contact on the side of {other!r}>}}."
+            )
 
 
 def _is_frame(phase: Phase, name: str) -> bool:
@@ -170,6 +193,8 @@ def _repeat(link: Periodic | Mirror, phases: Sequence[Phase], who: str) -> Bound
     opening, closing = phase_at(phases, link.first, who), phase_at(phases, link.last, who)
     names = same_states(opening, closing, who)
     repeat = link.of(closing, names, who)
+    for phase in (opening, closing):
+        check_partners(repeat, phase)
     kept = repeat.bounded
     if not kept:
         raise InputError(f"{who} leaves every state free.")

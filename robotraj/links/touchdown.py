@@ -15,7 +15,7 @@ from robotraj.dynamics.holding import anchors, torques
 from robotraj.errors import InputError
 from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
 from robotraj.links.continuity import Continuity
-from robotraj.links.periodic import Mirror, Periodic, Repeat
+from robotraj.links.periodic import Mirror, Periodic, Repeat, check_partners
 
 if TYPE_CHECKING:
     from robotraj.contacts import BoundContact
@@ -56,7 +56,8 @@ class Touchdown(Link):
         Raises
         ------
         InputError
-            Phases that do not exist, have other states, or where ``second`` holds no contact.
+            Phases that do not exist, have other states, or where ``second`` holds no contact; a mirror that says of no
+            partner which contact it is.
         """
         who = f"Touchdown({self.first}, {self.second})"
         before, after = phase_at(phases, self.first, who), phase_at(phases, self.second, who)
@@ -66,6 +67,8 @@ class Touchdown(Link):
             raise InputError(f"{who}: phase {after.name!r} holds no contact; give it contacts=[rt.PointContact(...)].")
         nq, robot = body.robot.nq, body.robot
         repeat = self.repeat.of(before, names, who) if self.repeat is not None else Repeat.same(names)
+        for phase in (before, after):
+            check_partners(repeat, phase)
         placed = [i for i in repeat.bounded if i < nq]
         rows = [] if self.repeat is not None else [Row("continuity", "s", 0.0, 0.0, "time")]
         rows += [Row("continuity", body.states[i].unit, repeat.lower[i], repeat.upper[i], names[i]) for i in placed]
@@ -101,7 +104,9 @@ class Touchdown(Link):
             for contact in body.contacts
             for name, force in zip(impulse_names(contact), contact.forces, strict=True)
         )
-        carries = (Carry(*pair, STATE - {"contact velocity"}, repeat.partners),)
+        # Velocities jump; and where the motion climbs, no foot stands where it stood.
+        kept = STATE - {"contact velocity"} if repeat.level else frozenset({"unit quaternion"})
+        carries = (Carry(*pair, kept, repeat.partners),)
         return BoundLink(who, pair, tuple(rows), expression, unknowns, carries)
 
 
