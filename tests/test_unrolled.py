@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.gait import mirror
 from robotraj.links import Touchdown
 from robotraj.unrolled import Return, closing_of, unrolled
 
@@ -144,3 +145,40 @@ def test_a_plan_that_ends_elsewhere_is_followed_once(step):
     for periods in (0, -1, 1.5, True, "2"):
         with pytest.raises(rt.InputError, match="periods = "):
             unrolled(step, periods)
+
+
+def test_a_mirrored_quadruped_stands_and_moves_as_its_mirror_image():
+    """Frames of a floating robot a period later: places, linear and angular velocities of the partner's frame."""
+    robot = rt.load("solo12", root="floating")
+    rng = np.random.default_rng(3)
+    pin.seed(3)
+    root = np.concatenate([[0.1, 0.3, 0.25], pin.Quaternion.Identity().coeffs()])
+    joints = np.array(robot.neutral)[7:] + 0.2 * rng.standard_normal(12)
+    q = pin.integrate(robot.model, np.concatenate([root, joints]), np.r_[0.1 * rng.standard_normal(6), np.zeros(12)])
+    v, tau = rng.standard_normal(18), rng.standard_normal(12)
+    wrench = rng.standard_normal(6)
+    phase = rt.Phase(robot, duration=0.2, contacts=[rt.PointContact("FL_FOOT")], name="half")
+    sample = SimpleNamespace(q=q, v=v, a=v, tau=tau, forces={"FL_FOOT": wrench})
+    planned = SimpleNamespace(phase=phase, t0=0.0, duration=0.2, knots=[0.0, 0.2], at=lambda t, interval=None: sample)
+    closing = mirror(robot, displacement={"q.root_x": 0.4})
+    course = unrolled(SimpleNamespace(phases=(planned,), problem=SimpleNamespace(links=[closing])), 2)
+    second = course.phases[1]
+    later = second.at(0.3)
+    assert list(later.forces) == ["FR_FOOT"]
+    np.testing.assert_allclose(later.forces["FR_FOOT"], wrench * [1, -1, 1, -1, 1, -1])
+    assert np.linalg.norm(later.q[3:7]) == pytest.approx(1.0)
+
+    def moving(frame, q, v):
+        data, index = robot.model.createData(), robot.frame(frame)
+        pin.forwardKinematics(robot.model, data, q, v)
+        pin.updateFramePlacements(robot.model, data)
+        motion = pin.getFrameVelocity(robot.model, data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        return np.array(data.oMf[index].translation), np.array(motion.vector)
+
+    for one, other in (("FL_FOOT", "FR_FOOT"), ("HR_FOOT", "HL_FOOT"), ("base_link", "base_link")):
+        here, there = moving(one, q, v), moving(other, later.q, later.v)
+        np.testing.assert_allclose(there[0], here[0] * [1, -1, 1] + [0.4, 0, 0], atol=1e-3)
+        np.testing.assert_allclose(second.points(here[0]), here[0] * [1, -1, 1] + [0.4, 0, 0], atol=1e-12)
+        np.testing.assert_allclose(there[1], second.forces(here[1]), atol=5e-3)
+    power = [now.tau @ (robot.actuation.T @ now.v) for now in (sample, later)]
+    assert power[0] == pytest.approx(power[1])

@@ -18,6 +18,8 @@ RATE = {"rad": "rad/s", "m": "m/s"}
 EFFORT = {"rad": "N m", "m": "N"}
 SAMPLES = 900
 """About so many samples per phase, shared among its intervals; each shows at least 3, ends included."""
+ALL_SAMPLES = 3600
+"""About so many in all phases of all periods, shared among them."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,7 @@ def curves(course: Unrolled) -> list[dict[str, Any]]:
         ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
     """
     drawn: dict[str, dict[str, Any]] = {}
+    number = len(course.phases)
     for passage in course.phases:
         phase = passage.phase
         if phase.robot is not None:
@@ -114,7 +117,7 @@ def curves(course: Unrolled) -> list[dict[str, Any]]:
         else:
             panels = system_panels(phase.system)
         limits = _limits(passage)
-        times, samples = _sample(passage)
+        times, samples = _sample(passage, min(SAMPLES, ALL_SAMPLES / number))
         for panel in panels:
             labels = [{"label": s.label, "unit": s.unit} for s in panel.series]
             chart = drawn.setdefault(
@@ -135,10 +138,10 @@ def curves(course: Unrolled) -> list[dict[str, Any]]:
     return list(drawn.values())
 
 
-def _sample(passage: Passage) -> tuple[Array, list[Any]]:
+def _sample(passage: Passage, wanted: float) -> tuple[Array, list[Any]]:
     """Read a phase interval by interval; both sides of every knot are there."""
     knots = passage.knots
-    count = max(3, int(np.ceil(SAMPLES / max(len(knots) - 1, 1))) + 1)
+    count = max(3, int(np.ceil(wanted / max(len(knots) - 1, 1))) + 1)
     grids = [np.linspace(a, b, count) for a, b in zip(knots[:-1], knots[1:], strict=True)]
     return np.concatenate(grids), [passage.at(grid, interval=k) for k, grid in enumerate(grids)]
 
