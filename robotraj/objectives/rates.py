@@ -72,8 +72,14 @@ class Jerk(Integral):
         return sum((w * point.extra[f"jerk.{j}"] ** 2 for w, j in zip(weights, joints, strict=True) if w), ca.SX(0))
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
-        """Check that there is a robot, and the weights against its joints."""
+        """Check that there is a robot without contacts, and the weights against its joints."""
         weights_of(self.weights, robot_of(dynamics, "Jerk").velocity_names, "Jerk")
+        held = getattr(body_of(dynamics), "contacts", ())
+        if held:
+            raise InputError(
+                f"Jerk() needs the rates of contact forces, which a phase that holds {held[0].name!r} does not have; "
+                "use rt.TorqueRate(), or rt.FrameSmoothness of what must move smoothly."
+            )
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """Make the torques states and add the jerks."""

@@ -64,3 +64,9 @@ def test_smoothness_of_a_frame_is_the_integral_of_its_squared_acceleration(robot
 def test_bad_input_is_refused(robot: rt.Robot, objective: object, said: str) -> None:
     with pytest.raises(rt.InputError, match=said):
         move(robot, objective)
+
+
+def test_jerks_of_robots_in_contact_are_refused() -> None:
+    hopper = rt.load("hopper", root="planar")
+    with pytest.raises(rt.InputError, match="holds 'foot'"):
+        rt.Phase(hopper, duration=1.0, contacts=[rt.PointContact("foot")], objective=rt.Jerk())
