@@ -2,11 +2,13 @@
 
 from robotraj.gait.feet import feet_of, limb_ends
 from robotraj.gait.flight import Flight
+from robotraj.gait.jumps import jump
 from robotraj.gait.mirror import mirror
+from robotraj.gait.posture import gait_objective
 from robotraj.gait.sequence import Support, Terms, sequence
 from robotraj.gait.stand import stand
 from robotraj.gait.upright import Upright
-from robotraj.gait.walks import jump, run, trot, walk
+from robotraj.gait.walks import run, trot, walk
 
 __all__ = [
     "Flight",
@@ -14,6 +16,7 @@ __all__ = [
     "Terms",
     "Upright",
     "feet_of",
+    "gait_objective",
     "jump",
     "limb_ends",
     "mirror",

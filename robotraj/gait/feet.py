@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any, cast
 
 import pinocchio as pin
 
@@ -64,10 +65,10 @@ def stands(kind: FootKind, frame: str) -> Contact:
     InputError
         The function gives no contact.
     """
-    contact = replace(kind, frame=frame, name=None) if isinstance(kind, Contact) else kind(frame)  # type: ignore[call-arg]
+    contact = replace(cast(Any, kind), frame=frame, name=None) if isinstance(kind, Contact) else kind(frame)
     if not isinstance(contact, Contact):
         raise InputError(
-            f"contact= gave {contact!r} for foot {frame!r}; give rt.PointContact, a contact to copy, or a function from "
-            "a frame's name to a contact."
+            f"contact= gave {contact!r} for foot {frame!r}; give rt.PointContact, a contact to copy, or a function "
+            "from a frame's name to a contact."
         )
     return contact

@@ -73,9 +73,9 @@ def mirror(
     for who, gap in off.items():
         if gap > tolerance and (who in partner or who in given):
             raise InputError(
-                f"{'Joint' if who in partner else 'Frame'} {who!r} of {robot.name!r} stands {gap:.2g} m from its mirror "
-                "image: left and right of the robot differ. Name partners= where the names mislead, allow for it with "
-                "tolerance=, or repeat with rt.Periodic."
+                f"{'Joint' if who in partner else 'Frame'} {who!r} of {robot.name!r} stands {gap:.2g} m from its "
+                "mirror image: left and right of the robot differ. Name partners= where the names mislead, allow "
+                "for it with tolerance=, or repeat with rt.Periodic."
             )
     sides = {name: other for name, other in sides.items() if off.get(name, 0.0) <= tolerance}
     own = set(ROOT[robot.root]) | {name for name, sign in signs.items() if sign < 0}
@@ -86,7 +86,7 @@ def mirror(
 
 
 def mirrored(robot: Robot, q: Array, repeat: Mirror) -> Array:
-    """Configuration (nq,) of which q is the mirror image."""
+    """Give the mirror image (nq,) of a configuration."""
     names = robot.position_names
     both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
     at = {name: i for i, name in enumerate(names)}
@@ -109,7 +109,7 @@ def _signs(robot: Robot, partner: Mapping[str, str]) -> dict[str, float]:
         if abs(abs(along) - 1.0) > 1e-3:
             raise InputError(
                 f"Joint {name!r} of {robot.name!r} has no mirror image in {partner[name]!r}: with all joints at zero "
-                f"its axis {np.round(axis[part], 4).tolist()} is reflected to {np.round(rule * axis[part], 4).tolist()}, "
+                f"its axis {np.round(axis[part], 4).tolist()} has the image {np.round(rule * axis[part], 4).tolist()}, "
                 f"but the other has {np.round(other[part], 4).tolist()}. Name the right one with partners=."
             )
         signs[name] = float(np.sign(along))

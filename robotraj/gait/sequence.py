@@ -13,18 +13,18 @@ from robotraj.contacts import PointContact
 from robotraj.errors import InputError
 from robotraj.gait.feet import FootKind, stands
 from robotraj.gait.flight import Flight
+from robotraj.gait.posture import gait_objective
 from robotraj.gait.upright import Upright
 from robotraj.guesses.stance import Stance, standing
 from robotraj.links import Continuity, Liftoff, Link, Mirror, Periodic, Touchdown
-from robotraj.objectives import Effort, Objective
+from robotraj.objectives import Objective
 from robotraj.problem import Phase, Problem
 from robotraj.robot import Robot
 from robotraj.state import State
 from robotraj.terrain import Flat, Ground, as_ground
 
-
 TOUCH = 1e-4
-"""How far below the ground [m] a foot may come where it leaves and lands, so that rows there do not say things twice."""
+"""How far below the ground [m] a foot may come where it leaves and lands: no row then says what another says."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Terms:
     clearance : float or None
         How high swinging feet pass between their footholds [m], 0 for above the ground alone, None for no such row.
     objective : Objective or None
-        Of every phase.
+        Of every phase; ``gait_objective(robot, standing)`` where None.
     upright : Upright or None
     ground : Ground or callable
         For clearance; contacts carry their own.
@@ -111,6 +111,7 @@ def sequence(
     every = tuple(dict.fromkeys((*feet, *(partners.get(foot, foot) for foot in feet))))
     contacts = {foot: stands(terms.contact, foot) for foot in every}
     posture = standing(Stance(robot, tuple(contact.bind(robot) for contact in contacts.values())))
+    objective = terms.objective if terms.objective is not None else gait_objective(robot, posture)
     phases: list[Phase] = []
     for i, support in enumerate(supports):
         swinging = [foot for foot in every if foot not in support.feet]
@@ -126,7 +127,7 @@ def sequence(
                 support.duration,
                 start=(_origin(robot, repeat) if repeat is not None else start) if i == 0 else None,
                 end=end if i == len(supports) - 1 else None,
-                objective=terms.objective if terms.objective is not None else Effort(),
+                objective=objective,
                 constraints=rows,
                 contacts=[contacts[foot] for foot in support.feet],
                 states=states,

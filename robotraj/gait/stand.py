@@ -22,7 +22,7 @@ REACHED = 1e-6
 def stand(
     robot: Robot, feet: Sequence[str] | None = None, contact: FootKind = PointContact, height: float | None = None
 ) -> Array:
-    """Configuration (nq,) [m, rad] in which the robot stands: feet on the ground, knees bent, mass over the feet.
+    """Give a configuration (nq,) [m, rad] to stand in: feet on the ground, knees bent, mass over the feet.
 
     Feet are under where the neutral configuration has them, the root is upright, and joints are inside their limits and
     near the neutral ones. Straight legs, whose joints then could not lift the root, are bent at the knees.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -22,7 +22,7 @@ PERIODS = 2
 
 @dataclass(frozen=True)
 class Stand:
-    """A foot that stands from one time to another [s]; infinite where it stood before, or stands after, all that is known."""
+    """A foot that stands from one time to another [s], infinite where no phase says more."""
 
     foot: str
     start: float
@@ -80,7 +80,7 @@ class Schedule:
         ]
 
     def partner(self, foot: str) -> str:
-        """The foot on the other side, itself without a mirror."""
+        """Name the foot on the other side, the same one without a mirror."""
         if not isinstance(self.repeat, Mirror):
             return foot
         return {**self.repeat.partners, **{b: a for a, b in self.repeat.partners.items()}}.get(foot, foot)
@@ -125,7 +125,7 @@ def _contacts(problem: Problem, repeat: Mirror | Periodic | None) -> tuple[Bound
         other = partners.get(name, name)
         frame = partners.get(contact.frame, other if other in robot.frame_names else contact.frame)
         if other not in every and frame != contact.frame and hasattr(contact.contact, "frame"):
-            every[other] = replace(contact.contact, frame=frame, name=other).bind(robot)  # type: ignore[call-arg]
+            every[other] = replace(cast(Any, contact.contact), frame=frame, name=other).bind(robot)
     return tuple(every.values())
 
 

@@ -51,7 +51,7 @@ class Stance:
 
     @cached_property
     def _places(self) -> ca.Function:
-        point = symbols_of(InverseDynamics().of(self.robot, None, self.contacts), self._names)
+        point: Any = symbols_of(InverseDynamics().of(self.robot, None, self.contacts), self._names)
         rows = [row for contact in self.contacts for row in contact.position(point, anchors(contact, point.p))]
         y, p = ca.vertcat(*rows), ca.vertcat(ca.SX(0, 1), *point.p.values())
         return ca.Function("places", [point.q, p], [y, ca.jacobian(y, point.q)])
@@ -59,7 +59,7 @@ class Stance:
     @cached_property
     def _efforts(self) -> ca.Function:
         """J' of all forces, (nv, forces): joint torques of the contacts' forces."""
-        point = symbols_of(InverseDynamics().of(self.robot, None, self.contacts), self._names)
+        point: Any = symbols_of(InverseDynamics().of(self.robot, None, self.contacts), self._names)
         rows = ca.vertcat(*(row for contact in self.contacts for row in contact.velocity(point)))
         return ca.Function("efforts", [point.q], [ca.jacobian(rows, point.v).T])
 
@@ -105,7 +105,7 @@ class Stance:
     def reach(
         self, near: Array, feet: Mapping[str, float], mass: Any, lifts: Mapping[str, float], posture: Array
     ) -> Array:
-        """Configuration (nq,) nearest to ``near`` with feet, centre of mass and posture as asked for.
+        """Find the configuration (nq,) nearest to ``near`` with feet, centre of mass and posture as asked for.
 
         Damped least squares on weighted errors, then Newton's method on the feet alone, which thus come first.
         Sources: Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement, and Control 108 (1986).
@@ -162,7 +162,7 @@ class Stance:
         free = np.ones(self.robot.nv, dtype=bool)
         free[n:] = ~((joints <= lower + 1e-9) & (pull < 0) | (joints >= upper - 1e-9) & (pull > 0))
         held = slope * free
-        return -np.linalg.solve(held.T @ held + damping * np.eye(held.shape[1]), held.T @ error)
+        return np.asarray(-np.linalg.solve(held.T @ held + damping * np.eye(held.shape[1]), held.T @ error))
 
     def _errors(self, q: Array, feet: Mapping[str, float], mass: Array, raised: Array, posture: Array) -> Any:
         robot, n = self.robot, ROOT_FREEDOMS[self.robot.root]
@@ -193,7 +193,7 @@ class Stance:
 
 
 def upright(robot: Robot, q: Array) -> Array:
-    """Configuration with the root's attitude level, heading along world x."""
+    """Give a configuration with the root's attitude level, heading along world x."""
     q = np.array(q)
     if robot.root == "floating":
         q[QUATERNION] = (0.0, 0.0, 0.0, 1.0)
@@ -203,7 +203,7 @@ def upright(robot: Robot, q: Array) -> Array:
 
 
 def standing(stance: Stance, height: float | None = None) -> Array:
-    """Configuration (nq,) with all feet on the ground below, knees bent, the centre of mass over their middle.
+    """Give the configuration (nq,) with all feet on the ground below, knees bent, the centre of mass over their middle.
 
     The feet stand where the neutral configuration has them. Where its legs are straight, joints at the end of their
     range bend inwards and the centre of mass sinks by a twentieth of its height, as far as the legs allow.

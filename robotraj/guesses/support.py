@@ -13,6 +13,7 @@ from robotraj.guesses.stance import Stance
 
 if TYPE_CHECKING:
     from robotraj.contacts import BoundContact
+    from robotraj.dynamics import Variable
 
 Array = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ INSIDE = 0.7
 
 
 def support(stance: Stance, held: Sequence[str], q: Array, v: Array, a: Array) -> tuple[Array, Array]:
-    """Forces of the standing contacts and torques of the motors, for a motion q, v, a.
+    """Find forces of the standing contacts and torques of the motors, for a motion q, v, a.
 
     Forces balance what has no motor as well as they can, B_0' (RNEA(q, v, a) + d(v) - J' f) = 0 in the least-squares
     sense with the least norm, then are brought inside their cones; tau follows from the other rows. At rest these are
@@ -55,7 +56,7 @@ def support(stance: Stance, held: Sequence[str], q: Array, v: Array, a: Array) -
     return forces, np.asarray(robot.actuation.T @ torque)
 
 
-def _forces(stance: Stance, held: Sequence[str]) -> list[object]:
+def _forces(stance: Stance, held: Sequence[str]) -> list[Variable]:
     return [force for contact in stance.contacts if contact.name in held for force in contact.forces]
 
 

@@ -1,0 +1,83 @@
+"""Jumps written out as problems."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj.contacts import PointContact
+from robotraj.errors import InputError
+from robotraj.gait.feet import FootKind, feet_of, stands
+from robotraj.gait.halves import grounded
+from robotraj.gait.sequence import Support, Terms, sequence
+from robotraj.gait.upright import Upright
+from robotraj.guesses.stance import Stance, standing
+from robotraj.objectives import Objective
+from robotraj.problem import Problem
+from robotraj.robot import Robot
+from robotraj.state import State
+from robotraj.terrain import Flat, Ground, as_ground
+
+LEVEL = Flat()
+LEAPING = Upright(least_height=0.4, greatest_height=np.inf)
+
+
+def jump(
+    robot: Robot,
+    *,
+    length: float = 0.0,
+    height: float = 0.1,
+    push: Any = (0.15, 0.6),
+    land: Any = (0.15, 0.6),
+    feet: Sequence[str] | None = None,
+    contact: FootKind = PointContact,
+    clearance: float | None = 0.0,
+    objective: Objective | None = None,
+    upright: Upright | None = LEAPING,
+    ground: Ground | Any = LEVEL,
+) -> Problem:
+    """Jump from standing still to standing still: "push off" on all feet, "flight", "landing" on all feet.
+
+    The flight takes sqrt(8 height / g), in which the centre of mass rises by ``height`` where it lands as high as it
+    took off. The robot starts as ``rt.gait.stand`` has it and ends so, ``length`` farther on.
+
+    Parameters
+    ----------
+    robot : Robot
+    length, height : float
+        How far and how high the centre of mass goes [m].
+    push, land : float or (float, float)
+        Duration of both stances [s].
+    feet, contact, clearance, objective, upright, ground
+        As for ``walk``; all feet stand. The root may sink lower than in a walk, and rises as it likes.
+
+    Raises
+    ------
+    InputError
+        A height that is not positive, or no feet.
+    """
+    names = feet_of(robot, feet)
+    if not (np.isfinite(height) and height > 0.0):
+        raise InputError(f"rt.gait.jump: height= is {height!r}; give a positive height [m].")
+    gravity = float(np.linalg.norm(robot.model.gravity.linear))
+    kind = grounded(contact, ground)
+    q = standing(Stance(robot, tuple(stands(kind, name).bind(robot) for name in names)))
+    landed = np.array(q)
+    landed[0] += length
+    data = robot.model.createData()
+    rise = _level(robot, data, names, landed, ground) - _level(robot, data, names, q, ground)
+    landed[1 if robot.root == "planar" else 2] += rise
+    air = float(np.sqrt(8.0 * height / gravity))
+    phases = [Support(names, push, "push off"), Support((), air, "flight"), Support(names, land, "landing")]
+    terms = Terms(kind, clearance, objective, upright, ground)
+    return sequence(robot, phases, terms, None, State(q=q, v=0.0), State(q=landed, v=0.0))
+
+
+def _level(robot: Robot, data: Any, feet: Sequence[str], q: Any, ground: Any) -> float:
+    """Mean height of the ground under the feet [m]."""
+    pin.framesForwardKinematics(robot.model, data, q)
+    places = [data.oMf[robot.frame(name)].translation for name in feet]
+    return float(np.mean([as_ground(ground).height(float(p[0]), float(p[1])) for p in places]))

@@ -1,0 +1,211 @@
+"""Where feet and centre of mass of a plan go: footholds under the hips, arcs between them, a pendulum above."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj.guesses.pendulum import Pendulum, heights
+from robotraj.guesses.schedule import Schedule
+from robotraj.guesses.stance import Stance, standing
+from robotraj.guesses.swing import Swing, swings
+
+if TYPE_CHECKING:
+    from robotraj.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Footsteps:
+    """Paths of the feet and of the centre of mass of one problem.
+
+    Attributes
+    ----------
+    problem : Problem
+    schedule : Schedule
+    stance : Stance
+        All feet.
+    height : float or None
+        Of the centre of mass above the feet [m]; None for that of the robot as it stands.
+    lift : float or None
+        How high swinging feet are lifted [m]; None for what phases ask for.
+    """
+
+    problem: Problem
+    schedule: Schedule
+    stance: Stance
+    height: float | None = None
+    lift: float | None = None
+
+    @cached_property
+    def _plane(self) -> tuple[str, ...]:
+        """Horizontal axes in which the robot moves."""
+        return ("x",) if self.stance.robot.root == "planar" else ("x", "y")
+
+    @cached_property
+    def home(self) -> Array:
+        """How the robot stands: the start where it is given whole, else on all feet."""
+        q = standing(self.stance, self.height)
+        return _fixed(q, self.problem.phases[0].start_bounds)
+
+    @cached_property
+    def _mass(self) -> Array:
+        """Centre of mass at home."""
+        model = self.stance.robot.model
+        return np.array(pin.centerOfMass(model, model.createData(), self.home))
+
+    @cached_property
+    def _way(self) -> dict[str, tuple[float, float]]:
+        """Start and gain of the centre of mass along each horizontal axis, as if it moved evenly."""
+        last = self.problem.phases[-1].end_bounds
+        names = list(self.stance.robot.position_names)
+        moved = {}
+        for k, axis in enumerate(self._plane):
+            i = names.index(f"root_{axis}")
+            start, gain = float(self._mass[k]), 0.0
+            ends = [side[i] for side in (last.lower, last.upper) if np.isfinite(side[i])]
+            if self.schedule.repeat is not None:
+                gain = self.schedule.displacement[f"q.root_{axis}"]
+                # The image of the path in a mirror at y = 0 continues it.
+                start = 0.0 if self.schedule.sign < 0 and axis == "y" else start
+            elif ends:
+                gain = float(np.mean(ends)) - float(self.home[i])
+            moved[axis] = (start, gain)
+        return moved
+
+    @cached_property
+    def swings(self) -> dict[str, Swing]:
+        """Where each foot is at every time."""
+        places = self.stance.locate(self.home)
+        found = {}
+        for contact in self.schedule.contacts:
+            stands = self.schedule.stands(contact.name)
+            spots = [self._spot(contact.name, s.start, s.end, places) for s in stands]
+            found[contact.name] = swings(contact, stands, spots, places)
+        return found
+
+    def _spot(self, foot: str, start: float, end: float, places: Mapping[str, float]) -> dict[str, float]:
+        """Where a foot stands from one time to another: under its hip halfway."""
+        whole = self.schedule.times[-1]
+        if np.isinf(start):
+            share = 0.0
+        elif np.isinf(end):
+            share = 1.0
+        else:
+            share = 0.5 * (start + end) / whole
+        own = {name: value for name, value in places.items() if name.rsplit(".", 1)[0] == foot}
+        for k, axis in enumerate(self._plane):
+            name = f"{foot}.{axis}"
+            if name in own:
+                begin, gain = self._way[axis]
+                own[name] += begin - float(self._mass[k]) + share * gain
+        return own
+
+    @cached_property
+    def _shift(self) -> dict[str, float]:
+        """How far footholds that a phase fixes are from those found: the whole walk moves there."""
+        gaps: dict[str, list[float]] = {axis: [] for axis in self._plane}
+        for i, phase in enumerate(self.problem.phases):
+            t = 0.5 * (self.schedule.times[i] + self.schedule.times[i + 1])
+            bounds = phase.parameter_bounds
+            for name, low, high in zip(phase.parameter_names, bounds.lower, bounds.upper, strict=True):
+                foot, _, axis = name.rpartition(".")
+                if foot in self.swings and axis in gaps and np.isfinite(low) and low == high:
+                    gaps[axis].append(float(low) - self.swings[foot].at(t)[name])
+        return {axis: float(np.mean(values)) if values else 0.0 for axis, values in gaps.items()}
+
+    def feet(self, t: float) -> tuple[dict[str, float], dict[str, float]]:
+        """Anchors of all contacts, and how high [m] their feet are, at a time [s]."""
+        places: dict[str, float] = {}
+        lifts: dict[str, float] = {}
+        for name, swing in self.swings.items():
+            places |= swing.at(t)
+            lifts[name] = swing.lift(t) * self._apex(t)
+        for name in places:
+            axis = name.rsplit(".", 1)[1]
+            places[name] += self._shift.get(axis, 0.0)
+        return places, lifts
+
+    def _apex(self, t: float) -> float:
+        """How high feet swing [m]."""
+        if self.lift is not None:
+            return self.lift
+        i = int(np.clip(np.searchsorted(self.schedule.times, t, side="right") - 1, 0, len(self.problem.phases) - 1))
+        wanted = [getattr(getattr(c, "height", None), "apex", 0.0) for c in self.problem.phases[i].constraints]
+        return max([0.05 * self.above, *(1.2 * float(w) for w in wanted)])
+
+    @cached_property
+    def above(self) -> float:
+        """Height of the centre of mass above the feet at home [m]."""
+        places = self.stance.locate(self.home)
+        ground = [self.ground(c.name, places) for c in self.schedule.contacts if c.anchors]
+        return float(self._mass[2] - np.mean(ground))
+
+    def ground(self, foot: str, places: Mapping[str, float]) -> float:
+        """Height of the ground [m] where a foot is."""
+        contact = next(c for c in self.schedule.contacts if c.name == foot)
+        return float(contact.contact.ground.height(places.get(f"{foot}.x", 0.0), places.get(f"{foot}.y", 0.0)))  # type: ignore[attr-defined]
+
+    @cached_property
+    def grounded(self) -> list[list[str]]:
+        """Feet that stand on the ground in every phase."""
+        feet = {contact.name for contact in self.schedule.contacts if contact.anchors}
+        return [sorted(held & feet) for held in self.schedule.held]
+
+    @cached_property
+    def mass(self) -> Any:
+        """Path of the centre of mass: from a time [s] to a place (3,) [m]."""
+        times, model = self.schedule.times, self.stance.robot.model
+        gravity = float(np.linalg.norm(model.gravity.linear))
+        standing_at = [self.feet(0.5 * (a + b))[0] for a, b in zip(times[:-1], times[1:], strict=True)]
+        paths = {}
+        for axis in self._plane:
+            begin, gain = self._way[axis]
+            begin += self._shift[axis]
+            middles = [
+                float(np.mean([places[f"{f}.{axis}"] for f in feet])) if feet else np.nan
+                for feet, places in zip(self.grounded, standing_at, strict=True)
+            ]
+            pendulum = Pendulum(times, middles, float(np.sqrt(gravity / self.above)))
+            if self.schedule.repeat is not None:
+                sign = self.schedule.sign if axis == "y" else 1.0
+                start = pendulum.repeating(sign, gain)
+            else:
+                start = pendulum.between(begin, begin + gain)
+            paths[axis] = (pendulum, start)
+        levels = self._levels(standing_at)
+        z = heights(times, levels, [not f for f in self.grounded], gravity, self.schedule.repeat is not None)
+
+        def at(t: float) -> Array:
+            across = {axis: float(pendulum.at(start, t)[0]) for axis, (pendulum, start) in paths.items()}
+            return np.array([across["x"], across.get("y", float(self._mass[1])), float(z(t))])
+
+        return at
+
+    def _levels(self, standing_at: Sequence[Mapping[str, float]]) -> list[float]:
+        """Height of the centre of mass where phases meet: above the feet of both sides [m]."""
+        known = [
+            float(np.mean([self.ground(f, places) for f in feet])) if feet else None
+            for feet, places in zip(self.grounded, standing_at, strict=True)
+        ]
+        levels = []
+        for before, after in zip([None, *known], [*known, None], strict=True):
+            sides = [v for v in (before, after) if v is not None]
+            levels.append(float(np.mean(sides)) if sides else 0.0)
+        return [level + self.above for level in levels]
+
+
+def _fixed(q: Array, bounds: Any) -> Array:
+    """Put the entries that bounds fix into a configuration."""
+    q = np.array(q)
+    n = len(q)
+    fixed = bounds.lower[:n] == bounds.upper[:n]
+    q[fixed] = bounds.lower[:n][fixed]
+    return q
