@@ -109,7 +109,7 @@ class LinearQuadratic(Feedback):
     """
 
     position: float = 0.05
-    velocity: float = 1.0
+    velocity: float = 2.0
     effort: float = 0.5
 
     def __post_init__(self) -> None:
