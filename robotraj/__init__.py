@@ -1,239 +1,57 @@
-"""robotraj: plan robot motions by direct collocation and prove them by simulation."""
+"""robotraj: plan robot motions by direct collocation and prove them by simulation.
 
-from robotraj.constraints import (
-    AtEnd,
-    AtStart,
-    CollisionShapes,
-    FramePose,
-    FramePosition,
-    GroundClearance,
-    IntegralConstraint,
-    JointAcceleration,
-    JointEffort,
-    JointPosition,
-    JointVelocity,
-    PathConstraint,
-    RequiredHeight,
-    SwingApex,
-    between,
-)
-from robotraj.contacts import (
-    FlatFoot,
-    FourCorners,
-    ImplicitContact,
-    Linearised,
-    LineContact,
-    LoopClosure,
-    PointContact,
-    PressureAndTorsion,
-    SecondOrder,
-)
-from robotraj.design import BodyMass, JointDamping, LinkLength, Payload
-from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
-from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
-from robotraj.guess import FromSolution, Keyframes, StraightLine
-from robotraj.guesses import InverseKinematics, MinimumJerk, Perturbed
-from robotraj.indirect import PolishFailed, conditions, costates, cut_at_junctions, polish
-from robotraj.kinematic import Kinematic
-from robotraj.links import (
-    Continuity,
-    EqualDuration,
-    Jump,
-    Liftoff,
-    Linkage,
-    Mirror,
-    Periodic,
-    SameParameter,
-    Touchdown,
-)
-from robotraj.multistart import Multistart, Optimum, multistart
-from robotraj.objectives import (
-    AbsolutePower,
-    CentroidalMomentum,
-    CostOfTransport,
-    Duration,
-    Effort,
-    FrameSmoothness,
-    Jerk,
-    Lagrange,
-    Mayer,
-    MechanicalWork,
-    TerminalPose,
-    TorqueRate,
-    Tracking,
-)
-from robotraj.planning import plan
-from robotraj.problem import Phase, Problem
-from robotraj.refinement import RaiseOrder, SplitAndMerge, SplitOrRaise
-from robotraj.replay import replay
-from robotraj.robot import Limits, Robot, catalogue, load
-from robotraj.schemes import (
-    Adaptive,
-    CompressedHermiteSimpson,
-    ConstantControl,
-    FifthDegree,
-    GaussLegendre,
-    HermiteSimpson,
-    LinearControl,
-    LobattoIIIA,
-    Mesh,
-    MovingMesh,
-    MultipleShooting,
-    OwnQuadrature,
-    PolynomialControl,
-    RadauIIA,
-    RungeKutta4,
-    SingleShooting,
-    Trapezoidal,
-    TrapezoidalQuadrature,
-)
-from robotraj.solution import Solution, load_solution
-from robotraj.solvers import Ipopt
-from robotraj.stages import Stage, tightening
-from robotraj.state import State
-from robotraj.status import Status
-from robotraj.sweep import sweep
-from robotraj.terrain import Flat, HeightFunction, HeightMap, Slope, Steps
-from robotraj.transcription import Nlp, transcribe
-from robotraj.witness import (
-    JointFeedback,
-    LinearQuadratic,
-    NoFeedback,
-    Report,
-    SecondOpinion,
-    SoftGround,
-    second_opinion,
-    simulate,
-    track,
-    validate,
-)
+Public names are listed in ``__init__.pyi``, beside this file, for people, type checkers and the code below. Each is
+imported when it is first asked for (PEP 562), so that a plan does not wait for what replays, simulates or polishes it.
+"""
 
-__all__ = [
-    "AbsolutePower",
-    "Adaptive",
-    "AtEnd",
-    "AtStart",
-    "BodyMass",
-    "CentroidalMomentum",
-    "CollisionShapes",
-    "CompressedHermiteSimpson",
-    "ConstantControl",
-    "Continuity",
-    "CostOfTransport",
-    "Duration",
-    "Effort",
-    "EqualDuration",
-    "FifthDegree",
-    "Flat",
-    "FlatFoot",
-    "ForwardDynamics",
-    "FourCorners",
-    "FramePose",
-    "FramePosition",
-    "FrameSmoothness",
-    "FromSolution",
-    "GaussLegendre",
-    "GroundClearance",
-    "HeightFunction",
-    "HeightMap",
-    "HermiteSimpson",
-    "ImplicitContact",
-    "InputError",
-    "IntegralConstraint",
-    "InverseDynamics",
-    "InverseKinematics",
-    "Ipopt",
-    "Jerk",
-    "JointAcceleration",
-    "JointDamping",
-    "JointEffort",
-    "JointFeedback",
-    "JointPosition",
-    "JointVelocity",
-    "Jump",
-    "Keyframes",
-    "Kinematic",
-    "Lagrange",
-    "Liftoff",
-    "Limits",
-    "LineContact",
-    "LinearControl",
-    "LinearQuadratic",
-    "Linearised",
-    "LinkLength",
-    "Linkage",
-    "LobattoIIIA",
-    "LoopClosure",
-    "Mayer",
-    "MechanicalWork",
-    "Mesh",
-    "MinimumJerk",
-    "Mirror",
-    "MovingMesh",
-    "MultipleShooting",
-    "Multistart",
-    "Nlp",
-    "NoFeedback",
-    "NoSolutionFound",
-    "Optimum",
-    "OwnQuadrature",
-    "PathConstraint",
-    "Payload",
-    "Periodic",
-    "Perturbed",
-    "Phase",
-    "PointContact",
-    "PolishFailed",
-    "PolynomialControl",
-    "PressureAndTorsion",
-    "Problem",
-    "RadauIIA",
-    "RaiseOrder",
-    "Report",
-    "RequiredHeight",
-    "Robot",
-    "RobotrajError",
-    "RungeKutta4",
-    "SameParameter",
-    "SecondOpinion",
-    "SecondOrder",
-    "SingleShooting",
-    "Slope",
-    "SoftGround",
-    "Solution",
-    "SplitAndMerge",
-    "SplitOrRaise",
-    "Stage",
-    "State",
-    "Status",
-    "Steps",
-    "StraightLine",
-    "SwingApex",
-    "System",
-    "TerminalPose",
-    "TorqueRate",
-    "Touchdown",
-    "Tracking",
-    "Trapezoidal",
-    "TrapezoidalQuadrature",
-    "UnknownName",
-    "ValidationFailed",
-    "between",
-    "catalogue",
-    "conditions",
-    "costates",
-    "cut_at_junctions",
-    "load",
-    "load_solution",
-    "multistart",
-    "plan",
-    "polish",
-    "replay",
-    "second_opinion",
-    "simulate",
-    "sweep",
-    "tightening",
-    "track",
-    "transcribe",
-    "validate",
-]
+from __future__ import annotations
+
+import ast
+import importlib
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+_HOMES = {
+    alias.name: str(node.module)
+    for node in ast.parse(Path(__file__).with_suffix(".pyi").read_bytes()).body
+    if isinstance(node, ast.ImportFrom)
+    for alias in node.names
+}
+"""The module that each public name comes from."""
+
+__all__ = sorted(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name, or a module of the package, when it is first asked for."""
+    if name in _HOMES:
+        value = getattr(importlib.import_module(_HOMES[name]), name)
+        globals()[name] = value
+        return value
+    module = f"{__name__}.{name}"
+    if not name.startswith("_"):
+        try:
+            return importlib.import_module(module)
+        except ModuleNotFoundError as error:
+            if error.name != module:
+                raise
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name, obj=sys.modules[__name__])
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+class _Package(ModuleType):
+    """The package, whose functions are not hidden by modules of the same names."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        # Python sets a submodule as an attribute of its package when it is first imported; rt.replay, rt.sweep and
+        # rt.multistart are functions.
+        if not (isinstance(value, ModuleType) and name in _HOMES):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

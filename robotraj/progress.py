@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-
-from rich.console import Console
-from rich.status import Status as Spinner
 
 from robotraj.solvers import Iteration, Progress, Solver
 
@@ -14,10 +12,13 @@ from robotraj.solvers import Iteration, Progress, Solver
 @contextmanager
 def watching(solver: Solver, show: bool | None) -> Iterator[Progress | None]:
     """Give a callback that shows iterations, or None where nobody watches."""
-    console = Console(stderr=True)
-    if show is False or (show is None and not console.is_terminal):
+    if show is False or (show is None and not sys.stderr.isatty()):
         yield None
         return
+    from rich.console import Console
+    from rich.status import Status as Spinner
+
+    console = Console(stderr=True)
     name = type(solver).__name__
     with Spinner(f"{name}: starting", console=console) as spinner:
 

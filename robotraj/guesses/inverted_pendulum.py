@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from robotraj.chart import Chart
 from robotraj.errors import InputError
@@ -125,7 +125,7 @@ class _Walk(Guess):
         pace = duration if duration > 0 else 1.0
         fractions = np.linspace(0.0, 1.0, KEYS)
         chart = Chart.around(robot.model, keys[0])
-        y = make_interp_spline(fractions, chart.coordinates(keys), k=5)
+        y = scipy.interpolate.make_interp_spline(fractions, chart.coordinates(keys), k=5)
         rate, second = y.derivative(1), y.derivative(2)
 
         def motion(s: Array) -> tuple[Array, Array, Array]:

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
 
 Array = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ class Pendulum:
 
 def heights(
     times: Sequence[float], levels: Sequence[float], flying: Sequence[bool], gravity: float, repeats: bool
-) -> CubicHermiteSpline:
+) -> scipy.interpolate.CubicHermiteSpline:
     """Height of the centre of mass [m]: ``levels`` where phases meet, a parabola in flight, cubics on the ground.
 
     A cubic leaves the ground as fast as the flight needs, and sinks before it does; where the motion repeats, its start
@@ -93,4 +93,4 @@ def heights(
     slopes = leave + arrive
     if repeats:
         slopes[0] = slopes[-1] = slopes[0] + slopes[-1]
-    return CubicHermiteSpline(t, z, slopes)
+    return scipy.interpolate.CubicHermiteSpline(t, z, slopes)
