@@ -8,7 +8,7 @@ const MARGIN = { left: 68, right: 10, top: 6, bottom: 20 };
 function alike(hex, rgb) {
   const one = [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
   const two = rgb.match(/\d+/g).map(Number);
-  return Math.hypot(...one.map((x, k) => x - two[k])) < 80;
+  return Math.hypot(...one.map((x, k) => x - two[k])) < 55;
 }
 
 function ticks(low, high, count) {
