@@ -203,11 +203,12 @@ def _swing(
 
 @dataclass(frozen=True)
 class Arc(RequiredHeight):
-    """Height [m] of a swing foot, h = 4 apex s (1 - s) - 0.1 mm, with s its progress between footholds; never below.
+    """Height [m] of a swing foot, h = 4 (apex + d) s (1 - s) - d with d = 0.1 mm, s its progress between footholds.
 
-    s runs from 0 to 1 between one step behind and one step before the partner's foothold. The tenth of a millimetre
-    keeps the row from saying at both ends what the phases before and after say as well, that the foot is on the ground:
-    an inequality that can hold in one way alone has no multipliers.
+    Halfway it is the apex, and below -d the foot never comes. s runs from 0 to 1 between one step behind and one step
+    before the partner's foothold. The tenth of a millimetre keeps the row from saying at both ends what the phases
+    before and after say as well, that the foot is on the ground: an inequality that can hold in one way alone has no
+    multipliers.
 
     Attributes
     ----------
@@ -226,7 +227,10 @@ class Arc(RequiredHeight):
     def heights(self, point: Any, position: Sequence[Any]) -> dict[str, Any]:
         """Height that a place at ``position`` must have."""
         progress = 0.5 + 0.5 * (position[0] - point.p[self.anchor]) / self.step
-        return {"ground clearance": -TOUCH, "swing apex": 4.0 * self.apex * progress * (1.0 - progress) - TOUCH}
+        return {
+            "ground clearance": -TOUCH,
+            "swing apex": 4.0 * (self.apex + TOUCH) * progress * (1.0 - progress) - TOUCH,
+        }
 
 
 def shares(duration: Any, parts: Sequence[float]) -> list[Any]:
