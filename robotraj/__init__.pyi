@@ -30,11 +30,16 @@ from robotraj.contacts import (
 )
 from robotraj.design import BodyMass, JointDamping, LinkLength, Payload
 from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
+from robotraj.engines import Compiled, VirtualMachine
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
-from robotraj.guess import FromSolution, Keyframes, StraightLine
 from robotraj.gait import Flight, Upright
+from robotraj.guess import FromSolution, Keyframes, StraightLine
 from robotraj.guesses import InverseKinematics, InvertedPendulum, MinimumJerk, Perturbed
-from robotraj.indirect import PolishFailed, conditions, costates, cut_at_junctions, polish
+from robotraj.indirect.conditions import conditions
+from robotraj.indirect.costates import costates
+from robotraj.indirect.junctions import cut_at_junctions
+from robotraj.indirect.polish import polish
+from robotraj.indirect.polished import PolishFailed
 from robotraj.kinematic import Kinematic
 from robotraj.links import (
     Continuity,
@@ -117,6 +122,7 @@ __all__ = [
     "BodyMass",
     "CentroidalMomentum",
     "CollisionShapes",
+    "Compiled",
     "CompressedHermiteSimpson",
     "ConstantControl",
     "Continuity",
@@ -222,6 +228,7 @@ __all__ = [
     "UnknownName",
     "Upright",
     "ValidationFailed",
+    "VirtualMachine",
     "between",
     "catalogue",
     "conditions",

@@ -11,17 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.export import to_csv, to_json
 from robotraj.indirect.duals import PhaseDuals
 from robotraj.phase_solution import PhaseSolution
-from robotraj.plotting import plot
 from robotraj.problem import Phase, Problem
 from robotraj.records import MeshStep, StageRecord
 from robotraj.refinement import interval_errors
 from robotraj.sample import Sample, join
 from robotraj.solvers import Multipliers
 from robotraj.status import Status
-from robotraj.storage import Contents, read, write
 from robotraj.transcription.guards import Guard
 from robotraj.violations import Violation
 
@@ -161,19 +158,27 @@ class Solution:
         Everything that is plain data is kept, the robot and the polynomials bit for bit. Python functions are not:
         see ``load_solution``. ``.npz`` is appended where it is missing; the absolute path is returned.
         """
+        from robotraj.storage import Contents, write
+
         phases = [_plain(phase, "phase") for phase in self.phases]
         return write(path, Contents(self.problem, phases, _plain(self, "problem", "phases")))
 
     def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
         """Write a table over time, a column per variable with its unit; see ``robotraj.export``."""
+        from robotraj.export import to_csv
+
         return to_csv(self, path, samples)
 
     def to_json(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
         """Write the status, figures and sampled trajectory as JSON; see ``robotraj.export``."""
+        from robotraj.export import to_json
+
         return to_json(self, path, samples)
 
     def plot(self) -> Figure:
         """Draw the trajectories with limits, knots and collocation points; see ``robotraj.plotting``."""
+        from robotraj.plotting import plot
+
         return plot(self)
 
     def __str__(self) -> str:
@@ -226,6 +231,8 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
     InputError
         No such file, one of another kind or version, a damaged one, or a problem of other phases or variables.
     """
+    from robotraj.storage import read
+
     contents = read(path, Problem([problem]) if isinstance(problem, Phase) else problem)
     pairs = zip(contents.problem.phases, contents.phases, strict=True)
     phases = tuple(PhaseSolution(phase, **known) for phase, known in pairs)
