@@ -28,6 +28,7 @@ FOOT, MASS, TILT, JOINT = 100.0, 10.0, 3.0, 0.3
 """Weights of a metre's (radian's) error of feet, centre of mass, root and joints: each gives way to those before."""
 STEPS = 60
 CLOSE = 1e-10
+REPEATS = 5
 ROOT_FREEDOMS = {"fixed": 0, "planar": 3, "floating": 6}
 
 
@@ -240,7 +241,11 @@ def standing(stance: Stance, height: float | None = None) -> Array:
         joints = start[len(start) - len(lower) :]
         joints += np.where(joints - lower < 0.05, 0.6, np.where(upper - joints < 0.05, -0.6, 0.0))
         start = stance._inside(start)
-    return stance.reach(start, feet, [*middle, ground + target], {}, start if straight else q)
+    found, mass = stance.reach(start, feet, [*middle, ground + target], {}, start if straight else q), ground + target
+    for _ in range(REPEATS if height is not None else 0):
+        # A height that is asked for comes before the posture: joints tend to where they have come.
+        found = stance.reach(found, feet, [*middle, mass], {}, upright(robot, found))
+    return found
 
 
 def _above(stance: Stance, feet: Mapping[str, float], com: Array) -> float:

@@ -1,0 +1,88 @@
+"""Mirror images: a gait's end is the image of its start, and the image of a robot is the robot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+from robotraj.gait import mirror
+from robotraj.gait.mirror import REFLECTION, mirrored
+from robotraj.gait.sides import other_side
+
+FEET = {
+    "five_link": ("left_foot", "right_foot"),
+    "solo12": ("FL_FOOT", "FR_FOOT"),
+    "bolt": ("FL_FOOT", "FR_FOOT"),
+    "talos_legs": ("left_sole_link", "right_sole_link"),
+    "hyq": ("lf_foot", "rf_foot"),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "other"),
+    [
+        ("left_hip", "right_hip"),
+        ("leg_left_1_joint", "leg_right_1_joint"),
+        ("FL_HAA", "FR_HAA"),
+        ("HR_KFE", "HL_KFE"),
+        ("l_knee", "r_knee"),
+        ("LHipYaw", "RHipYaw"),
+        ("LLEG_KNEE", "RLEG_KNEE"),
+        ("RL_calf_joint", "RR_calf_joint"),
+        ("lh_foot", "rh_foot"),
+        ("torso_1_joint", "torso_1_joint"),
+        ("lower_leg", "lower_leg"),
+    ],
+)
+def test_names_change_sides(name: str, other: str) -> None:
+    names = [name, other, "flower_leg", "rower_leg", "torso_2_joint"]
+    assert other_side(name, names) == other
+    assert other_side(other, names) == name
+
+
+@pytest.mark.parametrize("name", FEET)
+def test_feet_of_the_image_stand_at_the_image_of_the_feet(name: str) -> None:
+    robot = rt.load(name, root="floating")
+    repeat = mirror(robot)
+    rng = np.random.default_rng(1)
+    q = np.array(robot.neutral)
+    q[:3] = rng.normal(size=3)
+    quaternion = rng.normal(size=4)
+    q[3:7] = quaternion / np.linalg.norm(quaternion)
+    q[7:] += 0.3 * rng.normal(size=len(q) - 7)
+    here, there = robot.model.createData(), robot.model.createData()
+    pin.framesForwardKinematics(robot.model, here, q)
+    pin.framesForwardKinematics(robot.model, there, mirrored(robot, q, repeat))
+    first, second = (robot.frame(foot) for foot in FEET[name])
+    for a, b in ((first, second), (second, first)):
+        np.testing.assert_allclose(there.oMf[b].translation, REFLECTION * here.oMf[a].translation, atol=2e-3)
+    np.testing.assert_allclose(mirrored(robot, mirrored(robot, q, repeat), repeat), q, atol=1e-15)
+
+
+def test_a_floating_root_negates_roll_yaw_and_sideways() -> None:
+    repeat = mirror(rt.load("solo12", root="floating"))
+    root = [name for name in repeat.negated if name.startswith("root_")]
+    assert root == ["root_y", "root_qx", "root_qz", "root_vy", "root_wx", "root_wz"]
+    assert "FL_HAA" in repeat.negated and "FL_HFE" not in repeat.negated
+
+
+def test_a_planar_robot_only_swaps() -> None:
+    repeat = mirror(rt.load("five_link", root="planar"), {"q.root_x": 0.5})
+    assert repeat.negated == ()
+    assert repeat.partners["left_hip"] == "right_hip" and repeat.partners["left_foot"] == "right_foot"
+    assert repeat.displacement == {"q.root_x": 0.5}
+
+
+def test_an_arm_is_not_its_own_image() -> None:
+    with pytest.raises(rt.InputError, match="'shoulder_lift_joint'.*from its mirror image"):
+        mirror(rt.load("ur5"))
+
+
+def test_partners_that_are_no_image_are_refused_by_name() -> None:
+    robot = rt.load("solo12", root="floating")
+    with pytest.raises(rt.InputError, match="'FL_HFE'"):
+        mirror(robot, partners={"FL_HFE": "HL_HFE"})
+    with pytest.raises(rt.InputError, match="no joint or frame named 'FL_HIP'"):
+        mirror(robot, partners={"FL_HIP": "FR_HIP"})

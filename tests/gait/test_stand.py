@@ -1,0 +1,67 @@
+"""Standing: feet on the ground, knees bent, the centre of mass over the feet."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+from robotraj import gait
+from robotraj.contacts import FlatFoot, PointContact
+
+ROBOTS = [
+    ("five_link", "planar", PointContact),
+    ("solo12", "floating", PointContact),
+    ("bolt", "floating", PointContact),
+    ("talos_legs", "floating", partial(FlatFoot, length=0.2, width=0.12)),
+]
+
+
+@pytest.mark.parametrize(("name", "root", "contact"), ROBOTS)
+def test_feet_stand_on_the_ground_below_the_centre_of_mass(name: str, root: str, contact) -> None:
+    robot = rt.load(name, root=root)
+    q = gait.stand(robot, contact=contact)
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    feet = np.array([data.oMf[robot.frame(foot)].translation for foot in gait.feet_of(robot, None)])
+    np.testing.assert_allclose(feet[:, 2], 0.0, atol=1e-8)
+    com = pin.centerOfMass(robot.model, data, q)
+    np.testing.assert_allclose(
+        com[:2], [feet[:, 0].mean(), com[1] if root == "planar" else feet[:, 1].mean()], atol=5e-3
+    )
+    joints = robot.limits.position_lower > -np.inf
+    values = q[len(q) - joints.sum() :]
+    assert np.all(values >= robot.limits.position_lower[joints] - 1e-12)
+    assert np.all(values <= robot.limits.position_upper[joints] + 1e-12)
+
+
+def test_straight_legs_bend() -> None:
+    robot = rt.load("five_link", root="planar")
+    q = gait.stand(robot)
+    knee = q[robot.joint("left_knee")]
+    assert 0.3 < knee < 1.2
+    assert q[robot.joint("right_knee")] == pytest.approx(knee, abs=1e-6)
+
+
+def test_soles_lie_flat() -> None:
+    robot = rt.load("talos_legs", root="floating")
+    q = gait.stand(robot, contact=partial(FlatFoot, length=0.2, width=0.12))
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    for foot in ("left_sole_link", "right_sole_link"):
+        np.testing.assert_allclose(data.oMf[robot.frame(foot)].rotation[:, 2], [0.0, 0.0, 1.0], atol=1e-8)
+
+
+def test_a_height_is_taken() -> None:
+    robot = rt.load("solo12", root="floating")
+    q = gait.stand(robot, height=0.15)
+    assert pin.centerOfMass(robot.model, robot.model.createData(), q)[2] == pytest.approx(0.15, abs=2e-3)
+
+
+def test_a_robot_without_feet_names_the_ends_of_its_limbs() -> None:
+    robot = rt.load("g1", root="floating")
+    with pytest.raises(rt.InputError, match="left_ankle_roll_link"):
+        gait.stand(robot)

@@ -1,0 +1,174 @@
+"""Gaits as problems, and the plans they lead to from their own guess."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj import gait
+from robotraj.contacts import FlatFoot, PointContact
+
+
+@pytest.fixture(scope="module")
+def biped() -> rt.Robot:
+    return rt.load("five_link", root="planar")
+
+
+@pytest.fixture(scope="module")
+def dog() -> rt.Robot:
+    return rt.load("solo12", root="floating", limits={"velocity": 30.0, "effort": 3.0})
+
+
+def held(problem: rt.Problem) -> list[list[str]]:
+    return [[contact.label for contact in phase.contacts] for phase in problem.phases]
+
+
+def test_a_walk_is_one_step_onto_its_image(biped: rt.Robot) -> None:
+    problem = gait.walk(biped, step_length=0.5, duration=0.7)
+    assert [phase.name for phase in problem.phases] == ["single support"]
+    assert held(problem) == [["left_foot"]]
+    (link,) = problem.links
+    assert isinstance(link, rt.Touchdown) and isinstance(link.repeat, rt.Mirror)
+    assert link.repeat.displacement == {"q.root_x": 0.5}
+
+
+def test_the_papers_step_from_the_default_guess(biped: rt.Robot) -> None:
+    problem = gait.walk(biped, step_length=0.5, duration=0.7, contact=partial(PointContact, friction=5.0))
+    solution = rt.plan(problem, mesh=rt.Mesh(6, rt.HermiteSimpson()))
+    assert solution.objective == pytest.approx(469.547244, rel=1e-5)
+    assert solution.iterations < 40
+
+
+def test_a_walk_can_be_edited(biped: rt.Robot) -> None:
+    problem = gait.walk(biped, step_length=0.5, duration=0.7, contact=partial(PointContact, friction=5.0))
+    slower = replace(problem, phases=[replace(problem.phases[0], duration=0.8, name="slow step")])
+    assert [phase.name for phase in slower.phases] == ["slow step"]
+    assert slower.phases[0].duration_bounds == (0.8, 0.8)
+
+
+def test_speed_length_and_time_are_two_of_three(biped: rt.Robot) -> None:
+    by_speed = gait.walk(biped, speed=0.5, duration=0.6)
+    assert by_speed.links[0].repeat.displacement == {"q.root_x": pytest.approx(0.3)}
+    assert gait.walk(biped, speed=0.5, step_length=0.3).phases[0].duration_bounds == (pytest.approx(0.6),) * 2
+    for given in ({}, {"speed": 0.5}, {"speed": 0.5, "duration": 0.6, "step_length": 0.3}):
+        with pytest.raises(rt.InputError, match="two of step_length="):
+            gait.walk(biped, **given)
+
+
+def test_double_support_comes_first_and_is_landed_on_at_rest(biped: rt.Robot) -> None:
+    problem = gait.walk(biped, step_length=0.3, duration=(0.6, 1.2), double_support=0.25)
+    assert [phase.name for phase in problem.phases] == ["double support", "single support"]
+    assert held(problem) == [["left_foot", "right_foot"], ["left_foot"]]
+    assert [phase.duration_bounds for phase in problem.phases] == [
+        (0.15, 0.3),
+        (pytest.approx(0.45), pytest.approx(0.9)),
+    ]
+    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Mirror]
+
+
+def test_a_run_has_a_flight(biped: rt.Robot) -> None:
+    problem = gait.run(biped, step_length=0.8, duration=0.5, flight=0.4)
+    assert [phase.name for phase in problem.phases] == ["stance", "flight"]
+    assert isinstance(problem.phases[1], gait.Flight)
+    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Touchdown]
+    assert sum(phase.duration_bounds[0] for phase in problem.phases) == pytest.approx(0.5)
+
+
+def test_periodic_writes_both_steps(biped: rt.Robot) -> None:
+    problem = gait.walk(biped, step_length=0.3, duration=0.6, repeat=rt.Periodic())
+    assert [phase.name for phase in problem.phases] == ["single support", "single support, other side"]
+    assert held(problem) == [["left_foot"], ["right_foot"]]
+    assert problem.links[-1].repeat.displacement == {"q.root_x": 0.6}
+
+
+def test_a_trot_stands_on_diagonals(dog: rt.Robot) -> None:
+    problem = gait.trot(dog, step_length=0.1, duration=0.25)
+    assert held(problem) == [["FL_FOOT", "HR_FOOT"]]
+    assert [phase.name for phase in problem.phases] == ["FL_FOOT and HR_FOOT stand"]
+    flying = gait.trot(dog, step_length=0.1, duration=0.25, flight=0.2)
+    assert held(flying) == [["FL_FOOT", "HR_FOOT"], []]
+
+
+def test_a_jump_starts_and_ends_standing_still(dog: rt.Robot) -> None:
+    problem = gait.jump(dog, length=0.2, height=0.1)
+    assert [phase.name for phase in problem.phases] == ["push off", "flight", "landing"]
+    assert problem.phases[1].duration_bounds[0] == pytest.approx(np.sqrt(8 * 0.1 / 9.81))
+    q = gait.stand(dog)
+    np.testing.assert_allclose(problem.phases[0].start_bounds.lower[:19], q)
+    np.testing.assert_allclose(problem.phases[2].end_bounds.lower[:19] - q, [0.2, *np.zeros(18)], atol=1e-12)
+    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Touchdown]
+
+
+def test_upright_is_stated_and_can_be_left_out(dog: rt.Robot) -> None:
+    given = gait.trot(dog, step_length=0.1, duration=0.25)
+    assert "root height" in str(given)
+    assert "root height" not in str(gait.trot(dog, step_length=0.1, duration=0.25, upright=None))
+    with pytest.raises(rt.InputError, match="least_height"):
+        gait.Upright(least_height=1.2)
+
+
+def test_contacts_may_be_copied_or_made(biped: rt.Robot) -> None:
+    rough = PointContact("left_foot", friction=1.3)
+    by_copy = gait.walk(biped, step_length=0.3, duration=0.6, contact=rough)
+    assert by_copy.phases[0].contacts[0].friction == 1.3
+    with pytest.raises(rt.InputError, match="contact= gave 'left_foot'"):
+        gait.walk(biped, step_length=0.3, duration=0.6, contact=lambda frame: frame)
+
+
+def test_what_cannot_fly_or_walk_is_refused(biped: rt.Robot) -> None:
+    with pytest.raises(rt.InputError, match="needs 2 feet"):
+        gait.walk(rt.load("solo12", root="floating"), step_length=0.1, duration=0.2)
+    with pytest.raises(rt.InputError, match="needs 4 feet"):
+        gait.trot(biped, step_length=0.1, duration=0.2)
+    with pytest.raises(rt.InputError, match="fixed in the world"):
+        gait.walk(rt.load("five_link"), step_length=0.3, duration=0.6)
+    with pytest.raises(rt.InputError, match="has contacts"):
+        gait.Flight(biped, 0.3, contacts=[PointContact("left_foot")])
+    with pytest.raises(rt.InputError, match="fixed in the world"):
+        gait.Flight(rt.load("five_link"), 0.3)
+    with pytest.raises(rt.InputError, match="clearance= is -0.1"):
+        gait.walk(biped, step_length=0.3, duration=0.6, clearance=-0.1)
+
+
+def test_a_compass_walks_down_a_slope() -> None:
+    robot = rt.load("compass_walker", root="planar")
+    problem = gait.walk(
+        robot, step_length=0.3, duration=(0.3, 1.5), clearance=None, contact=partial(PointContact, friction=2.0)
+    )
+    solution = rt.plan(problem, mesh=rt.Mesh(8, rt.HermiteSimpson()))
+    assert solution.success
+    assert solution.at(solution.duration).q[0] - solution.at(0.0).q[0] == pytest.approx(0.3)
+
+
+@pytest.mark.slow
+def test_five_link_runs() -> None:
+    robot = rt.load("five_link", root="planar")
+    problem = gait.run(robot, step_length=0.8, duration=0.5, contact=partial(PointContact, friction=1.0))
+    solution = rt.plan(problem, mesh=rt.Mesh(10, rt.HermiteSimpson()))
+    flight = np.linspace(problem.phases[0].duration_bounds[0] + 1e-6, 0.5, 21)
+    assert np.all(solution.at(flight).forces["left_foot"] == 0.0)
+    assert solution.iterations < 100
+
+
+@pytest.mark.slow
+def test_solo_trots_from_its_own_guess(dog: rt.Robot) -> None:
+    problem = gait.trot(dog, step_length=0.1, duration=0.25, clearance=0.03)
+    solution = rt.plan(problem, mesh=rt.Mesh(8, rt.HermiteSimpson()))
+    assert solution.iterations < 80
+    forces = solution.at(np.linspace(0.0, 0.25, 33)).forces
+    for foot in ("FL_FOOT", "HR_FOOT"):
+        fx, fy, fz = forces[foot].T
+        assert np.all(np.hypot(fx, fy) <= 0.7 * fz + 1e-2)
+
+
+@pytest.mark.slow
+def test_talos_walks_on_flat_feet_from_its_own_guess() -> None:
+    robot = rt.load("talos_legs", root="floating")
+    sole = partial(FlatFoot, length=0.2, width=0.12)
+    problem = gait.walk(robot, step_length=0.2, duration=0.8, double_support=0.2, clearance=0.05, contact=sole)
+    solution = rt.plan(problem, mesh=rt.Mesh(6, rt.HermiteSimpson()))
+    assert solution.iterations < 60
