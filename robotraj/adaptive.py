@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from robotraj.engines import Engine
 from robotraj.guess import Guess
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Problem
@@ -36,6 +37,7 @@ def adapt(
     progress: Progress | None,
     tolerance: float,
     refinement: Refinement,
+    engine: Engine | None = None,
 ) -> Solution:
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
@@ -49,7 +51,7 @@ def adapt(
     total: dict[str, float] = {}
     known: Guess | Solution | None = guess
     while True:
-        solution = solve(problem, meshes, known, solver, progress, between)
+        solution = solve(problem, meshes, known, solver, progress, between, engine)
         before = steps[-1].objective if steps else np.inf
         # Where each mesh halves the distance to the optimum, what is left is as large as the last change.
         settled = abs(solution.objective - before) <= 0.5 * tolerance * max(abs(solution.objective), SMALL)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from robotraj.adaptive import adapt
+from robotraj.engines import Engine, VirtualMachine
 from robotraj.errors import InputError, NoSolutionFound
 from robotraj.guess import Guess
 from robotraj.problem import Phase, Problem
@@ -24,6 +25,7 @@ def plan(
     guess: Guess | Solution | None = None,
     solver: Solver | None = None,
     *,
+    engine: Engine | None = None,
     tolerance: float | None = None,
     refinement: Refinement | None = None,
     stages: Sequence[Stage] = (),
@@ -42,6 +44,9 @@ def plan(
         A straight line by default; an earlier solution on any mesh and scheme warm starts.
     solver : Solver, optional
         ``rt.Ipopt()`` by default.
+    engine : Engine, optional
+        Evaluates the point functions: ``rt.VirtualMachine()``, which needs no compiler, by default;
+        ``rt.Compiled()`` is many times faster and keeps its libraries for later plans.
     tolerance : float, optional
         Refine the mesh until the relative error between the knots (``refinement.interval_errors``) is below this and
         the objective has settled to it. Any scheme; those of low order, shooting with constant controls above all,
@@ -78,14 +83,18 @@ def plan(
     solver = solver or Ipopt()
     if not isinstance(solver, Solver):
         raise InputError(f"solver= must be a solver value such as rt.Ipopt(); got {solver!r}.")
+    if engine is None:
+        engine = VirtualMachine()
+    if not isinstance(engine, Engine):
+        raise InputError(f"engine= must be rt.VirtualMachine() or rt.Compiled(); got {engine!r}.")
     if tolerance is not None and not 0 < tolerance < 1:
         raise InputError(f"tolerance= is a relative error between 0 and 1, such as 1e-6; got {tolerance}.")
     with watching(solver, progress) as show:
-        guess, records = run_stages(problem, stages, mesh, guess, solver, show)
+        guess, records = run_stages(problem, stages, mesh, guess, solver, show, engine)
         if tolerance is None:
-            solution = solve(problem, mesh, guess, solver, show)
+            solution = solve(problem, mesh, guess, solver, show, engine=engine)
         else:
-            solution = adapt(problem, mesh, guess, solver, show, tolerance, refinement or SplitOrRaise())
+            solution = adapt(problem, mesh, guess, solver, show, tolerance, refinement or SplitOrRaise(), engine)
     solution = replace(solution, stages=records)
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from robotraj.engines import Engine
 from robotraj.guess import Guess, as_guess
 from robotraj.indirect.covector import covectors
 from robotraj.indirect.transfer import transfer
@@ -41,6 +42,7 @@ def solve(
     solver: Solver,
     progress: Progress | None = None,
     between: float = GUARD_TOLERANCE,
+    engine: Engine | None = None,
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
@@ -48,7 +50,7 @@ def solve(
     too and the problem solved again, from the last answer. A guess on the same mesh brings its guards along.
     """
     guards = _known_guards(problem, mesh, guess)
-    solution = _solve(problem, mesh, guess, solver, progress, guards)
+    solution = _solve(problem, mesh, guess, solver, progress, guards, engine)
     for _ in range(GUARD_ROUNDS):
         if not solution.success:
             break
@@ -58,7 +60,7 @@ def solve(
         if not new:
             break
         guards += new
-        again = _solve(problem, mesh, solution, solver, progress, guards)
+        again = _solve(problem, mesh, solution, solver, progress, guards, engine)
         total = {key: again.times[key] + solution.times[key] for key in again.times}
         solution = replace(again, times=total, iterations=again.iterations + solution.iterations)
     left = tuple(_violation(solution, bulge) for bulge in _bulges(solution, between))
@@ -108,9 +110,10 @@ def _solve(
     solver: Solver,
     progress: Progress | None,
     guards: Sequence[Guard],
+    engine: Engine | None,
 ) -> Solution:
     began = time.perf_counter()
-    nlp = transcribe(problem, mesh, as_guess(guess), guards)
+    nlp = transcribe(problem, mesh, as_guess(guess), guards, engine)
     _ = nlp.functions
     built = time.perf_counter() - began
     return _conclude(nlp, solver.solve(nlp, progress, _multipliers(guess, nlp, bool(guards))), built)

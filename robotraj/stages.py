@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Any
 
 from robotraj.contacts import ImplicitContact
+from robotraj.engines import Engine
 from robotraj.errors import InputError, unknown_name
 from robotraj.guess import Guess
 from robotraj.problem import Phase, Problem
@@ -119,6 +120,7 @@ def run_stages(
     guess: Guess | Solution | None,
     solver: Solver,
     progress: Progress | None = None,
+    engine: Engine | None = None,
 ) -> tuple[Guess | Solution | None, tuple[StageRecord, ...]]:
     """Solve the stages in order; return the guess they leave for the problem itself, and what each did.
 
@@ -128,14 +130,14 @@ def run_stages(
     ----------
     problem : Problem
     stages : sequence of Stage
-    mesh, guess, solver
+    mesh, guess, solver, progress, engine
         For stages that do not bring their own; ``guess`` starts the first.
     """
     records = []
     for i, stage in enumerate(stages):
         if not isinstance(stage, Stage):
             raise InputError(f"stages= is a list of rt.Stage(...); number {i} is a {type(stage).__name__}.")
-        solution = solve(stage.of(problem), stage.mesh or mesh, guess, stage.solver or solver, progress)
+        solution = solve(stage.of(problem), stage.mesh or mesh, guess, stage.solver or solver, progress, engine=engine)
         records.append(
             StageRecord(
                 stage.name or f"stage {i + 1}",

@@ -10,7 +10,8 @@ products; the whole graph is never coloured or differentiated.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from robotraj.engines import Engine, Mapped
 from robotraj.transcription.block import Block, Chain, Indices
 
 Array = NDArray[np.float64]
@@ -34,6 +36,8 @@ class Functions:
     gradient : (w, p) -> f, grad f
     jacobian : (w, p) -> g, dg/dw
     hessian : (w, p, lam_f, lam_g) -> upper triangle of the Hessian of lam_f f + lam_g' g
+    preparing : float
+        Seconds that the engine took to prepare the point functions.
     """
 
     objective: ca.Function
@@ -41,6 +45,7 @@ class Functions:
     gradient: ca.Function
     jacobian: ca.Function
     hessian: ca.Function
+    preparing: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -50,35 +55,46 @@ class _Places:
     block: Block
     v: ca.MX
     c: ca.DM
+    functions: Mapping[str, ca.Function]
 
-    def map(self, function: ca.Function, *more: ca.MX) -> ca.MX:
-        return function.map(self.block.count)(self.v, self.c, *more)
+    def map(self, name: str, *more: ca.MX) -> ca.MX:
+        return self.functions[name](self.v, self.c, *more)
 
 
-def assemble(blocks: Sequence[Block], linear: sparse.csr_array) -> Functions:
+def assemble(blocks: Sequence[Block], linear: sparse.csr_array, engine: Engine) -> Functions:
     """Build the functions of g = linear w + sum_b S_b vec(Y_b) and f = sum_b s_b' Y_b[costed].
 
     Parameters
     ----------
     blocks : sequence of Block
     linear : sparse (n_g, n_w)
+    engine : Engine
+        Evaluates the stage functions.
     """
     n_g, n_w = linear.shape
     w, p = ca.MX.sym("w", n_w), ca.MX.sym("p", 0)
     lam_f, lam_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", n_g)
-    places = [_place(block, w) for block in blocks]
+    wanted = [_wanted(block) for block in blocks]
+    began = time.perf_counter()
+    prepared = iter(
+        engine.prepare([Mapped(f, b.count) for b, own in zip(blocks, wanted, strict=True) for f in own.values()])
+    )
+    preparing = time.perf_counter() - began
+    places = [
+        _place(block, w, {name: next(prepared) for name in own}) for block, own in zip(blocks, wanted, strict=True)
+    ]
 
     objective, gradient = ca.MX(ca.DM.zeros(1)), ca.MX(ca.DM.zeros(n_w))
     rows = ca.mtimes(to_dm(linear), w)
     for place in places:
         block = place.block
         if block.scatter.nnz:
-            rows += ca.mtimes(to_dm(block.scatter), ca.vec(place.map(block.stage.function)))
+            rows += ca.mtimes(to_dm(block.scatter), ca.vec(place.map("function")))
         if block.costs:
             weights = ca.DM(block.weights)
-            objective += ca.mtimes(place.map(block.stage.cost), weights)
+            objective += ca.mtimes(place.map("cost"), weights)
             weighed = sparse.diags_array(np.repeat(block.weights, block.stage.inputs)) @ block.gather
-            gradient += ca.mtimes(to_dm(sparse.csr_array(weighed.T)), ca.vec(place.map(block.stage.gradient)))
+            gradient += ca.mtimes(to_dm(sparse.csr_array(weighed.T)), ca.vec(place.map("gradient")))
     rows, objective, gradient = (ca.densify(part) for part in (rows, objective, gradient))
     jacobian = _jacobian(places, linear)
     hessian = _hessian(places, lam_f, lam_g, n_w)
@@ -90,6 +106,7 @@ def assemble(blocks: Sequence[Block], linear: sparse.csr_array) -> Functions:
         ca.Function(
             "nlp_hess_l", [w, p, lam_f, lam_g], [hessian], ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"]
         ),
+        preparing,
     )
 
 
@@ -115,9 +132,26 @@ def row_magnitudes(blocks: Sequence[Block], linear: sparse.csr_array, w: Array) 
     return largest
 
 
-def _place(block: Block, w: ca.MX) -> _Places:
+def _wanted(block: Block) -> dict[str, ca.Function]:
+    """Functions of the block's stage that the NLP calls."""
+    stage = block.stage
+    wanted: dict[str, ca.Function] = {}
+    if block.scatter.nnz:
+        wanted["function"] = stage.function
+        if stage.jacobian_pattern[0].size:
+            wanted["jacobian"] = stage.jacobian
+    if block.costs:
+        wanted |= {"cost": stage.cost, "gradient": stage.gradient}
+    if (block.scatter.nnz or block.costs) and stage.hessian_pattern[0].size:
+        wanted["hessian"] = stage.hessian
+    return wanted
+
+
+def _place(block: Block, w: ca.MX, functions: Mapping[str, ca.Function]) -> _Places:
     flat = ca.mtimes(to_dm(block.gather), w)
-    return _Places(block, ca.reshape(ca.densify(flat), block.stage.inputs, block.count), ca.DM(block.constants))
+    return _Places(
+        block, ca.reshape(ca.densify(flat), block.stage.inputs, block.count), ca.DM(block.constants), functions
+    )
 
 
 def _jacobian(places: Sequence[_Places], linear: sparse.csr_array) -> ca.MX:
@@ -128,7 +162,7 @@ def _jacobian(places: Sequence[_Places], linear: sparse.csr_array) -> ca.MX:
     values = ca.MX(ca.DM(np.bincount(slots[0], weights=coo.data, minlength=pattern.nnz())))
     for place, chain, slot in zip(places, chains, slots[1:], strict=True):
         if chain.source.size:
-            nonzeros = ca.vec(place.map(place.block.stage.jacobian))
+            nonzeros = ca.vec(place.map("jacobian"))
             values += ca.mtimes(_combination(chain, slot, pattern.nnz(), nonzeros.numel()), nonzeros)
     return ca.MX(pattern, ca.densify(values))
 
@@ -140,7 +174,7 @@ def _hessian(places: Sequence[_Places], lam_f: ca.MX, lam_g: ca.MX, n_w: int) ->
     values = ca.MX(ca.DM.zeros(pattern.nnz()))
     for place, chain, slot in zip(places, chains, slots, strict=True):
         block = place.block
-        if not chain.source.size:
+        if "hessian" not in place.functions or not chain.source.size:
             continue
         multipliers = ca.mtimes(to_dm(sparse.csr_array(block.scatter.T)), lam_g)
         if block.costs:
@@ -148,7 +182,7 @@ def _hessian(places: Sequence[_Places], lam_f: ca.MX, lam_g: ca.MX, n_w: int) ->
             costed[:, block.stage.costed] = block.weights
             multipliers += lam_f * ca.DM(costed.ravel())
         m = ca.reshape(ca.densify(multipliers), block.stage.outputs, block.count)
-        nonzeros = ca.vec(place.map(block.stage.hessian, m))
+        nonzeros = ca.vec(place.map("hessian", m))
         values += ca.mtimes(_combination(chain, slot, pattern.nnz(), nonzeros.numel()), nonzeros)
     return ca.MX(pattern, ca.densify(values))
 

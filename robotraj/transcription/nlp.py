@@ -9,7 +9,7 @@ row_scale.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from robotraj.engines import Engine, VirtualMachine
 from robotraj.transcription.assembly import Functions, assemble
 from robotraj.transcription.block import Block
 from robotraj.transcription.layout import PhaseLayout
@@ -51,6 +52,8 @@ class Nlp:
         w = scale * w_scaled, g_scaled = row_scale * g.
     guess : ndarray (n_w,)
         Where the solver starts.
+    engine : Engine
+        Evaluates the blocks' functions.
     """
 
     problem: Problem
@@ -63,13 +66,14 @@ class Nlp:
     scale: Array
     row_scale: Array
     guess: Array
+    engine: Engine = field(default_factory=VirtualMachine)
 
     @cached_property
     def functions(self) -> Functions:
         """Objective, rows and their derivatives in scaled variables, as a solver takes them."""
         blocks = [block.scaled(self.scale, self.row_scale) for block in self.blocks]
         linear = sparse.diags_array(self.row_scale) @ self.linear @ sparse.diags_array(self.scale)
-        return assemble(blocks, sparse.csr_array(linear))
+        return assemble(blocks, sparse.csr_array(linear), self.engine)
 
     def objective(self, w: Array) -> float:
         """Objective at w, in physical units."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.constraints import Where
+from robotraj.engines import Engine, VirtualMachine
 from robotraj.errors import InputError
 from robotraj.guess import Guess, PhaseGuess
 from robotraj.guesses import default_guess
@@ -43,7 +44,11 @@ INSIDE = 1e-9
 
 
 def transcribe(
-    problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | None = None, guards: Sequence[Guard] = ()
+    problem: Problem,
+    mesh: Mesh | Sequence[Mesh],
+    guess: Guess | None = None,
+    guards: Sequence[Guard] = (),
+    engine: Engine | None = None,
 ) -> Nlp:
     """Transcribe a problem by the schemes of its meshes.
 
@@ -56,6 +61,8 @@ def transcribe(
         Where the solver starts; ``default_guess`` by default.
     guards : sequence of Guard
         Rows to impose between collocation points as well.
+    engine : Engine, optional
+        Evaluates the point functions; ``rt.VirtualMachine()`` by default.
 
     Returns
     -------
@@ -115,6 +122,7 @@ def transcribe(
         scale,
         row_scale(every, matrix, constraints, scale, start),
         start,
+        engine or VirtualMachine(),
     )
 
 
