@@ -15,7 +15,7 @@ from robotraj.gait.sequence import Support, Terms, sequence
 from robotraj.links import Mirror, Periodic
 from robotraj.problem import Problem
 from robotraj.robot import Robot
-from robotraj.terrain import Flat
+from robotraj.terrain import Flat, as_ground
 
 
 def repeated(
@@ -30,7 +30,7 @@ def repeated(
     terms = replace(terms, contact=grounded(terms.contact, terms.ground))
     if isinstance(repeat, Periodic):
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
-        return sequence(robot, [*phases, *other], terms, _moved(repeat, 2.0 * length))
+        return sequence(robot, [*phases, *other], terms, _moved(repeat, 2.0 * length, terms.ground))
     if repeat is None:
         repeat = mirror(robot)
     both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
@@ -40,12 +40,15 @@ def repeated(
                 f"The mirror image of foot {foot!r} is {both.get(foot, foot)!r}, not {sides[foot]!r}; name the pair in "
                 "rt.gait.mirror(robot, partners=...)."
             )
-    return sequence(robot, phases, terms, _moved(repeat, length))
+    return sequence(robot, phases, terms, _moved(repeat, length, terms.ground))
 
 
-def _moved(repeat: Any, length: float) -> Any:
-    """Add the way along x to what a repetition gains."""
-    return replace(repeat, displacement={"q.root_x": length, **repeat.displacement})
+def _moved(repeat: Any, length: float, ground: Any) -> Any:
+    """Add the way along x, and the rise of the ground along it, to what a repetition gains."""
+    level = as_ground(ground)
+    rise = float(level.height(length, 0.0)) - float(level.height(0.0, 0.0))
+    way = {"q.root_x": length} | ({"q.root_z": rise} if rise else {})
+    return replace(repeat, displacement={**way, **repeat.displacement})
 
 
 def grounded(kind: FootKind, ground: Any) -> FootKind:

@@ -72,7 +72,8 @@ def walk(
     ground : Ground or callable
         For clearance, and for contacts of the kinds that ``contact`` names without a ground of their own.
     repeat : Mirror or Periodic, optional
-        ``rt.gait.mirror(robot)`` by default. The displacement along x is added to it.
+        ``rt.gait.mirror(robot)`` by default. The displacement along x is added to it, and along z that of the ground:
+        a gait repeats on level ground and on slopes.
 
     Raises
     ------
