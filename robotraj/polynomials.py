@@ -27,6 +27,14 @@ def _weights(sites: tuple[float, ...]) -> Array:
     return weights
 
 
+@lru_cache(maxsize=256)
+def _gauss(count: int) -> tuple[Array, Array]:
+    points, weights = np.polynomial.legendre.leggauss(count)
+    points.setflags(write=False)
+    weights.setflags(write=False)
+    return points, weights
+
+
 def basis(sites: Array, tau: Array) -> Array:
     """Values of the Lagrange polynomials: l_k(tau_i), shape (len(tau), len(sites))."""
     sites = np.asarray(sites, dtype=float)
@@ -57,7 +65,7 @@ def integrals(sites: Array, tau: Array) -> Array:
     """Integrals of the Lagrange polynomials from 0 to tau_i, shape (len(tau), len(sites))."""
     sites = np.asarray(sites, dtype=float)
     tau = np.atleast_1d(np.asarray(tau, dtype=float))
-    points, weights = np.polynomial.legendre.leggauss(len(sites) // 2 + 1)
+    points, weights = _gauss(len(sites) // 2 + 1)
     half = 0.5 * tau
     inner = half[:, None] * (points[None, :] + 1.0)
     values = basis(sites, inner.ravel()).reshape(len(tau), len(points), len(sites))

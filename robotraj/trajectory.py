@@ -45,6 +45,19 @@ class PiecewisePolynomial:
     def _lengths(self) -> Array:
         return np.diff(self.breaks)
 
+    @cached_property
+    def _stacks(self) -> tuple[NDArray[np.int_], list[tuple[Array, Array]], NDArray[np.int_]]:
+        """Kind of every interval, each kind's sites and stacked values, and where in its stack an interval is."""
+        found: dict[bytes, int] = {}
+        kinds = np.array(
+            [found.setdefault(np.asarray(sites, dtype=float).tobytes(), len(found)) for sites in self.sites]
+        )
+        members = [np.flatnonzero(kinds == kind) for kind in range(len(found))]
+        position = np.empty(len(kinds), dtype=int)
+        for own in members:
+            position[own] = np.arange(len(own))
+        return kinds, [(self.sites[int(own[0])], np.stack([self.values[k] for k in own])) for own in members], position
+
     def locate(self, t: Array) -> NDArray[np.int_]:
         """Interval of each time; a knot belongs to the interval on its right, the last knot to the last interval."""
         return np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self._lengths) - 1)
@@ -66,18 +79,24 @@ class PiecewisePolynomial:
         times = np.atleast_1d(np.asarray(t, dtype=float))
         out = np.empty((len(times), self.size))
         where = self.locate(times) if interval is None else np.full(len(times), interval)
-        for k in np.unique(where):
-            chosen = where == k
-            length = self._lengths[k]
-            tau = (times[chosen] - self.breaks[k]) / length if length > 0 else np.zeros(chosen.sum())
-            out[chosen] = basis(self.sites[k], tau) @ self.values[k]
+        lengths = self._lengths[where]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            tau = np.where(lengths > 0, (times - self.breaks[where]) / lengths, 0.0)
+        kinds, stacks, position = self._stacks
+        for kind, (sites, values) in enumerate(stacks):
+            chosen = kinds[where] == kind
+            if chosen.any():
+                weights = basis(sites, tau[chosen])
+                out[chosen] = (weights[:, None, :] @ values[position[where[chosen]]])[:, 0]
         return out[0] if np.ndim(t) == 0 else out
 
     def derivative(self) -> PiecewisePolynomial:
         """Time derivative, on the same sites."""
         values = []
-        for sites, value, length in zip(self.sites, self.values, self._lengths, strict=True):
-            rate = differentiation(sites) @ value
+        kinds, stacks, _ = self._stacks
+        matrices = [differentiation(sites) for sites, _ in stacks]
+        for kind, value, length in zip(kinds, self.values, self._lengths, strict=True):
+            rate = matrices[kind] @ value
             values.append(rate / length if length > 0 else np.zeros_like(rate))
         return PiecewisePolynomial(self.breaks, self.sites, values)
 
