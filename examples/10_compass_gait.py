@@ -10,20 +10,20 @@ legs = {"left_hip": "right_hip", "left_foot": "right_foot"}
 motor = rt.PathConstraint(lambda point: point.tau[0] + point.tau[1], 0, 0, name="one motor", unit="N m")
 
 for name, descent, length in (("downhill", 0.0525, rt.between(0.3, 0.8)), ("level", 0.0, 0.4)):
-    # The swing foot scuffs through the ground, as with every compass; it is on the ground where it comes down.
-    landed = rt.PathConstraint(
-        lambda p, rise=-np.tan(descent): p.frame("right_foot").position[2] - rise * p.frame("right_foot").position[0],
-        lower=0,
-        upper=0,
-        name="foot on the ground",
-    )
+    ground = rt.Slope(-np.tan(descent))
+
+    # The swing foot scuffs through the ground, as with every compass; where it comes down it is on the ground.
+    def height(point, ground=ground):
+        foot = point.frame("right_foot").position
+        return foot[2] - ground.height(foot[0], foot[1])
+
     step = rt.Phase(
         walker,
         duration=(0.6, 1.2),
         start=rt.State(q={"root_pitch": 0}),
-        contacts=[rt.PointContact("left_foot", ground=rt.Slope(-np.tan(descent)))],
+        contacts=[rt.PointContact("left_foot", ground=ground)],
         parameters={"left_foot.x": 0},
-        constraints=[motor, rt.AtEnd(landed)],
+        constraints=[motor, rt.AtEnd(rt.PathConstraint(height, 0, 0, name="foot on the ground"))],
         objective=rt.Effort(),
         name=name,
     )
