@@ -99,8 +99,9 @@ class Course:
         return tuple(float(planned.knots[-1] - planned.knots[0]) for planned in self.phases)
 
     def stands(self, phase: int) -> tuple[str, ...]:
-        """Contacts that a phase holds."""
-        return tuple(contact.name for contact in getattr(self.phases[phase].phase, "bound_contacts", ()))
+        """Contacts with the ground that a phase holds."""
+        held = getattr(self.phases[phase].phase, "bound_contacts", ())
+        return tuple(bound.name for bound in held if hasattr(bound.contact, "ground"))
 
     def lands(self, phase: int) -> tuple[str, ...]:
         """Contacts that come down as a phase begins; none as a plan begins that does not repeat itself."""

@@ -16,6 +16,7 @@ import pinocchio as pin
 
 from robotraj.contacts.flat_foot import BoundFlatFoot
 from robotraj.contacts.line_contact import BoundLineContact
+from robotraj.contacts.loop_closure import BoundLoopClosure
 from robotraj.contacts.point_contact import BoundPointContact
 from robotraj.errors import InputError
 from robotraj.terrain import Ground, as_ground
@@ -119,6 +120,8 @@ def feet_of(course: Course) -> tuple[Foot, ...]:
     found: dict[str, Foot] = {}
     for planned in course.phases:
         for bound in getattr(planned.phase, "bound_contacts", ()):
+            if isinstance(bound, BoundLoopClosure):
+                continue
             found.setdefault(bound.name, _foot(course, bound))
     if course.mirrored(1):
         partners = course.closing.partners if course.closing is not None else {}
@@ -175,7 +178,7 @@ def _foot(course: Course, bound: Any) -> Foot:
         pose, shape = pin.SE3(np.eye(3), np.array(bound.spot.offset)), "SPHERE"
     else:
         raise InputError(
-            f"second_opinion() knows feet on the ground: points, lines and flat feet; {type(contact).__name__} "
+            f"second_opinion() knows points, lines and flat feet on the ground, and loops; {type(contact).__name__} "
             f"{bound.name!r} is none."
         )
     frame, ground = course.robot.frame(bound.frame), as_ground(contact.ground)

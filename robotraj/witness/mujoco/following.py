@@ -12,6 +12,7 @@ from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.deviation import Fall
 from robotraj.witness.mujoco.feedback import Feedback, LinearQuadratic
 from robotraj.witness.mujoco.feet import SoftGround, feet_of, furnish
+from robotraj.witness.mujoco.loops import close, loops_of
 from robotraj.witness.mujoco.model import mujoco_robot
 from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.mujoco.run import Run
@@ -31,7 +32,7 @@ def second_opinion(
 
     The robot is written out for MuJoCo from its Pinocchio model, its feet from the contacts of the phases. MuJoCo's
     contacts are soft and know nothing of the plan's schedule: feet land when they land. Without contacts it integrates
-    by RK4, with them by its implicit Euler steps.
+    by RK4, with them by its implicit Euler steps. Loops are nearly rigid.
 
     Parameters
     ----------
@@ -76,11 +77,17 @@ def second_opinion(
     feedback = feedback if feedback is not None else LinearQuadratic()
     limits = course.phases[0].phase.limits
 
-    def touching(spec: Any, bodies: Any) -> None:
-        furnish(course, feet, soft, spec, bodies)
+    loops = loops_of(course)
 
-    robot = mujoco_robot(course.robot, limits, touching if feet else None)
-    run = Run(course, robot, feedback, feet, Fall(course.robot, feet[0].ground if feet else Flat()))
+    def touching(spec: Any, bodies: Any) -> None:
+        close(course, loops, 2.0 * step, spec, bodies)
+        if feet:
+            furnish(course, feet, soft, spec, bodies)
+
+    robot = mujoco_robot(course.robot, limits, touching)
+    run = Run(
+        course, robot, feedback, feet, bool(feet or loops), Fall(course.robot, feet[0].ground if feet else Flat())
+    )
     run.place(away)
     for passage in course.passages:
         if not run.through(passage, float(step)):

@@ -50,22 +50,24 @@ class Run:
     robot : MujocoRobot
     feedback : Feedback
     feet : sequence of Foot
+    held : bool
+        Whether contacts or loops hold the robot, softly: RK4 gains nothing then.
     fall : Fall
     """
 
     def __init__(
-        self, course: Course, robot: MujocoRobot, feedback: Feedback, feet: Sequence[Foot], fall: Fall
+        self, course: Course, robot: MujocoRobot, feedback: Feedback, feet: Sequence[Foot], held: bool, fall: Fall
     ) -> None:
         self._mujoco = mujoco = load_mujoco()
         self._course, self._robot, self._feedback, self._fall = course, robot, feedback, fall
         self._feet, self._footfalls = {foot.name: foot for foot in feet}, Footfalls(robot.model, feet)
         self._model, self._pin, self._kinematics = robot.model, course.robot.model, course.robot.model.createData()
         option = self._model.opt
-        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST if feet else mujoco.mjtIntegrator.mjINT_RK4
+        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST if held else mujoco.mjtIntegrator.mjINT_RK4
         option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, IMPEDANCE_RATIO
         # A blown-up simulation is told, not started again.
         option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-        self._how = "implicit Euler, soft contacts" if feet else "RK4"
+        self._how = "implicit Euler, soft contacts" if held else "RK4"
         self._data = mujoco.MjData(self._model)
         self._gains = feedback.gains(course)
         self._actuation = np.asarray(course.robot.actuation, dtype=float)

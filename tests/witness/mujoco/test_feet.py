@@ -114,11 +114,13 @@ def test_feet_touch_their_own_ground_alone(monopod):
     )
 
 
-def test_loops_are_no_feet(monopod):
+def test_other_contacts_are_refused(monopod):
     q = standing(monopod, "foot", [0.0, 0.0, 0.0])
     course = Course(resting(monopod, [rt.PointContact("foot")], q))
     course.phases[0].phase.bound_contacts = (SimpleNamespace(name="rod", contact=object(), frame="foot"),)
-    with pytest.raises(InputError, match="knows feet on the ground: points, lines and flat feet; object 'rod' is none"):
+    with pytest.raises(
+        InputError, match="knows points, lines and flat feet on the ground, and loops; object 'rod' is none"
+    ):
         feet_of(course)
 
 

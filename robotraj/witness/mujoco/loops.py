@@ -1,0 +1,63 @@
+"""Closed loops for MuJoCo: two spots of the robot that a tree keeps apart, held together as a joint of a machine is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from robotraj.contacts.loop_closure import BoundLoopClosure
+from robotraj.errors import InputError
+from robotraj.witness.mujoco.course import Course
+from robotraj.witness.mujoco.model import wxyz
+from robotraj.witness.mujoco.package import load_mujoco
+
+IMPEDANCE = [0.999, 0.9999, 0.001, 0.5, 2.0]
+"""MuJoCo's ``solimp`` of a loop: nearly rigid, where its default gives way by a twentieth."""
+
+
+def loops_of(course: Course) -> tuple[BoundLoopClosure, ...]:
+    """Loops that the robot closes.
+
+    Raises
+    ------
+    InputError
+        A loop that is closed in some phases and open in others.
+    """
+    held = [
+        {bound.name: bound for bound in getattr(planned.phase, "bound_contacts", ()) if _closes(bound)}
+        for planned in course.phases
+    ]
+    every = {name: bound for loops in held for name, bound in loops.items()}
+    for planned, loops in zip(course.phases, held, strict=True):
+        for name in every:
+            if name not in loops:
+                raise InputError(
+                    f"second_opinion() keeps loops closed all the time; phase {planned.phase.name!r} opens {name!r}."
+                )
+    return tuple(every.values())
+
+
+def close(
+    course: Course, loops: tuple[BoundLoopClosure, ...], time: float, spec: Any, bodies: Mapping[int, Any]
+) -> None:
+    """Add the loops to a specification of MuJoCo, as hard as a time constant [s] makes them."""
+    mujoco = load_mujoco()
+    for loop in loops:
+        ends = []
+        for side, spot in (("a", loop.first), ("b", loop.second)):
+            frame = course.robot.model.frames[course.robot.frame(spot.frame)]
+            name = f"{loop.name} {side}"
+            place = frame.placement.act(np.array(spot.offset))
+            bodies[frame.parentJoint].add_site(name=name, pos=place, quat=wxyz(frame.placement.rotation))
+            ends.append(name)
+        kind = mujoco.mjtEq.mjEQ_WELD if loop.about else mujoco.mjtEq.mjEQ_CONNECT
+        equality = spec.add_equality(
+            name=loop.name, type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, name1=ends[0], name2=ends[1]
+        )
+        equality.solref, equality.solimp = [time, 1.0], IMPEDANCE
+
+
+def _closes(bound: Any) -> bool:
+    return isinstance(bound, BoundLoopClosure)
