@@ -12,8 +12,8 @@ motor = rt.PathConstraint(lambda point: point.tau[0] + point.tau[1], 0, 0, name=
 for name, descent, length in (("downhill", 0.0525, rt.between(0.3, 0.8)), ("level", 0.0, 0.4)):
     ground = rt.Slope(-np.tan(descent))
 
-    # The swing foot scuffs through the ground, as with every compass; where it comes down it is on the ground.
     def height(point, ground=ground):
+        """Of the swing foot, which scuffs as with every compass: it is on the ground where it comes down."""
         foot = point.frame("right_foot").position
         return foot[2] - ground.height(foot[0], foot[1])
 
