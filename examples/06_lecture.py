@@ -23,7 +23,7 @@ for (name, (mesh, tolerance)), column in zip(
     methods.items(), figure.subplots(3, 6, sharex=True, sharey="row").T, strict=True
 ):
     solution = rt.plan(move, mesh, tolerance=tolerance)
-    part, seconds = solution.phases[0], sum(solution.times.values())
+    part, seconds = solution.phases[0], solution.seconds
     print(f"{name:30} {solution.duration:.7f} s, error {solution.duration - 2 * np.sqrt(10):.1e} s, in {seconds:.3f} s")
     for k, span in enumerate(zip(part.knots[:-1], part.knots[1:], strict=True)):
         sample = part.at(np.linspace(*span, 5), interval=k)

@@ -66,7 +66,7 @@ def adapt(
                 worst,
                 solution.objective,
                 solution.iterations,
-                sum(solution.times.values()),
+                solution.seconds,
             )
         )
         total = {key: total.get(key, 0.0) + seconds for key, seconds in solution.times.items()}

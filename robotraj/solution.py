@@ -44,7 +44,8 @@ class Solution:
     objective : float
     iterations : int
     times : dict of str to float
-        Seconds by stage of the work.
+        Seconds: ``"build"`` the transcription and its derivatives, ``"compile"`` what the engine prepared, ``"setup"`` and
+        ``"solve"`` of the solver. Entries named ``"solve: ..."`` are parts of ``"solve"``.
     violation_list : tuple of Violation
         Every row and bound broken by more than the tolerance, worst first.
     multipliers : Multipliers or None
@@ -84,6 +85,11 @@ class Solution:
     def success(self) -> bool:
         """Whether the solver converged and every row, evaluated again outside it, holds."""
         return self.status is Status.SOLVED
+
+    @property
+    def seconds(self) -> float:
+        """Seconds in all: ``times`` without the entries that are parts of others."""
+        return sum(seconds for name, seconds in self.times.items() if ":" not in name)
 
     @cached_property
     def error(self) -> float | None:
@@ -184,7 +190,7 @@ class Solution:
     def __str__(self) -> str:
         lines = [
             f"{self.status.value}: objective {self.objective:.8g}, duration {self.duration:.6g} s, "
-            f"{self.iterations} iterations, {sum(self.times.values()):.3g} s"
+            f"{self.iterations} iterations, {self.seconds:.3g} s"
         ]
         lines += [
             f"  {stage.name}: {stage.status.value}, objective {stage.objective:.8g}, "

@@ -114,12 +114,12 @@ def _solve(
 ) -> Solution:
     began = time.perf_counter()
     nlp = transcribe(problem, mesh, as_guess(guess), guards, engine)
-    _ = nlp.functions
-    built = time.perf_counter() - began
-    return _conclude(nlp, solver.solve(nlp, progress, _multipliers(guess, nlp, bool(guards))), built)
+    compiling = nlp.functions.preparing
+    times = {"build": time.perf_counter() - began - compiling, "compile": compiling}
+    return _conclude(nlp, solver.solve(nlp, progress, _multipliers(guess, nlp, bool(guards))), times)
 
 
-def _conclude(nlp: Nlp, outcome: Outcome, built: float) -> Solution:
+def _conclude(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
     """Evaluate every row again outside the solver and wrap up what it found."""
     broken = violations(nlp, outcome.w, ROW_TOLERANCE)
     status = outcome.status
@@ -137,7 +137,7 @@ def _conclude(nlp: Nlp, outcome: Outcome, built: float) -> Solution:
         outcome.message,
         nlp.objective(outcome.w),
         outcome.iterations,
-        {"build": built, **{k: v for k, v in outcome.times.items() if k != "evaluate"}},
+        times | outcome.times,
         broken,
         outcome.multipliers,
         duals=covectors(nlp, outcome.w, outcome.multipliers) if status is Status.SOLVED else (),

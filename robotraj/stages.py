@@ -144,7 +144,7 @@ def run_stages(
                 solution.status,
                 solution.objective,
                 solution.iterations,
-                sum(solution.times.values()),
+                solution.seconds,
             )
         )
         if solution.success:

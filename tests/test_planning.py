@@ -23,6 +23,9 @@ BLOCK = rt.System(
 )
 
 
+PARTS = ("solve: functions", "solve: progress", "solve: linear algebra and steps")
+
+
 def move(**more: Any) -> rt.Phase:
     given = {
         "duration": (0.1, 20),
@@ -45,7 +48,10 @@ def test_a_good_plan_is_solved_and_breaks_nothing() -> None:
     assert solution.success and solution.status is rt.Status.SOLVED
     assert solution.violations() == ()
     assert solution.duration == solution.objective == pytest.approx(2 * np.sqrt(10), abs=1e-5)
-    assert solution.iterations > 0 and set(solution.times) == {"build", "setup", "solve"}
+    assert solution.iterations > 0 and set(solution.times) == {"build", "compile", "setup", "solve", *PARTS}
+    parts = [solution.times[part] for part in PARTS]
+    assert min(parts) >= 0 and sum(parts) == pytest.approx(solution.times["solve"])
+    assert solution.seconds == pytest.approx(sum(solution.times.values()) - sum(parts))
     assert str(solution).startswith("solved: objective 6.3245")
 
 

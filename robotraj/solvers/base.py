@@ -55,7 +55,7 @@ class Outcome:
     multipliers : Multipliers
     iterations : int
     times : dict of str to float
-        Seconds: ``"setup"``, ``"solve"``, ``"evaluate"``.
+        Seconds: ``"setup"``, ``"solve"``; what is part of another entry is named after it, ``"solve: functions"``.
     """
 
     status: Status

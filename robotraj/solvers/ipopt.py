@@ -159,14 +159,18 @@ class Ipopt(Solver):
         point, lam_g, lam_x = (np.array(result[key]).ravel() for key in ("x", "lam_g", "lam_x"))
         if not np.all(np.isfinite(point)) and watch.last is not None:
             point = watch.last
-        evaluate = sum(value for key, value in stats.items() if key.startswith("t_wall_nlp_"))
+        parts = {
+            "solve: functions": sum(value for key, value in stats.items() if key.startswith("t_wall_nlp_")),
+            "solve: progress": float(stats.get("t_wall_callback_fun", 0.0)),
+        }
+        parts["solve: linear algebra and steps"] = max(0.0, ended - ready - sum(parts.values()))
         return Outcome(
             status,
             message.replace("_", " "),
             point * nlp.scale,
             Multipliers(lam_g * nlp.row_scale, lam_x / nlp.scale),
             int(stats["iter_count"]),
-            {"setup": ready - began, "solve": ended - ready, "evaluate": float(evaluate)},
+            {"setup": ready - began, "solve": ended - ready, **parts},
         )
 
 
