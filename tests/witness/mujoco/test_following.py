@@ -73,9 +73,9 @@ def test_the_regulator_of_a_mass_is_riccatis(make):
     k1 = 5.0 / 0.1
     k2 = np.sqrt(5.0**2 / 2.0**2 + 2 * 2.0 * k1)
     offset = 1e-3
-    opinion = rt.second_opinion(make.solution(resting), feedback=feedback, offset=[offset, 0.0])
+    opinion = rt.second_opinion(make.solution(resting), feedback=feedback, offset=[offset, 0.0], step=2e-3)
     assert opinion.effort["slide"].value == pytest.approx(k1 * offset, rel=0.02)
-    damped = rt.second_opinion(make.solution(resting), feedback=feedback, offset=[0.0, offset])
+    damped = rt.second_opinion(make.solution(resting), feedback=feedback, offset=[0.0, offset], step=2e-3)
     assert damped.effort["slide"].value == pytest.approx(k2 * offset, rel=0.02)
 
 
