@@ -152,6 +152,31 @@ def test_a_squatting_foot_stays_and_carries_the_weight(squat):
     assert "COMPLETED, upright" in str(opinion) and "mean force" in str(opinion)
 
 
+def test_a_flat_foot_balances_a_robot_in_space(monopod):
+    q = np.array(monopod.neutral)
+    q[7:] = [0.0, -0.5, 1.0]
+    data = monopod.model.createData()
+    pin.framesForwardKinematics(monopod.model, data, q)
+    foot = data.oMf[monopod.frame("foot")]
+    q[2] -= foot.translation[2]
+    # The sole lies level under a shank that leans, so its axes are those of the world as the foot sees them.
+    axes = {"normal": foot.rotation.T[:, 2], "forward": foot.rotation.T[:, 0]}
+    sole = rt.FlatFoot("foot", length=0.2, width=0.1, friction=0.5, normal_force=(1.0, np.inf), **axes)
+    shift = rt.Phase(
+        monopod,
+        duration=0.3,
+        start=rt.State(q=q, v=0),
+        end=rt.State(q={"root_x": q[0] + 0.02}, v=0),
+        contacts=[sole],
+        objective=rt.Effort(),
+    )
+    opinion = rt.second_opinion(rt.plan(shift, mesh=rt.Mesh(6, rt.HermiteSimpson())))
+    assert opinion.completed and opinion.deviation.largest("q.") < 0.02
+    assert opinion.slip < 1e-3 and opinion.sink < 1e-3
+    (report,) = opinion.feet
+    assert report.force == pytest.approx(report.planned, abs=0.02 * 1.15 * 9.81)
+
+
 def test_harder_ground_gives_way_less(squat):
     soft, hard = (rt.second_opinion(squat, ground=rt.SoftGround(time=time)).sink for time in (0.02, 0.004))
     assert hard < 0.2 * soft
