@@ -1,5 +1,6 @@
 """robotraj: plan robot motions by direct collocation and prove them by simulation."""
 
+from robotraj.compiling import Compilation, compile
 from robotraj.constraints import (
     AtEnd,
     AtStart,
@@ -122,6 +123,7 @@ __all__ = [
     "BodyMass",
     "CentroidalMomentum",
     "CollisionShapes",
+    "Compilation",
     "Compiled",
     "CompressedHermiteSimpson",
     "ConstantControl",
@@ -231,6 +233,7 @@ __all__ = [
     "VirtualMachine",
     "between",
     "catalogue",
+    "compile",
     "conditions",
     "costates",
     "cut_at_junctions",

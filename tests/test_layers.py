@@ -30,7 +30,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
         "indirect",
         "solving",
     ),
-    8: ("adaptive", "kinematic", "stages", "planning"),
+    8: ("adaptive", "kinematic", "stages", "compiling", "planning"),
     9: ("workers", "sweep", "multistart", "demos"),
     10: ("arguments", "cli", "__main__", "__init__"),
 }

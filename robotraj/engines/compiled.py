@@ -70,7 +70,7 @@ class Compiled(Engine):
         CompilationFailed
             The compiler's own words.
         """
-        large = {i: each.function for i, each in enumerate(wanted) if self._pays(each)}
+        large = self._large(wanted)
         if not large:
             return VirtualMachine().prepare(wanted)
         cache, compiler = self.open_cache(), find_compiler(self.compiler)
@@ -89,6 +89,12 @@ class Compiled(Engine):
                 chosen[i] = _mapped(self._load(large[i], key, library, cache, compiler), wanted[i])
         return chosen
 
+    def libraries(self, wanted: Sequence[Mapped]) -> set[Path]:
+        """Give the libraries in the cache that these functions use."""
+        cache, compiler = self.open_cache(), find_compiler(self.compiler)
+        found = {cache.find(key_of(function, compiler)) for function in self._large(wanted).values()}
+        return {path for path in found if path is not None}
+
     def open_cache(self) -> Cache:
         """Give the cache, checked."""
         return Cache(default_folder() if self.cache is None else Path(self.cache).expanduser().absolute())
@@ -97,6 +103,9 @@ class Compiled(Engine):
     def processes(self) -> int:
         """Compilers that run at once."""
         return self.jobs or len(os.sched_getaffinity(0))
+
+    def _large(self, wanted: Sequence[Mapped]) -> dict[int, ca.Function]:
+        return {i: each.function for i, each in enumerate(wanted) if self._pays(each)}
 
     def _pays(self, each: Mapped) -> bool:
         function = each.function

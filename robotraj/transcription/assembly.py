@@ -76,9 +76,7 @@ def assemble(blocks: Sequence[Block], linear: sparse.csr_array, engine: Engine) 
     lam_f, lam_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", n_g)
     wanted = [_wanted(block) for block in blocks]
     began = time.perf_counter()
-    prepared = iter(
-        engine.prepare([Mapped(f, b.count) for b, own in zip(blocks, wanted, strict=True) for f in own.values()])
-    )
+    prepared = iter(engine.prepare(point_functions(blocks)))
     preparing = time.perf_counter() - began
     places = [
         _place(block, w, {name: next(prepared) for name in own}) for block, own in zip(blocks, wanted, strict=True)
@@ -108,6 +106,11 @@ def assemble(blocks: Sequence[Block], linear: sparse.csr_array, engine: Engine) 
         ),
         preparing,
     )
+
+
+def point_functions(blocks: Sequence[Block]) -> list[Mapped]:
+    """Give every stage function that the NLP calls, and at how many places."""
+    return [Mapped(function, block.count) for block in blocks for function in _wanted(block).values()]
 
 
 def to_dm(matrix: sparse.sparray) -> ca.DM:

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from robotraj.engines import Engine, VirtualMachine
-from robotraj.transcription.assembly import Functions, assemble
+from robotraj.engines import Engine, Mapped, VirtualMachine
+from robotraj.transcription.assembly import Functions, assemble, point_functions
 from robotraj.transcription.block import Block
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.table import Scalars
@@ -74,6 +74,11 @@ class Nlp:
         blocks = [block.scaled(self.scale, self.row_scale) for block in self.blocks]
         linear = sparse.diags_array(self.row_scale) @ self.linear @ sparse.diags_array(self.scale)
         return assemble(blocks, sparse.csr_array(linear), self.engine)
+
+    @property
+    def point_functions(self) -> list[Mapped]:
+        """Every stage function that ``functions`` call, and at how many places."""
+        return point_functions(self.blocks)
 
     def objective(self, w: Array) -> float:
         """Objective at w, in physical units."""
