@@ -56,7 +56,11 @@ class PiecewisePolynomial:
         position = np.empty(len(kinds), dtype=int)
         for own in members:
             position[own] = np.arange(len(own))
-        return kinds, [(self.sites[int(own[0])], np.stack([self.values[k] for k in own])) for own in members], position
+        return (
+            kinds,
+            [(self.sites[int(own[0])], np.stack([self.values[int(k)] for k in own])) for own in members],
+            position,
+        )
 
     def locate(self, t: Array) -> NDArray[np.int_]:
         """Interval of each time; a knot belongs to the interval on its right, the last knot to the last interval."""
