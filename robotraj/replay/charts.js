@@ -42,11 +42,12 @@ function valueAt(chart, series, t) {
 class Chart {
   constructor(host, data, { phases, impacts }, state, onSeek) {
     Object.assign(this, { data, phases, impacts, state, fit: false });
-    // Limits far away would leave the curves no room: then they are shown on demand.
+    // Limits far away would leave the curves no room: then they are shown on demand. Curves that are zero need none.
     const all = this.range();
     this.fit = true;
     const own = this.range();
-    this.fit = own[1] - own[0] < 0.3 * (all[1] - all[0]);
+    const share = (own[1] - own[0]) / (all[1] - all[0]);
+    this.fit = share > 1e-4 && share < 0.3;
     this.tints = tints(phases);
     this.start = phases[0].start;
     this.end = phases[phases.length - 1].end;

@@ -53,6 +53,7 @@ class ContactsView {
     const thickness = 0.032 * this.data.length;
     this.arrows = this.data.names.map((name) => new Arrow(this.group, colors[name], thickness));
     this.cones = this.data.cones.map((cone) => this.addCone(cone, colors[this.data.names[cone.foot]]));
+    this.soles = this.data.cones.map((cone) => this.addSole(cone, colors[this.data.names[cone.foot]]));
     this.blows = this.data.impacts.map(() => new Arrow(this.group, IMPULSE, 1.3 * thickness));
   }
 
@@ -75,6 +76,22 @@ class ContactsView {
     this.place(cone, apex);
     this.group.add(cone);
     return cone;
+  }
+
+  // Outline of a flat foot where it stands, a little above the ground; null for other contacts.
+  addSole({ sole, normal }, color) {
+    if (!sole.length) return null;
+    const T = MeshCat.THREE;
+    const lift = new T.Vector3(...normal).multiplyScalar(4e-3 * this.data.length);
+    const corners = [0, 1, 2, 3].map((k) => new T.Vector3(...sole.slice(3 * k, 3 * k + 3)).add(lift));
+    const shape = new T.BufferGeometry().setFromPoints(corners);
+    shape.setIndex([0, 1, 2, 0, 2, 3]);
+    const look = { color, transparent: true, opacity: 0.35, side: T.DoubleSide, depthWrite: false };
+    const group = new T.Group();
+    group.add(new T.Mesh(shape, new T.MeshBasicMaterial(look)));
+    group.add(new T.LineLoop(new T.BufferGeometry().setFromPoints(corners), new T.LineBasicMaterial({ color })));
+    this.group.add(group);
+    return group;
   }
 
   place(cone, apex) {
@@ -116,6 +133,7 @@ class ContactsView {
     this.cones.forEach((cone, k) => {
       const { start, end, foot, stays } = this.data.cones[k];
       cone.visible = t >= start && t <= end;
+      if (this.soles[k]) this.soles[k].visible = cone.visible;
       // A contact that may slip takes its cone along.
       if (cone.visible && !stays) this.place(cone, this.force(foot, t).at);
     });

@@ -70,7 +70,12 @@ def _force(hold: Foothold, foot: int) -> dict[str, Any]:
 
 
 def _cones(hold: Foothold, foot: int) -> list[dict[str, Any]]:
-    shape = {"apex": _rounded(hold.place, 6), "normal": _rounded(hold.normal, 6), "angle": hold.angle}
+    shape = {
+        "apex": _rounded(hold.place, 6),
+        "normal": _rounded(hold.normal, 6),
+        "angle": hold.angle,
+        "sole": _rounded(hold.sole, 6),
+    }
     return [{"foot": foot, "start": start, "end": end, "stays": hold.stays} | shape for start, end in hold.spans]
 
 

@@ -63,6 +63,23 @@ class Foothold:
         return self.passage.forces(self._planned_normal)
 
     @property
+    def sole(self) -> Array:
+        """Corners (4, 3) [m] of a flat foot's sole on the ground as it is put down; none (0, 3) of other contacts."""
+        contact = self.contact
+        if not isinstance(contact, BoundFlatFoot):
+            return np.empty((0, 3))
+        planned = self.passage.planned
+        place, rotation = contact.spot.placed(realised(planned), np.ravel(planned.at(planned.t0).q))
+        ahead, left = (rotation @ np.array(axis) for axis in (contact.feet.forward, contact.feet.left))
+        if len(contact.about) == 1:
+            # In a plane the sole is measured along left x up, with left out of the plane.
+            left = np.eye(3)[contact.about[0]]
+            ahead = np.cross(left, rotation @ np.array(contact.feet.up))
+        shape = contact.shape
+        corners = ((-shape.back, -shape.half), (shape.front, -shape.half), (shape.front, shape.half))
+        return self.passage.points([place + x * ahead + y * left for x, y in (*corners, (-shape.back, shape.half))])
+
+    @property
     def angle(self) -> float:
         """Half the opening of the friction cone, atan(mu) [rad]."""
         return float(np.arctan(self.contact.contact.friction))  # type: ignore[attr-defined]

@@ -48,7 +48,7 @@ def test_cones_stand_at_the_footholds_while_they_are_held(walk):
     np.testing.assert_allclose(
         [cone["apex"] for cone in cones], [[0, 0.08, 0], [0.5, -0.08, 0], [1, 0.08, 0]], atol=1e-6
     )
-    assert all(cone["normal"] == [0, 0, 1] for cone in cones)
+    assert all(cone["normal"] == [0, 0, 1] and cone["sole"] == [] for cone in cones)
     assert np.tan(cones[0]["angle"]) == pytest.approx(5.0)
     np.testing.assert_allclose([(cone["start"], cone["end"]) for cone in cones], [(0, 0.7), (0.7, 1.4), (1.4, 2.1)])
 
@@ -151,13 +151,15 @@ def test_a_flat_foot_is_pushed_at_its_centre_of_pressure():
     place, _ = contact.spot.placed(robot, q)
     np.testing.assert_allclose(places, np.tile(place + lever, (len(times), 1)), atol=1e-12)
     np.testing.assert_array_equal(pushes, np.tile(force, (len(times), 1)))
+    corners = [[-0.1, -0.05, 0.0], [0.1, -0.05, 0.0], [0.1, 0.05, 0.0], [-0.1, 0.05, 0.0]]
+    np.testing.assert_allclose(hold.sole, place + np.array(corners), atol=1e-9)
     assert weight_of(robot) == pytest.approx(9.81 * pin.computeTotalMass(robot.model), rel=1e-6)
 
 
 def tile(t, sample):
     return SimpleNamespace(
-        forces={name: np.tile(rows[0], (len(t), 1)) for name, rows in sample.forces.items()},
-        q=np.tile(sample.q[0], (len(t), 1)),
+        forces={name: np.tile(rows[0], (np.size(t), 1)) for name, rows in sample.forces.items()},
+        q=np.tile(sample.q[0], (np.size(t), 1)),
     )
 
 
