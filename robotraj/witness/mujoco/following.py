@@ -31,8 +31,9 @@ def second_opinion(
     """Let MuJoCo follow a plan: tau = tau_plan - K(t) e, cut off at the effort limits.
 
     The robot is written out for MuJoCo from its Pinocchio model, its feet from the contacts of the phases. MuJoCo's
-    contacts are soft and know nothing of the plan's schedule: feet land when they land. Without contacts it integrates
-    by RK4, with them by its implicit Euler steps. Loops are nearly rigid.
+    contacts are soft and know nothing of the plan's schedule: feet land when they land, and the next phase begins then,
+    seen from where they stand. Without contacts MuJoCo integrates by RK4, with them by its implicit Euler steps. Loops
+    are nearly rigid; position limits are MuJoCo's soft ones.
 
     Parameters
     ----------
@@ -67,6 +68,8 @@ def second_opinion(
         raise InputError(
             f"feedback = {feedback!r}; give rt.LinearQuadratic(), rt.JointFeedback() or rt.NoFeedback(), or nothing."
         )
+    if not (ground is None or isinstance(ground, SoftGround)):
+        raise InputError(f"ground = {ground!r}; give rt.SoftGround(...): where the ground is, the contacts say.")
     away = np.asarray(offset, dtype=float).ravel()
     if away.size not in (1, 2 * course.robot.model.nv):
         raise InputError(

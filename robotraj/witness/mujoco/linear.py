@@ -121,7 +121,7 @@ class LinearPhase:
         if (speed := height @ rate) < -SLOWEST:
             landed = landed @ (np.eye(2 * nv) - np.outer(rate, height) / speed)
         shift = np.eye(2 * nv)
-        shift[:nv, :nv] -= root.along(q) @ moves[:2]
+        shift[:nv, :nv] -= root.along(q) @ moves
         return np.asarray(shift @ landed)
 
     def _rows(self, q: Array) -> list[tuple[int, str, Array]]:

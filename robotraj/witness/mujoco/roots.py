@@ -1,4 +1,4 @@
-"""The root of a robot: whether it moves, how it is shifted over the ground, which of its velocities turn it."""
+"""The root of a robot: whether it moves, how it is shifted in the world, which of its velocities turn it."""
 
 from __future__ import annotations
 
@@ -37,19 +37,21 @@ class Root:
         self.turns = slice(3, 6) if self.floating else slice(2, 3) if self.moves else slice(0, 0)
 
     def moved(self, q: Array, shift: Array) -> Array:
-        """Positions (..., nq) of the robot elsewhere, by (2,) along world x and y [m]; a planar one along x alone."""
+        """Positions (..., nq) of the robot elsewhere, by (3,) along world axes [m]; a planar one stays in its plane."""
         there = np.array(q)
-        if self.moves:
-            there[..., : 2 if self.floating else 1] += shift[: 2 if self.floating else 1]
+        if self.floating:
+            there[..., :3] += shift
+        elif self.moves:
+            there[..., :2] += shift[[0, 2]]
         return there
 
     def along(self, q: Array) -> Array:
-        """Velocities (nv, 2) that move the robot along world x and y."""
-        found = np.zeros((self._nv, 2))
+        """Velocities (nv, 3) that move the robot along world axes."""
+        found = np.zeros((self._nv, 3))
         if self.floating:
-            found[:3] = rotation(q[QUATERNION]).T[:, :2]
+            found[:3] = rotation(q[QUATERNION]).T
         elif self.moves:
-            found[0, 0] = 1.0
+            found[0, 0] = found[1, 2] = 1.0
         return found
 
     def upright(self, q: Array, gap: Any) -> Array:

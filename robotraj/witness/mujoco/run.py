@@ -77,7 +77,7 @@ class Run:
         self._rows: list[tuple[Array, ...]] = []
         self._names: list[str] = []
         self._planned: dict[str, Array] = {}
-        self._shift = np.zeros(2)
+        self._shift = np.zeros(3)
         self._time, self._longest, self._lag = 0.0, 0.0, 0.0
         self._failure: str | None = None
         self._fell: float | None = None
@@ -164,7 +164,7 @@ class Run:
         for q in (here, planned):
             pin.framesForwardKinematics(self._pin, self._kinematics, q)
             places.append(np.mean([place(foot, self._kinematics.oMf) for foot in feet], axis=0))
-        self._shift = (places[0] - places[1])[:2]
+        self._shift = places[0] - places[1]
 
     def _look(self, q: Array, v: Array) -> tuple[Array, Array]:
         """State (q, v) of the robot, and its deviation (2 nv,) from a planned one."""

@@ -144,6 +144,7 @@ def test_it_prints_what_it_found(swing):
         ({"periods": 0}, "periods = 0; give a whole number"),
         ({"step": 0.0}, "step = 0.0; give a positive time"),
         ({"offset": [1.0, 2.0]}, "offset has 2 values; give one, or 4"),
+        ({"ground": rt.Flat()}, "ground = Flat.*; give rt.SoftGround"),
         ({"feedback": 3.0}, "feedback = 3.0; give rt.LinearQuadratic"),
     ],
 )
