@@ -10,7 +10,7 @@ from pathlib import Path
 ENVIRONMENTS: dict[str, tuple[str, ...]] = {
     "drake": ("drake",),
     # Crocoddyl 3.2.1 was built against Pinocchio 4.0.0; pip's own choice of a later one gives wrong numbers silently.
-    "crocoddyl": ("crocoddyl==3.2.1", "pin==4.0.0"),
+    "crocoddyl": ("crocoddyl==3.2.1", "pin==4.0.0", "example-robot-data-loaders==5.0.0"),
 }
 MINUTES = 5
 
@@ -27,12 +27,13 @@ def python_of(name: str | None, cache: Path) -> Path:
         return Path(sys.executable)
     folder = cache / name
     python, done = folder / "bin" / "python", folder / "installed"
-    if not done.exists():
+    wanted = "\n".join(ENVIRONMENTS[name])
+    if not done.exists() or done.read_text() != wanted:
         venv.create(folder, with_pip=True, clear=True)
         command = [str(python), "-m", "pip", "install", "--quiet", *ENVIRONMENTS[name]]
         try:
             subprocess.run(command, check=True, timeout=60 * MINUTES)
         except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
             raise RuntimeError(f"not installed: {error}") from error
-        done.touch()
+        done.write_text(wanted)
     return python

@@ -1,0 +1,213 @@
+"""A walk by robotraj: the same feet, footholds, heights and times, limits and cones as hard rows, least effort."""
+
+from __future__ import annotations
+
+import os
+import resource
+import sys
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from models import robot_of
+from walks import WALKS, Walk
+
+import robotraj as rt
+
+INTERVALS = {"solo12": (2, 6), "talos_legs": (3, 8)}
+SAMPLES = 9
+TOUCH = 1e-4
+CALM = 0.1
+POSTURES = {
+    "standing": [0.0, 0.0, 0.235, 0.0, 0.0, 0.0, 1.0, 0.1, 0.8, -1.6, -0.1, 0.8, -1.6, 0.1, -0.8, 1.6, -0.1, -0.8, 1.6],
+    "half_sitting": [0.0, 0.0, 1.01927, 0.0, 0.0, 0.0, 1.0] + [0.0, 0.0, -0.411354, 0.859395, -0.448041, -0.001708] * 2,
+}
+"""Crocoddyl's reference configurations."""
+
+
+@dataclass(frozen=True)
+class Swing(rt.RequiredHeight):
+    """The parabola of a swing foot between two places, a tenth of a millimetre lower than ``rt.SwingApex``.
+
+    At both ends the phases before and after say as well that the foot is on the ground.
+    """
+
+    apex: float
+    start: float
+    end: float
+
+    def heights(self, point: Any, position: Any) -> dict[str, Any]:
+        """Ground and parabola [m]."""
+        progress = (position[0] - self.start) / (self.end - self.start)
+        return {"ground": -TOUCH, "apex": 4.0 * self.apex * progress * (1.0 - progress) - TOUCH}
+
+
+def periodic(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
+    """One step of the gait that repeats for ever, as ``rt.gait`` writes it: same step, height and time."""
+    one = walk.support * walk.dt + walk.swing * walk.dt
+    asked = {"step_length": 0.5 * walk.length, "duration": one, "clearance": walk.height, "feet": list(walk.feet)}
+    asked["objective"] = objective_of(walk, robot)
+    if walk.sole is None:
+        problem = rt.gait.trot(robot, **asked)
+    else:
+        problem = rt.gait.walk(
+            robot, contact=lambda foot: foot_of(walk, foot), double_support=walk.support * walk.dt / one, **asked
+        )
+    stance, swing = INTERVALS[walk.robot]
+    return problem, [rt.Mesh(stance if len(p.contacts) == len(walk.feet) else swing) for p in problem.phases]
+
+
+def foot_of(walk: Walk, frame: str) -> rt.Contact:
+    """The contact of a foot."""
+    if walk.sole is None:
+        return rt.PointContact(frame, friction=walk.friction)
+    return rt.FlatFoot(frame, *walk.sole, friction=walk.friction)
+
+
+def standing(walk: Walk, robot: rt.Robot) -> np.ndarray:
+    """Crocoddyl's posture, feet flat on z = 0."""
+    q = np.array(POSTURES[walk.posture])
+    data = robot.model.createData()
+    if walk.sole is not None:
+        # Its ankles are 1e-5 and 2e-3 rad from level.
+        for leg in (7, 13):
+            q[leg + 4] = -q[leg + 2] - q[leg + 3]
+            q[leg + 5] = -q[leg + 1]
+    pin.framesForwardKinematics(robot.model, data, q)
+    q[2] -= data.oMf[robot.frame(walk.feet[0])].translation[2]
+    return q
+
+
+def from_rest(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
+    """Crocoddyl's sequence, from standing still, phase by phase; a last short stance holds the footholds."""
+    q = standing(walk, robot)
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    places = {foot: data.oMf[robot.frame(foot)].translation.copy() for foot in walk.feet}
+    gain = sum(share * len(feet) for feet, share, _ in walk.phases()) / len(walk.feet)
+    objective = objective_of(walk, robot)
+    upright = rt.gait.Upright()
+    phases, meshes = [], []
+    plan = [*walk.phases(), ((), 0.0, walk.dt)]
+    for i, (swinging, length, duration) in enumerate(plan):
+        stands = [foot for foot in walk.feet if foot not in swinging]
+        rows = upright.constraints(robot, q, rt.Flat())
+        for foot in swinging:
+            x = float(places[foot][0])
+            rows.append(rt.GroundClearance(foot, Swing(walk.height, x, x + length)))
+        last = i == len(plan) - 1
+        phases.append(
+            rt.Phase(
+                robot,
+                duration,
+                start=rt.State(q=q, v=0.0) if i == 0 else None,
+                end=rt.State(q={"root_x": rt.between(float(q[0]) + 0.7 * gain, float(q[0]) + 1.3 * gain)})
+                if last
+                else None,
+                objective=objective,
+                constraints=rows,
+                contacts=[foot_of(walk, foot) for foot in stands],
+                # Feet that came down stand where they were asked to; the others stand where they stood.
+                parameters={
+                    f"{foot}.{axis}": float(places[foot][k])
+                    for foot in (plan[i - 1][0] if i else ())
+                    for k, axis in enumerate("xy")
+                },
+                states=upright.states(robot),
+                name=f"{i} {' and '.join(swinging) or 'all stand'}",
+            )
+        )
+        meshes.append(rt.Mesh(1 if last else INTERVALS[walk.robot][bool(swinging)], rt.HermiteSimpson()))
+        for foot in swinging:
+            places[foot][0] += length
+    links = [rt.Liftoff(i, i + 1) if not plan[i][0] else rt.Continuity(i, i + 1) for i in range(len(plan) - 1)]
+    return rt.Problem(phases, links), meshes
+
+
+@dataclass(frozen=True)
+class Still:
+    """A reference that does not move."""
+
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+
+    def __call__(self, t: Any) -> dict[str, Any]:
+        """Give posture and rest at any time."""
+        return {"q": self.q, "v": self.v}
+
+
+def objective_of(walk: Walk, robot: rt.Robot) -> rt.Objective:
+    """Effort, posture as ``rt.gait`` weighs it, and calm joints: 0.1 s of speed counts as much as distance."""
+    q = standing(walk, robot)
+    data = robot.model.createData()
+    height = float(pin.centerOfMass(robot.model, data, q)[2])
+    worth = (0.2 * pin.computeTotalMass(robot.model) * 9.81 * height) ** 2
+    joints = robot.joint_names[-robot.nu :]
+    still = Still(tuple(q.tolist()), (0.0,) * robot.nv)
+    calm = rt.Tracking(still, q=dict.fromkeys(joints, 1.0), v=dict.fromkeys(joints, CALM**2))
+    return (1.0 / worth) * rt.Effort() + calm
+
+
+CLOCK: list[float] = []
+"""Processor seconds inside the solver."""
+
+
+@dataclass(frozen=True)
+class Clocked(rt.Ipopt):
+    """IPOPT on the processor's clock, which a busy machine does not stretch."""
+
+    def solve(self, *given: Any, **named: Any) -> Any:
+        """Solve and note the time."""
+        began = time.process_time()
+        outcome = super().solve(*given, **named)
+        CLOCK.append(time.process_time() - began)
+        return outcome
+
+
+def samples(walk: Walk, solution: rt.Solution) -> dict[str, np.ndarray]:
+    """Each interval's own polynomials."""
+    rows: dict[str, list[Any]] = {name: [] for name in ("t", "q", "v", "a", "tau", "force", "stands")}
+    for phase, found in zip(solution.problem.phases, solution.phases, strict=True):
+        labels = {contact.frame: contact.label for contact in phase.contacts}
+        for begin, end in zip(found.knots[:-1], found.knots[1:], strict=True):
+            inside = 1e-9 * (end - begin)
+            t = np.linspace(begin + inside, end - inside, SAMPLES)
+            sample = found.at(t)
+            force = np.zeros((SAMPLES, len(walk.feet), 6))
+            for i, foot in enumerate(walk.feet):
+                if foot in labels:
+                    one = sample.forces[labels[foot]]
+                    force[:, i, : one.shape[1]] = one
+            for name, value in zip(rows, (t, sample.q, sample.v, sample.a, sample.tau, force), strict=False):
+                rows[name].append(value)
+            rows["stands"].append([foot in labels for foot in walk.feet])
+    return {name: np.array(value) for name, value in rows.items()}
+
+
+def main() -> None:
+    """Solve and write samples of the plan."""
+    walk, kind = WALKS[sys.argv[1]], sys.argv[3]
+    robot = robot_of(walk.robot)
+    problem, meshes = (periodic if kind == "periodic" else from_rest)(walk, robot)
+    solver = Clocked(max_iterations=300, options={"print_level": int(os.environ.get("PEERS_PRINT", "0"))})
+    engine = rt.Compiled() if len(sys.argv) > 4 and sys.argv[4] == "compiled" else rt.VirtualMachine()
+    solution = rt.plan(problem, meshes, solver=solver, engine=engine, check=False, progress=False)
+    figures = {
+        "solve": solution.times["solve"],
+        "worked": sum(CLOCK),
+        "success": solution.success,
+        "iterations": solution.iterations,
+        "nodes": sum(len(mesh.knots) - 1 for mesh in meshes),
+        "objective": solution.objective,
+        "ended": time.time(),
+        "total worked": time.process_time(),
+        "memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+    }
+    print(solution, solution.times, *solution.violations(), sep="\n")
+    np.savez(sys.argv[2], **figures, **samples(walk, solution))
+
+
+if __name__ == "__main__":
+    main()

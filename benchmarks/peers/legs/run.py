@@ -1,0 +1,89 @@
+"""Walks by Crocoddyl's own examples and by robotraj, interleaved, each in a fresh process, judged alike.
+
+python benchmarks/peers/legs/run.py [--walks L1 L2 L3] [--repeats 5] [--out legs.json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import numpy as np  # noqa: E402
+from environments import python_of  # noqa: E402
+from judge import judge  # noqa: E402
+from models import robot_of  # noqa: E402
+from report import full  # noqa: E402
+from walks import WALKS  # noqa: E402
+
+# Tool: (script, environment, words after the walk and the file).
+TOOLS: dict[str, tuple[str, str | None, tuple[str, ...]]] = {
+    "crocoddyl": ("plan_crocoddyl.py", "crocoddyl", ()),
+    "robotraj": ("plan_robotraj.py", None, ("rest", "machine")),
+    "robotraj compiled": ("plan_robotraj.py", None, ("rest", "compiled")),
+    "robotraj periodic": ("plan_robotraj.py", None, ("periodic", "compiled")),
+}
+LIMIT = 400.0
+"""Seconds after which a process is stopped."""
+
+
+def run_once(walk: str, tool: str, python: Path) -> dict[str, Any]:
+    """Run one script in a fresh process and judge what it hands back."""
+    script, _, words = TOOLS[tool]
+    variables = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": f"{HERE.parents[2]}:{HERE}"}
+    variables.pop("PYTHONDONTWRITEBYTECODE", None)
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "plan.npz"
+        began = time.time()
+        command = [str(python), str(HERE / script), walk, str(out), *words]
+        try:
+            done = subprocess.run(command, env=variables, capture_output=True, text=True, timeout=LIMIT)
+        except subprocess.TimeoutExpired:
+            return {"failed": f"over {LIMIT:.0f} s"}
+        if done.returncode or not out.exists():
+            return {"failed": (done.stderr.strip().splitlines() or ["no output"])[-1][:120]}
+        with np.load(out) as plan:
+            arrays = {name: plan[name] for name in plan}
+    figures = {name: value.item() for name, value in arrays.items() if value.ndim == 0}
+    figures["total"] = figures.pop("ended") - began
+    return figures | judge(WALKS[walk], robot_of(WALKS[walk].robot).model, arrays, "periodic" in words)
+
+
+def main() -> None:
+    """Parse, prepare, run, write."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--walks", nargs="+", choices=WALKS, default=list(WALKS))
+    parser.add_argument("--tools", nargs="+", choices=TOOLS, default=list(TOOLS))
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--cache", type=Path, default=Path.home() / ".cache" / "robotraj-peers")
+    parser.add_argument("--out", type=Path, default=Path("legs.json"))
+    asked = parser.parse_args()
+    pythons = {tool: python_of(TOOLS[tool][1], asked.cache.resolve()) for tool in asked.tools}
+    subprocess.run([sys.executable, "-m", "compileall", "-q", str(HERE.parents[2] / "robotraj"), str(HERE)], check=True)
+    results: dict[str, dict[str, list[dict[str, Any]]]] = {}
+    for walk in asked.walks:
+        runs = results[walk] = {tool: [] for tool in asked.tools}
+        for _ in range(asked.repeats):
+            for tool, python in pythons.items():
+                if runs[tool] and "failed" in runs[tool][0]:
+                    continue
+                runs[tool].append(run_once(walk, tool, python))
+                shown = {k: round(v, 6) if isinstance(v, float) else v for k, v in runs[tool][-1].items()}
+                print(walk, tool, shown, flush=True)
+                record = {"date": datetime.date.today().isoformat(), "repeats": asked.repeats, "results": results}
+                asked.out.write_text(json.dumps(record, indent=1))
+                asked.out.with_suffix(".md").write_text(full(record))
+
+
+if __name__ == "__main__":
+    main()
