@@ -1,13 +1,41 @@
-"""Words of the command line as values: configurations, durations, limits."""
+"""Words of the command line as values: configurations, durations, limits, motions from rest to rest."""
 
 from __future__ import annotations
 
+from enum import Enum
 from typing import Any
 
 import numpy as np
 
 from robotraj.errors import InputError
+from robotraj.objectives import Duration, Effort, Objective
+from robotraj.problem import Phase
 from robotraj.robot import Limits, Robot
+from robotraj.state import State
+
+
+class Minimise(str, Enum):
+    """What ``robotraj plan`` minimises."""
+
+    effort = "effort"
+    duration = "duration"
+
+
+def rest_to_rest(
+    robot: Robot, objective: Minimise, duration: str | None, start: Any, end: Any, limits: Limits | None
+) -> Phase:
+    """Pose the motion that ``robotraj plan`` plans; 2 s long, or as long as is least, if no duration is given."""
+    free = (0.05, 60.0) if objective is Minimise.duration else 2.0
+    cost: Objective = Duration() if objective is Minimise.duration else Effort()
+    return Phase(
+        robot,
+        duration=free if duration is None else duration_of(duration),
+        start=State(q=start, v=0),
+        end=State(q=end, v=0),
+        objective=cost,
+        limits=limits,
+        name=f"{robot.name}, least {objective.value}",
+    )
 
 
 def limits_of(robot: Robot, own: bool, velocity: float | None, effort: float | None) -> Limits | None:

@@ -1,9 +1,8 @@
-"""The command line: demos, plans between two configurations, saved solutions, and the catalogue of robots."""
+"""The command line: demos, plans between two configurations, saved solutions, compiled functions, and robots."""
 
 from __future__ import annotations
 
 import warnings
-from enum import Enum
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,17 +13,16 @@ from rich.table import Table
 from typer.core import TyperGroup
 
 from robotraj import demos
-from robotraj.arguments import configuration_of, duration_of, limits_of
+from robotraj.arguments import Minimise, configuration_of, limits_of, rest_to_rest
+from robotraj.cli_engines import cache_command, compile_command, profile_command
+from robotraj.engines import Compiled, VirtualMachine
 from robotraj.errors import InputError, RobotrajError
 from robotraj.loading import catalogue
-from robotraj.objectives import Duration, Effort, Objective
 from robotraj.planning import plan
-from robotraj.problem import Phase
 from robotraj.replay import replay
 from robotraj.robot import load
 from robotraj.schemes import HermiteSimpson, LinearControl, Mesh, PolynomialControl
 from robotraj.solution import Solution, load_solution
-from robotraj.state import State
 from robotraj.witness import validate
 
 
@@ -50,13 +48,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Plan robot motions by direct collocation, prove them by simulation, watch them in a browser.",
 )
-
-
-class Minimise(str, Enum):
-    """What ``robotraj plan`` minimises."""
-
-    effort = "effort"
-    duration = "duration"
 
 
 def _say(text: Any) -> None:
@@ -149,6 +140,9 @@ def plan_command(
         float | None, typer.Option(help="Largest torque of every joint [N m, N] in place of the URDF's.")
     ] = None,
     limits: Annotated[bool, typer.Option(help="Hold the robot's own joint limits.")] = True,
+    compiled: Annotated[
+        bool, typer.Option("--compiled", help="Evaluate by compiled C, from the cache or compiled first.")
+    ] = False,
     html: HtmlOption = None,
     save: SaveOption = None,
     plot: PlotOption = None,
@@ -158,16 +152,13 @@ def plan_command(
     Example: robotraj plan ur5 --to 1,-1,1,0,0,0 --duration 0.5:3 --objective duration --html ur5.html
     """
     mover = load(robot)
-    free = (0.05, 60.0) if objective is Minimise.duration else 2.0
-    cost: Objective = Duration() if objective is Minimise.duration else Effort()
-    phase = Phase(
+    phase = rest_to_rest(
         mover,
-        duration=free if duration is None else duration_of(duration),
-        start=State(q=configuration_of(mover, start, "--start"), v=0),
-        end=State(q=configuration_of(mover, to, "--to"), v=0),
-        objective=cost,
-        limits=limits_of(mover, limits, velocity, effort),
-        name=f"{mover.name}, least {objective.value}",
+        objective,
+        duration,
+        configuration_of(mover, start, "--start"),
+        configuration_of(mover, to, "--to"),
+        limits_of(mover, limits, velocity, effort),
     )
     _say(f"{phase}\n")
     # Controls of least duration jump: lines keep their limits between the points, parabolas would not.
@@ -175,7 +166,8 @@ def plan_command(
     mesh = None
     if intervals is not None or tolerance is None:
         mesh = Mesh(40 if intervals is None else intervals, HermiteSimpson(control=control))
-    _conclude(plan(phase, mesh, tolerance=tolerance), html, save, plot)
+    engine = Compiled() if compiled else VirtualMachine()
+    _conclude(plan(phase, mesh, tolerance=tolerance, engine=engine), html, save, plot)
 
 
 @app.command("validate", short_help="Prove a saved solution by simulation.")
@@ -204,6 +196,11 @@ def replay_command(
     """Write a saved solution as one HTML file that opens anywhere, offline."""
     solution = load_solution(file)
     _say(f"wrote {replay(solution, out or file.with_suffix('.html'), speed=speed)}")
+
+
+app.command("compile", short_help="Compile what plans evaluate, before they are made.")(compile_command)
+app.command("cache", short_help="Show or clear what was compiled.")(cache_command)
+app.command("profile", short_help="Show where a saved solution's time went.")(profile_command)
 
 
 @app.command()

@@ -32,7 +32,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
     ),
     8: ("adaptive", "kinematic", "stages", "compiling", "planning"),
     9: ("workers", "sweep", "multistart", "demos"),
-    10: ("arguments", "cli", "__main__", "__init__"),
+    10: ("arguments", "cli", "cli_engines", "__main__", "__init__"),
 }
 """DESIGN.md's layers, with the files that each holds."""
 
