@@ -192,10 +192,11 @@ def replay_command(
         Path | None, typer.Argument(metavar="[OUT.html]", help="Where to; beside the file if not given.")
     ] = None,
     speed: Annotated[float, typer.Option(help="Playback speed to begin with; 1 is real time.")] = 1.0,
+    periods: Annotated[int, typer.Option(help="How often a gait that closes on itself is shown.")] = 1,
 ) -> None:
     """Write a saved solution as one HTML file that opens anywhere, offline."""
     solution = load_solution(file)
-    _say(f"wrote {replay(solution, out or file.with_suffix('.html'), speed=speed)}")
+    _say(f"wrote {replay(solution, out or file.with_suffix('.html'), speed=speed, periods=periods)}")
 
 
 app.command("compile", short_help="Compile what plans evaluate, before they are made.")(compile_command)

@@ -98,6 +98,9 @@ def test_validate_and_replay_read_saved_solutions(here: Path) -> None:
     assert f"wrote {here / 'swing.html'}" in succeed("replay", "swing.npz")
     assert f"wrote {here / 'slow.html'}" in succeed("replay", "swing", "slow.html", "--speed", "0.5")
     assert (here / "slow.html").read_text() != (here / "swing.html").read_text()
+    result = run("replay", "swing.npz", "--periods", "3")
+    assert result.exit_code != 0
+    assert "ends elsewhere" in " ".join(result.output.split())
 
 
 def test_a_proof_that_fails_exits_with_one(here: Path) -> None:
