@@ -5,6 +5,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj import gait
 from tests.robots.kelly2017 import five_link_map
 
 pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
@@ -70,3 +71,16 @@ def test_a_push_is_recovered(walk):
     opinion = rt.second_opinion(walk, periods=5, offset=push)
     assert opinion.completed
     assert opinion.deviation["q.root_pitch"].final < 0.05
+
+
+@pytest.mark.slow
+def test_it_climbs_stairs():
+    rise, depth = 0.05, 0.3
+    stairs = rt.Steps([(k + 0.3) * depth for k in range(-4, 12)], [(k - 3) * rise for k in range(17)])
+    biped = rt.load("five_link", root="planar")
+    upwards = gait.mirror(biped, displacement={"q.root_x": depth, "q.root_z": rise})
+    step = gait.walk(biped, step_length=depth, duration=0.7, clearance=0.03, ground=stairs, repeat=upwards)
+    opinion = rt.second_opinion(rt.plan(step, mesh=rt.Mesh(14, rt.HermiteSimpson())), periods=6)
+    assert opinion.completed
+    assert opinion.deviation.largest("q.") < 0.05
+    assert opinion.simulation.q[-1, 1] - opinion.simulation.q[0, 1] == pytest.approx(6 * rise, abs=0.01)
