@@ -109,14 +109,20 @@ class PhaseSolution:
             raise InputError(f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}.")
         dae = self.phase.dae
         x, z, u = (curve(times, interval) for curve in (self.trajectory.x, self.trajectory.z, self.trajectory.u))
-        controls = dae.controls
+        controls, algebraics = dae.controls, dae.algebraic
         if isinstance(dae, Augmented):
-            # Where the objective made states of the controls, they are read from there.
-            known = {v.name: column for v, column in zip((*dae.states, *controls), (*x.T, *u.T), strict=True)}
-            controls = (*self.phase.body.controls, *(c for c in controls if c not in self.phase.body.controls))
-            u = np.stack([known[c.name] for c in controls], axis=-1)
+            # Where the objective made states of controls or forces, they are read from there.
+            columns = zip((*dae.states, *algebraics, *controls), (*x.T, *z.T, *u.T), strict=True)
+            known = {v.name: column for v, column in columns}
+            body = self.phase.body
+            controls = (*body.controls, *(c for c in controls if c not in body.controls))
+            algebraics = (*body.algebraic, *(v for v in algebraics if v not in body.algebraic))
+            u, z = (
+                np.stack([known[v.name] for v in kind], axis=-1) if kind else np.empty((*times.shape, 0))
+                for kind in (controls, algebraics)
+            )
         states = Named("state", [v.name for v in dae.states], x.T)
-        algebraic = Named("algebraic variable", [v.name for v in dae.algebraic], z.T)
+        algebraic = Named("algebraic variable", [v.name for v in algebraics], z.T)
         named_controls = Named("control", [v.name for v in controls], u.T)
         robot = self.phase.robot
         if robot is None:

@@ -4,6 +4,7 @@ from robotraj.objectives.augmentation import Augmented, body_of
 from robotraj.objectives.base import EndCost, Integral, Objective, Sum
 from robotraj.objectives.duration import Duration
 from robotraj.objectives.effort import Effort
+from robotraj.objectives.force_rate import ForceRate
 from robotraj.objectives.lagrange import Lagrange
 from robotraj.objectives.mayer import Mayer
 from robotraj.objectives.momentum import CentroidalMomentum
@@ -22,6 +23,7 @@ __all__ = [
     "Duration",
     "Effort",
     "EndCost",
+    "ForceRate",
     "FrameSmoothness",
     "Integral",
     "Jerk",
