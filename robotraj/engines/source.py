@@ -96,6 +96,8 @@ def _head(preamble: str, points: int) -> str:
     """CasADi's includes and helper functions, without what it exports, and the type of a value."""
     preamble = re.sub(r"/\* Configuration this file.*?\n\n", "", preamble, flags=re.S)
     preamble = re.sub(r"static const casadi_int casadi_s\d+\[.*?;\n", "", preamble)
+    # Every file of a library has its own copy of the helpers.
+    preamble = re.sub(r"^casadi_real casadi_", "static casadi_real casadi_", preamble, flags=re.M)
     return f"{preamble}{_TYPES.format(bytes=8 * points, points=points)}"
 
 
