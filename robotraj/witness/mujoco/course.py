@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robotraj.contacts.implicit import BoundImplicitContact
 from robotraj.design import realised
 from robotraj.errors import InputError
 from robotraj.unrolled import Return, closing_of
@@ -17,6 +18,9 @@ from robotraj.witness.mujoco.roots import QUATERNION, Root
 from robotraj.witness.protocols import Array, SolutionLike
 
 AXES = ("x", "y", "z")
+
+LEAST_PUSH = 0.2
+"""Force [N] for every kilogram of the robot from which on a contact counts as pushing: a fiftieth of its weight."""
 
 
 class Passage(NamedTuple):
@@ -98,10 +102,17 @@ class Course:
         """Duration of each phase [s]."""
         return tuple(float(planned.knots[-1] - planned.knots[0]) for planned in self.phases)
 
+    def pushing(self, phase: int, times: Array) -> list[set[str]]:
+        """Contacts that push at times (m,) since the start of a phase, as planned."""
+        forces = self.phases[phase].at(self.starts[phase] + times).forces
+        carried = {name: np.linalg.norm(np.asarray(forces[name])[:, :3], axis=1) for name in forces}
+        least = LEAST_PUSH * sum(inertia.mass for inertia in self.robot.model.inertias)
+        return [{name for name, force in carried.items() if force[i] > least} for i in range(len(times))]
+
     def stands(self, phase: int) -> tuple[str, ...]:
-        """Contacts with the ground that a phase holds."""
+        """Contacts with the ground that a phase holds all the time."""
         held = getattr(self.phases[phase].phase, "bound_contacts", ())
-        return tuple(bound.name for bound in held if hasattr(bound.contact, "ground"))
+        return tuple(b.name for b in held if hasattr(b.contact, "ground") and not isinstance(b, BoundImplicitContact))
 
     def lands(self, phase: int) -> tuple[str, ...]:
         """Contacts that come down as a phase begins; none as a plan begins that does not repeat itself."""

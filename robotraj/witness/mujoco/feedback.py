@@ -160,7 +160,12 @@ class _Linear:
         linear = LinearPhase(course.robot, getattr(planned.phase, "bound_contacts", ()))
         middles = _middles(course, phase)
         duration = course.durations[phase] / len(middles)
-        pieces = [linear.step(q, v, tau, duration) for q, v, tau in zip(*course.reference(phase, middles), strict=True)]
+        pieces = [
+            linear.step(q, v, tau, duration, pushing)
+            for q, v, tau, pushing in zip(
+                *course.reference(phase, middles), course.pushing(phase, middles), strict=True
+            )
+        ]
         entry = _entry(course, phase, linear)
         nu, states = course.nu, 2 * course.robot.model.nv
         return cls(entry, pieces, duration, np.zeros((len(pieces), nu, states)))

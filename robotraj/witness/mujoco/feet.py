@@ -15,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj.contacts.flat_foot import BoundFlatFoot
+from robotraj.contacts.implicit import BoundImplicitContact
 from robotraj.contacts.line_contact import BoundLineContact
 from robotraj.contacts.loop_closure import BoundLoopClosure
 from robotraj.contacts.point_contact import BoundPointContact
@@ -174,7 +175,7 @@ def _foot(course: Course, bound: Any) -> Foot:
     elif isinstance(bound, BoundLineContact):
         turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), np.array(bound.along)).toRotationMatrix()
         pose, shape, half = pin.SE3(turn, np.array(bound.spot.offset)), "CAPSULE", (0.5 * bound.width,)
-    elif isinstance(bound, BoundPointContact):
+    elif isinstance(bound, BoundPointContact | BoundImplicitContact):
         pose, shape = pin.SE3(np.eye(3), np.array(bound.spot.offset)), "SPHERE"
     else:
         raise InputError(

@@ -8,7 +8,7 @@ Source: Baumgarte, Stabilization of constraints and integrals of motion, Comp. M
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 import pinocchio as pin
 import scipy
 
+from robotraj.contacts.implicit import BoundImplicitContact
 from robotraj.witness.constrained import Held, accelerate, impact
 from robotraj.witness.mujoco.feet import Foot, place
 from robotraj.witness.mujoco.roots import Root
@@ -50,11 +51,14 @@ class LinearPhase:
         self._data = robot.model.createData()
         self._contacts = tuple(contacts)
 
-    def rates(self, q: Array, v: Array, tau: Array) -> tuple[Array, Array]:
-        """Matrices A (2 nv, 2 nv) and B (2 nv, nu) of the rate of a deviation at a planned state."""
+    def rates(self, q: Array, v: Array, tau: Array, pushing: Collection[str] = ()) -> tuple[Array, Array]:
+        """Matrices A (2 nv, 2 nv) and B (2 nv, nu) of the rate of a deviation at a planned state.
+
+        Of contacts that come and go within the phase those named ``pushing`` hold.
+        """
         model, nv = self.robot.model, self.robot.model.nv
         joints = self._actuation @ tau
-        rows = self._rows(q)
+        rows = self._rows(q, pushing)
         held = self._held(rows, q, v)
         here = self._acceleration(q, v, joints, held)
         rate = np.zeros((2 * nv, 2 * nv))
@@ -72,9 +76,11 @@ class LinearPhase:
             push[nv:, j] = self._acceleration(q, v, joints + column, held) - here
         return rate, push
 
-    def step(self, q: Array, v: Array, tau: Array, duration: float) -> tuple[Array, Array]:
+    def step(
+        self, q: Array, v: Array, tau: Array, duration: float, pushing: Collection[str] = ()
+    ) -> tuple[Array, Array]:
         """Transition matrices (2 nv, 2 nv) and (2 nv, nu) over a short time [s], u constant."""
-        rate, push = self.rates(q, v, tau)
+        rate, push = self.rates(q, v, tau, pushing)
         size, inputs = push.shape
         block = np.zeros((size + inputs, size + inputs))
         block[:size, :size], block[:size, size:] = rate, push
@@ -124,17 +130,19 @@ class LinearPhase:
         shift[:nv, :nv] -= root.along(q) @ moves
         return np.asarray(shift @ landed)
 
-    def _rows(self, q: Array) -> list[tuple[int, str, Array]]:
+    def _rows(self, q: Array, pushing: Collection[str] = ()) -> list[tuple[int, str, Array]]:
         """Frames and matrices (m, 6): what each contact holds of their motion, constant for small deviations."""
         pin.framesForwardKinematics(self.robot.model, self._data, q)
         found = []
         for contact in self._contacts:
+            found_out = isinstance(contact, BoundImplicitContact)
+            if found_out and contact.name not in pushing:
+                continue
+            velocity = contact.spot.velocity if found_out else contact.velocity
             point = _Moving(self.robot, self._data)
-            as_numbers(contact.velocity(point), contact.name)
+            as_numbers(velocity(point), contact.name)
             for name, index in tuple(point.read.items()):
-                columns = [
-                    as_numbers(contact.velocity(point.with_motion(name, unit)), contact.name) for unit in np.eye(6)
-                ]
+                columns = [as_numbers(velocity(point.with_motion(name, unit)), contact.name) for unit in np.eye(6)]
                 found.append((index, contact.name, np.column_stack(columns)))
         return found
 

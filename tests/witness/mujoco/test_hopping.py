@@ -1,0 +1,29 @@
+"""A hop whose contacts were found, not given: MuJoCo lands it where it should."""
+
+import pytest
+
+import robotraj as rt
+
+pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
+
+
+@pytest.mark.slow
+def test_a_hop_of_found_contacts_is_followed():
+    hopper = rt.load("hopper", root="planar")
+    still = {"root_z": 0.5, "root_pitch": 0.0, "hip": 0.0, "leg": 0.5}
+    hop = rt.Phase(
+        hopper,
+        duration=1.0,
+        contacts=[rt.ImplicitContact("foot", friction=0.8, relaxation=1e-4)],
+        start=rt.State(q=still | {"root_x": 0.0}, v=0),
+        end=rt.State(q=still | {"root_x": 0.5}, v=0),
+        objective=rt.Effort({"hip": 1.0, "leg": 0.01}),
+    )
+    mesh, stages = rt.Mesh(40, rt.RadauIIA(1)), rt.tightening(hop, [1.0, 0.1, 1e-2, 1e-3])
+    solution = rt.plan(hop, mesh=mesh, stages=stages)
+    alone, held = (rt.second_opinion(solution, feedback=f) for f in (rt.NoFeedback(), None))
+    assert alone.deviation["q.root_x"].final > 0.05
+    assert held.completed and held.deviation["q.root_x"].final < 0.03
+    (foot,) = held.feet
+    assert foot.stances >= 2 and 0.3 < foot.loaded < 0.9
+    assert foot.force[2] == pytest.approx(3.5 * 9.81, rel=0.1)
