@@ -22,6 +22,7 @@ from robotraj.solvers.base import Outcome
 from robotraj.status import Status
 from robotraj.transcription import Nlp, transcribe
 from robotraj.transcription.extract import extract
+from robotraj.transcription.guarded import guarded
 from robotraj.transcription.guards import Bulge, Guard, find_bulges
 from robotraj.violations import Violation, violations
 
@@ -49,22 +50,27 @@ def solve(
     Where a row on states turns out broken between collocation points by more than ``between``, it is imposed there
     too and the problem solved again, from the last answer. A guess on the same mesh brings its guards along.
     """
+    began = time.perf_counter()
+    nlp = transcribe(problem, mesh, as_guess(guess), engine)
     guards = _known_guards(problem, mesh, guess)
-    solution = _solve(problem, mesh, guess, solver, progress, guards, engine)
+    if guards:
+        nlp = guarded(nlp, guards, nlp.guess)
+    solution, w = _solve(nlp, guess, solver, progress, bool(guards), began)
+    bulges = _bulges(solution, between)
     for _ in range(GUARD_ROUNDS):
-        if not solution.success:
-            break
-        found = _bulges(solution, between)
         held = {_row_of(guard) for guard in guards}
-        new = [guard for bulge in found for guard in bulge.guards(_row_of(bulge.guard) in held) if guard not in guards]
-        if not new:
+        new = [guard for bulge in bulges for guard in bulge.guards(_row_of(bulge.guard) in held) if guard not in guards]
+        if not new or not solution.success:
             break
+        began = time.perf_counter()
+        nlp = guarded(nlp, new, w)
+        again, w = _solve(nlp, solution, solver, progress, True, began)
         guards += new
-        again = _solve(problem, mesh, solution, solver, progress, guards, engine)
         total = {key: again.times[key] + solution.times[key] for key in again.times}
         solution = replace(again, times=total, iterations=again.iterations + solution.iterations)
-    left = tuple(_violation(solution, bulge) for bulge in _bulges(solution, between))
-    return replace(solution, guards=tuple(guards), between=tuple(sorted(left, key=lambda v: -v.relative)))
+        bulges = _bulges(solution, between)
+    left = sorted((_violation(solution, bulge) for bulge in bulges), key=lambda v: -v.relative)
+    return replace(solution, guards=tuple(guards), between=tuple(left))
 
 
 def _bulges(solution: Solution, allowed: float) -> list[Bulge]:
@@ -104,19 +110,18 @@ def _known_guards(problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | 
 
 
 def _solve(
-    problem: Problem,
-    mesh: Mesh | Sequence[Mesh],
+    nlp: Nlp,
     guess: Guess | Solution | None,
     solver: Solver,
     progress: Progress | None,
-    guards: Sequence[Guard],
-    engine: Engine | None,
-) -> Solution:
-    began = time.perf_counter()
-    nlp = transcribe(problem, mesh, as_guess(guess), guards, engine)
+    guards: bool,
+    began: float,
+) -> tuple[Solution, np.ndarray]:
+    """Solve a transcribed problem; also give the decision vector. It is being built since ``began``."""
     compiling = nlp.functions.preparing
     times = {"build": time.perf_counter() - began - compiling, "compile": compiling}
-    return _conclude(nlp, solver.solve(nlp, progress, _multipliers(guess, nlp, bool(guards))), times)
+    outcome = solver.solve(nlp, progress, _multipliers(guess, nlp, guards))
+    return _conclude(nlp, outcome, times), outcome.w
 
 
 def _conclude(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:

@@ -104,7 +104,7 @@ def find_bulges(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: 
     breaks = trajectory.x.breaks
     tau = (np.arange(SAMPLES) + 0.5) / SAMPLES
     times = (breaks[:-1, None] + np.diff(breaks)[:, None] * tau).ravel()
-    x = np.vstack([trajectory.x(times.reshape(-1, SAMPLES)[k], k) for k in range(len(breaks) - 1)])
+    x = trajectory.x(times)
     values = _values(phase, rows, times, x, np.array(list(trajectory.parameters.values())))
     lower, upper = (np.array([getattr(row, side) for *_, row in rows]) for side in ("lower", "upper"))
     broken = np.maximum(lower - values, values - upper).reshape(-1, SAMPLES, len(rows))

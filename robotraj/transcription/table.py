@@ -64,6 +64,11 @@ class Scalars:
     def __len__(self) -> int:
         return len(self.meaning)
 
+    def joined(self, more: Scalars) -> Scalars:
+        """Put those of a table that went on ``ScalarTable.after`` these behind them."""
+        parts = ("meaning", "fraction", "lower", "upper", "lower_meaning", "upper_meaning")
+        return Scalars(more.entries, *(np.append(getattr(self, part), getattr(more, part)) for part in parts))
+
 
 @dataclass
 class ScalarTable:
@@ -75,6 +80,11 @@ class ScalarTable:
     _lower: list[Array] = field(default_factory=list)
     _upper: list[Array] = field(default_factory=list)
     count: int = 0
+
+    @classmethod
+    def after(cls, known: Scalars) -> ScalarTable:
+        """Go on counting where a finished table ended."""
+        return cls({entry: i for i, entry in enumerate(known.entries)}, count=len(known))
 
     def entry(self, entry: Entry) -> int:
         """Return the number of an entry, the same for equal entries."""

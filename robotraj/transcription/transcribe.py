@@ -25,7 +25,6 @@ from robotraj.transcription.ends import (
     start_block,
     widen,
 )
-from robotraj.transcription.guards import Guard, add_guards
 from robotraj.transcription.layout import PhaseLayout, lay_out
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scaling import row_scale, variable_scale
@@ -47,7 +46,6 @@ def transcribe(
     problem: Problem,
     mesh: Mesh | Sequence[Mesh],
     guess: Guess | None = None,
-    guards: Sequence[Guard] = (),
     engine: Engine | None = None,
 ) -> Nlp:
     """Transcribe a problem by the schemes of its meshes.
@@ -59,8 +57,6 @@ def transcribe(
         One for all phases, or one for each.
     guess : Guess, optional
         Where the solver starts; ``default_guess`` by default.
-    guards : sequence of Guard
-        Rows to impose between collocation points as well.
     engine : Engine, optional
         Evaluates the point functions; ``rt.VirtualMachine()`` by default.
 
@@ -96,9 +92,6 @@ def transcribe(
         link_block(link, problem.phases, layouts, own, rows)
         for link, own in zip(problem.bound_links, unknowns, strict=True)
     ]
-    widths = [block.stage.outputs for block, _, _ in points]
-    scatters = [scatter for _, _, scatter in points]
-    blocks += add_guards(guards, problem.phases, layouts, columns, rows, linear, scatters, widths)
     variables, constraints = columns.finish(bounds), rows.finish()
     shape = (len(constraints), len(variables))
     every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]
@@ -211,17 +204,25 @@ def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: Guess, size:
 
 
 def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
-    w[layout.knots.ravel()] = known.states(layout.fractions).ravel()
-    for interval in layout.intervals:
-        nodes = interval.start + interval.length * interval.scheme.nodes
-        # Controls and accelerations may jump at knots: the interval's own side is asked for.
-        inner, sites = (
-            interval.start + interval.length * np.clip(c, INSIDE, 1 - INSIDE)
-            for c in (interval.scheme.nodes, interval.scheme.control_sites)
+    intervals = layout.intervals
+
+    def at(sites: Sequence[Array], inside: float) -> Array:
+        """Fractions of the phase where the intervals have sites, one interval after the other."""
+        return np.concatenate(
+            [i.start + i.length * np.clip(c, inside, 1 - inside) for i, c in zip(intervals, sites, strict=True)]
         )
-        w[interval.states.ravel()] = known.states(nodes).ravel()
-        w[interval.algebraic.ravel()] = known.algebraic(inner).ravel()
-        w[interval.controls.ravel()] = known.controls(sites).ravel()
-        if isinstance(layout.mesh, MovingMesh):
+
+    def fill(columns: Sequence[NDArray[np.int_]], values: Array) -> None:
+        w[np.concatenate(columns).ravel()] = values.ravel()
+
+    nodes = [interval.scheme.nodes for interval in intervals]
+    sites = [interval.scheme.control_sites for interval in intervals]
+    w[layout.knots.ravel()] = known.states(layout.fractions).ravel()
+    fill([interval.states for interval in intervals], known.states(at(nodes, 0.0)))
+    # Controls and accelerations may jump at knots: the interval's own side is asked for.
+    fill([interval.algebraic for interval in intervals], known.algebraic(at(nodes, INSIDE)))
+    fill([interval.controls for interval in intervals], known.controls(at(sites, INSIDE)))
+    if isinstance(layout.mesh, MovingMesh):
+        for interval in intervals:
             w[interval.clock.base.column] = t0 + known.duration * interval.start
             w[interval.clock.span.column] = known.duration * interval.length
