@@ -22,6 +22,9 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+PARTS = ("functions", "linear", "progress")
+
+
 def run(*arguments: Any) -> Result:
     return CliRunner().invoke(app, [str(argument) for argument in arguments], env={"COLUMNS": "200"})
 
@@ -174,7 +177,9 @@ def test_a_plan_that_is_not_found_says_why(here: Path) -> None:
     assert "was not solved" in result.stderr and "try: " in result.stderr
 
 
-@pytest.mark.parametrize("command", ["demo", "plan", "validate", "replay", "robots", "show"])
+@pytest.mark.parametrize(
+    "command", ["demo", "plan", "validate", "replay", "compile", "cache", "profile", "robots", "show"]
+)
 def test_every_command_explains_itself(command: str) -> None:
     assert command in succeed("--help")
     said = succeed(command, "--help")
@@ -191,3 +196,26 @@ def test_python_m_robotraj_runs() -> None:
     command = [sys.executable, "-m", "robotraj", "robots", "ur5"]
     done = subprocess.run(command, capture_output=True, text=True, cwd=Path(rt.__file__).parents[1])
     assert done.returncode == 0 and "ur5_limited" in done.stdout
+
+
+@pytest.mark.slow
+def test_compiled_functions_are_made_shown_used_and_cleared(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(here / "cache"))
+    assert "least effort: 2 of 2 point functions compiled" in (told := succeed("compile", "ur5"))
+    assert "least duration: 2 of 2" in told
+    assert "4 functions," in succeed("cache")
+    succeed("plan", "ur5", "--to", "1,-1,1,0,0,0", "--compiled", "--intervals", "12", "--save", "plan.npz")
+    assert "its problem: 0 of 2 point functions compiled" in succeed("compile", "plan.npz")
+    told = succeed("profile", "plan.npz")
+    assert [line.split()[0] for line in told.splitlines()][:4] == ["build", "compile", "setup", "solve"]
+    assert "linear algebra and steps" in told
+    assert "freed" in succeed("cache", "--clear") and "0 functions, 0.0 MB" in succeed("cache")
+
+
+def test_a_plan_says_where_its_time_went(here: Path) -> None:
+    succeed("plan", "block", "--to", "1", "--duration", "4", "--save", "plan.npz")
+    told = [line.split() for line in succeed("profile", "plan.npz").splitlines()]
+    assert [words[0] for words in told] == ["build", "compile", "setup", "solve", *PARTS, "total"]
+    seconds = [float(words[-3]) for words in told[:-1]]
+    assert sum(seconds[4:]) == pytest.approx(seconds[3], abs=1e-3)
+    assert sum(seconds[:4]) == pytest.approx(float(told[-1][1]), abs=1e-3)
