@@ -403,3 +403,18 @@ def test_saving_where_nothing_can_be_saved_is_refused(block: rt.Solution, tmp_pa
     (tmp_path / "folder.npz").mkdir()
     with pytest.raises(rt.InputError, match="is a directory"):
         block.save(tmp_path / "folder.npz")
+
+
+def test_a_contact_on_a_function_is_not_saved_and_says_why(tmp_path: Path) -> None:
+    robot = rt.load("hopper", root="planar")
+    stand = {"root_x": 0.0, "root_z": 0.5, "root_pitch": 0.0, "hip": 0.0, "leg": 0.5}
+    phase = rt.Phase(
+        robot,
+        duration=0.2,
+        contacts=[rt.PointContact("foot", ground=lambda x, y: 0.0 * x)],
+        start=rt.State(q=stand, v=0),
+        name="stand",
+    )
+    solution = rt.plan(phase, mesh=rt.Mesh(3))
+    with pytest.raises(rt.InputError, match=r"Phase 'stand' cannot be saved: .* rt.HeightMap"):
+        solution.save(tmp_path / "stand.npz")

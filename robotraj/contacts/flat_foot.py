@@ -108,7 +108,7 @@ class FlatFoot(Contact):
             keep(self, forward=unit(self.forward, f"forward axis of {who}"))
         if self.normal is not None and self.forward is not None:
             foot_axes(np.eye(3), self.normal, self.normal, self.forward, who)
-        as_ground(self.ground)
+        keep(self, ground=as_ground(self.ground))
 
     @property
     def label(self) -> str:

@@ -90,7 +90,7 @@ class LineContact(Contact):
         keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
         if self.direction is not None:
             keep(self, direction=unit(self.direction, f"direction of {who}"))
-        as_ground(self.ground)
+        keep(self, ground=as_ground(self.ground))
 
     @property
     def label(self) -> str:

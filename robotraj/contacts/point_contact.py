@@ -78,7 +78,7 @@ class PointContact(Contact):
         if not isinstance(self.cone, FrictionCone):
             raise InputError(f"The cone of {who} is {self.cone!r}; give rt.SecondOrder() or rt.Linearised(faces).")
         keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
-        as_ground(self.ground)
+        keep(self, ground=as_ground(self.ground))
 
     @property
     def label(self) -> str:

@@ -67,6 +67,20 @@ def check_fit(problem: Problem, data: Mapping[str, Any], name: str) -> None:
                 )
 
 
+def _pack_field(phase: Phase, name: str, packer: Packer, path: str) -> Any:
+    """Write a field without which a phase is another; a contact's ground may be a Python function, which cannot be."""
+    try:
+        return packer.pack(getattr(phase, name), path)
+    except NotPlainData as error:
+        if name != "contacts":
+            raise
+        raise InputError(
+            f"Phase {phase.name!r} cannot be saved: a contact of {', '.join(repr(c.label) for c in phase.contacts)} "
+            "stands on a Python function, which a file does not hold; sample it with rt.HeightMap.from_array, or use "
+            "rt.Flat, rt.Slope or rt.Steps."
+        ) from error
+
+
 def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left_out: list[str]) -> dict[str, Any]:
     whose = f"of phase {phase.name!r}"
     system = phase.system
@@ -75,7 +89,7 @@ def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left
     plain = {}
     for entry in fields(phase):
         if entry.name not in ("subject", "constraints", "objective"):
-            plain[entry.name] = packer.pack(getattr(phase, entry.name), f"{path}.{entry.name}")
+            plain[entry.name] = _pack_field(phase, entry.name, packer, f"{path}.{entry.name}")
     terms = phase.objective.terms if phase.objective is not None else ()
     return {
         "robot": robot,
