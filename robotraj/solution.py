@@ -44,16 +44,16 @@ class Solution:
     objective : float
     iterations : int
     times : dict of str to float
-        Seconds: ``"build"`` the transcription and its derivatives, ``"compile"`` what the engine prepared, ``"setup"`` and
-        ``"solve"`` of the solver. Entries named ``"solve: ..."`` are parts of ``"solve"``.
+        Seconds: ``"build"`` the transcription and its derivatives, ``"compile"`` what the engine prepared, ``"setup"``
+        and ``"solve"`` of the solver. Entries named ``"solve: ..."`` are parts of ``"solve"``.
     violation_list : tuple of Violation
         Every row and bound broken by more than the tolerance, worst first.
     multipliers : Multipliers or None
         In physical units, for warm starts on the same mesh.
     refinement : tuple of MeshStep
         The meshes that led here, when a tolerance was asked for.
-    duals : tuple of PhaseDuals
-        Costates and densities of multipliers, one entry a phase; read them with ``rt.costates``.
+    duals : sequence of PhaseDuals
+        Costates and densities of multipliers, one entry a phase, found when first read; see ``rt.costates``.
     stages : tuple of StageRecord
         The stages that led here, when some were asked for.
     guards : tuple of Guard
@@ -75,7 +75,7 @@ class Solution:
     violation_list: tuple[Violation, ...] = ()
     multipliers: Multipliers | None = None
     refinement: tuple[MeshStep, ...] = ()
-    duals: tuple[PhaseDuals, ...] = ()
+    duals: Sequence[PhaseDuals] = ()
     stages: tuple[StageRecord, ...] = ()
     guards: tuple[Guard, ...] = ()
     between: tuple[Violation, ...] = ()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from robotraj.engines import Engine
 from robotraj.guess import Guess, as_guess
 from robotraj.indirect.covector import covectors
+from robotraj.indirect.duals import LateDuals
 from robotraj.indirect.transfer import transfer
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
@@ -145,7 +147,10 @@ def _conclude(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
         times | outcome.times,
         broken,
         outcome.multipliers,
-        duals=covectors(nlp, outcome.w, outcome.multipliers) if status is Status.SOLVED else (),
+        # A copy of the NLP is without the functions that it has made.
+        duals=LateDuals(partial(covectors, replace(nlp), outcome.w, outcome.multipliers))
+        if status is Status.SOLVED
+        else (),
         impulses=tuple(
             {unknown.name: float(value) for unknown, value in zip(link.unknowns, outcome.w[columns], strict=True)}
             for link, columns in zip(nlp.problem.bound_links, nlp.link_columns, strict=True)

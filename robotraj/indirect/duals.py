@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any, overload
 
 from robotraj.trajectory import PiecewisePolynomial
 
@@ -29,3 +31,37 @@ class PhaseDuals:
     states: PiecewisePolynomial
     algebraic: PiecewisePolynomial
     controls: PiecewisePolynomial
+
+
+class LateDuals(Sequence[PhaseDuals]):
+    """Duals of all phases, found when they are first read: few who plan ask for costates.
+
+    Parameters
+    ----------
+    find : callable
+        Gives them.
+    """
+
+    def __init__(self, find: Callable[[], tuple[PhaseDuals, ...]]) -> None:
+        self._find: Callable[[], tuple[PhaseDuals, ...]] | None = find
+        self._found: tuple[PhaseDuals, ...] = ()
+
+    def _all(self) -> tuple[PhaseDuals, ...]:
+        if self._find is not None:
+            # What finds them holds the whole NLP: let it go.
+            self._found, self._find = self._find(), None
+        return self._found
+
+    @overload
+    def __getitem__(self, index: int) -> PhaseDuals: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[PhaseDuals, ...]: ...
+    def __getitem__(self, index: int | slice) -> PhaseDuals | tuple[PhaseDuals, ...]:
+        return self._all()[index]
+
+    def __len__(self) -> int:
+        return len(self._all())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A copy, or a solution that comes back from another process, holds the duals themselves.
+        return tuple, (self._all(),)
