@@ -127,19 +127,23 @@ class Footsteps:
         lifts: dict[str, float] = {}
         for name, swing in self.swings.items():
             places |= swing.at(t)
-            lifts[name] = swing.lift(t) * self._apex(t)
+            lifts[name] = swing.lift(t) * self._apex
         for name in places:
             axis = name.rsplit(".", 1)[1]
             places[name] += self._shift.get(axis, 0.0)
         return places, lifts
 
-    def _apex(self, t: float) -> float:
-        """How high feet swing [m]."""
+    @cached_property
+    def _apex(self) -> float:
+        """How high feet swing [m]: over what phases ask for, and as high as the centre of mass rises in flight."""
         if self.lift is not None:
             return self.lift
-        i = int(np.clip(np.searchsorted(self.schedule.times, t, side="right") - 1, 0, len(self.problem.phases) - 1))
-        wanted = [getattr(getattr(c, "height", None), "apex", 0.0) for c in self.problem.phases[i].constraints]
-        return max([0.05 * self.above, *(1.2 * float(w) for w in wanted)])
+        constraints = [c for phase in self.problem.phases for c in phase.constraints]
+        wanted = [getattr(getattr(c, "height", None), "apex", 0.0) for c in constraints]
+        gravity = float(np.linalg.norm(self.stance.robot.model.gravity.linear))
+        spans = zip(np.diff(self.schedule.times), self.grounded, strict=True)
+        rises = [gravity * float(span) ** 2 / 8.0 for span, feet in spans if not feet]
+        return max([0.05 * self.above, *(1.2 * float(w) for w in wanted), *rises])
 
     @cached_property
     def above(self) -> float:

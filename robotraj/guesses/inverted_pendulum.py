@@ -48,8 +48,8 @@ class InvertedPendulum(Guess):
     height : float, optional
         Of the centre of mass above the feet [m]; by default that of the robot as ``rt.gait.stand`` has it.
     apex : float, optional
-        How high swinging feet are lifted [m]; by default a twentieth of that height, or a fifth more than the
-        ``rt.SwingApex`` of the phase asks for.
+        How high swinging feet are lifted [m]; by default the most of a twentieth of that height, a fifth more than an
+        ``apex`` of the phases' clearances, and the rise of the centre of mass in flight.
     durations : mapping of int to float
         Guessed durations [s] of phases whose duration is free.
     """
@@ -102,13 +102,6 @@ class _Walk(Guess):
             for t in np.linspace(self.steps.schedule.times[i], self.steps.schedule.times[i + 1], KEYS):
                 places, lifts = self.steps.feet(float(t))
                 mass = self.steps.mass(float(t))
-                if not self.steps.grounded[i]:
-                    # Legs keep their length in flight: feet rise with the centre of mass.
-                    rise = float(mass[2] - self.steps.above)
-                    level = np.mean(
-                        [self.steps.ground(c.name, places) for c in self.steps.schedule.contacts if c.anchors]
-                    )
-                    lifts = {name: max(lift, rise - float(level)) for name, lift in lifts.items()}
                 if robot.root == "planar":
                     mass[1] = np.nan
                 near = np.array(q)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import robotraj as rt
@@ -175,6 +176,24 @@ def test_solo_trots_from_its_own_guess(dog: rt.Robot) -> None:
     for foot in ("FL_FOOT", "HR_FOOT"):
         fx, fy, fz = forces[foot].T
         assert np.all(np.hypot(fx, fy) <= 0.7 * fz + 1e-2)
+
+
+@pytest.mark.slow
+def test_solo_jumps_from_its_own_guess() -> None:
+    limits = {"velocity": 30.0, "effort": 6.0, "position": (-2.5, 2.5)}
+    robot = rt.load("solo12", root="floating", limits=limits)
+    problem = gait.jump(robot, length=0.1, height=0.08, push=0.3, land=0.3)
+    solution = rt.plan(problem, mesh=rt.Mesh(5, rt.HermiteSimpson()))
+    assert solution.iterations < 120
+    air = np.linspace(0.3, solution.duration - 0.3, 41)
+    height = [_height(robot, q) for q in solution.at(air).q]
+    assert max(height) - 0.5 * (height[0] + height[-1]) == pytest.approx(0.08, abs=2e-3)
+    end = solution.at(solution.duration)
+    np.testing.assert_allclose(end.q, gait.stand(robot) + [0.1, *np.zeros(18)], atol=1e-7)
+
+
+def _height(robot: rt.Robot, q: np.ndarray) -> float:
+    return float(pin.centerOfMass(robot.model, robot.model.createData(), q)[2])
 
 
 @pytest.mark.slow
