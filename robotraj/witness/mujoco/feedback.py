@@ -110,7 +110,7 @@ class LinearQuadratic(Feedback):
 
     position: float = 0.05
     velocity: float = 2.0
-    effort: float = 0.5
+    effort: float = 1.0
 
     def __post_init__(self) -> None:
         _positive(self, "position", "velocity", "effort")
