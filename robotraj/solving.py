@@ -60,8 +60,9 @@ def solve(
     solution, w = _solve(nlp, guess, solver, progress, bool(guards), began)
     bulges = _bulges(solution, between)
     for _ in range(GUARD_ROUNDS):
-        held = {_row_of(guard) for guard in guards}
-        new = [guard for bulge in bulges for guard in bulge.guards(_row_of(bulge.guard) in held) if guard not in guards]
+        held, rows_held = set(guards), {_row_of(guard) for guard in guards}
+        wanted = (guard for bulge in bulges for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
+        new = list(dict.fromkeys(guard for guard in wanted if guard not in held))
         if not new or not solution.success:
             break
         began = time.perf_counter()
