@@ -49,7 +49,7 @@ class Compiled(Engine):
     """
 
     wait: bool = True
-    least: int = 1000
+    least: int = 300
     compiler: str | None = None
     cache: Path | str | None = None
     jobs: int | None = None

@@ -1,0 +1,135 @@
+"""Point functions by CasADi's virtual machine and as compiled C, side by side: ``python benchmarks/engines.py``.
+
+Every task is posed twice, once for each engine, and both are evaluated and solved in turn; medians of processor time,
+so that other work on the machine counts little. Libraries are compiled into an empty cache. Solves stop after a given
+number of iterations: both engines take the same steps, to the last bit, which is checked.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+import robotraj as rt
+
+UR5 = (-1.1, -1.8, 1.6, -1.2, -1.57, 0.0), (1.1, -0.8, 0.6, -0.6, -0.6, 1.2)
+PANDA = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785), (1.5, 0.5, -0.5, -1.2, 0.6, 2.2, -0.8)
+
+
+def arm(name: str, ends: Any, **more: Any) -> rt.Problem:
+    robot = rt.load(name, **more)
+    idle = [0.0] * (robot.nq - len(ends[0]))
+    start, end = (rt.State(q=[*q, *idle], v=0) for q in ends)
+    return rt.Problem([rt.Phase(robot, 1.0, start, end, rt.Effort())])
+
+
+def trot() -> rt.Problem:
+    return rt.gait.trot(rt.load("solo12", root="floating"), step_length=0.06, duration=0.2, clearance=0.04)
+
+
+TASKS: dict[str, tuple[Callable[[], rt.Problem], int]] = {
+    "ur5": (lambda: arm("ur5", UR5), 50),
+    "panda": (
+        lambda: arm("panda", PANDA, locked={"panda_finger_joint1": 0.0, "panda_finger_joint2": 0.0}),
+        50,
+    ),
+    "solo12 trot": (trot, 12),
+}
+"""Problem and number of Hermite-Simpson intervals."""
+
+
+def seconds(action: Callable[[], Any]) -> float:
+    """Processor time of this process [s]."""
+    began = time.process_time()
+    action()
+    return time.process_time() - began
+
+
+def in_turn(actions: dict[str, Callable[[], Any]], runs: int) -> dict[str, float]:
+    """Median seconds of every action, all run once before any is run again."""
+    taken: dict[str, list[float]] = {name: [] for name in actions}
+    for _ in range(runs):
+        for name, action in actions.items():
+            taken[name].append(seconds(action))
+    return {name: float(np.median(times)) for name, times in taken.items()}
+
+
+class Evaluator:
+    """Calls a function in place, as a solver does, without copies from and to Python."""
+
+    def __init__(self, function: ca.Function, arguments: list[Any]) -> None:
+        self._buffer, self.call = function.buffer()
+        self._arguments = [np.atleast_1d(np.array(a, dtype=float)) for a in arguments]
+        self._results = [np.zeros(function.nnz_out(i)) for i in range(function.n_out())]
+        for i, argument in enumerate(self._arguments):
+            self._buffer.set_arg(i, memoryview(argument))
+        for i, result in enumerate(self._results):
+            self._buffer.set_res(i, memoryview(result))
+
+    def __call__(self) -> np.ndarray:
+        """Give the results, one after the other."""
+        self.call()
+        return np.concatenate(self._results)
+
+
+def measure(name: str, runs: int, iterations: int) -> str:
+    make, intervals = TASKS[name]
+    problem, mesh = make(), rt.Mesh(intervals)
+    with tempfile.TemporaryDirectory() as folder:
+        compiled = rt.Compiled(cache=Path(folder) / "cache")
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        made = rt.compile(problem, mesh, engine=compiled)
+        compiler = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+        nlps = {"plain": rt.transcribe(problem, mesh), "fast": rt.transcribe(problem, mesh, engine=compiled)}
+        w = nlps["plain"].guess / nlps["plain"].scale
+        m = np.random.default_rng(0).standard_normal(len(nlps["plain"].rows))
+        lines = []
+        for what in ("rows", "jacobian", "hessian"):
+            more = (1.0, m) if what == "hessian" else ()
+            evaluators = {e: Evaluator(getattr(n.functions, what), [w, [], *more]) for e, n in nlps.items()}
+            calls: dict[str, Callable[[], Any]] = {e: evaluator.call for e, evaluator in evaluators.items()}
+            first = {e: evaluator() for e, evaluator in evaluators.items()}
+            assert np.array_equal(first["plain"], first["fast"], equal_nan=True), f"{name}: {what} differ"
+            taken = in_turn(calls, runs)
+            lines.append((1e3 * taken["plain"], 1e3 * taken["fast"]))
+        outcomes: dict[str, Any] = {}
+        solver = rt.Ipopt(max_iterations=iterations)
+        solves = {e: (lambda e=e, n=n: outcomes.update({e: solver.solve(n)})) for e, n in nlps.items()}
+        taken = in_turn(solves, max(3, runs // 3))
+        assert np.array_equal(outcomes["plain"].w, outcomes["fast"].w), f"{name}: the engines' steps differ"
+        steps = outcomes["fast"].iterations
+        lines.append((1e3 * taken["plain"] / steps, 1e3 * taken["fast"] / steps))
+    cells = [f"{plain:.3g} / {fast:.3g} ({plain / fast:.1f}x)" for plain, fast in lines]
+    return " | ".join([f"| {name}, {intervals}", *cells, f"{made.seconds:.1f} s ({compiler:.1f} s processor) |"])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("tasks", nargs="*", help=f"some of {', '.join(TASKS)}; all by default")
+    parser.add_argument("--runs", type=int, default=9, help="evaluations of each engine; a third as many solves")
+    parser.add_argument("--iterations", type=int, default=30, help="after which solves stop")
+    parser.add_argument("--markdown", type=Path, help="where the table is written too")
+    options = parser.parse_args()
+    table = [
+        "| task, intervals | rows [ms] | Jacobian [ms] | Hessian [ms] | an iteration of IPOPT [ms] | compiling |",
+        "|---|---|---|---|---|---|",
+    ]
+    print(*table, sep="\n")
+    for name in options.tasks or TASKS:
+        table.append(measure(name, options.runs, options.iterations))
+        print(table[-1], flush=True)
+    if options.markdown:
+        head = "Virtual machine / compiled, processor time, medians, both in turn (`python benchmarks/engines.py`).\n\n"
+        options.markdown.write_text(head + "\n".join(table) + "\n")
+
+
+if __name__ == "__main__":
+    main()
