@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -37,11 +38,15 @@ def test_a_walk_is_one_step_onto_its_image(biped: rt.Robot) -> None:
     assert link.repeat.displacement == {"q.root_x": 0.5}
 
 
-def test_the_papers_step_from_the_default_guess(biped: rt.Robot) -> None:
+def test_the_papers_step_from_the_default_guess(biped: rt.Robot, tmp_path: Path) -> None:
     problem = gait.walk(biped, step_length=0.5, duration=0.7, contact=partial(PointContact, friction=5.0))
     solution = rt.plan(problem, mesh=rt.Mesh(6, rt.HermiteSimpson()))
     assert solution.objective == pytest.approx(469.547244, rel=1e-5)
     assert solution.iterations < 40
+    solution.save(tmp_path / "step.npz")
+    again = rt.load_solution(tmp_path / "step.npz")
+    assert not again.problem.missing
+    assert str(again.problem) == str(solution.problem)
 
 
 def test_a_walk_can_be_edited(biped: rt.Robot) -> None:
