@@ -201,11 +201,11 @@ def test_python_m_robotraj_runs() -> None:
 @pytest.mark.slow
 def test_compiled_functions_are_made_shown_used_and_cleared(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(here / "cache"))
-    assert "least effort: 2 of 2 point functions compiled" in (told := succeed("compile", "ur5"))
-    assert "least duration: 2 of 2" in told
-    assert "4 functions," in succeed("cache")
+    assert "least effort: 3 of 3 point functions compiled" in (told := succeed("compile", "ur5"))
+    assert "least duration: 3 of 3" in told
+    assert "6 functions," in succeed("cache")
     succeed("plan", "ur5", "--to", "1,-1,1,0,0,0", "--compiled", "--save", "plan.npz")
-    assert "its problem: 0 of 2 point functions compiled" in succeed("compile", "plan.npz")
+    assert "its problem: 0 of 3 point functions compiled" in succeed("compile", "plan.npz")
     told = succeed("profile", "plan.npz")
     assert [line.split()[0] for line in told.splitlines()][:4] == ["build", "compile", "setup", "solve"]
     assert "linear algebra and steps" in told
