@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -155,45 +156,80 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     moving = isinstance(mesh, MovingMesh)
     intervals: list[IntervalLayout] = []
     owners: list[tuple[int, int]] = []
-    for k, (scheme, start, length) in enumerate(zip(schemes, breaks[:-1], lengths, strict=True)):
-        before = intervals[-1] if intervals else None
+    joins = [_Join.of(schemes, k, moving, bool(u)) for k in range(len(schemes))]
+    for (scheme, join), run in groupby(range(len(schemes)), key=lambda k: (schemes[k], joins[k])):
+        which = np.array(list(run))
         nodes, sites = scheme.nodes, scheme.control_sites
-        shared_control = (
-            not moving and before is not None and sites[0] == 0.0 and before.scheme.control_sites[-1] == 1.0
+        inner = np.flatnonzero((nodes > 0.0) & (nodes < 1.0))
+        # What an interval of the run adds, in this order: controls, algebraic variables, inner states, the knot on its
+        # right, corrections; each with where it stands in the interval.
+        parts = [
+            (u, sites[join.control :]),
+            (z, nodes[join.place :]),
+            (x, nodes[inner]),
+            (x, np.ones(1)),
+            (invariants, nodes[nodes > 0.0]),
+        ]
+        at = np.concatenate([np.repeat(where, len(group)) for group, where in parts])
+        fractions = breaks[which, None] + lengths[which, None] * at
+        sizes = [len(group) * len(where) for group, where in parts]
+        ends = np.cumsum(sizes)
+        fractions[:, ends[2] : ends[3]] = breaks[which + 1, None]
+        added = table.add_each([entry for group, where in parts for _ in where for entry in group], fractions)
+        controls, algebraic, inside, right, corrections = (
+            columns.reshape(len(which), len(where), len(group))
+            for columns, (group, where) in zip(np.split(added, ends[:-1], axis=1), parts, strict=True)
         )
-        shared_node = not moving and before is not None and nodes[0] == 0.0 and before.scheme.nodes[-1] == 1.0
-        # A control that jumps at the knot gives the knot two accelerations: it is evaluated on both sides.
-        shared_place = shared_node and (shared_control or not u)
-        controls = _chain(table, u, start + length * sites, before.controls[-1] if before and shared_control else None)
-        algebraic = _chain(table, z, start + length * nodes, before.algebraic[-1] if before and shared_place else None)
-        inner = [j for j, c in enumerate(nodes) if 0.0 < c < 1.0]
-        states = np.empty((len(nodes), len(x)), dtype=int)
-        states[inner] = table.add(x, start + length * nodes[inner])
-        knots.append(table.add(x, breaks[k + 1 : k + 2])[0])
-        states[nodes == 0.0], states[nodes == 1.0] = knots[k], knots[k + 1]
-        fresh = [j for j in range(len(nodes)) if j > 0 or not shared_place]
-        places = np.empty(len(nodes), dtype=int)
-        if before is not None and shared_place:
-            places[0] = before.places[-1]
-        places[fresh] = np.arange(len(owners), len(owners) + len(fresh))
-        owners += [(k, j) for j in fresh]
-        corrections = table.add(invariants, start + length * nodes[nodes > 0.0])
-        intervals.append(
+        before = intervals[-1] if intervals else None
+        if join.control and before is not None:
+            controls = _chain(before.controls[-1], controls)
+        if join.place and before is not None:
+            algebraic = _chain(before.algebraic[-1], algebraic)
+        left = np.vstack([knots[-1][None], right[:-1, 0]])
+        states = np.empty((len(which), len(nodes), len(x)), dtype=int)
+        states[:, inner] = inside
+        states[:, nodes == 0.0], states[:, nodes == 1.0] = left[:, None], right
+        fresh = len(nodes) - join.place
+        places = len(owners) + np.arange(len(which) * fresh).reshape(len(which), fresh)
+        if join.place and before is not None:
+            places = _chain(before.places[-1:], places[:, :, None])[:, :, 0]
+        owners += [(int(k), j) for k in which for j in range(join.place, len(nodes))]
+        knots += list(right[:, 0])
+        intervals += [
             IntervalLayout(
                 scheme,
-                start,
-                length,
+                breaks[k],
+                lengths[k],
                 clocks[k],
-                states,
-                knots[k],
-                knots[k + 1],
-                algebraic,
-                controls,
-                places,
-                corrections,
+                states[i],
+                left[i],
+                right[i, 0],
+                algebraic[i],
+                controls[i],
+                places[i],
+                corrections[i],
             )
-        )
+            for i, k in enumerate(which)
+        ]
     return PhaseLayout(mesh, np.array(knots), tuple(intervals), t0, duration, parameters, tuple(owners))
+
+
+@dataclass(frozen=True)
+class _Join:
+    """What an interval shares with the one on its left: 1 where the first control, or the first place, is theirs."""
+
+    control: int
+    place: int
+
+    @classmethod
+    def of(cls, schemes: Sequence[Any], k: int, moving: bool, controlled: bool) -> _Join:
+        if moving or k == 0:
+            return cls(0, 0)
+        here, before = schemes[k], schemes[k - 1]
+        control = here.control_sites[0] == 0.0 and before.control_sites[-1] == 1.0
+        # A control that jumps at the knot gives the knot two accelerations: it is evaluated on both sides.
+        place = here.nodes[0] == 0.0 and before.nodes[-1] == 1.0 and (control or not controlled)
+        return cls(int(control), int(place))
 
 
 def _check_holds(phase: Phase, schemes: Sequence[Any]) -> None:
@@ -226,8 +262,6 @@ def _scalar(table: ScalarTable, entry: Entry, low: float, high: float) -> Scalar
     return Scalar(int(table.add([entry], np.zeros(1), low, high)[0, 0]))
 
 
-def _chain(table: ScalarTable, entries: list[Entry], fractions: Array, first: Indices | None) -> Indices:
-    """Columns at fractions; the first of them shared where a neighbour gives it."""
-    if first is None:
-        return table.add(entries, fractions)
-    return np.vstack([first[None, :], table.add(entries, fractions[1:])])
+def _chain(first: Indices, fresh: Indices) -> Indices:
+    """Put before each interval's columns (n, m, .) the last of the interval before it, ``first`` before all."""
+    return np.concatenate([np.vstack([first[None], fresh[:-1, -1]])[:, None], fresh], axis=1)

@@ -104,6 +104,17 @@ class ScalarTable:
         self.count += shape[0] * shape[1]
         return np.arange(first, self.count).reshape(shape)
 
+    def add_each(self, entries: Sequence[Entry], fractions: Array) -> Indices:
+        """Add ``entries[j]`` at ``fractions[i, j]``, row after row, without bounds; return indices of that shape."""
+        ids = np.array([self.entry(e) for e in entries], dtype=int)
+        self._meaning.append(np.tile(ids, len(fractions)))
+        self._fraction.append(np.asarray(fractions, dtype=float).ravel())
+        self._lower.append(np.full(fractions.size, -np.inf))
+        self._upper.append(np.full(fractions.size, np.inf))
+        first = self.count
+        self.count += fractions.size
+        return np.arange(first, self.count).reshape(fractions.shape)
+
     def finish(self, bounds: Sequence[ColumnBound] = ()) -> Scalars:
         """Freeze the table, tightening it by further bounds."""
         meaning: Indices = np.concatenate([np.empty(0, dtype=int), *self._meaning])
