@@ -33,7 +33,8 @@ def judge(walk: Walk, model: pin.Model, plan: Any, periodic: bool) -> dict[str, 
     tangential = np.linalg.norm(force[..., :2], axis=-1)
     least = np.where(every, force[..., 2], np.inf)
     broken = np.where(every, tangential - walk.friction * force[..., 2], -np.inf)
-    pressed = np.where(every, _pressure(walk, force, turns, weight), 0.0)
+    pressed = np.where(every, _pressure(walk.sole, force, turns, weight), 0.0)
+    boxed = np.where(every, _pressure(walk.box, force, turns, weight), 0.0)
     slip, sink = _slip(places, stands)
     level = float(np.mean(places[0, 0, :, 2]))
     limits = model.effortLimit[ROOT:]
@@ -58,6 +59,7 @@ def judge(walk: Walk, model: pin.Model, plan: Any, periodic: bool) -> dict[str, 
         "cone time": float(np.mean(np.max(broken, axis=(1, 2)) > 1e-6 * weight)),
         "pull": max(0.0, -float(np.min(least)) / weight),
         "pressure": float(np.max(pressed)),
+        "box": float(np.max(boxed)),
         "slip": slip,
         "sink": sink,
         "lowest swing": float(np.min(np.where(every, 0.0, places[..., 2] - level))),
@@ -100,17 +102,15 @@ def _kinematics(model: pin.Model, data: pin.Data, feet: list[int], plan: Any) ->
     return places, turns, residual
 
 
-def _pressure(walk: Walk, force: np.ndarray, turns: np.ndarray, weight: float) -> np.ndarray:
+def _pressure(sole: tuple[float, float] | None, force: np.ndarray, turns: np.ndarray, weight: float) -> np.ndarray:
     """How far [m] the centre of pressure is outside the sole, where it carries a twentieth of the weight."""
-    if walk.sole is None:
+    if sole is None:
         return np.zeros(force.shape[:3])
     own = np.einsum("ksfji,ksfj->ksfi", turns, force[..., :3])
     moment = np.einsum("ksfji,ksfj->ksfi", turns, force[..., 3:])
     carries = own[..., 2] > 0.05 * weight
     normal = np.where(carries, own[..., 2], 1.0)
-    outside = np.maximum(
-        np.abs(moment[..., 1]) / normal - walk.sole[0] / 2, np.abs(moment[..., 0]) / normal - walk.sole[1] / 2
-    )
+    outside = np.maximum(np.abs(moment[..., 1]) / normal - sole[0] / 2, np.abs(moment[..., 0]) / normal - sole[1] / 2)
     return np.where(carries, outside.clip(0.0), 0.0)
 
 

@@ -53,7 +53,9 @@ def samples(walk, model, problem, solver):
     data = model.createData()
     rows = {name: [] for name in ("t", "q", "v", "a", "tau", "force", "stands")}
     t = 0.0
-    for action, found, x, u in zip(problem.runningModels, problem.runningDatas, solver.xs, solver.us):
+    for action, found, x, u in zip(
+        problem.runningModels, problem.runningDatas, list(solver.xs)[:-1], solver.us, strict=True
+    ):
         if not hasattr(action, "differential") or action.dt == 0.0:
             continue  # an impulse, which takes no time
         q, v, a = x[: model.nq], x[model.nq :], np.array(found.differential.xout)

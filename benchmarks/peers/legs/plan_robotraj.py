@@ -16,10 +16,10 @@ from walks import WALKS, Walk
 
 import robotraj as rt
 
-INTERVALS = {"solo12": (2, 6), "talos_legs": (3, 8)}
+INTERVALS = {"solo12": (1, 6), "talos_legs": (3, 12)}
 SAMPLES = 9
 TOUCH = 1e-4
-CALM = 0.1
+CALM = 0.3
 POSTURES = {
     "standing": [0.0, 0.0, 0.235, 0.0, 0.0, 0.0, 1.0, 0.1, 0.8, -1.6, -0.1, 0.8, -1.6, 0.1, -0.8, 1.6, -0.1, -0.8, 1.6],
     "half_sitting": [0.0, 0.0, 1.01927, 0.0, 0.0, 0.0, 1.0] + [0.0, 0.0, -0.411354, 0.859395, -0.448041, -0.001708] * 2,
@@ -139,7 +139,7 @@ class Still:
 
 
 def objective_of(walk: Walk, robot: rt.Robot) -> rt.Objective:
-    """Effort, posture as ``rt.gait`` weighs it, and calm joints: 0.1 s of speed counts as much as distance."""
+    """Effort, posture as ``rt.gait`` weighs it, and calm joints: 0.3 s of speed counts as much as distance."""
     q = standing(walk, robot)
     data = robot.model.createData()
     height = float(pin.centerOfMass(robot.model, data, q)[2])

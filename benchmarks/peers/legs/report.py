@@ -46,6 +46,7 @@ ROWS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("friction cone, share of time broken", "cone time", _percent),
     ("ground pulls, of weight", "pull", _percent),
     ("centre of pressure outside the sole", "pressure", _metres),
+    ("centre of pressure outside Crocoddyl's smaller sole", "box", _metres),
     ("slip", "slip", _metres),
     ("sink", "sink", _metres),
     ("footholds missed by", "step missed by", _metres),
@@ -66,7 +67,7 @@ def full(record: Mapping[str, Any]) -> str:
     """Every figure of every walk: medians over the runs."""
     lines = []
     for walk, tools in record["results"].items():
-        shown = {tool: runs for tool, runs in tools.items() if runs}
+        shown = {tool: runs for tool, runs in tools.items() if any("failed" not in run for run in runs)}
         lines += [f"### {walk} {WALKS[walk].title}", "", "| | " + " | ".join(NAMES[tool] for tool in shown) + " |"]
         lines.append("|---" * (len(shown) + 1) + "|")
         count = [str(sum("failed" not in run for run in runs)) for runs in shown.values()]
@@ -75,7 +76,7 @@ def full(record: Mapping[str, Any]) -> str:
             cells = []
             for runs in shown.values():
                 good = [run[key] for run in runs if key in run]
-                cells.append(written(statistics.median(good)) if good else runs[0].get("failed", ""))
+                cells.append(written(statistics.median(good)))
             lines.append(f"| {title} | " + " | ".join(cells) + " |")
         lines.append("")
     return "\n".join(lines)

@@ -26,7 +26,9 @@ class Walk:
         What swings, in turn, and how far as a share of ``length``; None is a stance on all feet.
     friction : float
     sole : (length, width), optional
-        Of a flat foot [m]; Crocoddyl's example takes far less than the robot has.
+        Of the robot's flat foot [m].
+    box : (length, width), optional
+        What Crocoddyl's example takes for it [m].
     """
 
     title: str
@@ -41,6 +43,7 @@ class Walk:
     swings: tuple[tuple[tuple[str, ...], float] | None, ...]
     friction: float = 0.7
     sole: tuple[float, float] | None = None
+    box: tuple[float, float] | None = None
 
     def phases(self) -> list[tuple[tuple[str, ...], float, float]]:
         """(Feet that swing, how far [m], how long [s]) in the order of time."""
@@ -67,6 +70,6 @@ WALKS = {
     # examples/bipedal_gaits_fwddyn.py, first task.
     "L3": Walk(
         "talos_legs walk", "talos_legs", SOLES, "half_sitting", 0.6, 0.1, 3e-2, 15, 4,
-        (None, (("right_sole_link",), 0.5), None, (("left_sole_link",), 1.0)), sole=(0.1, 0.05),
+        (None, (("right_sole_link",), 0.5), None, (("left_sole_link",), 1.0)), sole=(0.2, 0.12), box=(0.1, 0.05),
     ),
 }  # fmt: skip
