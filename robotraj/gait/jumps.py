@@ -30,8 +30,8 @@ def jump(
     *,
     length: float = 0.0,
     height: float = 0.1,
-    push: Any = (0.15, 0.6),
-    land: Any = (0.15, 0.6),
+    push: Any = 0.3,
+    land: Any = 0.3,
     feet: Sequence[str] | None = None,
     contact: FootKind = PointContact,
     clearance: float | None = 0.0,
@@ -50,7 +50,7 @@ def jump(
     length, height : float
         How far and how high the centre of mass goes [m].
     push, land : float or (float, float)
-        Duration of both stances [s].
+        Duration of both stances [s]; free ones, (least, greatest), take many more iterations.
     feet, contact, clearance, objective, upright, ground
         As for ``walk``; all feet stand. The root may sink lower than in a walk, and rises as it likes.
 

@@ -85,14 +85,6 @@ def mirror(
     return Mirror(once, tuple(n for n in dict.fromkeys(labels) if n in own), dict(displacement or {}))
 
 
-def mirrored(robot: Robot, q: Array, repeat: Mirror) -> Array:
-    """Give the mirror image (nq,) of a configuration."""
-    names = robot.position_names
-    both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
-    at = {name: i for i, name in enumerate(names)}
-    return np.array([(-1.0 if n in repeat.negated else 1.0) * q[at[both.get(n, n)]] for n in names])
-
-
 def _signs(robot: Robot, partner: Mapping[str, str]) -> dict[str, float]:
     """Sign of every joint but the root's, from the axes where all joints are at zero."""
     model, data = robot.model, robot.model.createData()

@@ -20,10 +20,11 @@ from robotraj.guesses.schedule import schedule_of
 from robotraj.guesses.stance import Stance
 from robotraj.guesses.support import support
 from robotraj.links import BoundLink
+from robotraj.problem import Problem
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
-    from robotraj.problem import Phase, Problem
+    from robotraj.problem import Phase
 
 Array = NDArray[np.float64]
 
@@ -60,8 +61,6 @@ class InvertedPendulum(Guess):
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Guess a phase on its own, as a problem of one phase."""
-        from robotraj.problem import Problem
-
         return self.prepared(Problem([phase])).of(phase, 0)
 
     def prepared(self, problem: Problem) -> Guess:

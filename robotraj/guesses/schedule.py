@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
@@ -127,8 +127,3 @@ def _contacts(problem: Problem, repeat: Mirror | Periodic | None) -> tuple[Bound
         if other not in every and frame != contact.frame and hasattr(contact.contact, "frame"):
             every[other] = replace(cast(Any, contact.contact), frame=frame, name=other).bind(robot)
     return tuple(every.values())
-
-
-def by_name(contacts: Sequence[BoundContact]) -> dict[str, BoundContact]:
-    """Contacts by their names."""
-    return {contact.name: contact for contact in contacts}

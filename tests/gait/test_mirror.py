@@ -8,7 +8,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.gait import mirror
-from robotraj.gait.mirror import REFLECTION, mirrored
+from robotraj.gait.mirror import REFLECTION
 from robotraj.gait.sides import other_side
 
 FEET = {
@@ -18,6 +18,14 @@ FEET = {
     "talos_legs": ("left_sole_link", "right_sole_link"),
     "hyq": ("lf_foot", "rf_foot"),
 }
+
+
+def mirrored(robot: rt.Robot, q: np.ndarray, repeat: rt.Mirror) -> np.ndarray:
+    """Give the mirror image (nq,) of a configuration."""
+    names = robot.position_names
+    both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
+    at = {name: i for i, name in enumerate(names)}
+    return np.array([(-1.0 if n in repeat.negated else 1.0) * q[at[both.get(n, n)]] for n in names])
 
 
 @pytest.mark.parametrize(
