@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
@@ -13,6 +14,7 @@ import pytest
 import robotraj as rt
 from robotraj import gait
 from robotraj.contacts import FlatFoot, PointContact
+from robotraj.gait.sequence import Arc
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +49,21 @@ def test_the_papers_step_from_the_default_guess(biped: rt.Robot, tmp_path: Path)
     again = rt.load_solution(tmp_path / "step.npz")
     assert not again.problem.missing
     assert str(again.problem) == str(solution.problem)
+
+
+def test_two_steps_cost_twice_one(biped: rt.Robot) -> None:
+    problem = gait.walk(
+        biped, step_length=0.5, duration=0.7, contact=partial(PointContact, friction=5.0), repeat=rt.Periodic()
+    )
+    solution = rt.plan(problem, mesh=rt.Mesh(6, rt.HermiteSimpson()))
+    assert solution.objective == pytest.approx(2 * 469.547244, rel=1e-5)
+
+
+def test_an_arc_is_as_high_as_asked_halfway() -> None:
+    arc = Arc(0.1, "foot.x", 0.5)
+    point = SimpleNamespace(p={"foot.x": 2.0})
+    for x, height in ((1.5, -1e-4), (2.0, 0.1), (2.5, -1e-4), (1.75, 0.75 * 0.1001 - 1e-4)):
+        assert arc.heights(point, [x, 0.0, 0.0])["swing apex"] == pytest.approx(height, abs=1e-12)
 
 
 def test_a_walk_can_be_edited(biped: rt.Robot) -> None:
