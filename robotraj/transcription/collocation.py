@@ -110,24 +110,31 @@ def collocate(
     scatter = Triplets()
     weights = np.zeros(len(layout.place_owner))
     defects = [Entry(index, "defect", s.label if s.joint is None else s.name, s.unit) for s in dae.states]
-    for interval in layout.intervals:
-        scheme = interval.scheme
-        nodes, places, length = scheme.nodes, interval.places, interval.clock.length
-        targets = [(j, interval.states[j], scheme.matrix[j]) for j in range(len(nodes)) if nodes[j] > 0.0]
-        reached = [interval.start + interval.length * nodes[j] for j, _, _ in targets]
+    component = np.arange(nx)
+    for run in layout.runs:
+        scheme, nodes = run.scheme, run.scheme.nodes
+        above = nodes > 0.0
+        targets, coefficients = run.states[:, above], scheme.matrix[above]
+        reached = run.start[:, None] + run.length[:, None] * nodes[above]
+        corrections = run.places[:, above]
         if nodes[-1] < 1.0:
-            targets.append((-1, interval.right, scheme.weights))
-            reached.append(interval.start + interval.length)
-        added = rows.add(defects, np.array(reached), 0.0, 0.0)
-        for at, (node, state, coefficients) in zip(added, targets, strict=True):
-            linear.add(at, state, 1.0)
-            linear.add(at, interval.left, -1.0)
-            for k, coefficient in enumerate(coefficients):
-                scatter.add(at, places[k] * stage.outputs + np.arange(nx), -length * coefficient)
-            if held:
-                scatter.add(at, places[node] * stage.outputs + corrected + np.arange(nx), -1.0)
-        weights[places] += length * scheme.objective_weights
-    fractions = np.array([_fraction(layout, place) for place in range(len(layout.place_owner))])
+            targets = np.concatenate([targets, run.right[:, None]], axis=1)
+            coefficients = np.vstack([coefficients, scheme.weights])
+            reached = np.hstack([reached, (run.start + run.length)[:, None]])
+            corrections = np.hstack([corrections, run.places[:, -1:]])
+        # (intervals, targets, states), and between the last two, where rates are summed, the nodes.
+        at = rows.add(defects, reached.ravel(), 0.0, 0.0).reshape(targets.shape)
+        linear.add(at.ravel(), targets.ravel(), 1.0)
+        linear.spread(at, run.left[:, None], -1.0)
+        scatter.spread(
+            at[:, :, None],
+            run.places[:, None, :, None] * stage.outputs + component,
+            -run.clock_length[:, None, None, None] * coefficients[:, :, None],
+        )
+        if held:
+            scatter.spread(at, corrections[:, :, None] * stage.outputs + corrected + component, -1.0)
+        np.add.at(weights, run.places, run.clock_length[:, None] * scheme.objective_weights)
+    fractions = layout.place_fractions
     base = np.arange(len(fractions))[:, None] * stage.outputs
     residual = rows.add(entries_of(index, dae.residuals), fractions, 0.0, 0.0)
     scatter.add(residual.ravel(), (base + nx + np.arange(nz)).ravel(), 1.0)
@@ -166,38 +173,39 @@ def _stage(phase: Phase, layout: PhaseLayout) -> Stage:
     return Stage(ca.vertcat(s.unknowns, c), s.constants, y, costed)
 
 
-def _fraction(layout: PhaseLayout, place: int) -> float:
-    k, j = layout.place_owner[place]
-    interval = layout.intervals[k]
-    return interval.start + interval.length * float(interval.scheme.nodes[j])
-
-
 def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:
     """Triplets of G and the constants, for every evaluation."""
     dae = phase.dae
     nx, nz, nu = len(dae.states), len(dae.algebraic), len(dae.controls)
-    shared = [
-        np.array([s.column for s in interval_scalars(layout, k) if s.column is not None], dtype=int)
-        for k in range(len(layout.intervals))
-    ]
-    scalars = len(shared[0])
+    shared = np.array(
+        [
+            [s.column for s in interval_scalars(layout, k) if s.column is not None]
+            for k in range(len(layout.intervals) if isinstance(layout.mesh, MovingMesh) else 1)
+        ],
+        dtype=int,
+    )
+    scalars = shared.shape[1]
     size = nx + nz + nu + scalars + len(dae.invariants)
     gather = Triplets()
     owners = layout.place_owner
-    interpolations = {id(i.scheme): i.scheme.control_at_nodes for i in layout.intervals}
-    for place, (k, j) in enumerate(owners):
-        interval, base = layout.intervals[k], place * size
-        gather.add(base + np.arange(nx), interval.states[j], 1.0)
-        gather.add(base + nx + np.arange(nz), interval.algebraic[j], 1.0)
-        for site, coefficient in enumerate(interpolations[id(interval.scheme)][j]):
-            if coefficient:
-                gather.add(base + nx + nz + np.arange(nu), interval.controls[site], coefficient)
-        gather.add(base + nx + nz + nu + np.arange(scalars), shared[k], 1.0)
-        if dae.invariants and interval.scheme.nodes[j] > 0.0:
-            corrections = interval.corrections[j - int(interval.scheme.nodes[0] == 0.0)]
-            gather.add(base + nx + nz + nu + scalars + np.arange(len(corrections)), corrections, 1.0)
+    which, node = np.array(owners).T
+    base = np.arange(len(owners))[:, None] * size
+    for run in layout.runs:
+        nodes, interpolation = run.scheme.nodes, run.scheme.control_at_nodes
+        for j in range(len(nodes)):
+            chosen = np.flatnonzero((which >= run.which[0]) & (which <= run.which[-1]) & (node == j))
+            own, first = which[chosen] - run.which[0], base[chosen]
+            gather.spread(first + np.arange(nx), run.states[own, j], 1.0)
+            gather.spread(first + nx + np.arange(nz), run.algebraic[own, j], 1.0)
+            for site in np.flatnonzero(interpolation[j]):
+                gather.spread(first + nx + nz + np.arange(nu), run.controls[own, site], interpolation[j, site])
+            if dae.invariants and nodes[j] > 0.0:
+                corrections = run.corrections[own, j - int(nodes[0] == 0.0)]
+                gather.spread(first + size - corrections.shape[1] + np.arange(corrections.shape[1]), corrections, 1.0)
+    gather.spread(base + nx + nz + nu + np.arange(scalars), shared[which if len(shared) > 1 else 0], 1.0)
     fixed = [scalar.value for scalar in interval_scalars(layout, 0) if scalar.column is None]
-    constants = np.vstack([taus(layout, owners), *(np.full(len(owners), value) for value in fixed)])
+    tau = taus(layout, owners) if isinstance(layout.mesh, MovingMesh) else layout.place_fractions
+    constants = np.vstack([tau, *(np.full(len(owners), value) for value in fixed)])
     return gather, constants
 
 

@@ -62,21 +62,28 @@ def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
     outputs = block.outputs(w).T
     rates, corrections = outputs[:, :nx], outputs[:, outputs.shape[1] - held - nx : outputs.shape[1] - held]
     breaks = layout.breaks(w)
-    x_sites, x_values, z_sites, z_values, u_sites, u_values = [], [], [], [], [], []
+    x_sites: list[Array] = []
+    z_sites: list[Array] = []
+    u_sites: list[Array] = []
+    x_values: list[Array] = []
+    z_values: list[Array] = []
+    u_values: list[Array] = []
     points = []
-    for interval, first, last in zip(layout.intervals, breaks[:-1], breaks[1:], strict=True):
-        nodes = interval.scheme.nodes
+    for run in layout.runs:
+        nodes, count = run.scheme.nodes, len(run.which)
         sites = lobatto_sites(len(nodes) + 1)
-        x_sites.append(sites)
-        values = w[interval.left] + integrals(nodes, sites) @ (interval.clock.length * rates[interval.places])
+        scaled = run.clock_length[:, None, None] * rates[run.places]
+        values = w[run.left][:, None] + integrals(nodes, sites) @ scaled
         if held:
-            values += correction_basis(nodes, sites) @ corrections[interval.places[nodes > 0.0]]
-        x_values.append(values)
-        z_sites.append(nodes)
-        z_values.append(w[interval.algebraic])
-        u_sites.append(interval.scheme.control_sites)
-        u_values.append(w[interval.controls])
-        points.append(first + (last - first) * nodes)
+            values += correction_basis(nodes, sites) @ corrections[run.places[:, nodes > 0.0]]
+        x_sites += [sites] * count
+        x_values += list(values)
+        z_sites += [nodes] * count
+        z_values += list(w[run.algebraic])
+        u_sites += [run.scheme.control_sites] * count
+        u_values += list(w[run.controls])
+        first, last = breaks[run.which], breaks[run.which + 1]
+        points.append((first[:, None] + (last - first)[:, None] * nodes).ravel())
     return PhaseTrajectory(
         t0,
         duration,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
@@ -94,6 +95,24 @@ class IntervalLayout:
 
 
 @dataclass(frozen=True, eq=False)
+class Run:
+    """Neighbouring intervals of one scheme, with their columns as arrays (n, ...) like those of ``IntervalLayout``."""
+
+    scheme: Any
+    which: Indices
+    start: Array
+    length: Array
+    clock_length: Array
+    states: Indices
+    left: Indices
+    right: Indices
+    algebraic: Indices
+    controls: Indices
+    places: Indices
+    corrections: Indices
+
+
+@dataclass(frozen=True, eq=False)
 class PhaseLayout:
     """Columns of one phase.
 
@@ -115,6 +134,30 @@ class PhaseLayout:
     duration: Scalar
     parameters: tuple[Scalar, ...]
     place_owner: tuple[tuple[int, int], ...]
+
+    @cached_property
+    def runs(self) -> tuple[Run, ...]:
+        """The intervals, those of one scheme that follow each other together."""
+        found = []
+        for _, group in groupby(range(len(self.intervals)), key=lambda k: self.intervals[k].scheme):
+            which = np.array(list(group))
+            own = [self.intervals[k] for k in which]
+            names = ("start", "length", "states", "left", "right", "algebraic", "controls", "places", "corrections")
+            start, length, *columns = (np.array([getattr(interval, name) for interval in own]) for name in names)
+            clock_length = np.array([interval.clock.length for interval in own])
+            found.append(Run(own[0].scheme, which, start, length, clock_length, *columns))
+        return tuple(found)
+
+    @cached_property
+    def place_fractions(self) -> Array:
+        """Where in the phase every evaluation of the stage function stands; on a moving mesh, before it moves."""
+        which, node = np.array(self.place_owner).T
+        out = np.empty(len(which))
+        for run in self.runs:
+            chosen = (which >= run.which[0]) & (which <= run.which[-1])
+            at = which[chosen] - run.which[0]
+            out[chosen] = run.start[at] + run.length[at] * run.scheme.nodes[node[chosen]]
+        return out
 
     @property
     def fractions(self) -> Array:
@@ -177,8 +220,8 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
         fractions[:, ends[2] : ends[3]] = breaks[which + 1, None]
         added = table.add_each([entry for group, where in parts for _ in where for entry in group], fractions)
         controls, algebraic, inside, right, corrections = (
-            columns.reshape(len(which), len(where), len(group))
-            for columns, (group, where) in zip(np.split(added, ends[:-1], axis=1), parts, strict=True)
+            part.reshape(len(which), len(where), len(group))
+            for part, (group, where) in zip(np.split(added, ends[:-1], axis=1), parts, strict=True)
         )
         before = intervals[-1] if intervals else None
         if join.control and before is not None:
@@ -195,20 +238,9 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
             places = _chain(before.places[-1:], places[:, :, None])[:, :, 0]
         owners += [(int(k), j) for k in which for j in range(join.place, len(nodes))]
         knots += list(right[:, 0])
+        columns = (states, left, right[:, 0], algebraic, controls, places, corrections)
         intervals += [
-            IntervalLayout(
-                scheme,
-                breaks[k],
-                lengths[k],
-                clocks[k],
-                states[i],
-                left[i],
-                right[i, 0],
-                algebraic[i],
-                controls[i],
-                places[i],
-                corrections[i],
-            )
+            IntervalLayout(scheme, breaks[k], lengths[k], clocks[k], *(part[i] for part in columns))
             for i, k in enumerate(which)
         ]
     return PhaseLayout(mesh, np.array(knots), tuple(intervals), t0, duration, parameters, tuple(owners))

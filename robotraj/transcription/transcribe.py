@@ -180,9 +180,9 @@ def _columns_by_variable(phase: Phase, layout: PhaseLayout) -> dict[str, NDArray
     )
     # Columns were numbered in the order of time.
     return {
-        variable.name: np.unique(np.concatenate([part[:, i] for part in parts]))
+        variable.name: np.unique(columns)
         for variables, parts in groups
-        for i, variable in enumerate(variables)
+        for variable, columns in zip(variables, np.concatenate(parts).T, strict=True)
     }
 
 
@@ -204,25 +204,24 @@ def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: Guess, size:
 
 
 def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
-    intervals = layout.intervals
+    runs = layout.runs
 
     def at(sites: Sequence[Array], inside: float) -> Array:
         """Fractions of the phase where the intervals have sites, one interval after the other."""
-        return np.concatenate(
-            [i.start + i.length * np.clip(c, inside, 1 - inside) for i, c in zip(intervals, sites, strict=True)]
-        )
+        pairs = zip(runs, sites, strict=True)
+        parts = (r.start[:, None] + r.length[:, None] * np.clip(c, inside, 1 - inside) for r, c in pairs)
+        return np.concatenate([part.ravel() for part in parts])
 
     def fill(columns: Sequence[NDArray[np.int_]], values: Array) -> None:
-        w[np.concatenate(columns).ravel()] = values.ravel()
+        w[np.concatenate([part.ravel() for part in columns])] = values.ravel()
 
-    nodes = [interval.scheme.nodes for interval in intervals]
-    sites = [interval.scheme.control_sites for interval in intervals]
+    nodes, sites = [run.scheme.nodes for run in runs], [run.scheme.control_sites for run in runs]
     w[layout.knots.ravel()] = known.states(layout.fractions).ravel()
-    fill([interval.states for interval in intervals], known.states(at(nodes, 0.0)))
+    fill([run.states for run in runs], known.states(at(nodes, 0.0)))
     # Controls and accelerations may jump at knots: the interval's own side is asked for.
-    fill([interval.algebraic for interval in intervals], known.algebraic(at(nodes, INSIDE)))
-    fill([interval.controls for interval in intervals], known.controls(at(sites, INSIDE)))
+    fill([run.algebraic for run in runs], known.algebraic(at(nodes, INSIDE)))
+    fill([run.controls for run in runs], known.controls(at(sites, INSIDE)))
     if isinstance(layout.mesh, MovingMesh):
-        for interval in intervals:
+        for interval in layout.intervals:
             w[interval.clock.base.column] = t0 + known.duration * interval.start
             w[interval.clock.span.column] = known.duration * interval.length

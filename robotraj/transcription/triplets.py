@@ -23,6 +23,11 @@ class Triplets:
         self._columns.append(columns)
         self._values.append(np.full(rows.shape, value, dtype=float))
 
+    def spread(self, rows: NDArray[np.int_], columns: NDArray[np.int_], value: Any) -> None:
+        """Add ``value`` where rows and columns pair up when all three are broadcast."""
+        every = np.broadcast_arrays(rows, columns, np.asarray(value, dtype=float))
+        self.add(*(part.ravel() for part in every))
+
     def matrix(self, shape: tuple[int, int]) -> sparse.csr_array:
         """Sum the triplets into a sparse matrix."""
         if not self._rows:
