@@ -43,6 +43,15 @@ class Tracking:
     simulations: tuple[Simulation, ...]
     failure: str | None
 
+    def __str__(self) -> str:
+        """Give the largest error, the largest torque added, and when and why the simulation stopped."""
+        error, added = self.error.worst, max(self.feedback.values(), key=lambda peak: peak.value)
+        return (
+            f"With feedback: {error.name} by {error.largest:.3g} {error.unit} from the plan at t = {error.time:.4g} s "
+            f"in phase {error.phase!r}; the feedback adds {added.value:.3g} {added.unit} at most, {added.name}."
+            + (f" Stopped: {self.failure}" if self.failure else "")
+        )
+
 
 def track(
     solution: SolutionLike,

@@ -36,6 +36,7 @@ def test_a_disturbed_start_is_recovered(make, swinging):
     row = tracking.error["q.shoulder"]
     assert row.largest == pytest.approx(0.05, rel=1e-6) and row.time == 0.0
     assert row.final < 0.005
+    assert str(tracking).startswith("With feedback: q.shoulder by 0.05 rad from the plan at t = 0 s in phase ")
     assert tracking.feedback["shoulder"].value == pytest.approx(400 * 0.05, rel=1e-6)
 
 
