@@ -140,10 +140,14 @@ def build(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, p
         By key.
     """
     with ExitStack() as stack:
-        pool = stack.enter_context(ThreadPoolExecutor(processes))
+        place = stack.enter_context(cache.workplace())
+        pool = ThreadPoolExecutor(processes)
+        # After an error, or Ctrl-C, what has not begun does not begin.
+        stack.callback(pool.shutdown, wait=True, cancel_futures=True)
         waiting = []
         for key, function in functions.items():
-            folder = stack.enter_context(cache.workplace())
+            folder = place / key
+            folder.mkdir()
             waiting.append((key, compiler.start(write_source(function, points_at_once()), folder, pool)))
         for key, finish in waiting:
             cache.store(key, finish())

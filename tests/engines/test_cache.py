@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -171,6 +172,19 @@ def test_a_compiler_that_fails_is_quoted(engine: rt.Compiled, tmp_path: Path) ->
     broken = rt.Compiled(least=1, compiler=str(fake), cache=engine.cache)
     with pytest.raises(CompilationFailed, match=r"code 3; engine=rt.VirtualMachine\(\).*\nno space left"):
         broken.prepare(WANTED)
+    assert not [path for path in Path(str(engine.cache)).iterdir() if path.is_dir()]
+
+
+def test_after_a_failure_nothing_more_is_compiled(engine: rt.Compiled, tmp_path: Path) -> None:
+    fake, log = tmp_path / "fake", tmp_path / "log"
+    fake.write_text(f'#!/bin/sh\n[ "$1" = -v ] && exit 0\necho x >> {log}\nsleep 0.2\nexit 3\n')
+    fake.chmod(0o755)
+    x = ca.SX.sym("x", 3)
+    wanted = [Mapped(ca.Function(f"f{i}", [x], [i * x]), 8) for i in range(1, 30)]
+    broken = rt.Compiled(least=1, compiler=str(fake), cache=engine.cache, jobs=1)
+    with pytest.raises(CompilationFailed):
+        broken.prepare(wanted)
+    assert len(log.read_text().split()) < 10  # of 58 files
     assert not [path for path in Path(str(engine.cache)).iterdir() if path.is_dir()]
 
 
