@@ -60,7 +60,7 @@ def periodic(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
 
 
 def foot_of(walk: Walk, frame: str) -> rt.Contact:
-    """The contact of a foot."""
+    """Give the contact of a foot."""
     if walk.sole is None:
         return rt.PointContact(frame, friction=walk.friction)
     return rt.FlatFoot(frame, *walk.sole, friction=walk.friction)

@@ -10,7 +10,7 @@ from walks import WALKS
 
 NAMES = {
     "crocoddyl": "Crocoddyl 3.2.1", "robotraj": "robotraj", "robotraj compiled": "robotraj, `engine=rt.Compiled()`",
-    "robotraj periodic": "robotraj, one step that repeats (compiled)",
+    "robotraj periodic": "robotraj, one step that repeats",
 }  # fmt: skip
 
 
@@ -23,7 +23,7 @@ def _percent(value: float) -> str:
 
 
 def _metres(value: float) -> str:
-    return f"{1e3 * value:.2g} mm"
+    return f"{1e3 * value:.2g} mm" if value > 1e-9 else "0"
 
 
 def _excess(unit: str) -> Callable[[float], str]:
@@ -49,6 +49,8 @@ ROWS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("centre of pressure outside Crocoddyl's smaller sole", "box", _metres),
     ("slip", "slip", _metres),
     ("sink", "sink", _metres),
+    ("stands above or below the ground", "off ground", _metres),
+    ("swings below the ground", "lowest swing", lambda value: _metres(max(0.0, -value))),
     ("footholds missed by", "step missed by", _metres),
     ("swing reaches", "apex", _metres),
     ("root equations between knots, of weight", "equations root", _percent),

@@ -31,7 +31,7 @@ TOOLS: dict[str, tuple[str, str | None, tuple[str, ...]]] = {
     "crocoddyl": ("plan_crocoddyl.py", "crocoddyl", ()),
     "robotraj": ("plan_robotraj.py", None, ("rest", "machine")),
     "robotraj compiled": ("plan_robotraj.py", None, ("rest", "compiled")),
-    "robotraj periodic": ("plan_robotraj.py", None, ("periodic", "compiled")),
+    "robotraj periodic": ("plan_robotraj.py", None, ("periodic", "machine")),
 }
 CANNOT = {("L1", "robotraj periodic"): "rt.gait has no walk for four feet"}
 LIMIT = 900.0
