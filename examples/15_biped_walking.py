@@ -1,0 +1,40 @@
+"""Bolt, a biped on two points, and the legs of Talos on flat feet walk in space, from the built-in guess.
+
+One step is planned and closed on its own mirror image. Bolt never stands still: every step falls into the next one.
+"""
+
+from functools import partial
+
+import casadi as ca
+import numpy as np
+
+import robotraj as rt
+
+# Bolt's URDF says 10 rad, 1000 rad/s and 1000 N m; its motors give 2.7 N m. Those of Talos's URDF hold as they are.
+bolt = rt.load("bolt", root="floating", limits={"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7})
+talos = rt.load("talos_legs", root="floating")
+point = partial(rt.PointContact, friction=0.6)
+sole = partial(rt.FlatFoot, length=0.2, width=0.12, friction=0.6)
+small = {"feet": ("FL_FOOT", "FR_FOOT"), "contact": point}
+large = {"feet": ("left_sole_link", "right_sole_link"), "contact": sole}
+fast = {"step_length": 0.06, "duration": 0.2, "clearance": 0.03}
+slow = {"step_length": 0.2, "duration": 0.8, "clearance": 0.04, "double_support": 0.2}
+
+for robot, on, pace, calm, mesh in (
+    (bolt, small, fast, 1e-5, rt.Mesh(6, rt.LobattoIIIA(4))),
+    (talos, large, slow, 0.3, [rt.Mesh(n, rt.LobattoIIIA(4)) for n in (5, 7)]),
+):
+    # Torques, distance from the standing posture, and a little of the joints' accelerations: swings get smooth.
+    cost = rt.gait.gait_objective(robot, rt.gait.stand(robot, **on)) + calm * rt.Lagrange(lambda p: ca.sumsqr(p.a[6:]))
+    solution = rt.plan(rt.gait.walk(robot, **on, **pace, objective=cost), mesh=mesh)
+    times = np.linspace(0, solution.duration, 2001)
+    sample = solution.at(times)
+    work = np.trapezoid(np.maximum(sample.tau * sample.v[:, 6:], 0).sum(axis=1), times)
+    weight = 9.81 * sum(inertia.mass for inertia in robot.model.inertias)
+    print(solution)
+    print(f"cost of transport {work / (weight * pace['step_length']):.3f}: positive work by weight and distance")
+    print(report := rt.validate(solution))
+    report.check(drift=1e-2, phase_drift=1e-2, contact=1e-4)
+    print(opinion := rt.second_opinion(solution, periods=6))
+    assert opinion.completed and opinion.upright
+    print("wrote", rt.replay(solution, f"15_{robot.name}_walking.html", periods=6))
