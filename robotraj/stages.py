@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
-from robotraj.contacts import ImplicitContact
 from robotraj.engines import Engine
 from robotraj.errors import InputError, unknown_name
 from robotraj.guess import Guess
@@ -93,6 +92,8 @@ def tightening(problem: Problem | Phase, relaxations: Sequence[float]) -> list[S
     InputError
         There is no implicit contact, or the relaxations do not descend.
     """
+    from robotraj.contacts import ImplicitContact
+
     phases = (problem,) if isinstance(problem, Phase) else problem.phases
     if not any(isinstance(contact, ImplicitContact) for phase in phases for contact in phase.contacts):
         raise InputError("rt.tightening is for phases with contacts=[rt.ImplicitContact(...)]; there is none.")

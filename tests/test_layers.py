@@ -10,7 +10,7 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "robotraj"
 
 LAYERS: dict[int, tuple[str, ...]] = {
-    0: ("chart", "errors", "robot", "loading", "symbolic", "polynomials", "tangent", "terrain"),
+    0: ("chart", "errors", "lazily", "robot", "loading", "symbolic", "polynomials", "tangent", "terrain"),
     1: ("contacts", "design", "dynamics", "trajectory"),
     2: ("constraints", "objectives"),
     3: ("state", "links", "feasibility", "printing", "problem", "unrolled"),

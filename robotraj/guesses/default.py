@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from robotraj.guess import Guess, StraightLine
-from robotraj.guesses.inverted_pendulum import InvertedPendulum
 
 if TYPE_CHECKING:
     from robotraj.problem import Problem
@@ -17,5 +16,7 @@ def default_guess(problem: Problem) -> Guess:
     robot = problem.phases[0].robot
     footed = any(contact.anchors for phase in problem.phases for contact in phase.bound_contacts)
     if len(robots) == 1 and robot is not None and robot.root != "fixed" and footed:
+        from robotraj.guesses.inverted_pendulum import InvertedPendulum
+
         return InvertedPendulum()
     return StraightLine()

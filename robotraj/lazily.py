@@ -1,0 +1,50 @@
+"""Packages whose names are imported when they are first asked for (PEP 562)."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+
+def lazily(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
+    """Make ``__getattr__``, ``__dir__`` and ``__all__`` of a package from its stub.
+
+    The stub, ``__init__.pyi`` beside ``__init__.py``, lists every name once, for people, type checkers and this
+    function: a plan does not wait for the contacts, the replay or the simulation that it does not use.
+
+    Parameters
+    ----------
+    package : str
+        Its ``__name__``.
+    """
+    module = sys.modules[package]
+    stub = Path(str(module.__file__)).with_suffix(".pyi")
+    homes = {
+        alias.name: str(node.module)
+        for node in ast.parse(stub.read_bytes()).body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+
+    def find(name: str) -> Any:
+        if name in homes:
+            value = getattr(importlib.import_module(homes[name]), name)
+            setattr(module, name, value)
+            return value
+        path = f"{package}.{name}"
+        if not name.startswith("_"):
+            try:
+                return importlib.import_module(path)
+            except ModuleNotFoundError as error:
+                if error.name != path:
+                    raise
+        raise AttributeError(f"module {package!r} has no attribute {name!r}", name=name, obj=module)
+
+    def names() -> list[str]:
+        return sorted({*vars(module), *homes})
+
+    return find, names, sorted(homes)
