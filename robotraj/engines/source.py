@@ -34,6 +34,11 @@ _TYPES = """
 #define POINTS {points}
 typedef double V __attribute__((vector_size({bytes})));
 """
+# Without it, what comes after with older instructions (BLAS, the solver) runs slower; gcc adds it only from -O2 on.
+_LEAVE = """#ifdef __AVX__
+  __builtin_ia32_vzeroupper();
+#endif
+"""
 _PER_FILE = 6000
 """Lines in one file: starting a compiler is then short against what it does."""
 
@@ -218,7 +223,7 @@ def _entry(function: ca.Function, points: int, parts: int, slots: int) -> str:
 #define EXPORT __attribute__((visibility("default")))
 EXPORT int {name}(const double** arg, double** res, casadi_int* iw, double* work, int mem) {{
   V* w = (V*)(((uintptr_t)work + sizeof(V) - 1) / sizeof(V) * sizeof(V));
-{placed}{read}{calls}{written}  return 0;
+{placed}{read}{calls}{written}{_LEAVE}  return 0;
 }}
 {shapes}{asked}EXPORT int {name}_work(casadi_int* arg, casadi_int* res, casadi_int* iw, casadi_int* w) {{
   if (arg) *arg = {len(ins)};
