@@ -14,10 +14,10 @@ import robotraj as rt
 GRAVITY = 9.81
 
 
-def objective(robot: rt.Robot, contact: object) -> rt.Objective:
+def objective(robot: rt.Robot, contact: object, calm: float = 1e-5) -> rt.Objective:
     """Give what a gait minimises by default, and a little of the joints' accelerations."""
     posture = rt.gait.gait_objective(robot, rt.gait.stand(robot, contact=contact))  # type: ignore[arg-type]
-    return posture + 1e-5 * rt.Lagrange(lambda point: ca.sumsqr(point.a[6:]))
+    return posture + calm * rt.Lagrange(lambda point: ca.sumsqr(point.a[6:]))
 
 
 def assert_it_is_proved(solution: rt.Solution) -> None:
