@@ -21,7 +21,10 @@ def small(problem: rt.Problem, meshes: object) -> rt.Nlp:
 
 
 def assert_derivatives(nlp: rt.Nlp) -> None:
-    """Gradient, Jacobian and Hessian along random directions agree with central differences to 1e-6."""
+    """Gradient, Jacobian and Hessian along random directions agree with differences of fourth order to 1e-6.
+
+    Differences of second order err by more than that on the short ramps of stairs.
+    """
     random = np.random.default_rng(7)
     lower, upper = (
         np.clip(side, nlp.guess - 0.3 * nlp.scale, nlp.guess + 0.3 * nlp.scale)
@@ -32,7 +35,8 @@ def assert_derivatives(nlp: rt.Nlp) -> None:
     step = 1e-5
 
     def slope(function: object, direction: np.ndarray) -> np.ndarray:
-        return (function(w + step * direction) - function(w - step * direction)) / (2 * step)  # type: ignore[operator]
+        near, far = (function(w + k * direction) - function(w - k * direction) for k in (step, 2 * step))  # type: ignore[operator]
+        return (8 * near - far) / (12 * step)
 
     for _ in range(4):
         direction = random.normal(size=len(w)) * nlp.scale
