@@ -1,0 +1,62 @@
+"""Rows between collocation points, added to an NLP that has none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.transcription.extract import extract
+from robotraj.transcription.guarded import guarded
+from robotraj.transcription.guards import Guard, guardable
+
+
+def tip(point: Any) -> Any:
+    return [point.q[0] ** 2 + point.q[1]]
+
+
+@pytest.fixture(scope="module")
+def nlp() -> rt.Nlp:
+    phase = rt.Phase(
+        rt.load("cartpole"),
+        duration=(1.0, 3.0),
+        start=rt.State(q=[0, 0], v=0),
+        end=rt.State(q=[1, np.pi], v=0),
+        objective=rt.Effort(),
+        constraints=[rt.PathConstraint(tip, upper=5.0, name="tip")],
+    )
+    return rt.transcribe(rt.Problem([phase]), rt.Mesh(4), rt.StraightLine(2.0))
+
+
+def test_rows_and_states_between_points_come_last_and_read_the_polynomial(nlp: rt.Nlp) -> None:
+    w = nlp.guess + 0.1 * np.random.default_rng(0).normal(size=len(nlp.guess))
+    known = guardable(nlp.problem.phases[0])
+    (variable,) = ((c, r) for c, r, _, row in known if row.variable == "q.slider")
+    (path,) = ((c, r) for c, r, _, row in known if row.variable is None)
+    more = guarded(nlp, [Guard(0, 2, *variable, 0.3), Guard(0, 1, *path, 0.7)], w)
+
+    x = extract(nlp, w)[0].x
+    first, second = (x.breaks[k] + tau * (x.breaks[k + 1] - x.breaks[k]) for k, tau in ((2, 0.3), (1, 0.7)))
+    n, m = len(nlp.variables), len(nlp.rows)
+    assert len(more.variables) == n + 4
+    assert more.guess[:n] == pytest.approx(w)
+    assert more.guess[n:] == pytest.approx(x(second))
+    values = more.values(more.guess)
+    assert values[:m] == pytest.approx(nlp.values(w))
+    q = x(second)
+    assert values[m:] == pytest.approx([x(first)[0], 0, 0, 0, 0, q[0] ** 2 + q[1]], abs=1e-9)
+    assert more.objective(more.guess) == pytest.approx(nlp.objective(w))
+    assert np.array_equal(more.row_scale[:m], nlp.row_scale)
+    assert np.array_equal(more.scale[n:], more.scale[nlp.layouts[0].knots[0]])
+
+
+def test_derivatives_with_guards_are_those_of_finite_differences(nlp: rt.Nlp) -> None:
+    (path,) = ((c, r) for c, r, _, row in guardable(nlp.problem.phases[0]) if row.variable is None)
+    more = guarded(nlp, [Guard(0, 1, *path, 0.7)], nlp.guess)
+    w = more.guess + 0.1 * np.random.default_rng(1).normal(size=len(more.guess))
+    along = np.random.default_rng(2).normal(size=len(w))
+    step = 1e-6
+    slope = (more.values(w + step * along) - more.values(w - step * along)) / (2 * step)
+    assert more.jacobian(w) @ along == pytest.approx(slope, rel=1e-5, abs=1e-5)
