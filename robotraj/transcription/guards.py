@@ -120,20 +120,26 @@ def _values(
     phase: Phase, rows: list[tuple[int, int, BoundConstraint, Row]], t: np.ndarray, x: np.ndarray, p: np.ndarray
 ) -> np.ndarray:
     names = [s.name for s in phase.dae.states]
+    values = np.empty((len(t), len(rows)))
+    for i, (*_, row) in enumerate(rows):
+        if row.variable is not None:
+            values[:, i] = x[:, names.index(row.variable)]
+    path = [i for i, (*_, row) in enumerate(rows) if row.variable is None]
+    if not path:
+        return values
     time, state, parameters = ca.SX.sym("t"), ca.SX.sym("x", len(names)), ca.SX.sym("p", len(p))
     z, u = ca.SX.sym("z", len(phase.dae.algebraic)), ca.SX.sym("u", len(phase.dae.controls))
     point = phase.dae.point(time, state, z, u, parameters, phase.parameter_names)
     computed: dict[int, list[ca.SX]] = {}
-    entries = []
-    for c, r, constraint, row in rows:
-        if row.variable is not None:
-            entries.append(state[names.index(row.variable)])
-            continue
+    for i in path:
+        c, _, constraint, _ = rows[i]
         if c not in computed:
             computed[c] = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
-        entries.append(computed[c][r])
-    function = ca.Function("rows", [time, state, parameters], [ca.densify(ca.vertcat(*entries))])
-    return np.array(function.map(len(t))(t[None, :], x.T, np.tile(p[:, None], len(t)))).reshape(len(rows), len(t)).T
+    entries = ca.vertcat(*(computed[rows[i][0]][rows[i][1]] for i in path))
+    function = ca.Function("rows", [time, state, parameters], [ca.densify(entries)])
+    evaluated = function.map(len(t))(t[None, :], x.T, np.tile(p[:, None], len(t)))
+    values[:, path] = np.array(evaluated).reshape(len(path), len(t)).T
+    return values
 
 
 def add_guards(
