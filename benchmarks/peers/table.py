@@ -118,8 +118,8 @@ def short(record: Mapping[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def between_markers(path: Path, text: str) -> None:
-    """Replace what stands between a file's peers markers."""
-    begin, end = "<!-- peers:begin -->", "<!-- peers:end -->"
+def between_markers(path: Path, text: str, name: str = "peers") -> None:
+    """Replace what stands between a file's markers of that name."""
+    begin, end = f"<!-- {name}:begin -->", f"<!-- {name}:end -->"
     before, rest = path.read_text().split(begin)
     path.write_text(f"{before}{begin}\n{text}{end}{rest.split(end)[1]}")

@@ -23,7 +23,7 @@ def _percent(value: float) -> str:
 
 
 def _metres(value: float) -> str:
-    return f"{1e3 * value:.2g} mm" if value > 1e-9 else "0"
+    return f"{1e3 * value:.3g} mm" if value > 1e-9 else "0"
 
 
 def _excess(unit: str) -> Callable[[float], str]:
@@ -63,6 +63,41 @@ ROWS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("cost of transport", "transport", _number),
     ("ends at [m/s, rad/s]", "end speed", _number),
 )
+
+
+SHORT = (
+    ("solve [s]", "worked", _number),
+    ("process [s]", "total worked", _number),
+    ("iterations", "iterations", lambda value: f"{value:.0f}"),
+    ("cones", "cone", _percent),
+    ("slip", "slip", _metres),
+    ("sink", "sink", _metres),
+    ("off the ground", "off ground", _metres),
+    ("footholds missed by", "step missed by", _metres),
+    ("equations broken by", "equations root", _percent),
+    ("phase simulated, error", "drift", _number),
+)
+
+
+INTRO = (
+    "Walks beside Crocoddyl's own examples (`python benchmarks/peers/legs/run.py`): processor seconds; cones broken by a "
+    "share of the weight; how far standing feet move and are off the ground; footholds; equations of the root between the "
+    "knots, of the weight; error [rad, m] of a phase simulated open loop. robotraj's limits, cones and heights are hard "
+    "rows, Crocoddyl's are penalties. More in [RESULTS.md](benchmarks/peers/RESULTS.md). "
+)
+
+
+def short(record: Mapping[str, Any]) -> str:
+    """Give a line for each plan; processor seconds."""
+    lines = [f"{INTRO}{record['date']}, medians of at most {record['repeats']}.", ""]
+    lines += ["| | " + " | ".join(title for title, *_ in SHORT) + " |", "|---" * (len(SHORT) + 1) + "|"]
+    for walk, tools in record["results"].items():
+        for tool, runs in tools.items():
+            good = [run for run in runs if "failed" not in run]
+            if good:
+                cells = [written(statistics.median(run[key] for run in good)) for _, key, written in SHORT]
+                lines.append(f"| {WALKS[walk].title}, {NAMES[tool]} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
 
 
 def full(record: Mapping[str, Any]) -> str:

@@ -1,6 +1,6 @@
 """Walks by Crocoddyl's own examples and by robotraj, interleaved, each in a fresh process, judged alike.
 
-python benchmarks/peers/legs/run.py [--walks L1 L2 L3] [--repeats 5] [--out legs.json]
+python benchmarks/peers/legs/run.py [--walks L1 L2 L3] [--repeats 5] [--out legs.json] [--readme README.md]
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ import numpy as np  # noqa: E402
 from environments import python_of  # noqa: E402
 from judge import judge  # noqa: E402
 from models import robot_of  # noqa: E402
-from report import full  # noqa: E402
+from report import full, short  # noqa: E402
+from table import between_markers  # noqa: E402
 from walks import WALKS  # noqa: E402
 
 # Tool: (script, environment, words after the walk and the file).
@@ -36,7 +37,7 @@ TOOLS: dict[str, tuple[str, str | None, tuple[str, ...]]] = {
 CANNOT = {("L1", "robotraj periodic"): "rt.gait has no walk for four feet"}
 LIMIT = 900.0
 """Seconds after which a process is stopped."""
-ONCE = 60.0
+ONCE = 100.0
 """What takes longer [s] is run once only."""
 
 
@@ -70,10 +71,12 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--cache", type=Path, default=Path.home() / ".cache" / "robotraj-peers")
     parser.add_argument("--out", type=Path, default=Path("legs.json"))
+    parser.add_argument("--readme", type=Path, help="write the short table between this file's walks markers")
     asked = parser.parse_args()
     pythons = {tool: python_of(TOOLS[tool][1], asked.cache.resolve()) for tool in asked.tools}
     subprocess.run([sys.executable, "-m", "compileall", "-q", str(HERE.parents[2] / "robotraj"), str(HERE)], check=True)
     results: dict[str, dict[str, list[dict[str, Any]]]] = {}
+    record: dict[str, Any] = {"date": datetime.date.today().isoformat(), "repeats": asked.repeats, "results": results}
     for walk in asked.walks:
         runs = results[walk] = {tool: [] for tool in asked.tools}
         for tool in asked.tools:
@@ -86,9 +89,10 @@ def main() -> None:
                 runs[tool].append(run_once(walk, tool, python))
                 shown = {k: round(v, 6) if isinstance(v, float) else v for k, v in runs[tool][-1].items()}
                 print(walk, tool, shown, flush=True)
-                record = {"date": datetime.date.today().isoformat(), "repeats": asked.repeats, "results": results}
                 asked.out.write_text(json.dumps(record, indent=1))
                 asked.out.with_suffix(".md").write_text(full(record))
+    if asked.readme is not None:
+        between_markers(asked.readme, short(record), "walks")
 
 
 if __name__ == "__main__":
