@@ -80,10 +80,10 @@ SHORT = (
 
 
 INTRO = (
-    "Walks beside Crocoddyl's own examples (`python benchmarks/peers/legs/run.py`): processor seconds; cones broken by a "
-    "share of the weight; how far standing feet move and are off the ground; footholds; equations of the root between the "
-    "knots, of the weight; error [rad, m] of a phase simulated open loop. robotraj's limits, cones and heights are hard "
-    "rows, Crocoddyl's are penalties. More in [RESULTS.md](benchmarks/peers/RESULTS.md). "
+    "Walks beside Crocoddyl's own examples (`python benchmarks/peers/legs/run.py`): processor seconds; cones broken by "
+    "a share of the weight; how far standing feet move and are off the ground; footholds; equations of the root "
+    "between the knots, of the weight; error [rad, m] of a phase simulated open loop. robotraj's limits, cones and "
+    "heights are hard rows, Crocoddyl's are penalties. More in [RESULTS.md](benchmarks/peers/RESULTS.md). "
 )
 
 
