@@ -18,7 +18,7 @@ calm = 1e-5 * rt.Lagrange(lambda point: ca.sumsqr(point.a[6:]))
 trot = rt.gait.trot(robot, step_length=0.06, duration=0.2, clearance=0.04, contact=foot, objective=posture + calm)
 # Feet that push and land never quite without load: a force of zero is the tip of the cone.
 loaded = partial(foot, cone=rt.Linearised(4), normal_force=(0.5, 40.0))
-jump = rt.gait.jump(robot, length=0.1, height=0.08, push=0.25, land=0.25, contact=loaded, objective=posture + 5 * calm)
+jump = rt.gait.jump(robot, length=0.1, height=0.08, push=0.25, land=0.25, contact=loaded, objective=posture + 10 * calm)
 meshes = rt.Mesh(5, rt.LobattoIIIA(4)), [rt.Mesh(n, rt.HermiteSimpson()) for n in (14, 8, 12)]
 
 weight = 9.81 * sum(inertia.mass for inertia in robot.model.inertias)

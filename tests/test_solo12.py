@@ -41,7 +41,7 @@ def trot() -> rt.Solution:
 def jump() -> rt.Solution:
     robot = solo()
     foot = partial(rt.PointContact, friction=FRICTION, cone=rt.Linearised(4), normal_force=(0.5, 40.0))
-    posture = objective(robot, foot, calm=5e-5)
+    posture = objective(robot, foot, calm=1e-4)
     leap = rt.gait.jump(robot, length=0.1, height=0.08, push=0.25, land=0.25, contact=foot, objective=posture)
     return rt.plan(leap, mesh=[rt.Mesh(n, rt.HermiteSimpson()) for n in (14, 8, 12)])
 
