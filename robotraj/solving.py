@@ -17,7 +17,7 @@ from robotraj.indirect.duals import LateDuals
 from robotraj.indirect.transfer import transfer
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
-from robotraj.schemes import Mesh
+from robotraj.schemes import Mesh, MovingMesh
 from robotraj.solution import Solution
 from robotraj.solvers import Multipliers, Progress, Solver
 from robotraj.solvers.base import Outcome
@@ -59,6 +59,7 @@ def solve(
         nlp = guarded(nlp, guards, nlp.guess)
     solution, w = _solve(nlp, guess, solver, progress, bool(guards), began)
     bulges = _bulges(solution, between)
+    moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
     for _ in range(GUARD_ROUNDS):
         held, rows_held = set(guards), {_row_of(guard) for guard in guards}
         wanted = (guard for bulge in bulges for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
@@ -66,7 +67,12 @@ def solve(
         if not new or not solution.success:
             break
         began = time.perf_counter()
-        nlp = guarded(nlp, new, w)
+        if moving:
+            # Knots start again from where the mesh has them: moved ones hold on to the arcs they came to stand on.
+            nlp = transcribe(problem, mesh, as_guess(solution), engine)
+            nlp = guarded(nlp, [*guards, *new], nlp.guess)
+        else:
+            nlp = guarded(nlp, new, w)
         again, w = _solve(nlp, solution, solver, progress, True, began)
         guards += new
         total = {key: again.times[key] + solution.times[key] for key in again.times}
