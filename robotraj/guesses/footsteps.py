@@ -110,20 +110,15 @@ class Footsteps:
 
     @cached_property
     def _shift(self) -> dict[str, float]:
-        """How far footholds that a phase fixes or bounds are from those found: the whole walk moves there.
-
-        A foothold found outside a range, or within a tenth of its edge, is taken to its middle.
-        """
+        """How far footholds that a phase fixes are from those found: the whole walk moves there."""
         gaps: dict[str, list[float]] = {axis: [] for axis in self._plane}
         for i, phase in enumerate(self.problem.phases):
             t = 0.5 * (self.schedule.times[i] + self.schedule.times[i + 1])
             bounds = phase.parameter_bounds
             for name, low, high in zip(phase.parameter_names, bounds.lower, bounds.upper, strict=True):
                 foot, _, axis = name.rpartition(".")
-                if foot in self.swings and axis in gaps and np.isfinite(low) and np.isfinite(high):
-                    found, edge = self.swings[foot].at(t)[name], 0.1 * (high - low)
-                    if low == high or not low + edge <= found <= high - edge:
-                        gaps[axis].append(0.5 * float(low + high) - found)
+                if foot in self.swings and axis in gaps and np.isfinite(low) and low == high:
+                    gaps[axis].append(float(low) - self.swings[foot].at(t)[name])
         return {axis: float(np.mean(values)) if values else 0.0 for axis, values in gaps.items()}
 
     def feet(self, t: float) -> tuple[dict[str, float], dict[str, float]]:
