@@ -27,9 +27,8 @@ for robot, on, pace, calm, mesh in (
     # Torques, distance from the standing posture, and a little of the joints' accelerations: swings get smooth.
     cost = rt.gait.gait_objective(robot, rt.gait.stand(robot, **on)) + calm * rt.Lagrange(lambda p: ca.sumsqr(p.a[6:]))
     solution = rt.plan(rt.gait.walk(robot, **on, **pace, objective=cost), mesh=mesh)
-    times = np.linspace(0, solution.duration, 2001)
-    sample = solution.at(times)
-    work = np.trapezoid(np.maximum(sample.tau * sample.v[:, 6:], 0).sum(axis=1), times)
+    sample = solution.at(np.linspace(0, solution.duration, 2001))
+    work = np.trapezoid(np.maximum(sample.tau * sample.v[:, 6:], 0).sum(axis=1), sample.t)
     weight = 9.81 * sum(inertia.mass for inertia in robot.model.inertias)
     print(solution)
     print(f"cost of transport {work / (weight * pace['step_length']):.3f}: positive work by weight and distance")
