@@ -1,6 +1,6 @@
 """Kelly's five-link biped: one periodic step from its URDF, with a planar root, a contact, an impact and a mirror.
 
-Values: ../shared/cases.yaml's biped5_kelly2017 (Kelly, SIAM Review 59, 2017, section 8; recomputed independently).
+Values: Kelly, SIAM Review 59 (2017), section 8 and appendix E, and per mesh as recomputed independently of robotraj.
 """
 
 from __future__ import annotations

@@ -66,10 +66,10 @@ def _settled(phase: Phase, bounds: Bounds, anchored: Mask | None = None) -> Mask
     free = bounds.lower < bounds.upper
     moving = (states & free).any(axis=1)
     # J(q) v says nothing where v is zero, whatever q is.
-    resting = np.array([s.quantity == "velocity" for s in phase.dae.states]) & ~free & (bounds.lower == 0.0)
     rates = np.array([row.quantity == "contact velocity" for row in phase.dae.invariants])
     speeds = np.array([s.quantity == "velocity" for s in phase.dae.states])
-    moving &= ~(rates & ~(states & speeds & ~resting).any(axis=1))
+    resting = ~free & (bounds.lower == 0.0)
+    moving &= ~rates | (states & speeds & ~resting).any(axis=1)
     known = phase.parameter_bounds
     unknown = (parameters & (known.lower < known.upper)).any(axis=1)
     settled = np.asarray(~unknown) if anchored is None else ~unknown | anchored
