@@ -1,0 +1,20 @@
+"""Point functions evaluated in C++ at many points, and the stagewise program that fatrop solves over them.
+
+Everything here works on numbers: sparse combinations prepared elsewhere, and functions handed over as casadi's
+serialised text or as Pinocchio's.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from robotraj.native.build import load_native
+
+if TYPE_CHECKING:
+    from robotraj.native._native import CasadiBlock, Csr, Outcome, PointBlock, Program, Term
+else:
+    _native = load_native()
+    CasadiBlock, PointBlock, Csr = _native.CasadiBlock, _native.PointBlock, _native.Csr
+    Outcome, Program, Term = _native.Outcome, _native.Program, _native.Term
+
+__all__ = ["CasadiBlock", "Csr", "Outcome", "PointBlock", "Program", "Term"]

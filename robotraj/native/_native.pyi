@@ -1,0 +1,486 @@
+"""The compiled module. Arrays of many points are flat, point after point: element i of point e stands at e n + i."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+PINOCCHIO_VERSION: str
+CASADI_VERSION: str
+
+class PointBlock:
+    """A function y = f(v, c) at ``count`` points, with its derivatives in v.
+
+    Attributes
+    ----------
+    count, inputs, constants, outputs : int
+        E, n_v, n_c, n_y.
+    jacobian_nonzeros, hessian_nonzeros : int
+        Numbers a point of dy/dv, and of one triangle of d^2(m' y)/dv^2.
+    costed : int
+        The output that carries cost, -1 if none does.
+    """
+
+    @property
+    def count(self) -> int: ...
+    @property
+    def inputs(self) -> int: ...
+    @property
+    def constants(self) -> int: ...
+    @property
+    def outputs(self) -> int: ...
+    @property
+    def jacobian_nonzeros(self) -> int: ...
+    @property
+    def hessian_nonzeros(self) -> int: ...
+    @property
+    def costed(self) -> int: ...
+    def values(self, v: Array, c: Array, threads: int = 1) -> Array: ...
+    def jacobian(self, v: Array, c: Array, threads: int = 1) -> Array: ...
+    def cost(self, v: Array, c: Array, threads: int = 1) -> Array: ...
+    def gradient(self, v: Array, c: Array, threads: int = 1) -> Array: ...
+    def hessian(self, v: Array, c: Array, m: Array, threads: int = 1) -> Array: ...
+
+def processors() -> list[str]:
+    """Kinds of processor whose vectors tapes and inverse dynamics can use here, the fastest first."""
+
+class NotATape(ValueError):
+    """A function is no scalar graph of one dense result, or has calls of other functions in it."""
+
+class RigidTree:
+    """A robot's joints and bodies.
+
+    Parameters
+    ----------
+    model : bytes
+        Pinocchio's text.
+
+    Attributes
+    ----------
+    positions, rates : int
+        nq and nv.
+
+    Raises
+    ------
+    ValueError
+        A joint neither turns about an axis nor slides along one, and is no free-flyer at the root.
+    """
+
+    def __init__(self, model: bytes) -> None: ...
+    @property
+    def positions(self) -> int: ...
+    @property
+    def rates(self) -> int: ...
+    def jacobian_pattern(self) -> tuple[Indices, Indices]:
+        """Rows (of tau) and columns (of x = (q, w, a)) of the numbers of d tau/dx."""
+    def hessian_pattern(self) -> tuple[Indices, Indices]:
+        """Rows and columns (of x) of the numbers of d^2 (l' tau)/dx^2, one of (i, j) and (j, i)."""
+
+class Torques:
+    """Inverse dynamics tau = RNEA(q, w, a), x = (q, w, a).
+
+    Parameters
+    ----------
+    robot : RigidTree
+    places : ndarray of int
+        Where in v every entry of x stands, -1 where it is zero. Or else
+    arguments, curvature : bytes
+        Tapes (v, c) -> x, then the nonzeros of dx/dv, and (v, c, g) -> nonzeros of sum_i g_i d^2 x_i/dv^2.
+    """
+
+    @overload
+    def __init__(self, robot: RigidTree, places: Indices) -> None: ...
+    @overload
+    def __init__(self, robot: RigidTree, arguments: bytes, curvature: bytes) -> None: ...
+
+class Recipe:
+    """How one result of a point is computed, in a buffer of parts, each there where the recipe or the torques have it.
+
+    1 | tape | d tau/dx | d^2 (l' tau)/dx^2 | (x, dx/dv) | sum_i g_i d^2 x_i/dv^2 | made,    g = (d tau/dx)' l
+
+    Parameters
+    ----------
+    tape : bytes
+        ``Function.serialize()`` as latin-1, of SX with one dense result: (v, c), then tau where the block has torques,
+        then m where it is the Hessian's.
+    jacobian, hessian : bool
+        Whether the buffer has these parts. Of the Hessian, l is what the tape gives first.
+    made : int
+        Length of the last part, which the products fill: buffer[out] += buffer[left] * buffer[right], in order.
+    result, results : int
+        The piece of the buffer that is the result.
+
+    Raises
+    ------
+    NotATape
+    """
+
+    def __init__(
+        self,
+        tape: bytes,
+        jacobian: bool,
+        hessian: bool,
+        made: int,
+        result: int,
+        results: int,
+        out: Indices,
+        left: Indices,
+        right: Indices,
+    ) -> None: ...
+
+class TapeBlock(PointBlock):
+    """A block of tapes, and a robot's inverse dynamics where it has any.
+
+    Parameters
+    ----------
+    processor : str
+        One of ``processors()``; the fastest by default.
+
+    Raises
+    ------
+    ValueError
+        Sizes or places that do not fit each other.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        inputs: int,
+        constants: int,
+        values: Recipe,
+        jacobian: Recipe,
+        hessian: Recipe,
+        cost: Recipe | None = None,
+        gradient: Recipe | None = None,
+        costed: int = -1,
+        torques: Torques | None = None,
+        processor: str = "",
+    ) -> None: ...
+
+class CasadiBlock(PointBlock):
+    """A block over CasADi functions.
+
+    Parameters
+    ----------
+    count, inputs, constants, outputs : int
+        E, n_v, n_c, n_y.
+    functions : mapping of str to (bytes, int)
+        ``Function.serialize()`` as latin-1, and the points L that a call takes, under "values", "jacobian", "cost",
+        "gradient" and "hessian": (v (n_v, L), c (n_c, L)) -> (n, L), the last one with m (n_y, L) as well.
+    jacobian, hessian : int
+        Nonzeros a point; 0 where there is no such function.
+    costed : int
+        The output that carries cost, -1 if none does.
+
+    Raises
+    ------
+    ValueError
+        Where a function is missing or has another shape.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        inputs: int,
+        constants: int,
+        outputs: int,
+        functions: Mapping[str, tuple[bytes, int]],
+        jacobian: int = 0,
+        hessian: int = 0,
+        costed: int = -1,
+    ) -> None: ...
+
+class Csr:
+    """A sparse matrix in compressed rows, never changed; ``starts`` and ``indices`` of 32 or 64 bits.
+
+    ``summed`` adds up entries (row[i], column[i]); it and products have ascending columns in every row. ``pruned``
+    leaves out entries that are exactly zero. ``resolved`` gives X of X = E + C X, the square matrix being C and row i
+    of E the unit vector ``variable[i]``, or zero where that is negative.
+    """
+
+    def __init__(self, rows: int, columns: int, starts: Indices, indices: Indices, data: Array) -> None: ...
+    @staticmethod
+    def summed(rows: int, columns: int, row: Indices, column: Indices, data: Array) -> Csr: ...
+    @overload
+    def __matmul__(self, x: Array) -> Array: ...
+    @overload
+    def __matmul__(self, other: Csr) -> Csr: ...
+    def resolved(self, variable: Indices, columns: int) -> Csr: ...
+    def pruned(self) -> Csr: ...
+    def transposed(self) -> Csr: ...
+    @property
+    def starts(self) -> NDArray[np.int32]: ...
+    @property
+    def indices(self) -> NDArray[np.int32]: ...
+    @property
+    def data(self) -> Array: ...
+    @property
+    def rows(self) -> int: ...
+    @property
+    def columns(self) -> int: ...
+    @property
+    def entries(self) -> int: ...
+
+class Chain:
+    """Places of a block for the chain rule, Y_e = f(v_e): patterns of one place, and where v comes from and Y goes.
+
+    Parameters
+    ----------
+    count, inputs, outputs : int
+        E, n_v, n_y.
+    jacobian_rows, jacobian_columns, hessian_rows, hessian_columns : ndarray of int
+        Nonzeros of dy/dv, and of one triangle of d^2(m' y)/dv^2.
+    scatter : Csr (rows, n_y E)
+    reads : Csr (n_v E, columns of the problem)
+        What v is, before columns have their stages.
+    gather : Csr (n_v E, columns of y)
+        The same, read in the stage of the place.
+    stages : ndarray of int (E,)
+
+    Raises
+    ------
+    ValueError
+        Where these do not fit each other.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        inputs: int,
+        outputs: int,
+        jacobian_rows: Indices,
+        jacobian_columns: Indices,
+        hessian_rows: Indices,
+        hessian_columns: Indices,
+        scatter: Csr,
+        reads: Csr,
+        gather: Csr,
+        stages: Indices,
+    ) -> None: ...
+
+def jacobian_chain(
+    linear: Csr, chains: Sequence[Chain], expressions: Csr, base: Indices, starts: Indices, stages: Indices
+) -> tuple[tuple[Indices, Indices], Array, list[Csr]]:
+    """Entries (rows, columns) of linear + sum_b S_b blkdiag(J_e) G_b in row-major order, and what they are made of.
+
+    Parameters
+    ----------
+    linear : Csr (rows, columns)
+    chains : sequence of Chain
+    expressions : Csr (slots, columns)
+        Column c of the problem, seen in stage s, is its row base[c] + s.
+    base : ndarray of int (columns of the problem,)
+    starts : ndarray of int (stages + 1,)
+        First column of every stage.
+    stages : ndarray of int (rows,)
+        In which every row reads.
+
+    Returns
+    -------
+    (rows, columns), constants, parts
+        entries = constants + sum_b parts[b] vec(J_b).
+    """
+
+def hessian_chain(chains: Sequence[Chain], starts: Indices) -> tuple[tuple[Indices, Indices], Array, list[Csr]]:
+    """Entries of the upper triangle of sum_b G_b' blkdiag(H_e) G_b; as ``jacobian_chain``, without constants."""
+
+class Term:
+    """A block in a program: v = gather y + gather_offset, rows += scatter vec(Y), objective += weights' Y[costed].
+
+    Parameters
+    ----------
+    block : PointBlock
+        Evaluated by one program at a time.
+    gather : Csr (n_v E, columns)
+    gather_offset : ndarray (n_v E,)
+    constants : ndarray (n_c E,)
+    scatter : Csr (rows, n_y E) or None
+        None where the block has no rows.
+    weights : ndarray (E,) or None
+        None where it has no cost.
+    gradient : Csr (columns, n_v E) or None
+        gradient += gradient vec(grad Y[costed]), the weights in it.
+    jacobian, hessian : Csr (entries, nonzeros E) or None
+        What the nonzeros of the block add to the entries of the program's Jacobian and Hessian.
+    """
+
+    def __init__(
+        self,
+        block: PointBlock,
+        gather: Csr,
+        gather_offset: Array,
+        constants: Array,
+        scatter: Csr | None = None,
+        weights: Array | None = None,
+        gradient: Csr | None = None,
+        jacobian: Csr | None = None,
+        hessian: Csr | None = None,
+    ) -> None: ...
+
+class Outcome:
+    """What a solve ended with.
+
+    Attributes
+    ----------
+    y : ndarray (columns,)
+        The last iterate, also where the solve was stopped.
+    lam : ndarray (rows,)
+        Multipliers: gradient + Jacobian' lam = 0 at a solution. Positive at an active upper bound.
+    lower_duals, upper_duals : ndarray (inequality rows,)
+        Multipliers of the bounds, not negative; lam of the inequality rows is upper_duals - lower_duals.
+    status : str
+        "solved", "acceptable", "iteration limit", "infeasible", "line search failed", "step failed", "time limit",
+        "interrupted" (Ctrl-C), "stopped" (by the callback) or "failed" (then ``message`` says what fatrop said).
+    iterations : int
+    objective, violation : float
+        At y; the largest violated row, bounds of inequality rows included.
+    mu : float
+        Last barrier parameter.
+    times : dict
+        Seconds in "functions" (of the blocks), "combinations" (sparse products), "linear algebra" (fatrop's steps) and
+        in "total".
+    trace : list of (objective, infeasibility, dual infeasibility, mu)
+        One line an iteration; in fatrop's restoration phase the first two stay where it began.
+    """
+
+    @property
+    def y(self) -> Array: ...
+    @property
+    def lam(self) -> Array: ...
+    @property
+    def lower_duals(self) -> Array: ...
+    @property
+    def upper_duals(self) -> Array: ...
+    @property
+    def status(self) -> str: ...
+    @property
+    def message(self) -> str: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def objective(self) -> float: ...
+    @property
+    def violation(self) -> float: ...
+    @property
+    def mu(self) -> float: ...
+    @property
+    def times(self) -> dict[str, float]: ...
+    @property
+    def trace(self) -> list[list[float]]: ...
+
+class Program:
+    """A stagewise program and the solver that is kept for it.
+
+        minimise cost' y + cost_offset + sum_b weights_b' Y_b[costed]
+        subject to rows = linear y + offset + sum_b scatter_b vec(Y_b)
+
+    with columns (u_0, x_0, u_1, x_1, ...) and rows [dynamics, path equalities, inequalities], each stage after stage.
+    Dynamics are -x_{k+1} + F(x_k, u_k) = 0 and path equalities are 0; inequalities have the bounds given to ``solve``.
+
+    Parameters
+    ----------
+    controls, states, equalities, inequalities : ndarray of int (K,)
+        Sizes of every stage.
+    linear : Csr (rows, columns)
+    offset : ndarray (rows,)
+    cost : ndarray (columns,)
+    cost_offset : float
+    jacobian_rows, jacobian_columns : ndarray of int
+        Entries of the Jacobian, in any order, each once; a dynamics row's -1 may be left out.
+    jacobian_constants : ndarray
+        Their constant parts, those of ``linear`` included.
+    hessian_rows, hessian_columns : ndarray of int
+        Entries of one triangle of the Hessian, each inside one stage.
+    terms : sequence of Term
+    threads : int
+        Evaluate the blocks. The bits of the answer do not depend on it.
+
+    Raises
+    ------
+    ValueError
+        Where shapes do not fit or an entry joins two stages.
+    """
+
+    def __init__(
+        self,
+        controls: Indices,
+        states: Indices,
+        equalities: Indices,
+        inequalities: Indices,
+        linear: Csr,
+        offset: Array,
+        cost: Array,
+        cost_offset: float,
+        jacobian_rows: Indices,
+        jacobian_columns: Indices,
+        jacobian_constants: Array,
+        hessian_rows: Indices,
+        hessian_columns: Indices,
+        terms: Sequence[Term],
+        threads: int = 1,
+    ) -> None: ...
+    @property
+    def option_names(self) -> list[str]: ...
+    @property
+    def threads(self) -> int: ...
+    def solve(
+        self,
+        y: Array,
+        lower: Array,
+        upper: Array,
+        options: Mapping[str, bool | int | float | str] = {},
+        *,
+        lam: Array | None = None,
+        lower_duals: Array | None = None,
+        upper_duals: Array | None = None,
+        mu: float = 0.0,
+        callback: Callable[[int, float, float], bool | None] | None = None,
+        time_limit: float = ...,
+    ) -> Outcome:
+        """Solve from y.
+
+        Parameters
+        ----------
+        y : ndarray (columns,)
+        lower, upper : ndarray (inequality rows,)
+            Infinite where there is no bound.
+        options : mapping
+            By fatrop's own names (``option_names``); what is left out has fatrop's default, but for
+            ``linsol_pivot_tol``, 1e-14: fatrop's 1e-6 takes bounds that are active for curvature that is lost.
+        lam, lower_duals, upper_duals : ndarray or None
+            A warm start, as in ``Outcome``. Without ``lam`` fatrop makes its own; without the other two they are the
+            parts of ``lam``.
+        mu : float
+            First barrier parameter, 0 for fatrop's ``mu_init``.
+        callback : callable (iteration, objective, infeasibility) -> bool
+            Asked once an iteration; stops where it gives True. What it raises is raised here.
+        time_limit : float
+            Seconds.
+
+        Raises
+        ------
+        ValueError
+            For an option that fatrop has not, or of another type.
+        RuntimeError
+            While it is being solved already, by another thread or around a callback.
+        """
+    def set_offsets(self, offset: Array, cost_offset: float) -> None:
+        """Replace the constant parts of the rows and of the objective."""
+    def set_block_offsets(self, block: int, offset: Array) -> None:
+        """Replace a term's ``gather_offset``."""
+    def set_constants(self, block: int, constants: Array) -> None:
+        """Replace a term's ``constants``."""
+    def rows(self, y: Array) -> Array:
+        """Values of the rows."""
+    def objective(self, y: Array) -> float:
+        """Value of the objective."""
+    def gradient(self, y: Array) -> Array:
+        """Gradient of the objective."""
+    def jacobian(self, y: Array) -> Array:
+        """Values of the Jacobian's entries, in the order they were given."""
+    def hessian(self, y: Array, lam: Array, lam_f: float = 1.0) -> Array:
+        """Values of the Hessian's entries of lam_f objective + lam' rows."""

@@ -1,0 +1,39 @@
+// NumPy arrays in and out.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace robotraj::native {
+
+/// A contiguous vector of doubles, read only.
+using Doubles = nanobind::ndarray<const double, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
+/// A contiguous vector of indices, read only.
+using Indices = nanobind::ndarray<const std::int64_t, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
+/// What is handed to Python: NumPy owns the memory.
+using Result = nanobind::ndarray<nanobind::numpy, double, nanobind::ndim<1>>;
+
+/// Moves a vector into a NumPy array without a copy.
+inline Result to_numpy(std::vector<double> values) {
+  auto* kept = new std::vector<double>(std::move(values));
+  nanobind::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+  return Result(kept->data(), {kept->size()}, owner);
+}
+
+/// Refuses a vector of the wrong length by name.
+template <typename Array>
+const auto* checked(const Array& array, std::size_t length, const std::string& name) {
+  if (array.size() != length)
+    throw std::invalid_argument(name + " has " + std::to_string(array.size()) + " entries, expected " +
+                                std::to_string(length));
+  return array.data();
+}
+
+}  // namespace robotraj::native

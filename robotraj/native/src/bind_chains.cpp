@@ -1,0 +1,71 @@
+// The chain rule's combinations from Python.
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "chains.hpp"
+
+#include <nanobind/stl/vector.h>
+
+namespace nb = nanobind;
+
+namespace robotraj::native {
+
+namespace {
+
+using Integers = nb::ndarray<nb::numpy, std::int64_t, nb::ndim<1>>;
+
+std::vector<std::int64_t> copied(const Indices& array) { return {array.data(), array.data() + array.size()}; }
+
+Integers moved(std::vector<std::int64_t> values) {
+  auto* kept = new std::vector<std::int64_t>(std::move(values));
+  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<std::int64_t>*>(p); });
+  return Integers(kept->data(), {kept->size()}, owner);
+}
+
+nb::tuple taken_apart(Combined combined) {
+  return nb::make_tuple(nb::make_tuple(moved(std::move(combined.pattern.rows)), moved(std::move(combined.pattern.columns))),
+                        to_numpy(std::move(combined.constant)), std::move(combined.parts));
+}
+
+}  // namespace
+
+void bind_chains(nb::module_& m) {
+  nb::class_<Chain>(m, "Chain")
+      .def(
+          "__init__",
+          [](Chain* self, std::size_t count, std::size_t inputs, std::size_t outputs, const Indices& jacobian_rows,
+             const Indices& jacobian_columns, const Indices& hessian_rows, const Indices& hessian_columns,
+             const Csr& scatter, const Csr& reads, const Csr& gather, const Indices& stages) {
+            Chain chain{count,
+                        inputs,
+                        outputs,
+                        {copied(jacobian_rows), copied(jacobian_columns)},
+                        {copied(hessian_rows), copied(hessian_columns)},
+                        scatter,
+                        reads,
+                        gather,
+                        copied(stages)};
+            chain.check();
+            new (self) Chain(std::move(chain));
+          },
+          nb::arg("count"), nb::arg("inputs"), nb::arg("outputs"), nb::arg("jacobian_rows"),
+          nb::arg("jacobian_columns"), nb::arg("hessian_rows"), nb::arg("hessian_columns"), nb::arg("scatter"),
+          nb::arg("reads"), nb::arg("gather"), nb::arg("stages"));
+  m.def(
+      "jacobian_chain",
+      [](const Csr& linear, const std::vector<const Chain*>& chains, const Csr& expressions, const Indices& base,
+         const Indices& starts, const Indices& stages) {
+        return taken_apart(
+            jacobian_chain(linear, chains, {expressions, copied(base)}, {copied(starts), copied(stages)}));
+      },
+      nb::arg("linear"), nb::arg("chains"), nb::arg("expressions"), nb::arg("base"), nb::arg("starts"),
+      nb::arg("stages"));
+  m.def(
+      "hessian_chain",
+      [](const std::vector<const Chain*>& chains, const Indices& starts) {
+        Combined combined = hessian_chain(chains, {copied(starts), {}});
+        return taken_apart(std::move(combined));
+      },
+      nb::arg("chains"), nb::arg("starts"));
+}
+
+}  // namespace robotraj::native

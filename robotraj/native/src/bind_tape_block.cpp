@@ -1,0 +1,113 @@
+// Tapes, trees and the blocks made of them, from Python.
+#include "tape_block.hpp"
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+namespace nb = nanobind;
+
+namespace robotraj::native {
+
+namespace {
+
+using IndexResult = nb::ndarray<nb::numpy, std::int64_t, nb::ndim<1>>;
+
+IndexResult to_numpy(const Pattern& pattern, std::int32_t std::pair<std::int32_t, std::int32_t>::*side) {
+  auto* kept = new std::vector<std::int64_t>;
+  for (const auto& entry : pattern) kept->push_back(entry.*side);
+  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<std::int64_t>*>(p); });
+  return IndexResult(kept->data(), {kept->size()}, owner);
+}
+
+auto to_arrays(const Pattern& pattern) {
+  using Entry = Pattern::value_type;
+  return std::pair(to_numpy(pattern, &Entry::first), to_numpy(pattern, &Entry::second));
+}
+
+std::vector<std::int32_t> to_vector(const Indices& indices) {
+  return std::vector<std::int32_t>(indices.data(), indices.data() + indices.size());
+}
+
+std::string to_text(const nb::bytes& text) { return std::string(text.c_str(), text.size()); }
+
+Recipe recipe_of(const nb::bytes& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
+                 std::size_t results, const Indices& out, const Indices& left, const Indices& right) {
+  Recipe recipe{Tape(to_text(tape)), jacobian, hessian, made, result, results, {}};
+  checked(left, out.size(), "left");
+  checked(right, out.size(), "right");
+  for (std::size_t i = 0; i < out.size(); ++i)
+    recipe.products.push_back({static_cast<std::int32_t>(out.data()[i]), static_cast<std::int32_t>(left.data()[i]),
+                               static_cast<std::int32_t>(right.data()[i])});
+  return recipe;
+}
+
+const Kernels& kernels_of(const std::string& processor) {
+  for (const Kernels* each : kernels())
+    if (processor.empty() || processor == each->processor) return *each;
+  throw std::invalid_argument("this processor does not run what was compiled for '" + processor + "'");
+}
+
+std::shared_ptr<TapeBlock> block_of(std::size_t count, std::size_t inputs, std::size_t constants, const Recipe& values,
+                                    const Recipe& jacobian, const Recipe& hessian, const Recipe* cost,
+                                    const Recipe* gradient, std::ptrdiff_t costed, const Torques* torques,
+                                    const std::string& processor) {
+  const PointSizes sizes{count,           inputs, constants, values.results, jacobian.results, hessian.results,
+                         cost ? costed : -1};
+  return std::make_shared<TapeBlock>(
+      sizes, Recipes{values, jacobian, cost ? *cost : Recipe{}, gradient ? *gradient : Recipe{}, hessian},
+      torques ? std::optional<Torques>(*torques) : std::nullopt, kernels_of(processor));
+}
+
+}  // namespace
+
+void bind_tape_block(nb::module_& m) {
+  m.def("processors", [] {
+    std::vector<std::string> names;
+    for (const Kernels* each : kernels()) names.emplace_back(each->processor);
+    return names;
+  });
+
+  nb::exception<NotATape>(m, "NotATape", PyExc_ValueError);
+
+  nb::class_<RigidTree>(m, "RigidTree")
+      .def("__init__", [](RigidTree* self, const nb::bytes& model) { new (self) RigidTree(read_tree(to_text(model))); },
+           nb::arg("model"))
+      .def_prop_ro("positions", [](const RigidTree& robot) { return robot.tree.positions(); })
+      .def_prop_ro("rates", [](const RigidTree& robot) { return robot.tree.rates(); })
+      .def("jacobian_pattern", [](const RigidTree& robot) { return to_arrays(jacobian_pattern(robot.tree)); })
+      .def("hessian_pattern", [](const RigidTree& robot) { return to_arrays(hessian_pattern(robot.tree)); });
+
+  nb::class_<Torques>(m, "Torques")
+      .def("__init__",
+           [](Torques* self, const RigidTree& robot, const Indices& places) {
+             new (self) Torques{robot, to_vector(places), {}, {}};
+           },
+           nb::arg("robot"), nb::arg("places"))
+      .def("__init__",
+           [](Torques* self, const RigidTree& robot, const nb::bytes& arguments, const nb::bytes& curvature) {
+             new (self) Torques{robot, {}, Tape(to_text(arguments)), Tape(to_text(curvature))};
+           },
+           nb::arg("robot"), nb::arg("arguments"), nb::arg("curvature"));
+
+  nb::class_<Recipe>(m, "Recipe")
+      .def("__init__",
+           [](Recipe* self, const nb::bytes& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
+              std::size_t results, const Indices& out, const Indices& left, const Indices& right) {
+             new (self) Recipe(recipe_of(tape, jacobian, hessian, made, result, results, out, left, right));
+           },
+           nb::arg("tape"), nb::arg("jacobian"), nb::arg("hessian"), nb::arg("made"), nb::arg("result"),
+           nb::arg("results"), nb::arg("out"), nb::arg("left"), nb::arg("right"));
+
+  nb::class_<TapeBlock, PointBlock>(m, "TapeBlock")
+      .def(nb::new_(&block_of), nb::arg("count"), nb::arg("inputs"), nb::arg("constants"), nb::arg("values"),
+           nb::arg("jacobian"), nb::arg("hessian"), nb::arg("cost") = nb::none(), nb::arg("gradient") = nb::none(),
+           nb::arg("costed") = -1, nb::arg("torques") = nb::none(), nb::arg("processor") = "");
+}
+
+}  // namespace robotraj::native

@@ -1,0 +1,301 @@
+#include "chains.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace robotraj::native {
+
+namespace {
+
+/// One product of the chain rule: factor times nonzero `source`, at the local number `at` of its entry.
+struct Product {
+  std::int32_t at;
+  std::int32_t source;
+  double factor;
+};
+
+/// Compressed rows written one group of rows after the other.
+class Rows {
+ public:
+  explicit Rows(std::size_t columns) : columns_(columns) {}
+
+  /// Makes room for so many more entries.
+  void reserve(std::size_t entries) {
+    indices_.reserve(indices_.size() + entries);
+    data_.reserve(data_.size() + entries);
+  }
+
+  /// Appends `many` rows made of products in any order; those of one row and source are added up.
+  void append(const std::vector<Product>& products, std::size_t many) {
+    next_.assign(many + 1, 0);
+    for (const Product& product : products) ++next_[product.at + 1];
+    for (std::size_t row = 0; row < many; ++row) next_[row + 1] += next_[row];
+    sorted_.resize(products.size());
+    begin_.assign(next_.begin(), next_.end());
+    for (const Product& product : products) sorted_[begin_[product.at]++] = product;
+    const auto by_source = [](const Product& a, const Product& b) { return a.source < b.source; };
+    for (std::size_t row = 0; row < many; ++row) {
+      const auto first = sorted_.begin() + next_[row], last = sorted_.begin() + next_[row + 1];
+      if (!std::is_sorted(first, last, by_source)) std::stable_sort(first, last, by_source);
+    }
+    append_sorted(sorted_, many);
+  }
+
+  /// The same for products that ascend by row and source.
+  void append_sorted(const std::vector<Product>& products, std::size_t many) {
+    // Room for all, given back at the end.
+    const std::size_t before = indices_.size();
+    indices_.resize(before + products.size());
+    data_.resize(before + products.size());
+    std::int32_t* index = indices_.data() + before;
+    double* value = data_.data() + before;
+    auto product = products.begin();
+    for (std::size_t row = 0; row < many; ++row) {
+      std::int32_t known = -1;
+      for (; product != products.end() && static_cast<std::size_t>(product->at) == row; ++product) {
+        if (product->source == known) {
+          *(value - 1) += product->factor;
+        } else {
+          known = *index++ = product->source;
+          *value++ = product->factor;
+        }
+      }
+      starts_.push_back(static_cast<std::int32_t>(index - indices_.data()));
+    }
+    indices_.resize(static_cast<std::size_t>(starts_.back()));
+    data_.resize(indices_.size());
+  }
+
+  Csr matrix() { return Csr(columns_, std::move(starts_), std::move(indices_), std::move(data_)); }
+
+ private:
+  std::size_t columns_;
+  std::vector<std::int32_t> starts_{0}, indices_;
+  std::vector<double> data_;
+  std::vector<std::int32_t> next_, begin_;
+  std::vector<Product> sorted_;
+};
+
+std::vector<Rows> rows_of(const std::vector<const Chain*>& chains, bool second) {
+  std::vector<Rows> parts;
+  for (const Chain* chain : chains)
+    parts.emplace_back((second ? chain->hessian : chain->jacobian).size() * chain->count);
+  return parts;
+}
+
+Combined finished(Pattern pattern, Numbers constant, std::vector<Rows>& parts) {
+  Combined combined{std::move(pattern), std::move(constant), {}};
+  for (Rows& part : parts) combined.parts.push_back(part.matrix());
+  return combined;
+}
+
+[[noreturn]] void refuse(std::int64_t column) {
+  throw std::invalid_argument("column " + std::to_string(column) + " is read outside its stage");
+}
+
+/// Position of a column of y in its stage.
+inline std::size_t inside(std::int64_t column, std::int64_t first, std::size_t width) {
+  const auto at = static_cast<std::size_t>(column - first);
+  if (at >= width) refuse(column);
+  return at;
+}
+
+/// Nonzeros of one place by the output they belong to.
+std::vector<std::vector<std::size_t>> by_output(const Chain& chain) {
+  std::vector<std::vector<std::size_t>> result(chain.outputs);
+  for (std::size_t k = 0; k < chain.jacobian.size(); ++k) result[chain.jacobian.rows[k]].push_back(k);
+  return result;
+}
+
+}  // namespace
+
+void Chain::check() const {
+  const auto need = [](bool fits, const char* what) {
+    if (!fits) throw std::invalid_argument(std::string("a chain's ") + what + " do not fit its places");
+  };
+  const auto within = [&](const std::vector<std::int64_t>& indices, std::size_t end) {
+    return std::all_of(indices.begin(), indices.end(),
+                       [&](std::int64_t i) { return i >= 0 && static_cast<std::size_t>(i) < end; });
+  };
+  need(scatter.columns() == outputs * count, "scattered outputs");
+  need(reads.rows() == inputs * count && gather.rows() == inputs * count, "gathered inputs");
+  need(stages.size() == count, "stages");
+  need(within(jacobian.rows, outputs) && within(jacobian.columns, inputs), "entries of the Jacobian");
+  need(within(hessian.rows, inputs) && within(hessian.columns, inputs), "entries of the Hessian");
+  need(jacobian.rows.size() == jacobian.columns.size() && hessian.rows.size() == hessian.columns.size(), "patterns");
+}
+
+Combined jacobian_chain(const Csr& linear, const std::vector<const Chain*>& chains, const Slots& slots,
+                        const Runs& runs) {
+  for (const Chain* chain : chains)
+    if (chain->scatter.rows() != linear.rows()) throw std::invalid_argument("a chain writes other rows");
+  if (runs.rows.size() != linear.rows()) throw std::invalid_argument("every row needs its stage");
+  std::vector<std::vector<std::vector<std::size_t>>> outputs;
+  for (const Chain* chain : chains) outputs.push_back(by_output(*chain));
+  auto parts = rows_of(chains, false);
+  Pattern pattern;
+  Numbers constant;
+  std::vector<std::vector<Product>> products(chains.size());
+  std::vector<char> present;
+  std::vector<std::int32_t> number;
+  const Csr& x = slots.expressions;
+  for (std::size_t row = 0; row < linear.rows(); ++row) {
+    const std::int64_t stage = runs.rows[row], first = runs.starts.at(stage);
+    const auto width = static_cast<std::size_t>(runs.starts.at(stage + 1) - first);
+    present.assign(width, 0);
+    number.resize(width);
+    for (auto i = linear.starts()[row]; i < linear.starts()[row + 1]; ++i)
+      present[inside(linear.indices()[i], first, width)] = 1;
+    for (std::size_t b = 0; b < chains.size(); ++b) {
+      const Chain& chain = *chains[b];
+      products[b].clear();
+      for (auto s = chain.scatter.starts()[row]; s < chain.scatter.starts()[row + 1]; ++s) {
+        const std::size_t place = chain.scatter.indices()[s] / chain.outputs;
+        for (const std::size_t k : outputs[b][chain.scatter.indices()[s] % chain.outputs]) {
+          const std::size_t input = place * chain.inputs + chain.jacobian.columns[k];
+          const auto source = static_cast<std::int32_t>(place * chain.jacobian.size() + k);
+          for (auto g = chain.reads.starts()[input]; g < chain.reads.starts()[input + 1]; ++g) {
+            const double factor = chain.scatter.data()[s] * chain.reads.data()[g];
+            const auto slot = static_cast<std::size_t>(slots.base.at(chain.reads.indices()[g]) + stage);
+            if (slot >= x.rows()) throw std::invalid_argument("a row reads a column in a stage in which it is not");
+            for (auto i = x.starts()[slot]; i < x.starts()[slot + 1]; ++i) {
+              const std::size_t at = inside(x.indices()[i], first, width);
+              present[at] = 1;
+              products[b].push_back({static_cast<std::int32_t>(at), source, factor * x.data()[i]});
+            }
+          }
+        }
+      }
+    }
+    std::int32_t many = 0;
+    for (std::size_t at = 0; at < width; ++at) {
+      if (!present[at]) continue;
+      number[at] = many++;
+      pattern.rows.push_back(static_cast<std::int64_t>(row));
+      pattern.columns.push_back(first + static_cast<std::int64_t>(at));
+    }
+    const std::size_t begin = constant.size();
+    constant.resize(begin + many, 0.0);
+    for (auto i = linear.starts()[row]; i < linear.starts()[row + 1]; ++i)
+      constant[begin + number[linear.indices()[i] - first]] += linear.data()[i];
+    for (std::size_t b = 0; b < chains.size(); ++b) {
+      for (Product& product : products[b]) product.at = number[product.at];
+      parts[b].append(products[b], many);
+    }
+  }
+  return finished(std::move(pattern), std::move(constant), parts);
+}
+
+namespace {
+
+/// One product of G' H G in any stage that reads like another: numbers i and j of what place `place` of the stage reads.
+struct Step {
+  std::int32_t at, place, nonzero, i, j;
+  bool twice;
+};
+
+/// What the places of one block in one stage read, as positions in the stage.
+std::vector<std::int32_t> reading(const Chain& chain, const std::vector<std::size_t>& places, std::int64_t first,
+                                  std::size_t width) {
+  std::vector<std::int32_t> local{static_cast<std::int32_t>(places.size()), static_cast<std::int32_t>(width)};
+  const Csr& g = chain.gather;
+  for (const std::size_t place : places)
+    for (std::size_t input = place * chain.inputs; input < (place + 1) * chain.inputs; ++input) {
+      local.push_back(g.starts()[input + 1] - g.starts()[input]);
+      for (auto i = g.starts()[input]; i < g.starts()[input + 1]; ++i)
+        local.push_back(static_cast<std::int32_t>(inside(g.indices()[i], first, width)));
+    }
+  return local;
+}
+
+/// Products of one block in one stage, `at` being row * width + column; marks what is there.
+std::vector<Step> steps_of(const Chain& chain, const std::vector<std::size_t>& places, std::int64_t first,
+                           std::size_t width, std::vector<std::int32_t>& number) {
+  std::vector<Step> steps;
+  const Csr& g = chain.gather;
+  for (std::size_t e = 0; e < places.size(); ++e) {
+    const auto begin = g.starts()[places[e] * chain.inputs];
+    for (std::size_t k = 0; k < chain.hessian.size(); ++k) {
+      const std::size_t a = places[e] * chain.inputs + chain.hessian.rows[k];
+      const std::size_t c = places[e] * chain.inputs + chain.hessian.columns[k];
+      for (auto i = g.starts()[a]; i < g.starts()[a + 1]; ++i) {
+        const auto row = static_cast<std::size_t>(g.indices()[i] - first);
+        for (auto j = g.starts()[c]; j < g.starts()[c + 1]; ++j) {
+          const auto column = static_cast<std::size_t>(g.indices()[j] - first);
+          // An entry beside the diagonal stands for two: one falls in the upper triangle, or both on the diagonal.
+          if (a == c && row > column) continue;
+          const std::size_t at = std::min(row, column) * width + std::max(row, column);
+          number[at] = 0;
+          steps.push_back({static_cast<std::int32_t>(at), static_cast<std::int32_t>(e), static_cast<std::int32_t>(k),
+                           i - begin, j - begin, a != c && row == column});
+        }
+      }
+    }
+  }
+  return steps;
+}
+
+}  // namespace
+
+Combined hessian_chain(const std::vector<const Chain*>& chains, const Runs& runs) {
+  const std::size_t stages = runs.starts.size() - 1;
+  // Places of every block by stage.
+  std::vector<std::vector<std::vector<std::size_t>>> places(chains.size());
+  for (std::size_t b = 0; b < chains.size(); ++b) {
+    places[b].resize(stages);
+    for (std::size_t e = 0; e < chains[b]->count; ++e) places[b].at(chains[b]->stages[e]).push_back(e);
+  }
+  auto parts = rows_of(chains, true);
+  Pattern pattern;
+  std::vector<std::int32_t> number;
+  // Most stages read like the one before: then the products are the same, in the same order, with other factors.
+  std::vector<std::vector<std::int32_t>> known(chains.size()), own(chains.size());
+  std::vector<std::vector<Step>> steps(chains.size());
+  std::vector<std::pair<std::size_t, std::size_t>> entries;
+  std::vector<Product> products;
+  for (std::size_t stage = 0; stage < stages; ++stage) {
+    const std::int64_t first = runs.starts[stage];
+    const auto width = static_cast<std::size_t>(runs.starts[stage + 1] - first);
+    for (std::size_t b = 0; b < chains.size(); ++b) own[b] = reading(*chains[b], places[b][stage], first, width);
+    if (own != known) {
+      known = own;
+      number.assign(width * width, -1);
+      for (std::size_t b = 0; b < chains.size(); ++b)
+        steps[b] = steps_of(*chains[b], places[b][stage], first, width, number);
+      entries.clear();
+      for (std::size_t at = 0; at < number.size(); ++at) {
+        if (number[at] < 0) continue;
+        number[at] = static_cast<std::int32_t>(entries.size());
+        entries.emplace_back(at / width, at % width);
+      }
+      // They ascend by source already.
+      for (std::size_t b = 0; b < chains.size(); ++b) {
+        for (Step& step : steps[b]) step.at = number[step.at];
+        std::stable_sort(steps[b].begin(), steps[b].end(), [](const Step& x, const Step& y) { return x.at < y.at; });
+        // A second stage is like most others.
+        if (stage == 1) parts[b].reserve(steps[b].size() * (stages - 1));
+      }
+    }
+    for (const auto& [row, column] : entries) {
+      pattern.rows.push_back(first + static_cast<std::int64_t>(row));
+      pattern.columns.push_back(first + static_cast<std::int64_t>(column));
+    }
+    for (std::size_t b = 0; b < chains.size(); ++b) {
+      const Chain& chain = *chains[b];
+      products.clear();
+      products.reserve(steps[b].size());
+      for (const Step& step : steps[b]) {
+        const std::size_t place = places[b][stage][step.place];
+        const double* g = chain.gather.data() + chain.gather.starts()[place * chain.inputs];
+        const double factor = g[step.i] * g[step.j];
+        products.push_back({step.at, static_cast<std::int32_t>(place * chain.hessian.size()) + step.nonzero,
+                            step.twice ? 2.0 * factor : factor});
+      }
+      parts[b].append_sorted(products, entries.size());
+    }
+  }
+  return finished(std::move(pattern), {}, parts);
+}
+
+}  // namespace robotraj::native

@@ -1,0 +1,21 @@
+// The inner loops, included by one file for each kind of processor.
+//
+// Everything here has internal linkage and nothing of the standard library is called: a function compiled for one
+// processor must never be taken for another's.
+#pragma once
+
+#include "packed.hpp"
+
+#include "lanes.hpp"
+#include "run_tape.hpp"
+#include "spatial.hpp"
+// The algorithms use what is above.
+#include "rigid_kernel.hpp"
+
+namespace robotraj::native {
+
+const Kernels ROBOTRAJ_KERNELS = {
+    ROBOTRAJ_PROCESSOR, kLanes, sizeof(JointState) / sizeof(Pack), run_tape, inverse_dynamics, multiply,
+};
+
+}  // namespace robotraj::native

@@ -1,0 +1,24 @@
+// The packs of one kind of processor; ROBOTRAJ_LANES says how many points they hold.
+//
+// Everything of the kernels has internal linkage: it means something else in each of their files.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#define ROBOTRAJ_INLINE static inline __attribute__((always_inline))
+
+namespace robotraj::native {
+namespace {
+
+constexpr std::size_t kLanes = ROBOTRAJ_LANES;
+
+/// One number of kLanes points.
+typedef double Pack __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
+typedef std::uint64_t Bits __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
+
+ROBOTRAJ_INLINE const Pack* packs(const double* numbers) { return reinterpret_cast<const Pack*>(numbers); }
+ROBOTRAJ_INLINE Pack* packs(double* numbers) { return reinterpret_cast<Pack*>(numbers); }
+
+}  // namespace
+}  // namespace robotraj::native

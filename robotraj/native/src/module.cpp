@@ -1,0 +1,16 @@
+// The Python face of the native solver: point functions and the stagewise program that fatrop solves.
+#include "bindings.hpp"
+
+#include <casadi/config.h>
+#include <pinocchio/config.hpp>
+
+NB_MODULE(_native, m) {
+  m.attr("PINOCCHIO_VERSION") = PINOCCHIO_VERSION;
+  m.attr("CASADI_VERSION") = CASADI_VERSION_STRING;
+  robotraj::native::bind_point_block(m);
+  robotraj::native::bind_tape_block(m);
+  robotraj::native::bind_casadi_block(m);
+  robotraj::native::bind_sparse(m);
+  robotraj::native::bind_chains(m);
+  robotraj::native::bind_program(m);
+}

@@ -1,0 +1,45 @@
+// The inner loops, compiled once for each kind of processor.
+#pragma once
+
+#include "rigid_tree.hpp"
+#include "tape.hpp"
+
+namespace robotraj::native {
+
+/// Inverse dynamics tau = RNEA(q, w, a) of a pack of points and, where asked for, derivatives; arrays of packs.
+struct RigidArguments {
+  const double* q;
+  const double* w;
+  const double* a;
+  const double* test;  ///< l, for the Hessian
+  double* states;      ///< `Kernels::state` packs a joint
+  double* tau;
+  double* jacobian;  ///< d tau/dx as `jacobian_pattern` says; may be null
+  double* hessian;   ///< d^2 (l' tau)/dx^2 as `hessian_pattern` says; may be null
+};
+
+/// One of the chain rule's terms: out[out] += left[left] * right[right].
+struct Product {
+  std::int32_t out, left, right;
+};
+
+struct Kernels {
+  const char* processor;
+  std::size_t lanes;  ///< points in a pack
+  std::size_t state;  ///< packs that a joint's work memory takes
+  void (*run)(const TapeCode& tape, const double* const* arguments, double* memory, double* result);
+  void (*rigid)(const Tree& tree, const RigidArguments& arguments);
+  void (*multiply)(const Product* terms, std::size_t count, const double* left, const double* right, double* out);
+};
+
+/// Those that this processor runs, the fastest first.
+const std::vector<const Kernels*>& kernels();
+
+// One file each.
+extern const Kernels plain_kernels;
+#ifdef ROBOTRAJ_X86_KERNELS
+extern const Kernels avx2_kernels;
+extern const Kernels avx512_kernels;
+#endif
+
+}  // namespace robotraj::native

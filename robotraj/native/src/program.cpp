@@ -1,0 +1,231 @@
+#include "program.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+namespace robotraj::native {
+
+namespace {
+
+void need(std::size_t have, std::size_t want, const std::string& what) {
+  if (have != want)
+    throw std::invalid_argument(what + " is " + std::to_string(have) + ", expected " + std::to_string(want));
+}
+
+void need_shape(const Csr& matrix, std::size_t rows, std::size_t columns, const std::string& what) {
+  need(matrix.rows(), rows, what + ": number of rows");
+  need(matrix.columns(), columns, what + ": number of columns");
+}
+
+void need_inside(const Pattern& pattern, std::size_t rows, std::size_t columns, const std::string& what) {
+  need(pattern.columns.size(), pattern.rows.size(), what + ": number of column indices");
+  for (std::size_t i = 0; i < pattern.size(); ++i)
+    if (pattern.rows[i] < 0 || static_cast<std::size_t>(pattern.rows[i]) >= rows || pattern.columns[i] < 0 ||
+        static_cast<std::size_t>(pattern.columns[i]) >= columns)
+      throw std::invalid_argument(what + ": entry (" + std::to_string(pattern.rows[i]) + ", " +
+                                  std::to_string(pattern.columns[i]) + ") lies outside");
+}
+
+}  // namespace
+
+Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vector<Term> terms, std::size_t threads)
+    : linear_(std::move(linear)),
+      jacobian_pattern_(std::move(jacobian)),
+      hessian_pattern_(std::move(hessian)),
+      terms_(std::move(terms)),
+      work_(terms_.size()),
+      pool_(std::max<std::size_t>(1, threads)),
+      point_(columns()),
+      rows_(rows()),
+      gradient_(columns()),
+      jacobian_(jacobian_pattern_.size()),
+      hessian_(hessian_pattern_.size()) {
+  need_shape(linear_.rows, rows(), columns(), "linear part of the rows");
+  need(linear_.jacobian.size(), jacobian_pattern_.size(), "constant Jacobian entries: their number");
+  need_inside(jacobian_pattern_, rows(), columns(), "Jacobian");
+  need_inside(hessian_pattern_, columns(), columns(), "Hessian");
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    check(i);
+    Term& term = terms_[i];
+    Work& work = work_[i];
+    const PointSizes& sizes = term.block->sizes();
+    work.scatter_transposed = term.scatter.transposed();
+    work.has_rows = term.scatter.entries() > 0;
+    work.has_cost = !term.weights.empty();
+    work.v.resize(sizes.inputs * sizes.count);
+    work.y.resize(sizes.outputs * sizes.count);
+    work.cost.resize(work.has_cost ? sizes.count : 0);
+    work.gradient.resize(work.has_cost ? work.v.size() : 0);
+    work.jacobian.resize(sizes.jacobian * sizes.count);
+    work.m.resize(work.y.size());
+    work.hessian.resize(sizes.hessian * sizes.count);
+    term.block->prepare(pool_.size());
+  }
+}
+
+void Program::check(std::size_t index) const {
+  const std::string block = "block " + std::to_string(index) + ", ";
+  const Term& term = terms_[index];
+  const PointSizes& sizes = term.block->sizes();
+  const std::size_t inputs = sizes.inputs * sizes.count, outputs = sizes.outputs * sizes.count;
+  need_shape(term.gather, inputs, columns(), block + "gather");
+  need(term.gather_offset.size(), inputs, block + "gather offset: length");
+  need(term.constants.size(), sizes.constants * sizes.count, block + "constants: length");
+  if (term.scatter.entries()) need_shape(term.scatter, rows(), outputs, block + "scatter");
+  if (!term.weights.empty()) {
+    need(term.weights.size(), sizes.count, block + "weights: length");
+    if (sizes.costed < 0) throw std::invalid_argument(block + "weights, but none of its outputs carries cost");
+    need_shape(term.gradient, columns(), inputs, block + "gradient");
+  }
+  if (term.jacobian.entries())
+    need_shape(term.jacobian, jacobian_pattern_.size(), sizes.jacobian * sizes.count, block + "jacobian");
+  if (term.hessian.entries())
+    need_shape(term.hessian, hessian_pattern_.size(), sizes.hessian * sizes.count, block + "hessian");
+}
+
+template <typename Evaluate>
+void Program::timed(double& seconds, Evaluate&& evaluate) {
+  const auto began = std::chrono::steady_clock::now();
+  evaluate();
+  seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+void Program::forget() {
+  point_known_ = rows_known_ = objective_known_ = gradient_known_ = jacobian_known_ = false;
+  for (Work& work : work_) work.y_known = false;
+}
+
+void Program::set_point(const double* y) {
+  if (point_known_ && std::memcmp(y, point_.data(), columns() * sizeof(double)) == 0) return;
+  forget();
+  std::copy_n(y, columns(), point_.data());
+  timed(times.combinations, [&] {
+    for (std::size_t i = 0; i < terms_.size(); ++i)
+      terms_[i].gather.apply(y, terms_[i].gather_offset.data(), work_[i].v.data(), pool_);
+  });
+  point_known_ = true;
+}
+
+const Numbers& Program::values(std::size_t index) {
+  Work& work = work_[index];
+  if (!work.y_known) {
+    const Term& term = terms_[index];
+    timed(times.functions,
+          [&] { term.block->values(work.v.data(), term.constants.data(), work.y.data(), pool_); });
+    work.y_known = true;
+  }
+  return work.y;
+}
+
+const Numbers& Program::row_values() {
+  if (rows_known_) return rows_;
+  timed(times.combinations,
+        [&] { linear_.rows.apply(point_.data(), linear_.offset.data(), rows_.data(), pool_); });
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    if (!work_[i].has_rows) continue;
+    const Numbers& y = values(i);
+    timed(times.combinations, [&] { terms_[i].scatter.apply(y.data(), rows_.data(), rows_.data(), pool_); });
+  }
+  rows_known_ = true;
+  return rows_;
+}
+
+double Program::objective() {
+  if (objective_known_) return objective_;
+  double sum = linear_.cost_offset;
+  for (std::size_t i = 0; i < columns(); ++i) sum += linear_.cost[i] * point_[i];
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    Work& work = work_[i];
+    if (!work.has_cost) continue;
+    const Term& term = terms_[i];
+    const PointSizes& sizes = term.block->sizes();
+    // The values of a block that has rows hold its cost already.
+    if (work.has_rows) {
+      const double* costed = values(i).data() + sizes.costed;
+      for (std::size_t e = 0; e < sizes.count; ++e) sum += term.weights[e] * costed[e * sizes.outputs];
+    } else {
+      timed(times.functions,
+            [&] { term.block->cost(work.v.data(), term.constants.data(), work.cost.data(), pool_); });
+      for (std::size_t e = 0; e < sizes.count; ++e) sum += term.weights[e] * work.cost[e];
+    }
+  }
+  objective_known_ = true;
+  return objective_ = sum;
+}
+
+const Numbers& Program::gradient() {
+  if (gradient_known_) return gradient_;
+  gradient_ = linear_.cost;
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    Work& work = work_[i];
+    if (!work.has_cost) continue;
+    const Term& term = terms_[i];
+    timed(times.functions,
+          [&] { term.block->gradient(work.v.data(), term.constants.data(), work.gradient.data(), pool_); });
+    timed(times.combinations,
+          [&] { term.gradient.apply(work.gradient.data(), gradient_.data(), gradient_.data(), pool_); });
+  }
+  gradient_known_ = true;
+  return gradient_;
+}
+
+const Numbers& Program::jacobian() {
+  if (jacobian_known_) return jacobian_;
+  const Numbers* sum = &linear_.jacobian;
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    const Term& term = terms_[i];
+    if (!term.jacobian.entries()) continue;
+    Work& work = work_[i];
+    timed(times.functions,
+          [&] { term.block->jacobian(work.v.data(), term.constants.data(), work.jacobian.data(), pool_); });
+    timed(times.combinations,
+          [&] { term.jacobian.apply(work.jacobian.data(), sum->data(), jacobian_.data(), pool_); });
+    sum = &jacobian_;
+  }
+  if (sum != &jacobian_) jacobian_ = linear_.jacobian;
+  jacobian_known_ = true;
+  return jacobian_;
+}
+
+const Numbers& Program::hessian(const double* lam, double lam_f) {
+  const double* sum = nullptr;
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    const Term& term = terms_[i];
+    if (!term.hessian.entries()) continue;
+    Work& work = work_[i];
+    const PointSizes& sizes = term.block->sizes();
+    timed(times.combinations, [&] {
+      if (work.has_rows) work.scatter_transposed.apply(lam, nullptr, work.m.data(), pool_);
+      else std::fill(work.m.begin(), work.m.end(), 0.0);
+    });
+    if (work.has_cost)
+      for (std::size_t e = 0; e < sizes.count; ++e) work.m[e * sizes.outputs + sizes.costed] += lam_f * term.weights[e];
+    timed(times.functions, [&] {
+      term.block->hessian(work.v.data(), term.constants.data(), work.m.data(), work.hessian.data(), pool_);
+    });
+    timed(times.combinations, [&] { term.hessian.apply(work.hessian.data(), sum, hessian_.data(), pool_); });
+    sum = hessian_.data();
+  }
+  if (!sum) std::fill(hessian_.begin(), hessian_.end(), 0.0);
+  return hessian_;
+}
+
+void Program::set_offsets(const double* offset, double cost_offset) {
+  std::copy_n(offset, rows(), linear_.offset.data());
+  linear_.cost_offset = cost_offset;
+  forget();
+}
+
+void Program::set_gather_offset(std::size_t term, const double* offset) {
+  std::copy_n(offset, terms_[term].gather_offset.size(), terms_[term].gather_offset.data());
+  forget();
+}
+
+void Program::set_constants(std::size_t term, const double* constants) {
+  std::copy_n(constants, terms_[term].constants.size(), terms_[term].constants.data());
+  forget();
+}
+
+}  // namespace robotraj::native

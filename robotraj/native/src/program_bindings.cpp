@@ -1,0 +1,262 @@
+// The program and its solver from Python.
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "solver.hpp"
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include <atomic>
+#include <chrono>
+#include <limits>
+#include <optional>
+
+namespace nb = nanobind;
+
+namespace robotraj::native {
+
+namespace {
+
+/// A program with the solver that is kept for it.
+struct Solved {
+  std::shared_ptr<Program> program;
+  std::unique_ptr<Solver> solver;
+  std::atomic<bool> busy{false};
+};
+
+/// Keeps a second solve out, from another thread or from a callback: both would work in the same memory.
+class Alone {
+ public:
+  explicit Alone(std::atomic<bool>& busy) : busy_(busy) {
+    if (busy_.exchange(true))
+      throw std::runtime_error("this program is being solved already; a second solve meanwhile takes a second program");
+  }
+  ~Alone() { busy_.store(false); }
+  Alone(const Alone&) = delete;
+  Alone& operator=(const Alone&) = delete;
+
+ private:
+  std::atomic<bool>& busy_;
+};
+
+Numbers numbers(const Doubles& array) { return Numbers(array.data(), array.data() + array.size()); }
+
+Pattern pattern(const Indices& rows, const Indices& columns) {
+  return {{rows.data(), rows.data() + rows.size()}, {columns.data(), columns.data() + columns.size()}};
+}
+
+std::vector<fatrop::Index> sizes(const Indices& array, const char* name) {
+  for (std::size_t i = 0; i < array.size(); ++i)
+    if (array.data()[i] < 0) throw std::invalid_argument(std::string(name) + " has a negative size");
+  return {array.data(), array.data() + array.size()};
+}
+
+/// Lets Python decide, once an iteration, whether a solve goes on.
+class Check {
+ public:
+  Check(nb::object callback, double time_limit)
+      : callback_(std::move(callback)), time_limit_(time_limit), began_(Clock::now()), looked_(began_) {}
+
+  void operator()(int iteration, double objective, double infeasibility) {
+    const auto now = Clock::now();
+    if (seconds(now - began_) > time_limit_) throw Stop{"time limit"};
+    // Ctrl-C is looked for now and then: taking the interpreter's lock may mean waiting for another thread.
+    if (callback_.is_none() && seconds(now - looked_) < 0.05) return;
+    looked_ = now;
+    nb::gil_scoped_acquire held;
+    if (PyErr_CheckSignals() != 0) {
+      PyErr_Clear();
+      throw Stop{"interrupted"};
+    }
+    if (callback_.is_none()) return;
+    bool stop = false;
+    try {
+      stop = nb::cast<bool>(nb::bool_(callback_(iteration, objective, infeasibility)));
+    } catch (nb::python_error& error) {
+      if (error.matches(PyExc_KeyboardInterrupt)) throw Stop{"interrupted"};
+      raised.emplace(error);
+      stop = true;
+    }
+    if (stop) throw Stop{"stopped"};
+  }
+
+  std::optional<nb::python_error> raised;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+  nb::object callback_;
+  double time_limit_;
+  Clock::time_point began_, looked_;
+};
+
+using Optional = std::optional<Doubles>;
+
+const double* given(const Optional& array, std::size_t length, const char* name) {
+  return array ? checked(*array, length, name) : nullptr;
+}
+
+Outcome solve(Solved& self, const Doubles& y, const Doubles& lower, const Doubles& upper, const Options& options,
+              const Optional& lam, const Optional& lower_duals, const Optional& upper_duals, double mu,
+              nb::object callback, double time_limit) {
+  const std::size_t slacks = self.solver->nlp().lower.size();
+  Start start;
+  start.y = checked(y, self.program->columns(), "y");
+  start.lower = checked(lower, slacks, "lower");
+  start.upper = checked(upper, slacks, "upper");
+  start.lam = given(lam, self.program->rows(), "lam");
+  start.lower_duals = given(lower_duals, slacks, "lower_duals");
+  start.upper_duals = given(upper_duals, slacks, "upper_duals");
+  start.mu = mu;
+  const Alone alone(self.busy);
+  Check check(std::move(callback), time_limit);
+  Outcome outcome;
+  {
+    nb::gil_scoped_release released;
+    outcome = self.solver->solve(start, options, [&check](int iteration, double objective, double infeasibility) {
+      check(iteration, objective, infeasibility);
+    });
+  }
+  if (check.raised) throw nb::python_error(*check.raised);
+  return outcome;
+}
+
+Result copy(const Numbers& values) { return to_numpy(values); }
+
+}  // namespace
+
+void bind_program(nb::module_& m) {
+  nb::class_<Term>(m, "Term")
+      .def(
+          "__init__",
+          [](Term* self, std::shared_ptr<PointBlock> block, const Csr& gather, const Doubles& gather_offset,
+             const Doubles& constants, std::optional<Csr> scatter, std::optional<Doubles> weights,
+             std::optional<Csr> gradient, std::optional<Csr> jacobian, std::optional<Csr> hessian) {
+            new (self) Term{std::move(block),
+                            gather,
+                            numbers(gather_offset),
+                            numbers(constants),
+                            scatter.value_or(Csr()),
+                            weights ? numbers(*weights) : Numbers(),
+                            gradient.value_or(Csr()),
+                            jacobian.value_or(Csr()),
+                            hessian.value_or(Csr())};
+          },
+          nb::arg("block"), nb::arg("gather"), nb::arg("gather_offset"), nb::arg("constants"),
+          nb::arg("scatter") = nb::none(), nb::arg("weights") = nb::none(), nb::arg("gradient") = nb::none(),
+          nb::arg("jacobian") = nb::none(), nb::arg("hessian") = nb::none());
+
+  nb::class_<Outcome>(m, "Outcome")
+      .def_prop_ro("y", [](const Outcome& o) { return copy(o.y); }, nb::rv_policy::move)
+      .def_prop_ro("lam", [](const Outcome& o) { return copy(o.lam); }, nb::rv_policy::move)
+      .def_prop_ro("lower_duals", [](const Outcome& o) { return copy(o.lower_duals); }, nb::rv_policy::move)
+      .def_prop_ro("upper_duals", [](const Outcome& o) { return copy(o.upper_duals); }, nb::rv_policy::move)
+      .def_ro("status", &Outcome::status)
+      .def_ro("message", &Outcome::message)
+      .def_ro("iterations", &Outcome::iterations)
+      .def_ro("objective", &Outcome::objective)
+      .def_ro("violation", &Outcome::violation)
+      .def_ro("mu", &Outcome::mu)
+      .def_prop_ro("times",
+                   [](const Outcome& o) {
+                     return std::map<std::string, double>{{"functions", o.functions},
+                                                          {"combinations", o.combinations},
+                                                          {"linear algebra", o.linear_algebra},
+                                                          {"total", o.total}};
+                   })
+      .def_ro("trace", &Outcome::trace);
+
+  nb::class_<Solved>(m, "Program")
+      .def(
+          "__init__",
+          [](Solved* self, const Indices& controls, const Indices& states, const Indices& equalities,
+             const Indices& inequalities, const Csr& linear, const Doubles& offset, const Doubles& cost,
+             double cost_offset, const Indices& jacobian_rows, const Indices& jacobian_columns,
+             const Doubles& jacobian_constants, const Indices& hessian_rows, const Indices& hessian_columns,
+             const std::vector<Term*>& terms, std::size_t threads) {
+            std::vector<Term> copies;
+            for (const Term* term : terms) copies.push_back(*term);
+            auto program = std::make_shared<Program>(
+                LinearPart{linear, numbers(offset), numbers(cost), cost_offset, numbers(jacobian_constants)},
+                pattern(jacobian_rows, jacobian_columns), pattern(hessian_rows, hessian_columns), std::move(copies),
+                threads);
+            auto solver = std::make_unique<Solver>(
+                program, Stages{sizes(controls, "controls"), sizes(states, "states"), sizes(equalities, "equalities"),
+                                sizes(inequalities, "inequalities")});
+            new (self) Solved{std::move(program), std::move(solver)};
+          },
+          nb::arg("controls"), nb::arg("states"), nb::arg("equalities"), nb::arg("inequalities"), nb::arg("linear"),
+          nb::arg("offset"), nb::arg("cost"), nb::arg("cost_offset"), nb::arg("jacobian_rows"),
+          nb::arg("jacobian_columns"), nb::arg("jacobian_constants"), nb::arg("hessian_rows"),
+          nb::arg("hessian_columns"), nb::arg("terms"), nb::arg("threads") = 1)
+      .def_prop_ro("option_names", [](const Solved& self) { return self.solver->option_names(); })
+      .def_prop_ro("threads", [](const Solved& self) { return self.program->threads(); })
+      .def("solve", solve, nb::arg("y"), nb::arg("lower"), nb::arg("upper"), nb::arg("options") = Options(),
+           nb::kw_only(), nb::arg("lam") = nb::none(), nb::arg("lower_duals") = nb::none(),
+           nb::arg("upper_duals") = nb::none(), nb::arg("mu") = 0.0, nb::arg("callback") = nb::none(),
+           nb::arg("time_limit") = std::numeric_limits<double>::infinity())
+      .def(
+          "set_offsets",
+          [](Solved& self, const Doubles& offset, double cost_offset) {
+            self.program->set_offsets(checked(offset, self.program->rows(), "offset"), cost_offset);
+          },
+          nb::arg("offset"), nb::arg("cost_offset"))
+      .def(
+          "set_block_offsets",
+          [](Solved& self, std::size_t block, const Doubles& offset) {
+            const auto& term = self.program->terms().at(block);
+            self.program->set_gather_offset(block, checked(offset, term.gather_offset.size(), "offset"));
+          },
+          nb::arg("block"), nb::arg("offset"))
+      .def(
+          "set_constants",
+          [](Solved& self, std::size_t block, const Doubles& constants) {
+            const auto& term = self.program->terms().at(block);
+            self.program->set_constants(block, checked(constants, term.constants.size(), "constants"));
+          },
+          nb::arg("block"), nb::arg("constants"))
+      .def(
+          "rows",
+          [](Solved& self, const Doubles& y) {
+            self.program->set_point(checked(y, self.program->columns(), "y"));
+            return copy(self.program->row_values());
+          },
+          nb::arg("y"))
+      .def(
+          "objective",
+          [](Solved& self, const Doubles& y) {
+            self.program->set_point(checked(y, self.program->columns(), "y"));
+            return self.program->objective();
+          },
+          nb::arg("y"))
+      .def(
+          "gradient",
+          [](Solved& self, const Doubles& y) {
+            self.program->set_point(checked(y, self.program->columns(), "y"));
+            return copy(self.program->gradient());
+          },
+          nb::arg("y"))
+      .def(
+          "jacobian",
+          [](Solved& self, const Doubles& y) {
+            self.program->set_point(checked(y, self.program->columns(), "y"));
+            return copy(self.program->jacobian());
+          },
+          nb::arg("y"))
+      .def(
+          "hessian",
+          [](Solved& self, const Doubles& y, const Doubles& lam, double lam_f) {
+            const double* multipliers = checked(lam, self.program->rows(), "lam");
+            self.program->set_point(checked(y, self.program->columns(), "y"));
+            return copy(self.program->hessian(multipliers, lam_f));
+          },
+          nb::arg("y"), nb::arg("lam"), nb::arg("lam_f") = 1.0);
+}
+
+}  // namespace robotraj::native

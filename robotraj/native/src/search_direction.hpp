@@ -1,0 +1,135 @@
+// Newton's step with inertia correction that always ends.
+#pragma once
+
+#include <fatrop/common/options.hpp>
+#include <fatrop/ip_algorithm/ip_data.hpp>
+#include <fatrop/ip_algorithm/ip_search_dir.hpp>
+#include <fatrop/linear_algebra/linear_algebra.hpp>
+#include <fatrop/linear_algebra/linear_solver_return_flags.hpp>
+#include <fatrop/nlp/dims.hpp>
+#include <fatrop/nlp/nlp.hpp>
+#include <fatrop/ocp/hessian.hpp>
+#include <fatrop/ocp/jacobian.hpp>
+#include <fatrop/ocp/type.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace robotraj::native {
+
+/// Solves the primal-dual system, damped by delta_w in the Hessian and by delta_c in the constraints as far as needed.
+///
+/// delta_w grows while the reduced Hessian is not positive; delta_c is set where constraints depend on each other.
+/// fatrop's own search asks again for ever where constraints stay dependent under delta_c; here delta_w takes over, and
+/// beyond its largest value the step has failed.
+/// Source: Waechter and Biegler, On the implementation of an interior-point filter line-search algorithm for
+/// large-scale nonlinear programming, 2006, algorithm IC.
+template <typename LinearSolver>
+class SearchDirection : public fatrop::IpSearchDirBase {
+ public:
+  using Data = fatrop::IpData<fatrop::OcpType>;
+
+  SearchDirection(std::shared_ptr<Data> data, std::shared_ptr<LinearSolver> solver)
+      : data_(std::move(data)),
+        solver_(std::move(solver)),
+        x_(data_->current_iterate().delta_primal_x().m()),
+        s_(data_->current_iterate().delta_primal_s().m()),
+        g_(data_->current_iterate().delta_dual_eq().m()),
+        lower_(data_->current_iterate().delta_dual_bounds_l().m()),
+        upper_(data_->current_iterate().delta_dual_bounds_u().m()) {}
+
+  void reset() override { last_delta_w_ = 0.0; }
+
+  void register_options(fatrop::OptionRegistry& registry) override {
+    registry.register_option("delta_w0", &SearchDirection::set<&SearchDirection::delta_w0_>, this);
+    registry.register_option("delta_wmin", &SearchDirection::set<&SearchDirection::delta_wmin_>, this);
+    registry.register_option("kappa_wmin", &SearchDirection::set<&SearchDirection::kappa_wmin_>, this);
+    registry.register_option("kappa_wplus", &SearchDirection::set<&SearchDirection::kappa_wplus_>, this);
+    registry.register_option("kappa_wplusem", &SearchDirection::set<&SearchDirection::kappa_wplusem_>, this);
+    registry.register_option("kappa_c", &SearchDirection::set<&SearchDirection::kappa_c_>, this);
+    registry.register_option("delta_c_stripe", &SearchDirection::set<&SearchDirection::delta_c_stripe_>, this);
+  }
+
+  fatrop::LinsolReturnFlag compute_search_dir() override {
+    using fatrop::LinsolReturnFlag;
+    auto& iterate = data_->current_iterate();
+    x_.block(x_.m(), 0) = iterate.dual_infeasibility_x();
+    s_.block(s_.m(), 0) = iterate.dual_infeasibility_s();
+    g_.block(g_.m(), 0) = iterate.constr_viol();
+    lower_.block(lower_.m(), 0) = iterate.relaxed_complementarity_l();
+    upper_.block(upper_.m(), 0) = iterate.relaxed_complementarity_u();
+
+    double delta_w = 0.0, delta_c = 0.0;
+    for (;;) {
+      switch (const LinsolReturnFlag flag = solve(delta_w, delta_c)) {
+        case LinsolReturnFlag::INDEFINITE:
+          delta_w = larger(delta_w);
+          break;
+        case LinsolReturnFlag::NOFULL_RANK:
+          if (delta_c == 0.0) delta_c = delta_c_stripe_ * std::pow(iterate.mu(), kappa_c_);
+          else delta_w = larger(delta_w);
+          break;
+        case LinsolReturnFlag::UNKNOWN:
+        case LinsolReturnFlag::NAN_SOLUTION:
+          return flag;
+        default:
+          accept(delta_w, delta_c);
+          return flag;
+      }
+      if (!(delta_w <= largest_delta_w)) return LinsolReturnFlag::UNKNOWN;
+    }
+  }
+
+ private:
+  static constexpr double largest_delta_w = 1e40;
+
+  template <double SearchDirection::*option>
+  void set(const double& value) {
+    this->*option = value;
+  }
+
+  double larger(double delta_w) const {
+    if (delta_w > 0.0) return delta_w * (last_delta_w_ == 0.0 ? kappa_wplusem_ : kappa_wplus_);
+    return last_delta_w_ == 0.0 ? delta_w0_ : std::max(delta_wmin_, kappa_wmin_ * last_delta_w_);
+  }
+
+  fatrop::LinsolReturnFlag solve(double delta_w, double delta_c) {
+    auto& iterate = data_->current_iterate();
+    iterate.set_Dx(fatrop::VecRealScalar(iterate.Dx().m(), delta_w) + iterate.primal_damping());
+    iterate.set_De(fatrop::VecRealScalar(iterate.De().m(), delta_c));
+    iterate.set_De_is_zero(delta_c == 0.0);
+    typename LinearSolver::LinearSystemType system(
+        iterate.info(), iterate.jacobian(), iterate.hessian(), iterate.Dx(), iterate.De_is_zero(), iterate.De(),
+        iterate.delta_lower(), iterate.delta_upper(), iterate.dual_bounds_l(), iterate.dual_bounds_u(), x_, s_, g_,
+        lower_, upper_);
+    auto& timer = data_->timing_statistics().compute_search_dir;
+    timer.start();
+    const fatrop::LinsolReturnFlag flag = solver_->solve_in_place(system);
+    timer.pause();
+    return flag;
+  }
+
+  void accept(double delta_w, double delta_c) {
+    auto& iterate = data_->current_iterate();
+    if (delta_w > 0.0) last_delta_w_ = delta_w;
+    iterate.set_delta_primal_x(x_);
+    iterate.set_delta_primal_s(s_);
+    iterate.set_delta_dual_eq(g_);
+    iterate.set_delta_dual_bounds_l(lower_);
+    iterate.set_delta_dual_bounds_u(upper_);
+    iterate.search_dir_info().inertia_correction_primal = delta_w;
+    iterate.search_dir_info().inertia_correction_dual = delta_c;
+  }
+
+  std::shared_ptr<Data> data_;
+  std::shared_ptr<LinearSolver> solver_;
+  fatrop::VecRealAllocated x_, s_, g_, lower_, upper_;
+  double last_delta_w_ = 0.0;
+  double delta_w0_ = 1e-4, delta_wmin_ = 1e-20;
+  double kappa_wmin_ = 1.0 / 3.0, kappa_wplus_ = 8.0, kappa_wplusem_ = 100.0;
+  double kappa_c_ = 0.25, delta_c_stripe_ = 1e-6;
+};
+
+}  // namespace robotraj::native

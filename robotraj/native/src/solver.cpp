@@ -1,0 +1,269 @@
+#include "solver.hpp"
+
+#include <fatrop/common/options.hpp>
+#include <fatrop/common/printing.hpp>
+#include <fatrop/ip_algorithm/ip_algorithm.hpp>
+#include <fatrop/ip_algorithm/ip_convergence_check.hpp>
+#include <fatrop/ip_algorithm/ip_convergence_check_resto.hpp>
+#include <fatrop/ip_algorithm/ip_data.hpp>
+#include <fatrop/ip_algorithm/ip_eq_mult_initializer.hpp>
+#include <fatrop/ip_algorithm/ip_initializer_resto.hpp>
+#include <fatrop/ip_algorithm/ip_iteration_output.hpp>
+#include <fatrop/ip_algorithm/ip_linesearch.hpp>
+#include <fatrop/ip_algorithm/ip_mu_update.hpp>
+#include <fatrop/ip_algorithm/ip_nlp_orig.hpp>
+#include <fatrop/ip_algorithm/ip_nlp_resto.hpp>
+#include <fatrop/ip_algorithm/ip_resto_phase_min_cl1.hpp>
+#include <fatrop/linear_algebra/linear_algebra.hpp>
+#include <fatrop/ocp/aug_system_solver.hpp>
+#include <fatrop/ocp/hessian.hpp>
+#include <fatrop/ocp/jacobian.hpp>
+#include <fatrop/ocp/pd_solver_orig.hpp>
+#include <fatrop/ocp/pd_solver_resto.hpp>
+#include <fatrop/ocp/pd_system_orig.hpp>
+#include <fatrop/ocp/pd_system_resto.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "search_direction.hpp"
+#include "warm_start.hpp"
+
+namespace robotraj::native {
+
+using Ocp = fatrop::OcpType;
+using Data = fatrop::IpData<Ocp>;
+
+namespace {
+
+/// Takes the place of fatrop's printing: keeps the log, and asks once an iteration whether to go on.
+class Watch : public fatrop::IpIterationOutputBase {
+ public:
+  /// `stage` is the algorithm it stands in, `data` the original problem's, which has most of what is logged.
+  Watch(std::shared_ptr<Data> stage, std::shared_ptr<Data> data, StageNlp& nlp, std::vector<Iteration>& trace)
+      : stage_(std::move(stage)), data_(std::move(data)), nlp_(nlp), trace_(trace) {}
+
+  void print_header() override {}
+  void output_current_iteration() override {
+    auto& iterate = stage_->current_iterate();
+    auto& original = data_->current_iterate();
+    trace_.push_back({original.obj_value(), original.constr_viol_inf(),
+                      std::max(iterate.dual_infeasibility_x_inf(), iterate.dual_infeasibility_s_inf()), iterate.mu()});
+    // fatrop also writes the line after the last iteration, without the call that precedes the others.
+    const bool going_on = nlp_.iterating || stage_ != data_;
+    nlp_.iterating = false;
+    if (going_on && check && *check)
+      (*check)(static_cast<int>(stage_->iteration_number()), trace_.back()[0], trace_.back()[1]);
+  }
+
+  const std::function<void(int, double, double)>* check = nullptr;
+
+ private:
+  std::shared_ptr<Data> stage_, data_;
+  StageNlp& nlp_;
+  std::vector<Iteration>& trace_;
+};
+
+const char* status_of(fatrop::IpSolverReturnFlag flag) {
+  switch (flag) {
+    case fatrop::IpSolverReturnFlag::Success: return "solved";
+    case fatrop::IpSolverReturnFlag::StopAtAcceptablePoint: return "acceptable";
+    case fatrop::IpSolverReturnFlag::MaxIterExceeded: return "iteration limit";
+    case fatrop::IpSolverReturnFlag::LocalInfeasibility: return "infeasible";
+    case fatrop::IpSolverReturnFlag::LineSearchFailed: return "line search failed";
+    case fatrop::IpSolverReturnFlag::ErrorInStepComputation: return "step failed";
+    default: return "failed";
+  }
+}
+
+}  // namespace
+
+/// fatrop's parts, joined as its own builder joins them, with our start, search direction and log in their places.
+struct Solver::Algorithm {
+  explicit Algorithm(const std::shared_ptr<Program>& program, const std::shared_ptr<StageNlp>& nlp)
+      : original(std::make_shared<fatrop::IpNlpOrig<Ocp>>(nlp)), data(std::make_shared<Data>(original)) {
+    using fatrop::IpEqMultInitializer;
+    using fatrop::IpMonotoneMuUpdate;
+    using Solve = fatrop::PdSolverOrig<Ocp>;
+    using SolveRestoration = fatrop::PdSolverResto<Ocp>;
+    const fatrop::ProblemInfo<Ocp>& info = nlp->info();
+    const auto system = std::make_shared<fatrop::AugSystemSolver<Ocp>>(info);
+    const auto solve = std::make_shared<Solve>(info, system);
+
+    // The restoration phase is an algorithm of its own, on the problem of least infeasibility.
+    const auto restored = std::make_shared<fatrop::IpNlpResto<Ocp>>(original);
+    data_restoration = std::make_shared<Data>(restored);
+    const auto solve_restoration = std::make_shared<SolveRestoration>(info, solve);
+    const auto direction_restoration =
+        std::make_shared<SearchDirection<SolveRestoration>>(data_restoration, solve_restoration);
+    const auto search_restoration =
+        std::make_shared<fatrop::IpLinesearch<SolveRestoration, Ocp>>(data_restoration, solve_restoration, nullptr);
+    const auto converged_restoration =
+        std::make_shared<fatrop::IpConvergenceCheckResto<Ocp>>(data, data_restoration);
+    const auto barrier_restoration =
+        std::make_shared<IpMonotoneMuUpdate<Ocp>>(data_restoration, search_restoration);
+    const auto multipliers_restoration = std::make_shared<IpEqMultInitializer<Ocp>>(data_restoration, solve);
+    const auto start_restoration = std::make_shared<fatrop::IpInitializerResto<Ocp>>(data, data_restoration);
+    watch_restoration = std::make_shared<Watch>(data_restoration, data, *nlp, trace);
+    const auto restoration = std::make_shared<fatrop::IpRestoPhaseMinCl1<Ocp>>(
+        std::make_shared<fatrop::IpAlgorithm<Ocp>>(direction_restoration, search_restoration, start_restoration,
+                                                   barrier_restoration, multipliers_restoration,
+                                                   converged_restoration, watch_restoration, data_restoration),
+        multipliers_restoration, data, data_restoration, restored);
+
+    const auto direction = std::make_shared<SearchDirection<Solve>>(data, solve);
+    const auto search = std::make_shared<fatrop::IpLinesearch<Solve, Ocp>>(data, solve, restoration);
+    const auto multipliers = std::make_shared<IpEqMultInitializer<Ocp>>(data, solve);
+    start = std::make_shared<Initializer>(data, multipliers, program, nlp);
+    const auto barrier = std::make_shared<IpMonotoneMuUpdate<Ocp>>(data, search);
+    const auto converged = std::make_shared<fatrop::IpConvergenceCheck<Ocp>>(data);
+    watch = std::make_shared<Watch>(data, data, *nlp, trace);
+    converged_restoration->set_line_search_orig(search);
+    algorithm = std::make_unique<fatrop::IpAlgorithm<Ocp>>(direction, search, start, barrier, multipliers, converged,
+                                                           watch, data);
+
+    original->register_options(options);
+    data->register_options(options);
+    system->register_options(options);
+    restored->register_options(options);
+    data_restoration->register_options(options);
+    direction_restoration->register_options(options);
+    search_restoration->register_options(options);
+    converged_restoration->register_options(options);
+    barrier_restoration->register_options(options);
+    multipliers_restoration->register_options(options);
+    start_restoration->register_options(options);
+    restoration->register_options(options);
+    direction->register_options(options);
+    search->register_options(options);
+    multipliers->register_options(options);
+    start->register_options(options);
+    barrier->register_options(options);
+    converged->register_options(options);
+    // fatrop takes a pivot below 1e-6 of its diagonal for a negative one. Near a solution every active bound adds
+    // 1 / mu to a diagonal: that is not curvature lost, and damping it would end Newton's convergence.
+    options.set_option("linsol_pivot_tol", 1e-14);
+  }
+
+  std::shared_ptr<fatrop::IpNlpOrig<Ocp>> original;
+  std::shared_ptr<Data> data, data_restoration;
+  std::shared_ptr<Initializer> start;
+  std::shared_ptr<Watch> watch, watch_restoration;
+  std::unique_ptr<fatrop::IpAlgorithm<Ocp>> algorithm;
+  fatrop::OptionRegistry options;
+  std::vector<Iteration> trace;
+};
+
+Solver::Solver(std::shared_ptr<Program> program, const Stages& stages)
+    : program_(std::move(program)),
+      nlp_(std::make_shared<StageNlp>(program_, stages)),
+      algorithm_(std::make_unique<Algorithm>(program_, nlp_)) {}
+
+Solver::~Solver() = default;
+
+std::vector<std::string> Solver::option_names() const {
+  // The registry tells its names only in what it prints: "  name of type n".
+  std::ostringstream printed;
+  printed << algorithm_->options;
+  std::istringstream lines(printed.str());
+  std::vector<std::string> names;
+  std::string line;
+  while (std::getline(lines, line)) {
+    const auto end = line.find(" of type ");
+    if (line.rfind("  ", 0) == 0 && end != std::string::npos) names.push_back(line.substr(2, end - 2));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+void Solver::set_options(const Options& options) {
+  // fatrop does not tell its defaults, so an option that is given up asks for a new algorithm.
+  for (const auto& [name, value] : options_)
+    if (!options.count(name)) {
+      algorithm_ = std::make_unique<Algorithm>(program_, nlp_);
+      break;
+    }
+  options_ = options;
+  for (const auto& [name, value] : options) {
+    const auto type = algorithm_->options.get_option_type(name);
+    if (type == fatrop::OptionTypeId::Unknown) {
+      std::string message = "fatrop has no option '" + name + "'; it has";
+      for (const std::string& known : option_names()) message += " " + known;
+      throw std::invalid_argument(message);
+    }
+    try {
+      const auto* number = std::get_if<int>(&value);
+      if (number && type == fatrop::OptionTypeId::Scalar)
+        algorithm_->options.set_option(name, static_cast<double>(*number));
+      else
+        std::visit([&, name = name](const auto& plain) { algorithm_->options.set_option(name, plain); }, value);
+    } catch (const std::runtime_error& error) {
+      throw std::invalid_argument(error.what());
+    }
+  }
+}
+
+Outcome Solver::solve(const Start& start, const Options& options,
+                      const std::function<void(int, double, double)>& check) {
+  const auto began = std::chrono::steady_clock::now();
+  Options wanted = options;
+  if (start.mu > 0.0) wanted["mu_init"] = start.mu;
+  set_options(wanted);
+  std::copy_n(start.y, program_->columns(), nlp_->start.data());
+  std::copy_n(start.lower, nlp_->lower.size(), nlp_->lower.data());
+  std::copy_n(start.upper, nlp_->upper.size(), nlp_->upper.data());
+  Algorithm& run = *algorithm_;
+  run.trace.clear();
+  run.start->start = start;
+  run.watch->check = run.watch_restoration->check = &check;
+  nlp_->iterating = false;
+  program_->times.clear();
+
+  Outcome outcome;
+  try {
+    outcome.status = status_of(run.algorithm->optimize());
+  } catch (const Stop& stop) {
+    outcome.status = stop.status;
+  } catch (const std::exception& error) {
+    outcome.status = "failed";
+    outcome.message = error.what();
+  }
+  collect(outcome);
+  outcome.total = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return outcome;
+}
+
+void Solver::collect(Outcome& outcome) {
+  Algorithm& run = *algorithm_;
+  auto& iterate = run.data->current_iterate();
+  const std::size_t rows = program_->rows(), slacks = nlp_->lower.size();
+  outcome.functions = program_->times.functions;
+  outcome.combinations = program_->times.combinations;
+  outcome.linear_algebra = run.data->timing_statistics().compute_search_dir.elapsed() +
+                           run.data_restoration->timing_statistics().compute_search_dir.elapsed();
+  outcome.iterations = static_cast<int>(run.data->iteration_number());
+  outcome.mu = iterate.mu();
+  outcome.trace = run.trace;
+  outcome.y.assign(iterate.primal_x().data(), iterate.primal_x().data() + program_->columns());
+  outcome.lam.resize(rows);
+  if (rows) nlp_->rows_from_fatrop(iterate.dual_eq().data(), outcome.lam.data());
+  if (slacks) {
+    outcome.lower_duals.assign(iterate.dual_bounds_l().data(), iterate.dual_bounds_l().data() + slacks);
+    outcome.upper_duals.assign(iterate.dual_bounds_u().data(), iterate.dual_bounds_u().data() + slacks);
+  }
+  program_->set_point(outcome.y.data());
+  outcome.objective = program_->objective();
+  const Numbers& values = program_->row_values();
+  for (std::size_t i = 0; i < rows; ++i) {
+    const bool equality = i < rows - slacks;
+    const std::size_t k = equality ? 0 : i - (rows - slacks);
+    const double broken =
+        equality ? std::abs(values[i]) : std::max(nlp_->lower[k] - values[i], values[i] - nlp_->upper[k]);
+    if (!(broken <= outcome.violation)) outcome.violation = broken;  // NaN counts as broken
+  }
+}
+
+}  // namespace robotraj::native

@@ -1,0 +1,70 @@
+// CasADi's scalar graphs, run for a pack of points at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace robotraj::native {
+
+/// What an instruction does. Sums, differences and products differ by data alone (`Signs`): no branch is guessed wrong.
+enum class Step : std::int16_t { add, subtract, multiply, divide, other };
+
+/// One operation of a tape on its memory; other operations than the first four are done point by point.
+struct Instruction {
+  std::int32_t out, first, second;
+  Step step;
+  std::int16_t operation;  ///< CasADi's number of it
+};
+
+/// A tape as the kernels read it. Its memory is [ work | arguments | constants | result ].
+struct TapeCode {
+  const Instruction* instructions = nullptr;
+  std::size_t count = 0;
+  const std::size_t* inputs = nullptr;  ///< numbers in each argument
+  std::size_t arguments = 0;
+  const double* constants = nullptr;
+  std::size_t constant_count = 0;
+  std::size_t work = 0;
+  std::size_t outputs = 0;
+};
+
+/// A function is no scalar graph of one dense result, or has calls of other functions in it.
+struct NotATape : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
+/// The instructions of a casadi::Function of one dense result, in its own order: the same numbers, to the last bit.
+class Tape {
+ public:
+  Tape() = default;
+  /// Reads a serialised SXFunction; throws NotATape for any other function.
+  explicit Tape(const std::string& serialised);
+
+  TapeCode code() const;
+  /// Packs of memory that running it takes.
+  std::size_t memory() const { return result_ + outputs_; }
+  /// Numbers in the result.
+  std::size_t outputs() const { return outputs_; }
+  /// Numbers in each argument.
+  const std::vector<std::size_t>& inputs() const { return inputs_; }
+  bool empty() const { return instructions_.empty(); }
+  /// Whether the result depends on this argument.
+  bool reads(std::size_t argument) const { return argument < read_.size() && read_[argument]; }
+
+ private:
+  std::vector<Instruction> instructions_;
+  std::vector<std::size_t> inputs_;
+  std::vector<bool> read_;
+  std::vector<double> constants_;
+  std::size_t work_ = 0;
+  std::size_t result_ = 0;
+  std::size_t outputs_ = 0;
+};
+
+/// One operation of one point, as CasADi computes it.
+double compute(std::int16_t operation, double x, double y);
+
+}  // namespace robotraj::native

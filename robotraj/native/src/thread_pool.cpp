@@ -1,0 +1,91 @@
+#include "thread_pool.hpp"
+
+#include <algorithm>
+
+namespace robotraj::native {
+
+namespace {
+
+constexpr std::uint64_t bits = 20;  // of the next piece, and of the number of pieces above it
+constexpr std::uint64_t mask = (1u << bits) - 1;
+constexpr std::size_t pieces_a_thread = 4;
+
+/// Looks at a condition often before giving up; on a busy machine the others get the core.
+template <typename Condition>
+bool spin(Condition&& holds) {
+  for (int i = 0; i < 1000; ++i) {
+    if (holds()) return true;
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+  }
+  return false;
+}
+
+}  // namespace
+
+ThreadPool::ThreadPool(std::size_t threads) {
+  for (std::size_t thread = 1; thread < threads; ++thread) workers_.emplace_back([this, thread] { serve(thread); });
+}
+
+ThreadPool::~ThreadPool() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_.store(true);
+  }
+  wake_.notify_all();
+  for (std::thread& worker : workers_) worker.join();
+}
+
+void ThreadPool::run(std::size_t count, std::size_t step, Call call, void* context) {
+  if (workers_.empty() || count <= step) {
+    if (count) call(context, 0, 0, count);
+    return;
+  }
+  const std::size_t steps = (count + step - 1) / step;
+  const std::size_t steps_a_piece = (steps + size() * pieces_a_thread - 1) / (size() * pieces_a_thread);
+  const std::size_t pieces = (steps + steps_a_piece - 1) / steps_a_piece;
+  count_ = count;
+  piece_ = steps_a_piece * step;
+  call_ = call;
+  context_ = context;
+  unfinished_.store(pieces, std::memory_order_relaxed);
+  const std::uint64_t round = (ticket_.load(std::memory_order_relaxed) >> (2 * bits)) + 1;
+  ticket_.store(round << (2 * bits) | static_cast<std::uint64_t>(pieces) << bits);
+  if (asleep_.load() > 0) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    wake_.notify_all();
+  }
+  take_pieces(0);
+  while (!spin([this] { return unfinished_.load(std::memory_order_acquire) == 0; })) std::this_thread::yield();
+}
+
+void ThreadPool::serve(std::size_t thread) {
+  const auto wanted = [this] {
+    const std::uint64_t ticket = ticket_.load();
+    return (ticket & mask) < (ticket >> bits & mask) || stop_.load();
+  };
+  while (!stop_.load()) {
+    if (!spin(wanted)) {
+      std::unique_lock<std::mutex> lock(mutex_);
+      ++asleep_;
+      wake_.wait(lock, wanted);
+      --asleep_;
+    }
+    take_pieces(thread);
+  }
+}
+
+void ThreadPool::take_pieces(std::size_t thread) {
+  std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
+  while ((ticket & mask) < (ticket >> bits & mask)) {
+    if (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel)) continue;
+    // The piece is ours, so the call cannot end and what describes it stays.
+    const std::size_t begin = static_cast<std::size_t>(ticket & mask) * piece_;
+    call_(context_, thread, begin, std::min(count_, begin + piece_));
+    unfinished_.fetch_sub(1, std::memory_order_release);
+    ticket = ticket_.load(std::memory_order_acquire);
+  }
+}
+
+}  // namespace robotraj::native

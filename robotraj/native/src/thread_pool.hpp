@@ -1,0 +1,70 @@
+// Threads that are made once and share the points of a block, piece by piece.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <type_traits>
+#include <vector>
+
+namespace robotraj::native {
+
+/// A fixed team of threads, the caller being thread 0.
+///
+/// Work is cut into pieces that do not depend on who takes them, so its results do not either. The caller takes pieces
+/// like everyone else: where the machine is busy and the others do not wake, it does the work alone and waits for
+/// nobody. Between calls the others spin for some microseconds before they sleep. One caller at a time.
+class ThreadPool {
+ public:
+  /// A pool of `threads` in all; 1 makes no thread and runs everything in the caller.
+  explicit ThreadPool(std::size_t threads);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  std::size_t size() const { return workers_.size() + 1; }
+
+  /// Calls work(thread, begin, end) for pieces that cover [0, count) once, each beginning at a multiple of `step`.
+  ///
+  /// A thread may get several pieces, or none. The work must not throw.
+  template <typename Work>
+  void split(std::size_t count, std::size_t step, Work&& work) {
+    using Plain = std::remove_reference_t<Work>;
+    auto call = [](void* context, std::size_t thread, std::size_t begin, std::size_t end) {
+      (*static_cast<Plain*>(context))(thread, begin, end);
+    };
+    run(count, step, call, const_cast<void*>(static_cast<const void*>(std::addressof(work))));
+  }
+
+  template <typename Work>
+  void split(std::size_t count, Work&& work) {
+    split(count, 1, static_cast<Work&&>(work));
+  }
+
+ private:
+  using Call = void (*)(void* context, std::size_t thread, std::size_t begin, std::size_t end);
+
+  void run(std::size_t count, std::size_t step, Call call, void* context);
+  void serve(std::size_t thread);
+  void take_pieces(std::size_t thread);
+
+  std::vector<std::thread> workers_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  // Which call it is, how many pieces it has and which is next, in one word: a late thread cannot take a piece of a
+  // call that is over, nor mistake it for one of the next.
+  std::atomic<std::uint64_t> ticket_{0};
+  std::atomic<std::size_t> unfinished_{0};
+  std::atomic<int> asleep_{0};
+  std::atomic<bool> stop_{false};
+  std::size_t count_ = 0;
+  std::size_t piece_ = 1;
+  Call call_ = nullptr;
+  void* context_ = nullptr;
+};
+
+}  // namespace robotraj::native

@@ -1,0 +1,129 @@
+"""Sparse matrices as places in a buffer, and their products as terms buffer[out] += buffer[left] * buffer[right].
+
+The chain rule of a stage function is written once, when its block is made, as a list of such terms; the compiled
+module runs the list for every point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Indices = NDArray[np.int64]
+Sums = tuple[Indices, Indices, Indices, Indices]
+"""Terms of a matrix: row, column, left and right of each."""
+
+ONE = 0
+"""Where every buffer holds 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class Entries:
+    """A sparse matrix: entry (rows[i], columns[i]) stands at ``places[i]`` of the buffer."""
+
+    rows: Indices
+    columns: Indices
+    places: Indices
+
+    @property
+    def T(self) -> Entries:
+        """The transpose."""
+        return Entries(self.columns, self.rows, self.places)
+
+    def where(self, kept: NDArray[np.bool_]) -> Entries:
+        """Keep some entries."""
+        return Entries(self.rows[kept], self.columns[kept], self.places[kept])
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+
+def entries(rows: Indices, columns: Indices, first: int) -> Entries:
+    """Give the matrix whose entries stand one after the other from ``first`` on."""
+    places = first + np.arange(len(rows), dtype=np.int64)
+    return Entries(np.asarray(rows, dtype=np.int64), np.asarray(columns, dtype=np.int64), places)
+
+
+def joined(a: Entries, b: Entries) -> Entries:
+    """Give all entries of both."""
+    return Entries(*(np.concatenate(side) for side in ((a.rows, b.rows), (a.columns, b.columns), (a.places, b.places))))
+
+
+@dataclass
+class Terms:
+    """A buffer that grows, and what is added up in it.
+
+    Attributes
+    ----------
+    size : int
+        Length of the buffer so far.
+    """
+
+    size: int
+    _terms: list[NDArray[np.int64]] = field(default_factory=list)
+
+    def collect(self, sums: list[Sums], full: int | None = None) -> Entries:
+        """Make a new matrix of sums of terms (row, column, left, right).
+
+        Parameters
+        ----------
+        full : int, optional
+            Give a dense column of this length instead, with zeros where there is no term.
+
+        Returns
+        -------
+        Entries
+            In column-major order.
+        """
+        rows, columns, left, right = (np.concatenate(side).astype(np.int64) for side in zip(*sums, strict=True))
+        key = columns * (rows.max(initial=0) + 1) + rows
+        present, which = np.unique(key, return_inverse=True)
+        first = np.zeros(len(present), dtype=np.int64)
+        first[which] = np.arange(len(key))
+        if full is None:
+            made = entries(rows[first], columns[first], self.size)
+        else:
+            made = entries(np.arange(full), np.zeros(full, dtype=np.int64), self.size)
+            which = rows
+        self.size += len(made)
+        self._terms.append(np.stack([made.places[which.ravel()], left, right]))
+        return made
+
+    def product(self, a: Entries, b: Entries) -> Entries:
+        """Make a b."""
+        return self.collect([matched(a, b)])
+
+    @property
+    def terms(self) -> NDArray[np.int64]:
+        """Out, left and right of every term, (3, terms), in order."""
+        return np.concatenate(self._terms, axis=1) if self._terms else np.zeros((3, 0), dtype=np.int64)
+
+
+def copied(a: Entries) -> Sums:
+    """Terms of a itself."""
+    return a.rows, a.columns, a.places, np.full(len(a), ONE, dtype=np.int64)
+
+
+def matched(a: Entries, b: Entries) -> Sums:
+    """Terms of a b: every pair of an entry of a and one of b whose row is its column."""
+    by_row = np.argsort(b.rows, kind="stable")
+    begin = np.searchsorted(b.rows[by_row], a.columns, "left")
+    many = np.searchsorted(b.rows[by_row], a.columns, "right") - begin
+    left = np.repeat(np.arange(len(a)), many)
+    right = by_row[np.arange(len(left)) - np.repeat(np.cumsum(many) - many, many) + np.repeat(begin, many)]
+    return a.rows[left], b.columns[right], a.places[left], b.places[right]
+
+
+def lower(terms: Sums) -> Sums:
+    """Keep the terms of the lower triangle."""
+    rows, columns, left, right = terms
+    kept = rows >= columns
+    return rows[kept], columns[kept], left[kept], right[kept]
+
+
+def flipped(terms: Sums) -> Sums:
+    """Terms of the transpose."""
+    rows, columns, left, right = terms
+    return columns, rows, left, right
