@@ -1,0 +1,227 @@
+"""Sparse matrices of numbers in compressed rows: the few operations that transcriptions need, on NumPy alone.
+
+Names and meanings are those of ``scipy.sparse``, whose import takes longer than a whole plan of an arm. The indices of
+a row are sorted and stand once each; arrays (``data``, ``indices``, ``indptr``) may be shared between matrices and are
+never written to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import scipy.sparse
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+Shape = tuple[int, int]
+
+
+class csr_array:
+    """A matrix in compressed rows.
+
+    Parameters
+    ----------
+    given : csr_array, csc_array, shape, (data, (rows, columns)) or (data, indices, indptr)
+        Triplets of one place add up; the last form must be sorted already.
+    shape : (int, int), optional
+        Of the last two forms.
+    """
+
+    __array_ufunc__ = None  # NumPy's arrays leave w @ A to this class
+
+    data: Array
+    indices: Indices
+    indptr: Indices
+    shape: Shape
+
+    def __init__(self, given: Any, shape: Shape | None = None) -> None:
+        if isinstance(given, csc_array):
+            given, shape = (given.data, (given.row, given.col)), given.shape
+        elif isinstance(given, csr_array):
+            given, shape = (given.data, given.indices, given.indptr), given.shape
+        elif not isinstance(given[0], np.ndarray):
+            given, shape = (np.empty(0), np.empty(0, dtype=int), np.zeros(given[0] + 1, dtype=int)), given
+        assert shape is not None
+        self.shape = int(shape[0]), int(shape[1])
+        if len(given) == 2:
+            data, (rows, columns) = given
+            given = _compressed(data, rows, columns, self.shape)
+        self.data, self.indices, self.indptr = given
+
+    @property
+    def nnz(self) -> int:
+        """Number of entries."""
+        return int(self.data.size)
+
+    @cached_property
+    def row(self) -> Indices:
+        """Row of every entry."""
+        return np.repeat(np.arange(self.shape[0]), np.diff(self.indptr))
+
+    @property
+    def col(self) -> Indices:
+        """Column of every entry."""
+        return self.indices
+
+    @property
+    def T(self) -> csc_array:
+        """The transpose."""
+        return csc_array(self)
+
+    def tocsc(self) -> csc_array:
+        """Compress the columns instead."""
+        turned = (self.data, (self.indices, self.row))
+        return csc_array(csr_array(turned, (self.shape[1], self.shape[0])))
+
+    def copy(self) -> csr_array:
+        """Give a matrix of its own, to be resized."""
+        return csr_array(self)
+
+    def resize(self, shape: Shape) -> None:
+        """Add empty rows and columns behind those there are."""
+        more = shape[0] - self.shape[0]
+        if more < 0 or shape[1] < self.shape[1]:
+            raise ValueError(f"A matrix of shape {self.shape} cannot shrink to {shape}.")
+        self.indptr = np.append(self.indptr, np.full(more, self.indptr[-1]))
+        self.shape = (int(shape[0]), int(shape[1]))
+        self.__dict__.pop("row", None)
+
+    def toarray(self) -> Array:
+        """Write out all entries."""
+        dense = np.zeros(self.shape)
+        dense[self.row, self.indices] = self.data
+        return dense
+
+    def scipy(self) -> scipy.sparse.csr_array:
+        """Copy into SciPy."""
+        from scipy import sparse
+
+        return sparse.csr_array((self.data, self.indices, self.indptr), shape=self.shape)
+
+    def __getitem__(self, rows: Any) -> csr_array:
+        """Take rows: indices, a mask or a slice."""
+        which = np.atleast_1d(np.arange(self.shape[0])[rows])
+        indices, data, position = expand(self, which)
+        counts = np.bincount(position, minlength=which.size)
+        return csr_array((data, indices, _pointers(counts)), (which.size, self.shape[1]))
+
+    @overload
+    def __matmul__(self, other: csr_array) -> csr_array: ...
+    @overload
+    def __matmul__(self, other: Array) -> Array: ...
+    def __matmul__(self, other: csr_array | Array) -> csr_array | Array:
+        if not isinstance(other, csr_array):
+            return _added(self.row, self.data * other[self.indices], self.shape[0])
+        shape = (self.shape[0], other.shape[1])
+        columns, factors, position = expand(other, self.indices)
+        data, counts = self.data[position] * factors, np.diff(self.indptr)
+        if counts.size and counts.max() <= 1:
+            taken = np.zeros(shape[0], dtype=int)
+            taken[counts > 0] = np.diff(other.indptr)[self.indices]
+            return csr_array((data, columns, _pointers(taken)), shape)
+        return csr_array((data, (self.row[position], columns)), shape)
+
+    def __rmatmul__(self, other: Array) -> Array:
+        return self.T @ other
+
+    def __add__(self, other: csr_array) -> csr_array:
+        return _sum(self, other, 1.0)
+
+    def __sub__(self, other: csr_array) -> csr_array:
+        return _sum(self, other, -1.0)
+
+
+class csc_array:
+    """A matrix in compressed columns: its transpose in compressed rows."""
+
+    __array_ufunc__ = None
+
+    def __init__(self, transpose: csr_array) -> None:
+        self.T = transpose
+        self.shape = (transpose.shape[1], transpose.shape[0])
+        self.data, self.indices, self.indptr = transpose.data, transpose.indices, transpose.indptr
+
+    @property
+    def row(self) -> Indices:
+        """Row of every entry."""
+        return self.indices
+
+    @property
+    def col(self) -> Indices:
+        """Column of every entry."""
+        return self.T.row
+
+    def __getitem__(self, key: tuple[slice, Any]) -> csc_array:
+        """Take columns: ``[:, columns]``."""
+        every, columns = key
+        if every != slice(None):
+            raise ValueError("Columns are taken whole: [:, columns].")
+        return csc_array(self.T[columns])
+
+    def __matmul__(self, other: Array) -> Array:
+        return _added(self.indices, self.data * other[self.col], self.shape[0])
+
+
+def diags_array(values: Array) -> csr_array:
+    """Give the diagonal matrix."""
+    places = np.arange(len(values))
+    return csr_array((np.asarray(values), places, np.arange(len(values) + 1)), (len(values), len(values)))
+
+
+def vstack(parts: Sequence[csr_array]) -> csr_array:
+    """Stack matrices of one width."""
+    counts = np.concatenate([np.diff(part.indptr) for part in parts])
+    data, indices = (np.concatenate([getattr(part, name) for part in parts]) for name in ("data", "indices"))
+    return csr_array((data, indices, _pointers(counts)), (counts.size, parts[0].shape[1]))
+
+
+def expand(matrix: csr_array | csc_array, which: Indices) -> tuple[Indices, Array, Indices]:
+    """Concatenate the compressed vectors ``which``: indices, data, and each entry's position in ``which``."""
+    starts = matrix.indptr[which]
+    counts = matrix.indptr[which + 1] - starts
+    if np.all(counts == 1):
+        return matrix.indices[starts], matrix.data[starts], np.arange(which.size)
+    ends = np.cumsum(counts)
+    total = int(ends[-1]) if ends.size else 0
+    slots = np.arange(total) - np.repeat(ends - counts, counts) + np.repeat(starts, counts)
+    return matrix.indices[slots], matrix.data[slots], np.repeat(np.arange(which.size), counts)
+
+
+def _compressed(data: Array, rows: Indices, columns: Indices, shape: Shape) -> tuple[Array, Indices, Indices]:
+    """Compress triplets to data, indices and pointers; those of one place are added in the order they are given in."""
+    keys = np.asarray(rows, dtype=np.int64) * shape[1] + columns
+    data = np.asarray(data, dtype=float)
+    if np.any(keys[1:] <= keys[:-1]):
+        order = np.argsort(keys, kind="stable")
+        keys, data = keys[order], data[order]
+        fresh = np.append(True, keys[1:] > keys[:-1])
+        if not fresh.all():
+            data, keys = _added(np.cumsum(fresh) - 1, data), keys[fresh]
+    major, minor = np.divmod(keys, max(shape[1], 1))
+    return data, minor, _pointers(np.bincount(major, minlength=shape[0]))
+
+
+def _added(places: Indices, values: Array, size: int = 0) -> Array:
+    """Add the values of each place, one after the other."""
+    return np.asarray(np.bincount(places, weights=values, minlength=size), dtype=float)
+
+
+def _pointers(counts: Indices) -> Indices:
+    return np.concatenate([[0], np.cumsum(counts)]).astype(int)
+
+
+def _sum(first: csr_array, second: csr_array, sign: float) -> csr_array:
+    """Add, and leave out what cancels."""
+    if first.shape != second.shape:
+        raise ValueError(f"Matrices of shapes {first.shape} and {second.shape} cannot be added.")
+    data = np.append(first.data, sign * second.data)
+    rows, columns = np.append(first.row, second.row), np.append(first.indices, second.indices)
+    total = csr_array((data, (rows, columns)), first.shape)
+    kept = total.data != 0.0
+    return csr_array((total.data[kept], (total.row[kept], total.col[kept])), first.shape)

@@ -1,0 +1,214 @@
+"""Free durations: velocities and accelerations of the same motion at a duration that is fixed.
+
+With s = T / T_0, the plan x(t) of duration T is the plan of duration T_0 with velocities v' = s v and accelerations
+a' = s^2 a. In these variables dq/dt = v and dv/dt = a are linear in all unknowns, although the duration is one of
+them; it is left in the torque balance, RNEA(q, v' / s, a' / s^2), and in the speed limits, v' <= s v_max, which are
+linear too. A defect of velocities is multiplied by s, which changes nothing where it is zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.schemes import MovingMesh
+from robotraj.sparse import csr_array, vstack
+from robotraj.stagewise.form import Form, taller, with_rows
+from robotraj.stagewise.kept import Kept
+from robotraj.stagewise.matrices import entries_of, summed
+from robotraj.transcription.block import Block
+from robotraj.transcription.stage import Stage
+
+if TYPE_CHECKING:
+    from robotraj.transcription import Nlp
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+_STRETCHED: Kept[Stage] = Kept()
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Which columns are those of the stretched motion.
+
+    Attributes
+    ----------
+    power : ndarray of int (n_w,)
+        k of w = w' / s^k: 1 for velocities, 2 for accelerations, 0 for all others.
+    clock : ndarray of int (n_w,)
+        The duration's column, -1 where the power is 0.
+    unit : ndarray (n_w,)
+        s = w[clock] * unit.
+    rows : ndarray of int (n_rows,)
+        1 where a row of the NLP was multiplied by s.
+    row_clock : ndarray of int (n_rows,)
+    """
+
+    power: Indices
+    clock: Indices
+    unit: Array
+    rows: Indices
+    row_clock: Indices
+
+    def columns(self, stretched: Array) -> Array:
+        """Give w for w'."""
+        s = self.factor(stretched, self.clock)
+        return np.asarray(stretched / s**self.power)
+
+    def stretched(self, w: Array) -> Array:
+        """Give w' for w."""
+        return np.asarray(w * self.factor(w, self.clock) ** self.power)
+
+    def factor(self, w: Array, clock: Indices) -> Array:
+        """Give s for durations in columns ``clock``, 1 where there is none."""
+        return np.where(clock >= 0, w[clock] * self.unit[clock], 1.0)
+
+
+def stretch(form: Form, nlp: Nlp) -> tuple[Form, Stretch | None]:
+    """Rewrite the phases of free duration whose rates are plain velocities and accelerations.
+
+    Parameters
+    ----------
+    form : Form
+        As ``Form.of(nlp)`` gave it.
+    nlp : Nlp
+    """
+    n_w, n_rows = len(form.lower), len(form.row_lower)
+    power, clock, unit = np.zeros(n_w, dtype=int), np.full(n_w, -1), np.ones(n_w)
+    phases = [i for i in range(len(nlp.layouts)) if _can(nlp, i)]
+    for i in phases:
+        layout, robot = nlp.layouts[i], nlp.problem.phases[i].robot
+        assert robot is not None
+        column = layout.duration.column
+        assert column is not None
+        n = robot.nv
+        velocities = [layout.knots[:, n : 2 * n].ravel()]
+        accelerations = []
+        for run in layout.runs:
+            velocities.append(run.states[..., n : 2 * n].ravel())
+            accelerations.append(run.algebraic[..., :n].ravel())
+        for columns, k in ((velocities, 1), (accelerations, 2)):
+            every = np.flatnonzero(np.bincount(np.concatenate(columns)))
+            power[every], clock[every] = k, column
+        unit[column] = nlp.scale[column] / max(nlp.guess[column], 1e-3)
+    if not phases or np.isfinite(form.lower[power == 2]).any() or np.isfinite(form.upper[power == 2]).any():
+        return form, None
+    rows, row_clock = np.zeros(n_rows, dtype=int), np.full(n_rows, -1)
+    blocks = []
+    for index, block in enumerate(form.blocks):
+        point = index if index in phases else None
+        changed = _block(block, power, clock, unit, nlp, point)
+        blocks.append(changed)
+        if point is not None:
+            n = nlp.problem.phases[point].robot.nv  # type: ignore[union-attr]
+            outputs = (np.arange(block.count)[:, None] * block.stage.outputs + n + np.arange(n)).ravel()
+            touched = np.flatnonzero(np.bincount(block.scatter.tocsc()[:, outputs].indices))
+            rows[touched], row_clock[touched] = 1, nlp.layouts[point].duration.column
+    known = Stretch(power, clock, unit, rows, row_clock)
+    form = replace(form, blocks=tuple(blocks))
+    return _limits(_limits(form, known, of_rows=True), known, of_rows=False), known
+
+
+def _can(nlp: Nlp, index: int) -> bool:
+    layout, dae = nlp.layouts[index], nlp.problem.phases[index].body
+    return (
+        layout.duration.column is not None
+        and isinstance(dae, InverseRigidBody)
+        and not dae.invariants
+        and len(nlp.problem.phases[index].dae.states) == 2 * dae.robot.nv
+        and not isinstance(layout.mesh, MovingMesh)
+    )
+
+
+def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, point: int | None) -> Block:
+    """Put v' / s and a' / s^2 into a block that reads velocities or accelerations."""
+    stage, count = block.stage, block.count
+    first = block.gather.indptr[:-1].reshape(count, -1)
+    filled = np.diff(block.gather.indptr).reshape(count, -1) > 0
+    column = np.zeros(first.shape, dtype=int)
+    column[filled] = block.gather.indices[first[filled]]
+    powers = np.where(filled, power[column], 0)
+    inputs = np.flatnonzero(powers.any(axis=0))
+    if not inputs.size:
+        return block
+    clocks = np.where(powers > 0, clock[column], -1).max(axis=1)
+    degrees = tuple((int(i), int(powers[:, i].max())) for i in inputs)
+    rates = None
+    if point is not None:
+        robot = nlp.problem.phases[point].robot
+        assert robot is not None
+        rates = robot.nv, float(nlp.scale[clocks[0]] / unit[clocks[0]])
+    changed = _STRETCHED.get(stage, (degrees, rates), partial(_stage, stage, degrees, rates))
+    gather = block.gather
+    width = stage.inputs
+    place = gather.row // width
+    moved = place * (width + 1) + gather.row % width
+    more = np.arange(count) * (width + 1) + width
+    gather = csr_array(
+        (
+            np.append(gather.data, unit[clocks]),
+            (np.append(moved, more), np.append(gather.col, clocks)),
+        ),
+        shape=(count * (width + 1), gather.shape[1]),
+    )
+    return replace(block, stage=changed, gather=gather)
+
+
+def _stage(stage: Stage, degrees: Sequence[tuple[int, int]], rates: tuple[int, float] | None) -> Stage:
+    """Give the stage that reads w' and s in the place of w = w' / s^k.
+
+    Parameters
+    ----------
+    degrees : sequence of (input, k)
+    rates : (number of velocities, T_0) or None
+        Where the first outputs are T v and T a: they become T_0 v' and, multiplied by s, T_0 a'.
+    """
+    s, v = ca.SX.sym("s"), stage.v
+    old = v[[i for i, _ in degrees]]
+    new = ca.vertcat(*(v[i] / s**k for i, k in degrees))
+    y = ca.substitute(stage.y, old, new)
+    if rates is not None:
+        n, span = rates
+        y = ca.vertcat(span * v[n : 2 * n], span * v[2 * n : 3 * n], y[2 * n :])
+    torques = stage.torques and stage.torques.substituted(old, new)
+    return Stage(ca.vertcat(v, s), stage.c, y, stage.costed, torques)
+
+
+def _limits(form: Form, known: Stretch, of_rows: bool) -> Form:
+    """Write bounds l <= x' / s <= u, of rows or of velocities, as rows x' - l s >= 0 and x' - u s <= 0."""
+    if of_rows:
+        lower, upper, clock = form.row_lower.copy(), form.row_upper.copy(), known.row_clock
+    else:
+        lower, upper, clock = form.lower.copy(), form.upper.copy(), np.where(known.power == 1, known.clock, -1)
+    same = lower == upper
+    below = np.flatnonzero((clock >= 0) & np.isfinite(lower) & (lower != 0.0))
+    above = np.flatnonzero((clock >= 0) & np.isfinite(upper) & (upper != 0.0) & ~same)
+    chosen, many = np.append(below, above), below.size + above.size
+    if not many:
+        return form
+    bound = np.append(lower[below], upper[above])
+    new_lower = np.append(np.zeros(below.size), np.full(above.size, -np.inf))
+    new_upper = np.append(np.where(same[below], 0.0, np.inf), np.zeros(above.size))
+    lower[below], upper[above] = -np.inf, np.inf
+    upper[below[same[below]]] = np.inf
+    row, column, n_w = np.arange(many), clock[chosen], form.linear.columns
+    minus = row, column, -bound * known.unit[column]
+    if of_rows:
+        own = entries_of(form.linear, chosen)
+        blocks = [replace(b, scatter=vstack([b.scatter, b.scatter[chosen]])) for b in form.blocks]
+        form = replace(form, row_lower=lower, row_upper=upper)
+    else:
+        own = row, chosen, np.ones(many)
+        blocks = [taller(block, many) for block in form.blocks]
+        form = replace(form, lower=lower, upper=upper)
+    form = replace(form, blocks=tuple(blocks))
+    behind = {"limit_of": chosen} if of_rows else {"bound_of": chosen}
+    return with_rows(form, summed((many, n_w), own, minus).pruned(), new_lower, new_upper, **behind)
