@@ -31,7 +31,7 @@ from robotraj.contacts import (
 )
 from robotraj.design import BodyMass, JointDamping, LinkLength, Payload
 from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
-from robotraj.engines import Compiled, VirtualMachine
+from robotraj.engines import Compiled, Native, VirtualMachine
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
 from robotraj.gait import Flight, Upright
 from robotraj.guess import FromSolution, Keyframes, StraightLine
@@ -96,13 +96,14 @@ from robotraj.schemes import (
     TrapezoidalQuadrature,
 )
 from robotraj.solution import Solution, load_solution
-from robotraj.solvers import Ipopt
+from robotraj.solvers import Fatrop, Ipopt
 from robotraj.stages import Stage, tightening
 from robotraj.state import State
 from robotraj.status import Status
 from robotraj.sweep import sweep
 from robotraj.terrain import Flat, HeightFunction, HeightMap, Slope, Steps
 from robotraj.transcription import Nlp, transcribe
+from robotraj.transcription.between import ConvexHull, Exchange
 from robotraj.witness import (
     JointFeedback,
     LinearQuadratic,
@@ -129,10 +130,13 @@ __all__ = [
     "CompressedHermiteSimpson",
     "ConstantControl",
     "Continuity",
+    "ConvexHull",
     "CostOfTransport",
     "Duration",
     "Effort",
     "EqualDuration",
+    "Exchange",
+    "Fatrop",
     "FifthDegree",
     "Flat",
     "FlatFoot",
@@ -185,6 +189,7 @@ __all__ = [
     "MovingMesh",
     "MultipleShooting",
     "Multistart",
+    "Native",
     "Nlp",
     "NoFeedback",
     "NoSolutionFound",

@@ -16,8 +16,9 @@ from robotraj.refinement import Assessment, Refinement, assess
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.solution import Solution
 from robotraj.solvers import Progress, Solver
-from robotraj.solving import GUARD_TOLERANCE, solve
+from robotraj.solving import solve
 from robotraj.status import Status
+from robotraj.transcription.between import Exchange
 
 MOST_MESHES = 25
 """Meshes tried before the tolerance is given up."""
@@ -38,6 +39,7 @@ def adapt(
     tolerance: float,
     refinement: Refinement,
     engine: Engine | None = None,
+    between: Exchange | None = None,
 ) -> Solution:
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
@@ -47,7 +49,8 @@ def adapt(
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     steps: list[MeshStep] = []
     # Below 1e-7 a guard would chase the solver's own round-off.
-    between = min(GUARD_TOLERANCE, max(1e-7, 0.1 * tolerance))
+    between = between or Exchange()
+    between = replace(between, tolerance=min(between.tolerance, max(1e-7, 0.1 * tolerance)))
     total: dict[str, float] = {}
     known: Guess | Solution | None = guess
     while True:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -9,7 +10,6 @@ import numpy as np
 
 from robotraj.constraints import Bounds, Row, Where
 from robotraj.constraints.base import BoundConstraint, symbols_of
-from robotraj.dynamics.missing import MissingEquations
 from robotraj.errors import InputError
 from robotraj.robot import Limits
 
@@ -27,19 +27,29 @@ def check_phase(phase: Phase) -> None:
         if complaints:
             raise InputError(f"Phase {phase.name!r}: " + " ".join(complaints))
     _ = phase.parameter_bounds, phase.duration_bounds
-    if phase.system is not None and not isinstance(phase.system.dynamics, MissingEquations):
-        point = symbols_of(phase.dae, phase.parameter_names)
-        _ = phase.dae.rates(point), phase.dae.residual(point)
-    _check_against_each_other(phase)
+    if phase.system is not None:
+        _check_equations(phase)
+    held = {which: _rows_on_states(phase, when) for which, when in (("start", Where.START), ("end", Where.END))}
+    _check_against_each_other(phase, held)
     for which, bounds in (("start", phase.start_bounds), ("end", phase.end_bounds)):
         crossed = np.flatnonzero(bounds.lower > bounds.upper)
         if crossed.size:
             name = phase.dae.states[crossed[0]].label
             raise InputError(f"Phase {phase.name!r}: the {which} of {name!r} has its lower bound above its upper one.")
-        _check_against_limits(phase, which, bounds)
+        _check_against_limits(phase, which, bounds, held[which])
         _check_expressions(phase, which, bounds)
     _check_contacts(phase)
     _check_duration(phase)
+
+
+def _check_equations(phase: Phase) -> None:
+    """Evaluate the equations of a System once; those that a file could not keep are not there."""
+    from robotraj.dynamics.missing import MissingEquations
+
+    assert phase.system is not None
+    if not isinstance(phase.system.dynamics, MissingEquations):
+        point = symbols_of(phase.dae, phase.parameter_names)
+        _ = phase.dae.rates(point), phase.dae.residual(point)
 
 
 def _complaints(phase: Phase, limits: Limits) -> list[str]:
@@ -62,9 +72,9 @@ def _rows_on_states(phase: Phase, when: Where) -> dict[str, list[Row]]:
     return rows
 
 
-def _check_against_each_other(phase: Phase) -> None:
+def _check_against_each_other(phase: Phase, held: Mapping[str, Mapping[str, list[Row]]]) -> None:
     """Two rows on one variable must leave it a value."""
-    for rows in (*_rows_on_states(phase, Where.START).values(), *_rows_on_states(phase, Where.END).values()):
+    for rows in (rows for at in held.values() for rows in at.values() if len(rows) > 1):
         lowest = max(rows, key=lambda row: row.lower)
         highest = min(rows, key=lambda row: row.upper)
         if lowest.lower > highest.upper:
@@ -75,8 +85,7 @@ def _check_against_each_other(phase: Phase) -> None:
             )
 
 
-def _check_against_limits(phase: Phase, which: str, bounds: Bounds) -> None:
-    rows = _rows_on_states(phase, Where.START if which == "start" else Where.END)
+def _check_against_limits(phase: Phase, which: str, bounds: Bounds, rows: Mapping[str, list[Row]]) -> None:
     for variable, low, high in zip(phase.dae.states, bounds.lower, bounds.upper, strict=True):
         for row in rows.get(variable.name, ()):
             slack = SLACK * max(1.0, abs(row.lower) if np.isfinite(row.lower) else 1.0)
@@ -94,12 +103,17 @@ def _check_expressions(phase: Phase, which: str, bounds: Bounds) -> None:
     lower, upper = (side[: len(phase.body.states)] for side in bounds)
     if not np.array_equal(lower, upper):
         return
+    skipped = (Where.END if which == "start" else Where.START, Where.AT_NODES, Where.INTEGRAL)
+    expressions = [
+        constraint
+        for constraint in phase.bound_constraints
+        if constraint.where not in skipped and any(row.variable is None for row in constraint.rows)
+    ]
+    if not expressions:
+        return
     point = symbols_of(phase.body, phase.parameter_names)
     x = ca.vertcat(*(point.x[s.name] for s in phase.body.states))
-    skipped = (Where.END if which == "start" else Where.START, Where.AT_NODES, Where.INTEGRAL)
-    for constraint in phase.bound_constraints:
-        if constraint.where in skipped or all(row.variable is not None for row in constraint.rows):
-            continue
+    for constraint in expressions:
         values = ca.vertcat(*(ca.SX(value) for value in constraint.expression(point)))
         _check_expression(phase, which, constraint, values, x, lower)
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from robotraj.chart import Chart, way
@@ -208,6 +207,8 @@ def _sampled(source: Any, variables: Sequence[Variable]) -> Curve:
 def _through(phase: Phase, fractions: Sequence[float], keys: Array, duration: float) -> tuple[Curve, Curve]:
     """States and algebraic variables of a motion through key states (m, nx)."""
     nz = len(phase.dae.algebraic)
+    import scipy
+
     if phase.robot is None:
         return scipy.interpolate.make_interp_spline(fractions, keys, k=1), constant(nz)
     # What an objective added comes last and starts from 0.

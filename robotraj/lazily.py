@@ -7,7 +7,18 @@ import importlib
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from typing import Any
+
+
+class _Package(ModuleType):
+    """A package whose functions are not hidden by modules of the same names."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        # Python sets a submodule as an attribute of its package when it is first imported; rt.replay, rt.sweep and
+        # constraints.between are functions.
+        if not (isinstance(value, ModuleType) and name in self.__all__):
+            super().__setattr__(name, value)
 
 
 def lazily(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
@@ -47,4 +58,5 @@ def lazily(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]],
     def names() -> list[str]:
         return sorted({*vars(module), *homes})
 
+    module.__class__ = _Package
     return find, names, sorted(homes)

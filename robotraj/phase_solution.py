@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.design import realised
 from robotraj.dynamics import Named
 from robotraj.errors import InputError
 from robotraj.objectives import Augmented
@@ -71,6 +70,8 @@ class PhaseSolution:
     @cached_property
     def robot(self) -> Robot | None:
         """The robot in plain numbers, with the values of the phase's design written in; None for a System."""
+        from robotraj.design import realised
+
         robot: Robot | None = realised(self)
         return robot
 

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from robotraj.adaptive import adapt
-from robotraj.engines import Engine, VirtualMachine
+from robotraj.engines import Compiled, Engine
 from robotraj.errors import InputError, NoSolutionFound
 from robotraj.guess import Guess
 from robotraj.problem import Phase, Problem
 from robotraj.progress import watching
-from robotraj.refinement import Refinement, SplitOrRaise
-from robotraj.schemes import Mesh, RadauIIA
+from robotraj.schemes import Mesh
 from robotraj.solution import Solution
 from robotraj.solvers import Ipopt, Solver
+from robotraj.solvers.choice import solver_for
 from robotraj.solving import solve
-from robotraj.stages import Stage, run_stages
+from robotraj.transcription.between import Exchange
+
+if TYPE_CHECKING:
+    from robotraj.records import StageRecord
+    from robotraj.refinement import Refinement
+    from robotraj.stages import Stage
 
 
 def plan(
@@ -29,6 +34,7 @@ def plan(
     tolerance: float | None = None,
     refinement: Refinement | None = None,
     stages: Sequence[Stage] = (),
+    between: Exchange | None = None,
     check: bool = True,
     progress: bool | None = None,
 ) -> Solution:
@@ -43,10 +49,12 @@ def plan(
     guess : Guess or Solution, optional
         A straight line by default; an earlier solution on any mesh and scheme warm starts.
     solver : Solver, optional
-        ``rt.Ipopt()`` by default.
+        By default ``rt.Fatrop()`` for robots on fixed roots whose every joint has a motor, ``rt.Ipopt()`` for all else
+        and with ``engine=rt.Compiled()``.
     engine : Engine, optional
-        Evaluates the point functions: ``rt.VirtualMachine()``, which needs no compiler, by default;
-        ``rt.Compiled()`` is many times faster and keeps its libraries for later plans.
+        Evaluates the point functions: by default ``rt.Native()`` with ``rt.Fatrop()``, ``rt.VirtualMachine()`` with
+        ``rt.Ipopt()``. The former is many times faster, the numbers are the same to rounding, and neither needs a
+        compiler; ``rt.Compiled()`` keeps libraries of C for later plans.
     tolerance : float, optional
         Refine the mesh until the relative error between the knots (``refinement.interval_errors``) is below this and
         the objective has settled to it. Any scheme; those of low order, shooting with constant controls above all,
@@ -57,6 +65,10 @@ def plan(
     stages : sequence of Stage
         Easier problems solved first, each the guess of the next: coarser meshes, fewer constraints, simpler
         objectives. The last stage, the problem itself, is understood.
+    between : Exchange, optional
+        What holds rows on states between the collocation points: ``rt.Exchange()`` imposes them where a solution breaks
+        them and solves again, the default with a tolerance and with ``rt.Ipopt()``; ``rt.ConvexHull()`` holds velocity
+        limits everywhere in one solve, and asks a little more than they do, the default with ``rt.Fatrop()``.
     check : bool
         Raise where no solution was found; else return it with its status.
     progress : bool, optional
@@ -76,28 +88,51 @@ def plan(
     if not isinstance(problem, Problem):
         raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
     if mesh is None:
-        mesh = Mesh() if tolerance is None else Mesh(20, RadauIIA(3))
+        mesh = Mesh() if tolerance is None else _coarse()
     several = isinstance(mesh, Sequence) and all(isinstance(m, Mesh) for m in mesh)
     if not isinstance(mesh, Mesh) and not several:
         raise InputError(f"mesh= must be an rt.Mesh, or one for each phase; got {mesh!r}.")
-    solver = solver or Ipopt()
+    # The libraries that rt.compile makes are of the functions that IPOPT calls.
+    solver = solver or (Ipopt() if isinstance(engine, Compiled) else solver_for(problem, mesh))
     if not isinstance(solver, Solver):
         raise InputError(f"solver= must be a solver value such as rt.Ipopt(); got {solver!r}.")
     if engine is None:
-        engine = VirtualMachine()
+        engine = solver.default_engine()
     if not isinstance(engine, Engine):
-        raise InputError(f"engine= must be rt.VirtualMachine() or rt.Compiled(); got {engine!r}.")
+        raise InputError(f"engine= must be rt.VirtualMachine(), rt.Native() or rt.Compiled(); got {engine!r}.")
     if tolerance is not None and not 0 < tolerance < 1:
         raise InputError(f"tolerance= is a relative error between 0 and 1, such as 1e-6; got {tolerance}.")
+    if between is None:
+        # A tolerance asks for the optimum itself: what a hull asks for beyond the limits would take finer meshes.
+        between = solver.default_between() if tolerance is None else Exchange()
+    if not isinstance(between, Exchange):
+        raise InputError(f"between= must be rt.Exchange() or rt.ConvexHull(); got {between!r}.")
     with watching(solver, progress) as show:
-        guess, records = run_stages(problem, stages, mesh, guess, solver, show, engine)
+        # What few plans ask for is imported when it is asked for.
+        records: tuple[StageRecord, ...] = ()
+        if stages:
+            from robotraj.stages import run_stages
+
+            guess, records = run_stages(problem, stages, mesh, guess, solver, show, between, engine)
         if tolerance is None:
-            solution = solve(problem, mesh, guess, solver, show, engine=engine)
+            solution = solve(problem, mesh, guess, solver, show, between, engine)
         else:
-            solution = adapt(problem, mesh, guess, solver, show, tolerance, refinement or SplitOrRaise(), engine)
+            from robotraj.adaptive import adapt
+            from robotraj.refinement import SplitOrRaise
+
+            solution = adapt(
+                problem, mesh, guess, solver, show, tolerance, refinement or SplitOrRaise(), engine, between
+            )
     solution = replace(solution, stages=records)
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)
         verb = "was" if len(problem.phases) == 1 else "were"
         raise NoSolutionFound(f"{names} {verb} not solved.\n{solution}", solution)
     return solution
+
+
+def _coarse() -> Mesh:
+    """Mesh that refinement starts from."""
+    from robotraj.schemes import RadauIIA
+
+    return Mesh(20, RadauIIA(3))

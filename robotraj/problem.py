@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,16 +14,18 @@ from robotraj.constraints import Bounds, Constraint, VariableBounds, as_bounds, 
 from robotraj.constraints.base import BoundConstraint
 from robotraj.constraints.contact_limits import contact_limits
 from robotraj.contacts import BoundContact, Contact
-from robotraj.design import Design, Quantity
 from robotraj.dynamics import Dynamics, ForwardDynamics, InverseDynamics, System, SystemDynamics
-from robotraj.dynamics.kinematics import Kinematics
-from robotraj.errors import InputError
+from robotraj.errors import InputError, unknown_name
 from robotraj.feasibility import check_phase
 from robotraj.links import BoundLink, Link
 from robotraj.objectives import Augmented, EndCost, Integral, Objective
 from robotraj.printing import phase_table
 from robotraj.robot import Limits, Robot
 from robotraj.state import State
+
+if TYPE_CHECKING:
+    from robotraj.design import Design, Quantity
+    from robotraj.dynamics.kinematics import Kinematics
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,8 @@ class Phase:
                 f"Phase {self.name!r} has a design, which is for robots, but moves an rt.System; "
                 "read the parameter in its equations as point.p[name]."
             )
+        from robotraj.design import Design
+
         return Design(self.robot, self.design)
 
     @cached_property
@@ -263,6 +267,26 @@ class Phase:
         terms = self.objective.terms if self.objective is not None else ()
         return tuple((weight, term) for weight, term in terms if isinstance(term, EndCost))
 
+    def with_(self, **changes: Any) -> Phase:
+        """Give the phase with other fields, ``phase.with_(end=rt.State(q=...))``.
+
+        What does not depend on them, the equations and all that was made of them, is shared, so that planning again is
+        quick.
+
+        Raises
+        ------
+        InputError
+            An unknown field, or what the phase itself would refuse.
+        """
+        unknown = set(changes) - {entry.name for entry in fields(self)}
+        if unknown:
+            raise unknown_name("field of a phase", sorted(unknown)[0], [entry.name for entry in fields(self)])
+        changed = replace(self, **changes)
+        if set(changes) <= {"start", "end"}:
+            own = {entry.name for entry in fields(self)} | {"start_bounds", "end_bounds"}
+            changed.__dict__.update({name: value for name, value in self.__dict__.items() if name not in own})
+        return changed
+
     def __str__(self) -> str:
         return phase_table(self)
 
@@ -306,6 +330,34 @@ class Problem:
             if not isinstance(link, Link):
                 raise InputError(f"{link!r} in the links of the problem is not a link such as rt.Continuity(0, 1).")
         return tuple(link.bind(self.phases) for link in self.links)
+
+    def with_(self, **changes: Any) -> Problem:
+        """Give the problem with another start, end or other field of its phase.
+
+        Parameters
+        ----------
+        **changes
+            Fields of ``rt.Phase``. With several phases, ``start`` is that of the first and ``end`` that of the last
+            one; change others by ``phase.with_`` and a new problem.
+
+        Examples
+        --------
+        >>> again = rt.plan(problem.with_(end=rt.State(q=goal, v=0)), mesh, guess=solution)  # doctest: +SKIP
+        """
+        phases = list(self.phases)
+        if len(phases) > 1 and not set(changes) <= {"start", "end"}:
+            name = sorted(set(changes) - {"start", "end"})[0]
+            raise InputError(
+                f"problem.with_({name}=...) does not say which of {len(phases)} phases it is about; use "
+                "phase.with_(...) and make a new problem."
+            )
+        if len(phases) == 1:
+            phases = [phases[0].with_(**changes)]
+        else:
+            for which, index in (("start", 0), ("end", -1)):
+                if which in changes:
+                    phases[index] = phases[index].with_(**{which: changes[which]})
+        return Problem(phases, self.links, self.missing)
 
     def __str__(self) -> str:
         parts = [str(phase) for phase in self.phases]

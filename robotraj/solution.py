@@ -11,13 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.indirect.duals import PhaseDuals
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
-from robotraj.records import MeshStep, StageRecord
-from robotraj.refinement import interval_errors
 from robotraj.sample import Sample, join
-from robotraj.solvers import Multipliers
 from robotraj.status import Status
 from robotraj.transcription.guards import Guard
 from robotraj.violations import Violation
@@ -25,6 +21,9 @@ from robotraj.violations import Violation
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from robotraj.indirect.duals import PhaseDuals
+    from robotraj.records import MeshStep, StageRecord
+    from robotraj.solvers import Multipliers
 
 Array = NDArray[np.float64]
 
@@ -99,6 +98,8 @@ class Solution:
         """
         if self.problem.missing:
             return None
+        from robotraj.refinement import interval_errors
+
         return max(float(interval_errors(part.phase, part.trajectory).max()) for part in self.phases)
 
     @property
@@ -167,7 +168,10 @@ class Solution:
         from robotraj.storage import Contents, write
 
         phases = [_plain(phase, "phase") for phase in self.phases]
-        return write(path, Contents(self.problem, phases, _plain(self, "problem", "phases")))
+        facts = _plain(self, "problem", "phases")
+        if self.multipliers is not None:
+            facts["multipliers"] = self.multipliers.plain
+        return write(path, Contents(self.problem, phases, facts))
 
     def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
         """Write a table over time, a column per variable with its unit; see ``robotraj.export``."""

@@ -12,17 +12,17 @@ import numpy as np
 
 from robotraj.engines import Engine
 from robotraj.guess import Guess, as_guess
-from robotraj.indirect.covector import covectors
-from robotraj.indirect.duals import LateDuals
-from robotraj.indirect.transfer import transfer
+from robotraj.indirect.duals import LateDuals, PhaseDuals
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
 from robotraj.schemes import Mesh, MovingMesh
 from robotraj.solution import Solution
 from robotraj.solvers import Multipliers, Progress, Solver
-from robotraj.solvers.base import Outcome
+from robotraj.solvers.base import LateMultipliers, Outcome
 from robotraj.status import Status
 from robotraj.transcription import Nlp, transcribe
+from robotraj.transcription.again import transcribed_again
+from robotraj.transcription.between import Exchange
 from robotraj.transcription.extract import extract
 from robotraj.transcription.guarded import guarded
 from robotraj.transcription.guards import Bulge, Guard, find_bulges
@@ -30,12 +30,8 @@ from robotraj.violations import Violation, violations
 
 ROW_TOLERANCE = 1e-6
 """Largest violation of a scaled row or bound that counts as held, when rows are evaluated outside the solver."""
-GUARD_TOLERANCE = 5e-4
-"""How far a row on states may be broken between collocation points before guards are set there [its SI unit]."""
 NEAR = 1e-2
 """Largest violation of a scaled row at a guess from another problem whose multipliers are still worth taking."""
-GUARD_ROUNDS = 6
-"""Times that guards are set and the problem is solved again."""
 
 
 def solve(
@@ -44,23 +40,24 @@ def solve(
     guess: Guess | Solution | None,
     solver: Solver,
     progress: Progress | None = None,
-    between: float = GUARD_TOLERANCE,
+    between: Exchange | None = None,
     engine: Engine | None = None,
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
-    Where a row on states turns out broken between collocation points by more than ``between``, it is imposed there
-    too and the problem solved again, from the last answer. A guess on the same mesh brings its guards along.
+    Where a row on states turns out broken between collocation points, it is imposed there too, as ``between`` says,
+    and the problem solved again, from the last answer. A guess on the same mesh brings its guards along.
     """
     began = time.perf_counter()
-    nlp = transcribe(problem, mesh, as_guess(guess), engine)
+    between = between or Exchange()
+    nlp = _again(problem, mesh, guess, engine, between) or transcribe(problem, mesh, as_guess(guess), engine, between)
     guards = _known_guards(problem, mesh, guess)
     if guards:
         nlp = guarded(nlp, guards, nlp.guess)
     solution, w = _solve(nlp, guess, solver, progress, bool(guards), began)
-    bulges = _bulges(solution, between)
+    bulges = _bulges(solution, between.tolerance)
     moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
-    for _ in range(GUARD_ROUNDS):
+    for _ in range(between.rounds):
         held, rows_held = set(guards), {_row_of(guard) for guard in guards}
         wanted = (guard for bulge in bulges for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
         new = list(dict.fromkeys(guard for guard in wanted if guard not in held))
@@ -69,7 +66,7 @@ def solve(
         began = time.perf_counter()
         if moving:
             # Knots start again from where the mesh has them: moved ones hold on to the arcs they came to stand on.
-            nlp = transcribe(problem, mesh, as_guess(solution), engine)
+            nlp = transcribe(problem, mesh, as_guess(solution), engine, between)
             nlp = guarded(nlp, [*guards, *new], nlp.guess)
         else:
             nlp = guarded(nlp, new, w)
@@ -77,9 +74,23 @@ def solve(
         guards += new
         total = {key: again.times[key] + solution.times[key] for key in again.times}
         solution = replace(again, times=total, iterations=again.iterations + solution.iterations)
-        bulges = _bulges(solution, between)
+        bulges = _bulges(solution, between.tolerance)
     left = sorted((_violation(solution, bulge) for bulge in bulges), key=lambda v: -v.relative)
     return replace(solution, guards=tuple(guards), between=tuple(left))
+
+
+def _again(
+    problem: Problem,
+    mesh: Mesh | Sequence[Mesh],
+    guess: Guess | Solution | None,
+    engine: Engine | None,
+    between: Exchange,
+) -> Nlp | None:
+    """Take over the NLP of an earlier solution of a problem like this one, if there was one without guards."""
+    if not isinstance(guess, Solution) or guess.guards or guess.multipliers is None or guess.multipliers.origin is None:
+        return None
+    origin = guess.multipliers.origin
+    return transcribed_again(origin.nlp, problem, mesh, engine, between, origin.w)
 
 
 def _bulges(solution: Solution, allowed: float) -> list[Bulge]:
@@ -127,9 +138,14 @@ def _solve(
     began: float,
 ) -> tuple[Solution, np.ndarray]:
     """Solve a transcribed problem; also give the decision vector. It is being built since ``began``."""
-    compiling = nlp.functions.preparing
-    times = {"build": time.perf_counter() - began - compiling, "compile": compiling}
-    outcome = solver.solve(nlp, progress, _multipliers(guess, nlp, guards))
+    multipliers = _multipliers(guess, nlp, guards)
+    if isinstance(guess, Solution) and guess.multipliers is not None and guess.multipliers.origin is not None:
+        outcome = solver.resolve(nlp, guess.multipliers, progress, multipliers)
+    else:
+        outcome = solver.solve(nlp, progress, multipliers)
+    # What a solver does not count as its own, such as assembling the NLP's functions for it, is building.
+    own = outcome.times.get("setup", 0.0) + outcome.times.get("solve", 0.0)
+    times = {"build": time.perf_counter() - began - own - nlp.compiling, "compile": nlp.compiling}
     return _conclude(nlp, outcome, times), outcome.w
 
 
@@ -155,14 +171,19 @@ def _conclude(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
         broken,
         outcome.multipliers,
         # A copy of the NLP is without the functions that it has made.
-        duals=LateDuals(partial(covectors, replace(nlp), outcome.w, outcome.multipliers))
-        if status is Status.SOLVED
-        else (),
+        duals=LateDuals(partial(_duals, replace(nlp), outcome)) if status is Status.SOLVED else (),
         impulses=tuple(
             {unknown.name: float(value) for unknown, value in zip(link.unknowns, outcome.w[columns], strict=True)}
             for link, columns in zip(nlp.problem.bound_links, nlp.link_columns, strict=True)
         ),
     )
+
+
+def _duals(nlp: Nlp, outcome: Outcome) -> tuple[PhaseDuals, ...]:
+    """Duals as functions of time: late, with what finds them."""
+    from robotraj.indirect.covector import covectors
+
+    return covectors(nlp, outcome.w, outcome.multipliers)
 
 
 def _broken_by(nlp: Nlp) -> float:
@@ -178,10 +199,23 @@ def _multipliers(guess: Any, nlp: Nlp, guarded: bool) -> Multipliers | None:
     """
     if not isinstance(guess, Solution) or guess.multipliers is None or not guess.success:
         return None
-    if guess.problem is not nlp.problem and _broken_by(nlp) > NEAR:
+    same = guess.problem is nlp.problem
+    if not same and _broken_by(nlp) > NEAR:
         return None
-    known = guess.multipliers
-    more = len(nlp.rows) - len(known.rows), len(nlp.variables) - len(known.bounds)
-    if (more != (0, 0) and not guarded) or min(more) < 0:
-        return transfer(guess.duals, nlp) if guess.problem is nlp.problem else None
-    return Multipliers(np.append(known.rows, np.zeros(more[0])), np.append(known.bounds, np.zeros(more[1])))
+    known, sizes = guess.multipliers, (len(nlp.rows), len(nlp.variables))
+    more = sizes[0] - known.sizes[0], sizes[1] - known.sizes[1]
+    if min(more) >= 0 and (guarded or more == (0, 0)):
+        # Not every solver reads them, and finding them may take a further solve.
+        return LateMultipliers(partial(_extended, known, nlp), sizes, known.origin)
+    if not same:
+        return None
+    from robotraj.indirect.transfer import transfer
+
+    return transfer(guess.duals, nlp)
+
+
+def _extended(known: Multipliers, nlp: Nlp) -> Multipliers:
+    """Add zeros for the rows and columns that came last."""
+    rows, bounds = np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables))
+    rows[: len(known.rows)], bounds[: len(known.bounds)] = known.rows, known.bounds
+    return Multipliers(rows, bounds)

@@ -16,6 +16,7 @@ from robotraj.schemes import Mesh
 from robotraj.solution import Solution
 from robotraj.solvers import Progress, Solver
 from robotraj.solving import solve
+from robotraj.transcription.between import Exchange
 
 
 class Same(Enum):
@@ -121,6 +122,7 @@ def run_stages(
     guess: Guess | Solution | None,
     solver: Solver,
     progress: Progress | None = None,
+    between: Exchange | None = None,
     engine: Engine | None = None,
 ) -> tuple[Guess | Solution | None, tuple[StageRecord, ...]]:
     """Solve the stages in order; return the guess they leave for the problem itself, and what each did.
@@ -131,14 +133,16 @@ def run_stages(
     ----------
     problem : Problem
     stages : sequence of Stage
-    mesh, guess, solver, progress, engine
+    mesh, guess, solver, progress, between, engine
         For stages that do not bring their own; ``guess`` starts the first.
     """
     records = []
     for i, stage in enumerate(stages):
         if not isinstance(stage, Stage):
             raise InputError(f"stages= is a list of rt.Stage(...); number {i} is a {type(stage).__name__}.")
-        solution = solve(stage.of(problem), stage.mesh or mesh, guess, stage.solver or solver, progress, engine=engine)
+        solution = solve(
+            stage.of(problem), stage.mesh or mesh, guess, stage.solver or solver, progress, between, engine
+        )
         records.append(
             StageRecord(
                 stage.name or f"stage {i + 1}",

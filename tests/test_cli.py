@@ -22,7 +22,8 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-PARTS = ("functions", "linear", "progress")
+PARTS = ("combinations", "functions", "linear", "steps")
+"""What fatrop, which plans arms, says of its seconds."""
 
 
 def run(*arguments: Any) -> Result:

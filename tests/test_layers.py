@@ -10,13 +10,25 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "robotraj"
 
 LAYERS: dict[int, tuple[str, ...]] = {
-    0: ("chart", "errors", "lazily", "robot", "loading", "symbolic", "polynomials", "tangent", "terrain"),
+    0: (
+        "chart",
+        "errors",
+        "lazily",
+        "robot",
+        "loading",
+        "symbolic",
+        "native",
+        "polynomials",
+        "sparse",
+        "tangent",
+        "terrain",
+    ),
     1: ("contacts", "design", "dynamics", "trajectory"),
     2: ("constraints", "objectives"),
     3: ("state", "links", "feasibility", "printing", "problem", "unrolled"),
     4: ("engines", "schemes", "guess", "guesses", "gait"),
     5: ("transcription", "refinement"),
-    6: ("solvers", "status", "progress"),
+    6: ("stagewise", "solvers", "status", "progress"),
     7: (
         "sample",
         "violations",

@@ -13,9 +13,38 @@ import pytest
 
 import robotraj as rt
 
-PACKAGES = ["robotraj", "robotraj.contacts", "robotraj.guesses", "robotraj.objectives"]
+PACKAGES = [
+    "robotraj",
+    *(
+        f"robotraj.{part}"
+        for part in (
+            "constraints",
+            "contacts",
+            "design",
+            "dynamics",
+            "engines",
+            "guesses",
+            "links",
+            "objectives",
+            "refinement",
+            "schemes",
+            "solvers",
+            "terrain",
+        )
+    ),
+]
 
-HEAVY = ("matplotlib", "meshcat", "rich", "scipy.interpolate", "scipy.optimize", "scipy.linalg", "trimesh", "typer")
+HEAVY = (
+    "importlib.metadata",
+    "matplotlib",
+    "meshcat",
+    "numpy.ma",
+    "numpy.polynomial",
+    "rich",
+    "scipy",
+    "trimesh",
+    "typer",
+)
 ELSEWHERE = ("multistart", "plotting", "replay", "storage", "witness")
 
 

@@ -61,8 +61,8 @@ def test_names_in_robots_win(monkeypatch):
     assert own == names[: len(own)]
     from robotraj.loading import catalogue as module  # the function's module shares its name
 
-    own = {"ur5": dataclasses.replace(find("pendulum"), name="ur5")}
-    monkeypatch.setitem(module.__globals__, "own_robots", lambda: own)
+    own = dataclasses.replace(find("pendulum"), name="ur5")
+    monkeypatch.setitem(module.__globals__, "own_robot", lambda name: own if name == "ur5" else None)
     assert rt.load("ur5").joint_names == ("pivot",)
 
 

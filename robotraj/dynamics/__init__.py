@@ -1,20 +1,5 @@
 """Dynamics as semi-explicit DAEs: user systems and rigid bodies."""
 
-from robotraj.dynamics.dae import Dynamics
-from robotraj.dynamics.point import Point, RobotPoint
-from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics, RigidBody
-from robotraj.dynamics.system import System, SystemDynamics
-from robotraj.dynamics.variable import Named, Variable
+from robotraj.lazily import lazily
 
-__all__ = [
-    "Dynamics",
-    "ForwardDynamics",
-    "InverseDynamics",
-    "Named",
-    "Point",
-    "RigidBody",
-    "RobotPoint",
-    "System",
-    "SystemDynamics",
-    "Variable",
-]
+__getattr__, __dir__, __all__ = lazily(__name__)

@@ -95,6 +95,20 @@ class RobotPoint(Point):
         return self._a
 
     @property
+    def moves(self) -> bool:
+        """Whether accelerations are known."""
+        return self._a is not None
+
+    @cached_property
+    def inverse_dynamics(self) -> Any:
+        """RNEA(q, v, a), the generalised force (nv,) of the motion without contacts, damping or friction [N m, N].
+
+        Before it is first read, symbols may be put in its place (``dynamics.torques``).
+        """
+        no_force = ca.SX(6, self.robot.model.njoints)
+        return self.symbolic.inverse_dynamics(self.q, self.v, self.a, no_force)
+
+    @property
     def tau(self) -> Any:
         """Torques of the actuated joints (nu,) [N m, N]."""
         if self._tau is None:

@@ -205,9 +205,7 @@ class InverseRigidBody(RigidBody):
 
     def residual(self, point: RobotPoint) -> ca.SX:
         """Torque balance RNEA(q, v, a) - B tau + d(v) - J' f, (nv,) [N m, N], then contact accelerations."""
-        no_force = ca.SX(6, self.robot.model.njoints)
-        torque = point.symbolic.inverse_dynamics(point.q, point.v, point.a, no_force)
-        balance = torque - self._applied(point.v, point.tau, point.damping)
+        balance = point.inverse_dynamics - self._applied(point.v, point.tau, point.damping)
         for contact in self.contacts:
             balance -= torques(contact, point, [point.z[force.name] for force in contact.forces])
         return ca.vertcat(balance, *(row for contact in self.contacts for row in contact.acceleration(point)))

@@ -1,8 +1,5 @@
-"""How point functions are evaluated: by CasADi's virtual machine, or as compiled C from the user's cache."""
+"""How point functions are evaluated: CasADi's virtual machine, C compiled into the user's cache, or our own module."""
 
-from robotraj.engines.base import Engine, Mapped, VirtualMachine
-from robotraj.engines.cache import Cache
-from robotraj.engines.compiled import Compiled
-from robotraj.engines.compiler import CompilationFailed
+from robotraj.lazily import lazily
 
-__all__ = ["Cache", "CompilationFailed", "Compiled", "Engine", "Mapped", "VirtualMachine"]
+__getattr__, __dir__, __all__ = lazily(__name__)

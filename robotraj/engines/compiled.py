@@ -10,15 +10,21 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cache as once
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
 from robotraj.engines import background, source
-from robotraj.engines.base import Engine, Mapped, VirtualMachine
+from robotraj.engines.base import Engine, Mapped, StageMapped, VirtualMachine
+from robotraj.engines.blocks import casadi_block
+from robotraj.engines.blocks import wanted as wanted_of
 from robotraj.engines.cache import Cache, default_folder
 from robotraj.engines.compiler import Compiler, find_compiler, points_at_once
 from robotraj.engines.source import write_source
 from robotraj.errors import InputError, RobotrajError
+
+if TYPE_CHECKING:
+    from robotraj.native import PointBlock
 
 
 @dataclass(frozen=True)
@@ -60,7 +66,7 @@ class Compiled(Engine):
         if self.jobs is not None and self.jobs < 1:
             raise InputError(f"Compiled(jobs) is a number of processes, 1 or more; got {self.jobs}.")
 
-    def prepare(self, wanted: Sequence[Mapped]) -> list[ca.Function]:
+    def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:
         """Give every function over its points, compiled where that pays.
 
         Raises
@@ -70,9 +76,25 @@ class Compiled(Engine):
         CompilationFailed
             The compiler's own words.
         """
+        chosen = VirtualMachine().prepare(wanted)
+        for i, library in self._libraries(wanted).items():
+            chosen[i] = _mapped(library, wanted[i])
+        return chosen
+
+    def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
+        """Several points a call where a function is compiled, point after point where not."""
+        functions = wanted_of(stage, costs)
+        batches = {name: (function, 1) for name, function in functions.items()}
+        names = list(functions)
+        libraries = self._libraries([Mapped(functions[name], count) for name in names])
+        batches |= {names[i]: (library, points_at_once()) for i, library in libraries.items()}
+        return casadi_block(stage, count, costs, batches)
+
+    def _libraries(self, wanted: Sequence[Mapped | StageMapped]) -> dict[int, ca.Function]:
+        """Give the compiled functions of ``points_at_once()`` columns, for those entries that have one."""
         large = self._large(wanted)
         if not large:
-            return VirtualMachine().prepare(wanted)
+            return {}
         cache, compiler = self.open_cache(), find_compiler(self.compiler)
         keys = {i: key_of(function, compiler) for i, function in large.items()}
         missing = {keys[i]: function for i, function in large.items() if cache.find(keys[i]) is None}
@@ -82,14 +104,14 @@ class Compiled(Engine):
                 build(missing, cache, compiler, self.processes)
         elif missing:
             background.start(missing, cache, compiler, self.processes)
-        chosen = VirtualMachine().prepare(wanted)
-        for i, key in keys.items():
-            library = cache.find(key)
-            if library is not None:
-                chosen[i] = _mapped(self._load(large[i], key, library, cache, compiler), wanted[i])
-        return chosen
+        found = {i: cache.find(key) for i, key in keys.items()}
+        return {
+            i: self._load(large[i], keys[i], library, cache, compiler)
+            for i, library in found.items()
+            if library is not None
+        }
 
-    def libraries(self, wanted: Sequence[Mapped]) -> set[Path]:
+    def libraries(self, wanted: Sequence[Mapped | StageMapped]) -> set[Path]:
         """Give the libraries in the cache that these functions use."""
         cache, compiler = self.open_cache(), find_compiler(self.compiler)
         found = {cache.find(key_of(function, compiler)) for function in self._large(wanted).values()}
@@ -104,10 +126,10 @@ class Compiled(Engine):
         """Compilers that run at once."""
         return self.jobs or len(os.sched_getaffinity(0))
 
-    def _large(self, wanted: Sequence[Mapped]) -> dict[int, ca.Function]:
+    def _large(self, wanted: Sequence[Mapped | StageMapped]) -> dict[int, ca.Function]:
         return {i: each.function for i, each in enumerate(wanted) if self._pays(each)}
 
-    def _pays(self, each: Mapped) -> bool:
+    def _pays(self, each: Mapped | StageMapped) -> bool:
         function = each.function
         # Points are evaluated several at once: one alone gains little.
         many = each.count >= points_at_once() // 2
@@ -153,7 +175,7 @@ def build(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, p
             cache.store(key, finish())
 
 
-def _mapped(external: ca.Function, wanted: Mapped) -> ca.Function:
+def _mapped(external: ca.Function, wanted: Mapped | StageMapped) -> ca.Function:
     """Evaluate a function of several columns at once at any number of columns; the last one fills up."""
     function, count = wanted.function, wanted.count
     points = points_at_once()

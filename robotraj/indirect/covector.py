@@ -30,7 +30,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from robotraj.indirect.densities import Density, run_out, split
 from robotraj.indirect.duals import PhaseDuals
@@ -38,6 +37,7 @@ from robotraj.indirect.stepped import stepped_duals
 from robotraj.polynomials import integrals, lobatto_sites
 from robotraj.schemes import Collocation
 from robotraj.solvers import Multipliers
+from robotraj.sparse import csr_array
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription import Nlp
 from robotraj.transcription.layout import PhaseLayout
@@ -145,10 +145,10 @@ class _Phase:
         flat = rows[self.defect_rows].reshape(-1, self.nx)
         self.defects = np.split(flat, np.cumsum(counts)[:-1])
 
-    def _guards(self, nlp: Nlp, index: int, scatter: sparse.csr_array, rows: Array) -> None:
+    def _guards(self, nlp: Nlp, index: int, scatter: csr_array, rows: Array) -> None:
         """Rows between collocation points, by interval: tau, impulse and what they add to the stages."""
         rates = (np.arange(self.places)[:, None] * self.stage.outputs + np.arange(self.nx)).ravel()
-        reading = scatter[:, rates].tocsr()
+        reading = csr_array(scatter.tocsc()[:, rates])
         others = np.setdiff1d(np.flatnonzero(np.diff(reading.indptr)), self.defect_rows)
         self.guards: dict[int, list[tuple[float, Array, Array]]] = {}
         knots = self.layout.mesh.knots

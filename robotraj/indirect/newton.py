@@ -10,6 +10,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from robotraj.transcription import Nlp
+from robotraj.transcription.triplets import scaled
 
 Array = NDArray[np.float64]
 
@@ -49,7 +50,7 @@ def find_root(nlp: Nlp, tolerance: float) -> Root:
         return Root(nlp.guess, np.inf, 0, f"{len(nlp.rows)} equations for {len(nlp.variables)} unknowns")
     blocks = [block.scaled(nlp.scale, nlp.row_scale) for block in nlp.blocks]
     chains = [block.jacobian_chain() for block in blocks]
-    linear = sparse.csr_array(sparse.diags_array(nlp.row_scale) @ nlp.linear @ sparse.diags_array(nlp.scale))
+    linear = scaled(nlp.linear, nlp.row_scale, nlp.scale).scipy()
     target = nlp.row_scale * nlp.rows.lower
 
     def values(w: Array) -> Array:

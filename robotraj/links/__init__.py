@@ -1,22 +1,5 @@
 """Links: values that join the ends of phases."""
 
-from robotraj.links.base import BoundLink, Ends, Link
-from robotraj.links.continuity import Continuity, Jump
-from robotraj.links.linkage import EqualDuration, Linkage, SameParameter
-from robotraj.links.periodic import Mirror, Periodic
-from robotraj.links.touchdown import Liftoff, Touchdown
+from robotraj.lazily import lazily
 
-__all__ = [
-    "BoundLink",
-    "Continuity",
-    "Ends",
-    "EqualDuration",
-    "Jump",
-    "Liftoff",
-    "Link",
-    "Linkage",
-    "Mirror",
-    "Periodic",
-    "SameParameter",
-    "Touchdown",
-]
+__getattr__, __dir__, __all__ = lazily(__name__)

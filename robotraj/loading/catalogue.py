@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from robotraj.errors import unknown_name
 from robotraj.loading.entry import Entry
-from robotraj.loading.example_robots import example_robots
-from robotraj.loading.own_robots import own_robots
+from robotraj.loading.example_robots import example_robot, example_robots
+from robotraj.loading.own_robots import own_robot, own_robots
 
 
 def catalogue() -> tuple[Entry, ...]:
@@ -23,7 +23,7 @@ def find(name: str) -> Entry:
     UnknownName
         Lists the nearest names.
     """
-    entries = {entry.name: entry for entry in catalogue()}
-    if name not in entries:
-        raise unknown_name("robot", name, entries, "Or give the path of a URDF file.")
-    return entries[name]
+    entry = own_robot(name) or example_robot(name)
+    if entry is None:
+        raise unknown_name("robot", name, [known.name for known in catalogue()], "Or give the path of a URDF file.")
+    return entry

@@ -27,23 +27,34 @@ def folder() -> Path | None:
 @lru_cache(maxsize=1)
 def example_robots() -> dict[str, Entry]:
     """Give the catalogue's entries whose URDF is there."""
-    robots = folder()
-    if robots is None:
-        return {}
-    entries = {}
-    for row in csv.DictReader(TABLE.read_text(encoding="utf-8").splitlines()):
-        urdf = robots / row["urdf"]
-        package = row["urdf"].split("/")[0]
-        if urdf.is_file():
-            entries[row["name"]] = Entry(
-                row["name"],
-                row["description"],
-                "example-robot-data",
-                urdf,
-                robots / package / "srdf" / f"{row['srdf']}.srdf" if row["srdf"] else None,
-                moving=MOVING.get(row["name"], ()),
-                end_effector=row["end_effector"] or None,
-                licence=f"see example-robot-data, robots/{package}",
-                provenance="example-robot-data 6.0.0",
-            )
-    return entries
+    entries = (example_robot(name) for name in _rows())
+    return {entry.name: entry for entry in entries if entry is not None}
+
+
+@lru_cache(maxsize=64)
+def example_robot(name: str) -> Entry | None:
+    """Give the entry of that name, if it is in the table and its URDF is there."""
+    robots, row = folder(), _rows().get(name)
+    if robots is None or row is None:
+        return None
+    urdf = robots / row["urdf"]
+    package = row["urdf"].split("/")[0]
+    if not urdf.is_file():
+        return None
+    return Entry(
+        name,
+        row["description"],
+        "example-robot-data",
+        urdf,
+        robots / package / "srdf" / f"{row['srdf']}.srdf" if row["srdf"] else None,
+        moving=MOVING.get(name, ()),
+        end_effector=row["end_effector"] or None,
+        licence=f"see example-robot-data, robots/{package}",
+        provenance="example-robot-data 6.0.0",
+    )
+
+
+@lru_cache(maxsize=1)
+def _rows() -> dict[str, dict[str, str]]:
+    """Lines of the table by name."""
+    return {row["name"]: row for row in csv.DictReader(TABLE.read_text(encoding="utf-8").splitlines())}

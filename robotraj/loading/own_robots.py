@@ -18,19 +18,25 @@ def folder() -> Path:
 
 @lru_cache(maxsize=1)
 def own_robots() -> dict[str, Entry]:
-    """Read every robots/<name>/robot.json; the URDF beside it is <name>.urdf."""
-    entries = {}
-    for path in sorted(folder().glob("*/robot.json")):
-        about = json.loads(path.read_text(encoding="utf-8"))
-        name = path.parent.name
-        entries[name] = Entry(
-            name,
-            about["description"],
-            "robots/",
-            path.parent / f"{name}.urdf",
-            actuated=tuple(about["actuated"]),
-            end_effector=about["end_effector"],
-            licence=about["licence"],
-            provenance=about["provenance"],
-        )
-    return entries
+    """Read every robots/<name>/robot.json."""
+    names = sorted(path.parent.name for path in folder().glob("*/robot.json"))
+    return {name: entry for name in names if (entry := own_robot(name)) is not None}
+
+
+@lru_cache(maxsize=64)
+def own_robot(name: str) -> Entry | None:
+    """Read robots/<name>/robot.json, where it is; the URDF beside it is <name>.urdf."""
+    path = folder() / name / "robot.json"
+    if Path(name).name != name or not path.is_file():
+        return None
+    about = json.loads(path.read_text(encoding="utf-8"))
+    return Entry(
+        name,
+        about["description"],
+        "robots/",
+        path.parent / f"{name}.urdf",
+        actuated=tuple(about["actuated"]),
+        end_effector=about["end_effector"],
+        licence=about["licence"],
+        provenance=about["provenance"],
+    )

@@ -1,17 +1,5 @@
 """Refinement: the error between knots, and the next mesh."""
 
-from robotraj.refinement.assess import assess
-from robotraj.refinement.error import interval_errors, state_errors
-from robotraj.refinement.orders import RaiseOrder, SplitOrRaise
-from robotraj.refinement.strategy import Assessment, Refinement, SplitAndMerge
+from robotraj.lazily import lazily
 
-__all__ = [
-    "Assessment",
-    "RaiseOrder",
-    "Refinement",
-    "SplitAndMerge",
-    "SplitOrRaise",
-    "assess",
-    "interval_errors",
-    "state_errors",
-]
+__getattr__, __dir__, __all__ = lazily(__name__)

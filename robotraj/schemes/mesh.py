@@ -42,7 +42,10 @@ class Mesh:
             raise InputError(f"Mesh(intervals) must be a whole number or a list of knots, got {self.intervals!r}.")
         if not isinstance(self.intervals, int | np.integer):
             # A tuple compares and hashes as a value; an array does neither.
-            object.__setattr__(self, "intervals", tuple(np.asarray(self.intervals, dtype=float).ravel().tolist()))
+            given = np.array(self.intervals, dtype=float).ravel()
+            # Times divided by a duration end at 1 up to a rounding.
+            given[np.abs(given - 1.0) < 1e-14] = 1.0
+            object.__setattr__(self, "intervals", tuple(given.tolist()))
         knots = self.knots
         if len(knots) < 2 or knots[0] != 0.0 or knots[-1] != 1.0 or not np.all(np.diff(knots) > 0):
             raise InputError(f"The knots of a mesh must ascend from 0 to 1; got {knots.tolist()}.")

@@ -24,6 +24,10 @@ class OneStep(Scheme):
     interval is one piece, but in single shooting, where all intervals of the mesh are the pieces of one.
     """
 
+    def over(self, knots: Array) -> OneStep | None:
+        """Make one interval of all intervals of a mesh, or None where each is stepped over by itself."""
+        return None
+
     @property
     def nodes(self) -> Array:
         """Both knots."""

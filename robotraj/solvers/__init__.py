@@ -1,6 +1,5 @@
 """Solvers are values: one file each, the only ones that know its options."""
 
-from robotraj.solvers.base import Iteration, Multipliers, Outcome, Progress, Solver
-from robotraj.solvers.ipopt import Ipopt
+from robotraj.lazily import lazily
 
-__all__ = ["Ipopt", "Iteration", "Multipliers", "Outcome", "Progress", "Solver"]
+__getattr__, __dir__, __all__ = lazily(__name__)

@@ -5,12 +5,15 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.engines import Engine, VirtualMachine
 from robotraj.status import Status
+from robotraj.transcription.between import Exchange
 
 if TYPE_CHECKING:
     from robotraj.transcription import Nlp
@@ -31,6 +34,21 @@ Progress = Callable[[Iteration], None]
 
 
 @dataclass(frozen=True, eq=False)
+class Origin:
+    """What is kept of a solve, for others like it.
+
+    Attributes
+    ----------
+    nlp : Nlp
+    w : ndarray (n_w,)
+        Where it ended, in physical units.
+    """
+
+    nlp: Nlp
+    w: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Multipliers:
     """Multipliers of rows (n_g,) and of variable bounds (n_w,), in physical units: grad f + J' rows + bounds = 0.
 
@@ -39,6 +57,68 @@ class Multipliers:
 
     rows: Array
     bounds: Array
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """n_g and n_w."""
+        return len(self.rows), len(self.bounds)
+
+    @property
+    def origin(self) -> Origin | None:
+        """What the solver that found them keeps, to start from it again."""
+        return None
+
+    @property
+    def plain(self) -> Multipliers:
+        """The numbers alone."""
+        return self
+
+
+class LateMultipliers(Multipliers):
+    """Multipliers found when they are first read: a solver that eliminated rows gets theirs by a further solve.
+
+    Parameters
+    ----------
+    find : callable
+        Gives them.
+    sizes : (int, int)
+    origin : Origin, optional
+    """
+
+    def __init__(self, find: Callable[[], Multipliers], sizes: tuple[int, int], origin: Origin | None = None) -> None:
+        self.__dict__.update(find=find, _sizes=sizes, _origin=origin)
+
+    @cached_property
+    def plain(self) -> Multipliers:
+        """The numbers alone."""
+        find: Callable[[], Multipliers] = self.__dict__["find"]
+        return find()
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """n_g and n_w."""
+        sizes: tuple[int, int] = self.__dict__["_sizes"]
+        return sizes
+
+    @property
+    def origin(self) -> Origin | None:
+        """What the solver that found them keeps."""
+        origin: Origin | None = self.__dict__["_origin"]
+        return origin
+
+    @property
+    def rows(self) -> Array:
+        """Of rows (n_g,)."""
+        return self.plain.rows
+
+    @property
+    def bounds(self) -> Array:
+        """Of variable bounds (n_w,)."""
+        return self.plain.bounds
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What comes back from another process holds the numbers alone.
+        return Multipliers, (self.rows, self.bounds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +148,31 @@ class Outcome:
 
 class Solver(ABC):
     """A solver and its options, as one frozen value. A new solver is one new file."""
+
+    def default_engine(self) -> Engine:
+        """Give what evaluates the point functions where the user does not say."""
+        return VirtualMachine()
+
+    def default_between(self) -> Exchange:
+        """Give what holds rows on states between collocation points where the user does not say."""
+        return Exchange()
+
+    def resolve(
+        self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
+    ) -> Outcome:
+        """Solve an NLP like one that was solved before, with what the solver has from then.
+
+        Parameters
+        ----------
+        nlp : Nlp
+            That differs from the earlier one in bounds, fixed values or guess; where it differs in more, this is
+            ``solve``.
+        known : Multipliers
+            The earlier outcome's, whose ``origin`` is what the solver kept.
+        progress, multipliers
+            As for ``solve``.
+        """
+        return self.solve(nlp, progress, multipliers)
 
     @abstractmethod
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from importlib import import_module, metadata
+import sys
+from functools import cache
+from importlib import import_module
+from pathlib import Path
 from types import ModuleType
 
 import casadi
@@ -31,11 +34,9 @@ def check_versions(graphs: ModuleType) -> None:
     """
     installed = {"pinocchio": pinocchio.__version__, "casadi": casadi.CasadiMeta.version()}
     built = {"pinocchio": graphs.PINOCCHIO_VERSION, "casadi": graphs.CASADI_VERSION}
-    try:
-        installed["libpinocchio"] = metadata.version("libpinocchio")
-        built["libpinocchio"] = graphs.PINOCCHIO_VERSION
-    except metadata.PackageNotFoundError:
-        pass  # pinocchio came from elsewhere than its wheels; its own version was compared
+    library = wheel_version("libpinocchio")
+    if library is not None:  # else pinocchio came from elsewhere than its wheels; its own version was compared
+        installed["libpinocchio"], built["libpinocchio"] = library, graphs.PINOCCHIO_VERSION
     for name, version in installed.items():
         if version != built[name]:
             raise BuildMismatch(
@@ -44,6 +45,18 @@ def check_versions(graphs: ModuleType) -> None:
             )
 
 
+def wheel_version(name: str) -> str | None:
+    """Give the version of an installed wheel, None where there is none.
+
+    The first ``<name>-<version>.dist-info`` on Python's path says so, as it does for ``importlib.metadata``, whose
+    import takes longer than loading the module.
+    """
+    found = (path for entry in sys.path for path in Path(entry).glob(f"{name}-*.dist-info"))
+    first = next(found, None)
+    return None if first is None else first.name.removesuffix(".dist-info").rpartition("-")[2]
+
+
+@cache
 def load_graphs() -> ModuleType:
     """Import the compiled module and check it.
 

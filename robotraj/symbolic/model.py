@@ -97,6 +97,11 @@ class SymbolicModel:
         return self._model.copy()
 
     @property
+    def text(self) -> str:
+        """The model as Pinocchio writes it, which is how it crosses into compiled modules."""
+        return self._text
+
+    @property
     def parametric(self) -> bool:
         """Whether the functions take ``inertias`` and ``translations`` as inputs."""
         return self._parametric

@@ -1,10 +1,5 @@
 """The ground: height fields that contacts, clearance and replays share."""
 
-from robotraj.terrain.base import Ground
-from robotraj.terrain.flat import Flat
-from robotraj.terrain.function import HeightFunction, as_ground
-from robotraj.terrain.height_map import HeightMap
-from robotraj.terrain.slope import Slope
-from robotraj.terrain.steps import Steps
+from robotraj.lazily import lazily
 
-__all__ = ["Flat", "Ground", "HeightFunction", "HeightMap", "Slope", "Steps", "as_ground"]
+__getattr__, __dir__, __all__ = lazily(__name__)

@@ -16,13 +16,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
-from scipy import sparse
 
-from robotraj.engines import Engine, Mapped
+from robotraj.engines import Engine, StageMapped
+from robotraj.sparse import csc_array, csr_array, diags_array
 from robotraj.transcription.block import Block, Chain, Indices
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -38,6 +35,8 @@ class Functions:
     hessian : (w, p, lam_f, lam_g) -> upper triangle of the Hessian of lam_f f + lam_g' g
     preparing : float
         Seconds that the engine took to prepare the point functions.
+    prepared : tuple of casadi.Function
+        What the functions call, kept as long as they are.
     """
 
     objective: ca.Function
@@ -46,6 +45,7 @@ class Functions:
     jacobian: ca.Function
     hessian: ca.Function
     preparing: float = 0.0
+    prepared: tuple[ca.Function, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class _Places:
         return self.functions[name](self.v, self.c, *more)
 
 
-def assemble(blocks: Sequence[Block], linear: sparse.csr_array, engine: Engine) -> Functions:
+def assemble(blocks: Sequence[Block], linear: csr_array, engine: Engine) -> Functions:
     """Build the functions of g = linear w + sum_b S_b vec(Y_b) and f = sum_b s_b' Y_b[costed].
 
     Parameters
@@ -76,10 +76,11 @@ def assemble(blocks: Sequence[Block], linear: sparse.csr_array, engine: Engine) 
     lam_f, lam_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", n_g)
     wanted = [_wanted(block) for block in blocks]
     began = time.perf_counter()
-    prepared = iter(engine.prepare(point_functions(blocks)))
+    prepared = engine.prepare(point_functions(blocks))
     preparing = time.perf_counter() - began
+    following = iter(prepared)
     places = [
-        _place(block, w, {name: next(prepared) for name in own}) for block, own in zip(blocks, wanted, strict=True)
+        _place(block, w, {name: next(following) for name in own}) for block, own in zip(blocks, wanted, strict=True)
     ]
 
     objective, gradient = ca.MX(ca.DM.zeros(1)), ca.MX(ca.DM.zeros(n_w))
@@ -91,8 +92,8 @@ def assemble(blocks: Sequence[Block], linear: sparse.csr_array, engine: Engine) 
         if block.costs:
             weights = ca.DM(block.weights)
             objective += ca.mtimes(place.map("cost"), weights)
-            weighed = sparse.diags_array(np.repeat(block.weights, block.stage.inputs)) @ block.gather
-            gradient += ca.mtimes(to_dm(sparse.csr_array(weighed.T)), ca.vec(place.map("gradient")))
+            weighed = diags_array(np.repeat(block.weights, block.stage.inputs)) @ block.gather
+            gradient += ca.mtimes(to_dm(weighed.T), ca.vec(place.map("gradient")))
     rows, objective, gradient = (ca.densify(part) for part in (rows, objective, gradient))
     jacobian = _jacobian(places, linear)
     hessian = _hessian(places, lam_f, lam_g, n_w)
@@ -105,48 +106,34 @@ def assemble(blocks: Sequence[Block], linear: sparse.csr_array, engine: Engine) 
             "nlp_hess_l", [w, p, lam_f, lam_g], [hessian], ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"]
         ),
         preparing,
+        tuple(prepared),
     )
 
 
-def point_functions(blocks: Sequence[Block]) -> list[Mapped]:
+def point_functions(blocks: Sequence[Block]) -> list[StageMapped]:
     """Give every stage function that the NLP calls, and at how many places."""
-    return [Mapped(function, block.count) for block in blocks for function in _wanted(block).values()]
+    return [StageMapped(block.stage, name, block.count) for block in blocks for name in _wanted(block)]
 
 
-def to_dm(matrix: sparse.sparray) -> ca.DM:
-    """Copy a SciPy sparse matrix into CasADi."""
-    csc = sparse.csc_array(matrix)
-    csc.sort_indices()
+def to_dm(matrix: csr_array | csc_array) -> ca.DM:
+    """Copy a sparse matrix into CasADi."""
+    csc = matrix.tocsc() if isinstance(matrix, csr_array) else matrix
     pattern = ca.Sparsity(csc.shape[0], csc.shape[1], csc.indptr.tolist(), csc.indices.tolist())
     return ca.DM(pattern, csc.data)
 
 
-def row_magnitudes(blocks: Sequence[Block], linear: sparse.csr_array, w: Array) -> Array:
-    """Largest absolute entry of every row of the Jacobian at w, (n_g,)."""
-    largest = np.zeros(linear.shape[0])
-    coo = linear.tocoo()
-    np.maximum.at(largest, coo.row, np.abs(coo.data))
-    for block in blocks:
-        chain = block.jacobian_chain()
-        nonzeros = np.array(block.stage.jacobian.map(block.count)(block.places(w), block.constants)).ravel(order="F")
-        # A guess where an expression is not defined gives NaN here; scaling leaves such rows as they are.
-        with np.errstate(invalid="ignore"):
-            np.maximum.at(largest, chain.rows, np.abs(chain.factors * nonzeros[chain.source]))
-    return largest
-
-
-def _wanted(block: Block) -> dict[str, ca.Function]:
-    """Functions of the block's stage that the NLP calls."""
+def _wanted(block: Block) -> list[str]:
+    """Names of the functions of the block's stage that the NLP calls."""
     stage = block.stage
-    wanted: dict[str, ca.Function] = {}
+    wanted = []
     if block.scatter.nnz:
-        wanted["function"] = stage.function
+        wanted.append("function")
         if stage.jacobian_pattern[0].size:
-            wanted["jacobian"] = stage.jacobian
+            wanted.append("jacobian")
     if block.costs:
-        wanted |= {"cost": stage.cost, "gradient": stage.gradient}
+        wanted += ["cost", "gradient"]
     if (block.scatter.nnz or block.costs) and stage.hessian_pattern[0].size:
-        wanted["hessian"] = stage.hessian
+        wanted.append("hessian")
     return wanted
 
 
@@ -157,10 +144,10 @@ def _place(block: Block, w: ca.MX, functions: Mapping[str, ca.Function]) -> _Pla
     )
 
 
-def _jacobian(places: Sequence[_Places], linear: sparse.csr_array) -> ca.MX:
+def _jacobian(places: Sequence[_Places], linear: csr_array) -> ca.MX:
     """Sparse dg/dw: the linear part plus every block's chain."""
     chains = [place.block.jacobian_chain() for place in places]
-    coo = linear.tocoo()
+    coo = linear
     pattern, slots = _merge([(coo.row, coo.col), *((c.rows, c.columns) for c in chains)], linear.shape)
     values = ca.MX(ca.DM(np.bincount(slots[0], weights=coo.data, minlength=pattern.nnz())))
     for place, chain, slot in zip(places, chains, slots[1:], strict=True):
@@ -179,7 +166,7 @@ def _hessian(places: Sequence[_Places], lam_f: ca.MX, lam_g: ca.MX, n_w: int) ->
         block = place.block
         if "hessian" not in place.functions or not chain.source.size:
             continue
-        multipliers = ca.mtimes(to_dm(sparse.csr_array(block.scatter.T)), lam_g)
+        multipliers = ca.mtimes(to_dm(block.scatter.T), lam_g)
         if block.costs:
             costed = np.zeros((block.count, block.stage.outputs))
             costed[:, block.stage.costed] = block.weights
@@ -191,7 +178,7 @@ def _hessian(places: Sequence[_Places], lam_f: ca.MX, lam_g: ca.MX, n_w: int) ->
 
 
 def _combination(chain: Chain, slot: Indices, rows: int, columns: int) -> ca.DM:
-    return to_dm(sparse.csr_array((chain.factors, (slot, chain.source)), shape=(rows, columns)))
+    return to_dm(csr_array((chain.factors, (slot, chain.source)), shape=(rows, columns)))
 
 
 def _merge(lists: Sequence[tuple[Indices, Indices]], shape: tuple[int, int]) -> tuple[ca.Sparsity, list[Indices]]:

@@ -12,9 +12,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
+from robotraj.sparse import csr_array, expand
 from robotraj.transcription.stage import Stage
+from robotraj.transcription.triplets import scaled
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -38,9 +39,9 @@ class Block:
     """
 
     stage: Stage
-    gather: sparse.csr_array
+    gather: csr_array
     constants: Array
-    scatter: sparse.csr_array
+    scatter: csr_array
     weights: Array = field(repr=False)
 
     @property
@@ -57,8 +58,8 @@ class Block:
         """Rewrite the block for w = columns * w_scaled and rows_scaled = rows * rows."""
         return replace(
             self,
-            gather=sparse.csr_array(self.gather @ sparse.diags_array(columns)),
-            scatter=sparse.csr_array(sparse.diags_array(rows) @ self.scatter),
+            gather=scaled(self.gather, columns=columns),
+            scatter=scaled(self.scatter, rows=rows),
         )
 
     def places(self, w: Array) -> Array:
@@ -67,8 +68,19 @@ class Block:
 
     def outputs(self, w: Array) -> Array:
         """Values of y at every place, (n_y, E)."""
-        mapped = self.stage.function.map(self.count)
-        return np.array(mapped(self.places(w), self.constants)).reshape(self.stage.outputs, self.count)
+        return self.stage.evaluate("function", self.places(w), self.constants)
+
+    def rows(self, w: Array) -> Array:
+        """Give the block's part of the rows, S vec(Y), (n_rows,)."""
+        if not self.scatter.nnz:
+            return np.zeros(self.scatter.shape[0])
+        return np.asarray(self.scatter @ self.outputs(w).ravel(order="F"))
+
+    def objective(self, w: Array) -> float:
+        """Give the block's part of the objective, s' Y[costed]."""
+        if not self.costs:
+            return 0.0
+        return float(self.stage.evaluate("cost", self.places(w), self.constants)[0] @ self.weights)
 
     def jacobian_chain(self) -> Chain:
         """Where the nonzeros of the places' Jacobians go in S blkdiag(J_e) G."""
@@ -77,26 +89,22 @@ class Block:
         y = (per_place * self.stage.outputs + rows[None, :]).ravel()
         x = (per_place * self.stage.inputs + columns[None, :]).ravel()
         by_output = self.scatter.tocsc()
-        row, factor, position = _expand(by_output, y)
-        column, factor_in, inner = _expand(self.gather, x[position])
+        row, factor, position = expand(by_output, y)
+        column, factor_in, inner = expand(self.gather, x[position])
         return Chain(row[inner], column, factor[inner] * factor_in, position[inner])
 
     def hessian_chain(self) -> Chain:
         """Where the lower triangles of the places' Hessians go in the upper triangle of G' blkdiag(H_e) G."""
         rows, columns = self.stage.hessian_pattern
-        off = rows != columns
-        both_rows = np.concatenate([rows, columns[off]])
-        both_columns = np.concatenate([columns, rows[off]])
-        entry = np.concatenate([np.arange(rows.size), np.flatnonzero(off)])
-        per_place = np.arange(self.count)[:, None]
-        a = (per_place * self.stage.inputs + both_rows[None, :]).ravel()
-        b = (per_place * self.stage.inputs + both_columns[None, :]).ravel()
-        source = (per_place * rows.size + entry[None, :]).ravel()
-        row, factor, position = _expand(self.gather, a)
-        column, factor_in, inner = _expand(self.gather, b[position])
-        upper = row[inner] <= column
-        factors = factor[inner] * factor_in
-        return Chain(row[inner][upper], column[upper], factors[upper], source[position][inner][upper])
+        first = np.arange(self.count)[:, None] * self.stage.inputs
+        row, factor, position = expand(self.gather, (first + rows).ravel())
+        column, factor_in, inner = expand(self.gather, (first + columns).ravel()[position])
+        row, factors, source = row[inner], factor[inner] * factor_in, position[inner]
+        # An entry beside the diagonal stands for two: one of them falls in the upper triangle, or both on the diagonal.
+        off = np.tile(rows != columns, self.count)[source]
+        factors = np.where(off & (row == column), 2.0 * factors, factors)
+        kept = off | (row <= column)
+        return Chain(np.minimum(row, column)[kept], np.maximum(row, column)[kept], factors[kept], source[kept])
 
 
 @dataclass(frozen=True)
@@ -107,13 +115,3 @@ class Chain:
     columns: Indices
     factors: Array
     source: Indices
-
-
-def _expand(matrix: sparse.csr_array | sparse.csc_array, which: Indices) -> tuple[Indices, Array, Indices]:
-    """Concatenate the compressed vectors ``which``: indices, data, and each entry's position in ``which``."""
-    starts = matrix.indptr[which]
-    counts = matrix.indptr[which + 1] - starts
-    ends = np.cumsum(counts)
-    total = int(ends[-1]) if ends.size else 0
-    slots = np.arange(total) - np.repeat(ends - counts, counts) + np.repeat(starts, counts)
-    return matrix.indices[slots], matrix.data[slots], np.repeat(np.arange(which.size), counts)

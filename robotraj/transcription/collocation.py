@@ -16,16 +16,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from robotraj.constraints import Where
 from robotraj.constraints.base import BoundConstraint
 from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.torques import torques_apart
 from robotraj.schemes import MovingMesh
+from robotraj.sparse import csr_array
+from robotraj.transcription.between import Exchange, impose_hull
 from robotraj.transcription.block import Block
 from robotraj.transcription.holding import hold
 from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
@@ -100,11 +103,20 @@ def path_rows(constraints: list[BoundConstraint], point: object) -> ca.SX:
 
 
 def collocate(
-    phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets
+    phase: Phase,
+    index: int,
+    layout: PhaseLayout,
+    rows: ScalarTable,
+    linear: Triplets,
+    apart: bool = False,
+    between: Exchange | None = None,
 ) -> tuple[Block, Triplets, Triplets]:
-    """Write the rows of a phase; return its block and the triplets of its gather and scatter, still to be sized."""
+    """Write the rows of a phase; return its block and the triplets of its gather and scatter, still to be sized.
+
+    ``apart`` keeps a robot's inverse dynamics out of the stage's graph where that is possible.
+    """
     dae = phase.dae
-    stage = _stage(phase, layout)
+    stage = _stage(phase, layout, apart)
     nx, nz, held = len(dae.states), len(dae.residuals), len(dae.invariants)
     corrected = stage.outputs - held - nx
     scatter = Triplets()
@@ -149,17 +161,34 @@ def collocate(
         scatter.add(np.full(len(weights), total), base[:, 0] + nx + nz + len(kept) + i, weights)
     if held:
         hold(phase, index, layout, rows, scatter, stage.outputs)
+    if between is not None:
+        impose_hull(between, phase, index, layout, rows, linear, scatter, stage.outputs)
     gather, constants = gather_points(phase, layout)
     if isinstance(layout.mesh, MovingMesh):
         tie_intervals(layout.mesh, index, layout, rows, linear)
-    empty = sparse.csr_array((0, 0))
+    empty = csr_array((0, 0))
     return Block(stage, empty, constants, empty, weights), gather, scatter
 
 
-def _stage(phase: Phase, layout: PhaseLayout) -> Stage:
-    s = point_symbols(phase, interval_scalars(layout, 0))
+_STAGES: WeakKeyDictionary[Phase, dict[tuple[bool, ...], Stage]] = WeakKeyDictionary()
+"""Stages of phases that are transcribed again, on finer meshes above all, with the derivatives made so far."""
+
+
+def _stage(phase: Phase, layout: PhaseLayout, apart: bool) -> Stage:
+    """Stage of a phase: the same one on every mesh that leaves the same scalars free."""
+    scalars = interval_scalars(layout, 0)
+    key = apart, *(scalar.column is not None for scalar in scalars)
+    known = _STAGES.setdefault(phase, {})
+    if key not in known:
+        known[key] = _make_stage(phase, scalars, apart)
+    return known[key]
+
+
+def _make_stage(phase: Phase, scalars: Sequence[Scalar], apart: bool) -> Stage:
+    s = point_symbols(phase, scalars)
     dae = phase.dae
     point = dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
+    torques = torques_apart(point) if apart else None
     integrand = sum((w * as_rows(term.rate(point), "integrand")[0] for w, term in phase.integrals), ca.SX(0))
     path = path_rows(path_constraints(phase, Where.THROUGHOUT), point)
     sums = path_rows(path_constraints(phase, Where.INTEGRAL), point)
@@ -167,10 +196,10 @@ def _stage(phase: Phase, layout: PhaseLayout) -> Stage:
     y = ca.vertcat(next(rates), dae.residual(point), path, *rates)
     costed = int(y.numel()) - 1 if phase.integrals else None
     if not dae.invariants:
-        return Stage(s.unknowns, s.constants, y, costed)
+        return Stage(s.unknowns, s.constants, y, costed, torques)
     c = ca.SX.sym("c", len(dae.invariants))
     y = ca.vertcat(y, dae.correction(point, c), dae.invariant(point))
-    return Stage(ca.vertcat(s.unknowns, c), s.constants, y, costed)
+    return Stage(ca.vertcat(s.unknowns, c), s.constants, y, costed, torques)
 
 
 def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from robotraj.constraints import Where
 from robotraj.dynamics import Named
@@ -169,4 +168,4 @@ def widen(block: Block, rows: int, columns: int) -> Block:
     gather, scatter = block.gather.copy(), block.scatter.copy()
     gather.resize((gather.shape[0], columns))
     scatter.resize((rows, block.stage.outputs * block.count))
-    return Block(block.stage, sparse.csr_array(gather), block.constants, sparse.csr_array(scatter), block.weights)
+    return Block(block.stage, gather, block.constants, scatter, block.weights)

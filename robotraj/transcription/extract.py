@@ -11,7 +11,6 @@ from robotraj.polynomials import basis, integrals, lobatto_sites
 from robotraj.schemes import OneStep
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.shooting_trajectory import shot_polynomials
 
 Array = NDArray[np.float64]
 
@@ -56,6 +55,8 @@ def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
     t0, duration = layout.t0.of(w), layout.duration.of(w)
     parameters = {name: s.of(w) for name, s in zip(phase.parameter_names, layout.parameters, strict=True)}
     if isinstance(layout.intervals[0].scheme, OneStep):
+        from robotraj.transcription.shooting_trajectory import shot_polynomials
+
         curves = shot_polynomials(phase, layout, block, w)
         return PhaseTrajectory(t0, duration, *curves, curves[0].breaks, parameters)
     nx, held = len(phase.dae.states), len(phase.dae.invariants)
@@ -90,6 +91,12 @@ def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
         PiecewisePolynomial(breaks, x_sites, x_values),
         PiecewisePolynomial(breaks, z_sites, z_values),
         PiecewisePolynomial(breaks, u_sites, u_values),
-        np.unique(np.concatenate(points)),
+        _ascending(np.concatenate(points)),
         parameters,
     )
+
+
+def _ascending(times: Array) -> Array:
+    """Sort times and keep each once; np.unique would import numpy.ma."""
+    times = np.sort(times)
+    return times[np.append(True, np.diff(times) > 0.0)]

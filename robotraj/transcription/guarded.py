@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from robotraj.schemes import OneStep
 from robotraj.transcription.ends import widen
@@ -53,15 +52,13 @@ def guarded(nlp: Nlp, guards: Sequence[Guard], w: Array) -> Nlp:
 
     before = nlp.linear.copy()
     before.resize(shape)
-    points = tuple(
-        replace(block, scatter=sparse.csr_array(block.scatter + own)) for block, own in zip(kept, extra, strict=True)
-    )
+    points = tuple(replace(block, scatter=block.scatter + own) for block, own in zip(kept, extra, strict=True))
     return replace(
         nlp,
         variables=variables,
         rows=constraints,
         blocks=(*points, *(widen(block, *shape) for block in others), *added),
-        linear=sparse.csr_array(before + matrix),
+        linear=before + matrix,
         scale=scale,
         row_scale=np.append(nlp.row_scale, rows_alone[len(nlp.rows) :]),
         guess=start,

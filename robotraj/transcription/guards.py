@@ -25,7 +25,6 @@ from robotraj.transcription.collocation import interval_scalars, point_symbols
 from robotraj.transcription.ends import single
 from robotraj.transcription.extract import PhaseTrajectory, correction_basis
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
-from robotraj.transcription.shooting_guards import shot_guards
 from robotraj.transcription.table import Entry, Indices, ScalarTable
 from robotraj.transcription.triplets import Triplets
 
@@ -58,20 +57,27 @@ class Guard:
 
 def guardable(phase: Phase) -> list[tuple[int, int, BoundConstraint, Row]]:
     """Rows held throughout that read the state, time and parameters alone."""
-    point = symbols_of(phase.dae, phase.parameter_names)
     states = {s.name for s in phase.dae.states}
-    # By forward dynamics a robot's accelerations are expressions, not variables: its algebraic variables are none.
-    z = (point.z[variable.name] for variable in phase.body.algebraic)
-    inner = ca.vertcat(ca.SX(0, 1), *z, *point.u.values())
     found = []
     for c, constraint in enumerate(phase.bound_constraints):
         if constraint.where is not Where.THROUGHOUT:
             continue
-        values = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
-        for r, (row, value) in enumerate(zip(constraint.rows, values, strict=True)):
-            if row.variable in states or (row.variable is None and not ca.depends_on(value, inner)):
+        of_state = _read_the_state(phase, constraint) if any(r.variable is None for r in constraint.rows) else ()
+        for r, row in enumerate(constraint.rows):
+            if row.variable in states or r in of_state:
                 found.append((c, r, constraint, row))
     return found
+
+
+def _read_the_state(phase: Phase, constraint: BoundConstraint) -> list[int]:
+    """Rows of an expression that reads neither algebraic variables nor controls."""
+    point = symbols_of(phase.dae, phase.parameter_names)
+    # By forward dynamics a robot's accelerations are expressions, not variables: its algebraic variables are none.
+    z = (point.z[variable.name] for variable in phase.body.algebraic)
+    inner = ca.vertcat(ca.SX(0, 1), *z, *point.u.values())
+    values = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
+    rows = zip(constraint.rows, values, strict=True)
+    return [r for r, (row, value) in enumerate(rows) if row.variable is None and not ca.depends_on(value, inner)]
 
 
 @dataclass(frozen=True)
@@ -187,6 +193,8 @@ def add_guards(
     for i, (phase, layout) in enumerate(zip(phases, layouts, strict=True)):
         shot = [(g.interval, g.tau, g.constraint, g.row) for g in guards if g.phase == i]
         if shot and isinstance(layout.intervals[0].scheme, OneStep):
+            from robotraj.transcription.shooting_guards import shot_guards
+
             blocks += shot_guards(phase, i, layout, shot, rows)
     return blocks
 

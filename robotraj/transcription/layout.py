@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.errors import InputError
-from robotraj.schemes import Mesh, MovingMesh, OneStep, SingleShooting
+from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.transcription.table import Entry, ScalarTable
 
 if TYPE_CHECKING:
@@ -189,8 +189,9 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
         for name, low, high in zip(phase.parameter_names, *phase.parameter_bounds, strict=True)
     )
     schemes, breaks = mesh.schemes, mesh.knots
-    if isinstance(schemes[0], SingleShooting):
-        schemes, breaks = (schemes[0].over(breaks),), np.array([0.0, 1.0])
+    whole = schemes[0].over(breaks) if isinstance(schemes[0], OneStep) else None
+    if whole is not None:
+        schemes, breaks = (whole,), np.array([0.0, 1.0])
     lengths = np.diff(breaks)
     invariants = [Entry(index, "correction", v.label, v.unit) for v in dae.invariants]
     _check_holds(phase, schemes)

@@ -15,16 +15,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
-from robotraj.engines import Engine, Mapped, VirtualMachine
+from robotraj.engines import Engine, StageMapped, VirtualMachine
+from robotraj.sparse import csr_array
 from robotraj.transcription.assembly import Functions, assemble, point_functions
+from robotraj.transcription.between import Exchange
 from robotraj.transcription.block import Block
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.table import Scalars
+from robotraj.transcription.triplets import scaled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from scipy import sparse
 
     from robotraj.problem import Problem
 
@@ -52,8 +55,12 @@ class Nlp:
         w = scale * w_scaled, g_scaled = row_scale * g.
     guess : ndarray (n_w,)
         Where the solver starts.
+    free : Scalars
+        The columns without the bounds of the phases.
     engine : Engine
         Evaluates the blocks' functions.
+    between : Exchange
+        What holds rows on states between the collocation points.
     """
 
     problem: Problem
@@ -62,31 +69,40 @@ class Nlp:
     variables: Scalars
     rows: Scalars
     blocks: tuple[Block, ...]
-    linear: sparse.csr_array
+    linear: csr_array
     scale: Array
     row_scale: Array
     guess: Array
+    free: Scalars
     engine: Engine = field(default_factory=VirtualMachine)
+    between: Exchange = field(default_factory=Exchange)
 
     @cached_property
     def functions(self) -> Functions:
         """Objective, rows and their derivatives in scaled variables, as a solver takes them."""
         blocks = [block.scaled(self.scale, self.row_scale) for block in self.blocks]
-        linear = sparse.diags_array(self.row_scale) @ self.linear @ sparse.diags_array(self.scale)
-        return assemble(blocks, sparse.csr_array(linear), self.engine)
+        return assemble(blocks, scaled(self.linear, self.row_scale, self.scale), self.engine)
 
     @property
-    def point_functions(self) -> list[Mapped]:
+    def compiling(self) -> float:
+        """Seconds that the engine took to prepare ``functions``, 0 while nobody has asked for them."""
+        return self.functions.preparing if "functions" in self.__dict__ else 0.0
+
+    @property
+    def point_functions(self) -> list[StageMapped]:
         """Every stage function that ``functions`` call, and at how many places."""
         return point_functions(self.blocks)
 
     def objective(self, w: Array) -> float:
         """Objective at w, in physical units."""
-        return float(self.functions.objective(w / self.scale, []))
+        return float(sum(block.objective(w) for block in self.blocks))
 
     def values(self, w: Array) -> Array:
         """Rows g at w, in physical units, (n_g,)."""
-        return np.array(self.functions.rows(w / self.scale, [])).ravel() / self.row_scale
+        values = np.asarray(self.linear @ w)
+        for block in self.blocks:
+            values += block.rows(w)
+        return values
 
     def gradient(self, w: Array) -> Array:
         """Gradient of the objective, (n_w,)."""
@@ -94,11 +110,15 @@ class Nlp:
 
     def jacobian(self, w: Array) -> sparse.csc_array:
         """Exact dg/dw, sparse (n_g, n_w)."""
+        from scipy import sparse
+
         scaled = self.functions.jacobian(w / self.scale, [])[1].sparse()
         return sparse.csc_array(sparse.diags_array(1 / self.row_scale) @ scaled @ sparse.diags_array(1 / self.scale))
 
     def hessian(self, w: Array, multipliers: Array, objective_weight: float = 1.0) -> sparse.csc_array:
         """Exact Hessian of objective_weight f + multipliers' g, sparse symmetric (n_w, n_w)."""
+        from scipy import sparse
+
         scaled = self.functions.hessian(w / self.scale, [], objective_weight, multipliers / self.row_scale).sparse()
         upper = sparse.csc_array(sparse.diags_array(1 / self.scale) @ scaled @ sparse.diags_array(1 / self.scale))
         return sparse.csc_array(upper + sparse.triu(upper, 1).T)

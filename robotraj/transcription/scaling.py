@@ -12,9 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
-from robotraj.transcription.assembly import row_magnitudes
+from robotraj.sparse import csr_array
 from robotraj.transcription.block import Block
 from robotraj.transcription.table import Scalars
 
@@ -25,24 +24,61 @@ LEAST, GREATEST = 1e-3, 1e4
 
 def variable_scale(variables: Scalars, guess: Array) -> Array:
     """Scale of every column, (n_w,)."""
-    scales = np.ones(len(variables.entries))
-    for number in np.unique(variables.meaning):
-        chosen = variables.meaning == number
-        low, high = variables.lower[chosen], variables.upper[chosen]
-        both = np.isfinite(low) & np.isfinite(high) & (high > low)
-        size = np.max(np.maximum(np.abs(low[both]), np.abs(high[both]))) if both.any() else 0.0
-        if not both.any() or size > 1e3 or variables.entries[number].name == "duration":
-            fixed = np.abs(low[np.isfinite(low) & (low == high)])
-            size = max(float(np.max(np.abs(guess[chosen]))), float(np.max(fixed, initial=0.0)))
-        scales[number] = np.clip(size, LEAST, GREATEST) if size > 0 else 1.0
-    return scales[variables.meaning]
+    meaning, low, high = variables.meaning, variables.lower, variables.upper
+    count = len(variables.entries)
+    both = np.isfinite(low) & np.isfinite(high) & (high > low)
+    by_bounds, by_guess = np.zeros(count), np.zeros(count)
+    np.maximum.at(by_bounds, meaning[both], np.maximum(np.abs(low[both]), np.abs(high[both])))
+    np.maximum.at(by_guess, meaning, np.abs(guess))
+    fixed = np.isfinite(low) & (low == high)
+    np.maximum.at(by_guess, meaning[fixed], np.abs(low[fixed]))
+    bounded = (by_bounds > 0) & (by_bounds <= 1e3) & [entry.name != "duration" for entry in variables.entries]
+    size = np.where(bounded, by_bounds, by_guess)
+    return np.where(size > 0, np.clip(size, LEAST, GREATEST), 1.0)[meaning]
 
 
-def row_scale(blocks: Sequence[Block], linear: sparse.csr_array, rows: Scalars, scale: Array, guess: Array) -> Array:
-    """Scale of every row, (n_g,)."""
-    plain = [block.scaled(scale, np.ones(len(rows))) for block in blocks]
-    scaled_linear = sparse.csr_array(linear @ sparse.diags_array(scale))
-    magnitudes = row_magnitudes(plain, scaled_linear, guess / scale)
+def row_scale(blocks: Sequence[Block], linear: csr_array, rows: Scalars, scale: Array, guess: Array) -> Array:
+    """Scale of every row, (n_g,), for blocks and a linear part in physical units."""
+    magnitudes = row_magnitudes(blocks, linear, scale, guess)
     largest = np.zeros(len(rows.entries))
     np.maximum.at(largest, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
     return 1.0 / np.clip(np.where(largest > 0, largest, 1.0), LEAST, GREATEST)[rows.meaning]
+
+
+def row_magnitudes(blocks: Sequence[Block], linear: csr_array, scale: Array, w: Array) -> Array:
+    """Largest absolute term of every row of the Jacobian by w / scale at w, (n_g,).
+
+    A term is a product S J G of one entry each; where several fall on one entry of the Jacobian they are not added.
+    """
+    largest = _largest(linear, np.abs(linear.data) * scale[linear.indices])
+    for block in blocks:
+        if not block.scatter.nnz:
+            continue
+        stage = block.stage
+        rows, columns = stage.jacobian_pattern
+        if not rows.size:
+            continue
+        read = np.flatnonzero(np.bincount(block.scatter.indices // stage.outputs))
+        reach = _largest(block.gather, np.abs(block.gather.data) * scale[block.gather.indices])
+        reach = reach.reshape(block.count, stage.inputs)[read][:, columns]
+        places, constants = block.places(w)[:, read], block.constants[:, read]
+        nonzeros = stage.evaluate("jacobian", places, constants).T
+        # A guess where an expression is not defined gives NaN here; scaling leaves such rows as they are.
+        with np.errstate(invalid="ignore"):
+            terms = np.where(reach > 0.0, np.abs(nonzeros) * reach, 0.0)
+            outputs = np.zeros((block.count, stage.outputs))
+            by_row = np.argsort(rows, kind="stable")
+            present, first = np.unique(rows[by_row], return_index=True)
+            outputs[np.ix_(read, present)] = np.maximum.reduceat(terms[:, by_row], first, axis=1)
+            values = np.abs(block.scatter.data) * outputs.ravel()[block.scatter.indices]
+        largest = np.maximum(largest, _largest(block.scatter, values))
+    return largest
+
+
+def _largest(matrix: csr_array, values: Array) -> Array:
+    """Largest of the values in every row, 0 in empty ones; ``values`` stand where the nonzeros of the matrix do."""
+    largest = np.zeros(matrix.shape[0])
+    filled = np.diff(matrix.indptr) > 0
+    if values.size:
+        largest[filled] = np.maximum.reduceat(values, matrix.indptr[:-1][filled])
+    return largest

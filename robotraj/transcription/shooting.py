@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from robotraj.constraints import Row, Where
 from robotraj.dynamics.system import as_rows
 from robotraj.schemes import MovingMesh, OneStep
+from robotraj.sparse import csr_array
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import (
     gather_points,
@@ -78,7 +78,7 @@ def shoot(
     more = _path_at_knots(phase, index, layout, columns, rows, path) if path else []
     gather, constants = _gather(layout)
     weights = np.full(count, 1.0 if phase.integrals else 0.0)
-    empty = sparse.csr_array((0, 0))
+    empty = csr_array((0, 0))
     block = Block(stage, empty, constants, empty, weights)
     return (block, gather, scatter), more
 

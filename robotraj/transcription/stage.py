@@ -13,6 +13,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.dynamics.torques import Torques
+from robotraj.native.torque_chain import TorqueChain
+
+Array = NDArray[np.float64]
 Pattern = tuple[NDArray[np.int_], NDArray[np.int_]]
 Symbols: TypeAlias = Any
 
@@ -27,37 +31,72 @@ class Stage:
         may call functions that are none, such as integrators.
     costed : int or None
         The output that carries cost, if one does.
+    torques : Torques, optional
+        The robot's inverse dynamics, whose symbols stand in y for them. Engines that know it need not build or
+        differentiate its graph; the functions below are the same with and without.
+
     """
 
-    def __init__(self, v: Symbols, c: Symbols, y: Symbols, costed: int | None = None) -> None:
-        self._v, self._c, self._y = v, c, ca.densify(y)
+    def __init__(
+        self, v: Symbols, c: Symbols, y: Symbols, costed: int | None = None, torques: Torques | None = None
+    ) -> None:
+        self.v, self.c, self.y = v, c, ca.densify(y)
         self.costed = costed
-        self.function = ca.Function("stage", [v, c], [self._y], ["v", "c"], ["y"])
+        self.torques = torques if torques is None or torques.are_in(self.y) else None
+
+    @cached_property
+    def chain(self) -> TorqueChain | None:
+        """Recipes of the derivatives through the torques, where there are any and the rest is a scalar graph."""
+        t = self.torques
+        if t is None:
+            return None
+        chain = TorqueChain(self.v, self.c, t.symbols, self.y, self.costed, t.tree, t.arguments)
+        return chain if chain.runs else None
+
+    @cached_property
+    def _whole(self) -> Symbols:
+        """The outputs as functions of v and c alone."""
+        return self.y if self.torques is None else self.torques.written_out(self.y)
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """(v, c) -> y."""
+        return ca.Function("stage", [self.v, self.c], [self._whole], ["v", "c"], ["y"])
+
+    def evaluate(self, name: str, v: Array, c: Array) -> Array:
+        """Evaluate ``"function"``, ``"cost"`` or ``"jacobian"`` at E places: (n_v, E), (n_c, E) -> (m, E)."""
+        if self.chain is None:
+            return _evaluate(getattr(self, name), v, c)
+        block = self.chain.block(v.shape[1], name == "cost")
+        found = getattr(block, "values" if name == "function" else name)(*(_flat(each) for each in (v, c)))
+        return found.reshape(v.shape[1], -1).T
 
     @property
     def inputs(self) -> int:
         """n_v."""
-        return int(self._v.numel())
+        return int(self.v.numel())
 
     @property
     def outputs(self) -> int:
         """n_y."""
-        return int(self._y.numel())
+        return int(self.y.numel())
 
     @cached_property
     def cost(self) -> ca.Function:
         """(v, c) -> the costed output."""
-        return ca.Function("cost", [self._v, self._c], [self._y[self.costed]])
+        return ca.Function("cost", [self.v, self.c], [self._whole[self.costed]])
 
     @cached_property
     def gradient(self) -> ca.Function:
         """(v, c) -> gradient of the costed output, (n_v,)."""
-        return ca.Function("gradient", [self._v, self._c], [ca.densify(ca.gradient(self._y[self.costed], self._v))])
+        return ca.Function("gradient", [self.v, self.c], [ca.densify(ca.gradient(self._whole[self.costed], self.v))])
 
     @cached_property
     def _jacobian(self) -> tuple[ca.Function, Pattern]:
-        matrix = ca.jacobian(self._y, self._v)
-        return ca.Function("jacobian", [self._v, self._c], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
+        matrix = ca.jacobian(self._whole, self.v)
+        if self.chain is not None:
+            matrix = _spread(matrix, self.chain.jacobian_pattern)
+        return ca.Function("jacobian", [self.v, self.c], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
 
     @property
     def jacobian(self) -> ca.Function:
@@ -67,13 +106,15 @@ class Stage:
     @property
     def jacobian_pattern(self) -> Pattern:
         """Rows and columns of ``jacobian``'s output."""
-        return self._jacobian[1]
+        return self._jacobian[1] if self.chain is None else self.chain.jacobian_pattern
 
     @cached_property
     def _hessian(self) -> tuple[ca.Function, Pattern]:
-        m = type(self._v).sym("m", self.outputs)
-        matrix = ca.tril(ca.hessian(ca.dot(m, self._y), self._v)[0])
-        return ca.Function("hessian", [self._v, self._c, m], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
+        m = type(self.v).sym("m", self.outputs)
+        matrix = ca.tril(ca.hessian(ca.dot(m, self._whole), self.v)[0])
+        if self.chain is not None:
+            matrix = _spread(matrix, self.chain.hessian_pattern)
+        return ca.Function("hessian", [self.v, self.c, m], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
 
     @property
     def hessian(self) -> ca.Function:
@@ -83,7 +124,38 @@ class Stage:
     @property
     def hessian_pattern(self) -> Pattern:
         """Rows and columns of ``hessian``'s output."""
-        return self._hessian[1]
+        return self._hessian[1] if self.chain is None else self.chain.hessian_pattern
+
+
+def _evaluate(function: ca.Function, *arguments: Array) -> Array:
+    """Evaluate a function of dense columns at E places: arguments (n_i, E), result (m, E).
+
+    CasADi reads and writes the arrays in place; conversion to its matrices and back would cost more than a small
+    function does.
+    """
+    count = arguments[0].shape[1]
+    result = np.empty((count, int(function.numel_out(0))))
+    if not result.size:
+        return result.T
+    buffer, run = function.map(count).buffer()
+    given = [np.ascontiguousarray(argument.T, dtype=float) for argument in arguments]
+    for i, argument in enumerate(given):
+        if argument.size:
+            buffer.set_arg(i, argument.data)
+    buffer.set_res(0, result.data)
+    run()
+    return result.T
+
+
+def _flat(columns: Array) -> Array:
+    """Column after column."""
+    return np.ascontiguousarray(columns.T, dtype=float).ravel()
+
+
+def _spread(matrix: Symbols, pattern: Pattern) -> Symbols:
+    """Write zeros where the pattern has entries that the matrix has not."""
+    rows, columns = pattern
+    return ca.project(matrix, ca.Sparsity.triplet(*matrix.shape, rows.tolist(), columns.tolist()))
 
 
 def _nonzeros(matrix: Symbols) -> Symbols:

@@ -64,6 +64,23 @@ class Scalars:
     def __len__(self) -> int:
         return len(self.meaning)
 
+    def bounded(self, bounds: Sequence[ColumnBound]) -> Scalars:
+        """Tighten the bounds; where two contradict each other by round-off, those that come first win."""
+        entries = {entry: i for i, entry in enumerate(self.entries)}
+        lower, upper = self.lower.copy(), self.upper.copy()
+        lower_meaning, upper_meaning = self.lower_meaning.copy(), self.upper_meaning.copy()
+        for bound in bounds:
+            number = entries.setdefault(bound.entry, len(entries))
+            # Ends come first. Where one lies outside a limit by round-off, the phase let it through: the limit
+            # gives way.
+            tighter = bound.columns[bound.lower > lower[bound.columns]]
+            lower[tighter], lower_meaning[tighter] = np.minimum(bound.lower, upper[tighter]), number
+            tighter = bound.columns[bound.upper < upper[bound.columns]]
+            upper[tighter], upper_meaning[tighter] = np.maximum(bound.upper, lower[tighter]), number
+        for part in (lower, upper, lower_meaning, upper_meaning):
+            part.setflags(write=False)
+        return Scalars(tuple(entries), self.meaning, self.fraction, lower, upper, lower_meaning, upper_meaning)
+
     def joined(self, more: Scalars) -> Scalars:
         """Put those of a table that went on ``ScalarTable.after`` these behind them."""
         parts = ("meaning", "fraction", "lower", "upper", "lower_meaning", "upper_meaning")
@@ -115,24 +132,15 @@ class ScalarTable:
         self.count += fractions.size
         return np.arange(first, self.count).reshape(fractions.shape)
 
-    def finish(self, bounds: Sequence[ColumnBound] = ()) -> Scalars:
-        """Freeze the table, tightening it by further bounds."""
+    def finish(self) -> Scalars:
+        """Freeze the table."""
         meaning: Indices = np.concatenate([np.empty(0, dtype=int), *self._meaning])
         fraction: Array = np.concatenate([np.empty(0), *self._fraction])
         lower: Array = np.concatenate([np.empty(0), *self._lower])
         upper: Array = np.concatenate([np.empty(0), *self._upper])
-        lower_meaning, upper_meaning = meaning.copy(), meaning.copy()
-        for bound in bounds:
-            number = self.entry(bound.entry)
-            # Ends come first. Where one lies outside a limit by round-off, the phase let it through: the limit
-            # gives way.
-            tighter = bound.columns[bound.lower > lower[bound.columns]]
-            lower[tighter], lower_meaning[tighter] = np.minimum(bound.lower, upper[tighter]), number
-            tighter = bound.columns[bound.upper < upper[bound.columns]]
-            upper[tighter], upper_meaning[tighter] = np.maximum(bound.upper, lower[tighter]), number
-        for part in (meaning, fraction, lower, upper, lower_meaning, upper_meaning):
+        for part in (meaning, fraction, lower, upper):
             part.setflags(write=False)
-        return Scalars(tuple(self._entries), meaning, fraction, lower, upper, lower_meaning, upper_meaning)
+        return Scalars(tuple(self._entries), meaning, fraction, lower, upper, meaning, meaning)
 
 
 @dataclass(frozen=True)

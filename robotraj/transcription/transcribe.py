@@ -15,6 +15,7 @@ from robotraj.errors import InputError
 from robotraj.guess import Guess, PhaseGuess
 from robotraj.guesses import default_guess
 from robotraj.schemes import Mesh, MovingMesh, OneStep
+from robotraj.transcription.between import Exchange
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import collocate
 from robotraj.transcription.ends import (
@@ -28,8 +29,6 @@ from robotraj.transcription.ends import (
 from robotraj.transcription.layout import PhaseLayout, lay_out
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scaling import row_scale, variable_scale
-from robotraj.transcription.shooting import shoot
-from robotraj.transcription.shooting_problem import explicit
 from robotraj.transcription.table import ColumnBound, Entry, ScalarTable
 from robotraj.transcription.triplets import Triplets
 
@@ -47,6 +46,7 @@ def transcribe(
     mesh: Mesh | Sequence[Mesh],
     guess: Guess | None = None,
     engine: Engine | None = None,
+    between: Exchange | None = None,
 ) -> Nlp:
     """Transcribe a problem by the schemes of its meshes.
 
@@ -59,29 +59,37 @@ def transcribe(
         Where the solver starts; ``default_guess`` by default.
     engine : Engine, optional
         Evaluates the point functions; ``rt.VirtualMachine()`` by default.
+    between : Exchange, optional
+        What holds rows on states between the collocation points; ``rt.Exchange()``, which adds nothing yet, by default.
 
     Returns
     -------
     Nlp
         Every row and variable named; solve it with a solver value such as ``rt.Ipopt()``.
     """
+    engine = engine or VirtualMachine()
+    between = between or Exchange()
     meshes = _meshes(problem, mesh)
-    problem = explicit(problem, meshes)
+    if any(isinstance(scheme, OneStep) for m in meshes for scheme in m.schemes):
+        from robotraj.transcription.shooting_problem import explicit
+
+        problem = explicit(problem, meshes)
     columns, rows, linear = ScalarTable(), ScalarTable(), Triplets()
     layouts = tuple(
         lay_out(phase, i, m, columns) for i, (phase, m) in enumerate(zip(problem.phases, meshes, strict=True))
     )
-    bounds: list[ColumnBound] = []
     blocks: list[Block] = []
     points = []
     for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
-        bounds += _bounds(phase, i, layout)
-        if isinstance(layout.intervals[0].scheme, OneStep):
+        collocated = not isinstance(layout.intervals[0].scheme, OneStep)
+        if not collocated:
+            from robotraj.transcription.shooting import shoot
+
             point, more = shoot(phase, i, layout, columns, rows, linear)
             points.append(point)
             blocks += more
         else:
-            points.append(collocate(phase, i, layout, rows, linear))
+            points.append(collocate(phase, i, layout, rows, linear, engine.torques_apart, between))
         blocks += end_constraint_blocks(phase, i, layout, rows)
         started = start_block(problem.phases, i, layout, problem.bound_links, rows)
         blocks += [started] if started else []
@@ -92,7 +100,8 @@ def transcribe(
         link_block(link, problem.phases, layouts, own, rows)
         for link, own in zip(problem.bound_links, unknowns, strict=True)
     ]
-    variables, constraints = columns.finish(bounds), rows.finish()
+    free, constraints = columns.finish(), rows.finish()
+    variables = free.bounded(bounds_of(problem, layouts, between))
     shape = (len(constraints), len(variables))
     every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]
     every += [widen(block, *shape) for block in blocks]
@@ -115,8 +124,19 @@ def transcribe(
         scale,
         row_scale(every, matrix, constraints, scale, start),
         start,
-        engine or VirtualMachine(),
+        free,
+        engine,
+        between,
     )
+
+
+def bounds_of(problem: Problem, layouts: Sequence[PhaseLayout], between: Exchange) -> list[ColumnBound]:
+    """Give the bounds of columns: ends first, then the rows that are single variables."""
+    bounds = []
+    for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
+        collocated = not isinstance(layout.intervals[0].scheme, OneStep)
+        bounds += _bounds(phase, i, layout, between.covers(phase) if collocated else frozenset())
+    return bounds
 
 
 def _meshes(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> list[Mesh]:
@@ -135,8 +155,11 @@ def _finish_points(block: Block, gather: Triplets, scatter: Triplets, shape: tup
     )
 
 
-def _bounds(phase: Phase, index: int, layout: PhaseLayout) -> list[ColumnBound]:
-    """Write the ends of the phase and the rows that are single variables as bounds of columns."""
+def _bounds(phase: Phase, index: int, layout: PhaseLayout, covered: frozenset[str]) -> list[ColumnBound]:
+    """Write the ends of the phase and the rows that are single variables as bounds of columns.
+
+    Of states that are ``covered`` in between, only the knots are bounded.
+    """
     bounds = []
     for which, knot, given in (("start", 0, phase.start_bounds), ("end", -1, phase.end_bounds)):
         for i, variable in enumerate(phase.dae.states):
@@ -144,11 +167,12 @@ def _bounds(phase: Phase, index: int, layout: PhaseLayout) -> list[ColumnBound]:
             at = layout.knots[knot, i : i + 1]
             bounds.append(ColumnBound(entry, at, float(given.lower[i]), float(given.upper[i])))
     columns = _columns_by_variable(phase, layout)
+    knots = {state.name: at for state, at in zip(phase.dae.states, layout.knots.T, strict=True)}
     for constraint in phase.bound_constraints:
         for row in constraint.rows:
             if row.variable is None:
                 continue
-            every = columns[row.variable]
+            every = knots[row.variable] if row.variable in covered else columns[row.variable]
             _require_point(phase, layout, row.variable, constraint.where)
             chosen = {Where.START: every[:1], Where.END: every[-1:]}.get(constraint.where, every)
             bounds.append(ColumnBound(Entry(index, row.name, row.joint or "", row.unit), chosen, row.lower, row.upper))
@@ -178,12 +202,14 @@ def _columns_by_variable(phase: Phase, layout: PhaseLayout) -> dict[str, NDArray
         (phase.dae.algebraic, [interval.algebraic for interval in layout.intervals]),
         (phase.dae.controls, [interval.controls for interval in layout.intervals]),
     )
-    # Columns were numbered in the order of time.
-    return {
-        variable.name: np.unique(columns)
-        for variables, parts in groups
-        for variable, columns in zip(variables, np.concatenate(parts).T, strict=True)
-    }
+    found: dict[str, NDArray[np.int_]] = {}
+    for variables, parts in groups:
+        # Columns were numbered in the order of time; all variables of a group stand at the same places.
+        columns = np.sort(np.concatenate(parts), axis=0)
+        if variables:
+            fresh = np.append(True, np.diff(columns[:, 0]) > 0)
+            found |= {variable.name: columns[fresh, j] for j, variable in enumerate(variables)}
+    return found
 
 
 def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: Guess, size: int) -> Array:

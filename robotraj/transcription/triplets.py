@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
+
+from robotraj.sparse import csr_array
 
 
 class Triplets:
@@ -28,9 +29,21 @@ class Triplets:
         every = np.broadcast_arrays(rows, columns, np.asarray(value, dtype=float))
         self.add(*(part.ravel() for part in every))
 
-    def matrix(self, shape: tuple[int, int]) -> sparse.csr_array:
+    def matrix(self, shape: tuple[int, int]) -> csr_array:
         """Sum the triplets into a sparse matrix."""
         if not self._rows:
-            return sparse.csr_array(shape)
+            return csr_array(shape)
         parts = (np.concatenate(self._values), (np.concatenate(self._rows), np.concatenate(self._columns)))
-        return sparse.csr_array(sparse.coo_array(parts, shape=shape))
+        return csr_array(parts, shape)
+
+
+def scaled(
+    matrix: csr_array, rows: NDArray[np.float64] | None = None, columns: NDArray[np.float64] | None = None
+) -> csr_array:
+    """Give diag(rows) M diag(columns), on the pattern of M."""
+    data = matrix.data
+    if rows is not None:
+        data = np.repeat(rows, np.diff(matrix.indptr)) * data
+    if columns is not None:
+        data = data * columns[matrix.indices]
+    return csr_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)

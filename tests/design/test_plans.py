@@ -64,8 +64,10 @@ def test_the_urdfs_own_values_give_the_plan_without_design(name: str, dynamics) 
     design = {"m": rt.BodyMass(joint), "L": rt.LinkLength(joint), "w": rt.Payload(last)}
     own = {"m": robot.model.inertias[2].mass, "L": design["L"].original(robot)[0], "w": 0.0}
     mesh = rt.Mesh(8)
-    plain = rt.plan(reach(robot, dynamics=dynamics), mesh=mesh)
-    designed = rt.plan(reach(robot, dynamics=dynamics, design=design, parameters=own), mesh=mesh)
+    # The same solver and the same operations: without a design the default would be others.
+    same = {"mesh": mesh, "solver": rt.Ipopt(), "engine": rt.VirtualMachine()}
+    plain = rt.plan(reach(robot, dynamics=dynamics), **same)
+    designed = rt.plan(reach(robot, dynamics=dynamics, design=design, parameters=own), **same)
     assert designed.objective == pytest.approx(plain.objective, rel=1e-11)
     times = plain.phases[0].points
     np.testing.assert_allclose(designed.at(times).tau, plain.at(times).tau, rtol=0, atol=1e-7)
@@ -187,6 +189,7 @@ def test_objectives_of_every_kind_see_the_design(arm, objective) -> None:
     # The arm's axes are vertical and its gravity along them; the cost of transport divides by the weight.
     heavy = rt.load(arm.model)
     total = objective + 1e-3 * rt.Effort()
-    designed = rt.plan(reach(heavy, objective=total, parameters=values, design=design), mesh=rt.Mesh(8))
-    plain = rt.plan(reach(designed.phases[0].robot, objective=total), mesh=rt.Mesh(8))
+    same = {"mesh": rt.Mesh(8), "solver": rt.Ipopt()}
+    designed = rt.plan(reach(heavy, objective=total, parameters=values, design=design), **same)
+    plain = rt.plan(reach(designed.phases[0].robot, objective=total), **same)
     assert designed.objective == pytest.approx(plain.objective, rel=1e-9)

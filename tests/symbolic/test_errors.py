@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,7 +14,7 @@ import pytest
 
 from robotraj.errors import BuildMismatch, InputError, UnknownName
 from robotraj.symbolic import SymbolicModel
-from robotraj.symbolic.build import check_versions
+from robotraj.symbolic.build import check_versions, wheel_version
 
 OTHER = "99.0.0"
 MINE = {"PINOCCHIO_VERSION": pin.__version__, "CASADI_VERSION": ca.CasadiMeta.version()}
@@ -26,11 +27,18 @@ def test_module_built_against_other_versions(attribute: str, name: str) -> None:
         check_versions(SimpleNamespace(**{**MINE, attribute: OTHER}))
 
 
-def test_library_of_another_version(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_library_of_another_version(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """``pin`` and ``libpinocchio`` are separate wheels, and only the second is linked."""
-    monkeypatch.setattr("importlib.metadata.version", lambda name: OTHER)
+    (tmp_path / f"libpinocchio-{OTHER}.dist-info").mkdir()
+    monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(BuildMismatch, match=f"libpinocchio {OTHER} is installed"):
         check_versions(SimpleNamespace(**MINE))
+
+
+def test_versions_of_wheels_are_those_that_python_knows() -> None:
+    for name in ("libpinocchio", "casadi", "numpy"):
+        assert wheel_version(name) == metadata.version(name)
+    assert wheel_version("no_such_wheel") is None
 
 
 def test_missing_module_is_a_build_mismatch_at_import(tmp_path: Path) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
+import weakref
 
 import casadi as ca
 import numpy as np
@@ -98,6 +100,24 @@ def test_one_end_is_bounded_alone() -> None:
     nlp = rt.transcribe(rt.Problem([phase_of(end=None, constraints=[slow])]), rt.Mesh(3))
     names = [name for name in nlp.row_names if "slow" in name]
     assert names == ["phase: slow, t = 2 s"]
+
+
+def test_a_phase_has_one_stage_on_every_mesh_that_frees_the_same_scalars() -> None:
+    phase = phase_of()
+    meshes = (rt.Mesh(3), rt.Mesh(8, rt.RadauIIA(3)), rt.MovingMesh(3), rt.MovingMesh(8))
+    fixed, finer, moving, more = (rt.transcribe(rt.Problem([phase]), mesh).blocks[0].stage for mesh in meshes)
+    assert fixed is finer
+    assert moving is more is not fixed
+    assert rt.transcribe(rt.Problem([phase_of()]), meshes[0]).blocks[0].stage is not fixed
+
+
+def test_stages_go_with_their_phase() -> None:
+    phase = phase_of()
+    stage = weakref.ref(rt.transcribe(rt.Problem([phase]), rt.Mesh(3)).blocks[0].stage)
+    assert stage() is not None
+    del phase
+    gc.collect()
+    assert stage() is None
 
 
 def test_spy_draws_both_matrices(problems: dict) -> None:

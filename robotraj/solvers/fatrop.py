@@ -1,0 +1,234 @@
+"""fatrop, driven stage by stage through its own interface, with point functions evaluated in place.
+
+The problem is rewritten in stages (``robotraj.stagewise``) and handed to C++ once; an iteration runs no Python, and its
+time grows with the number of intervals and no faster.
+Source: Vanroye, Sathya, De Schutter, Decre, FATROP: a fast constrained optimal control problem solver for robot
+trajectory optimization and control, IROS 2023.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj.engines import Engine, Native
+from robotraj.errors import InputError
+from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
+from robotraj.solvers.ipopt import Ipopt
+from robotraj.stagewise import NotStagewise, Reduction, carried_over, native_program, recover, reduce, refresh
+from robotraj.status import Status
+from robotraj.transcription.between import ConvexHull, Exchange
+
+if TYPE_CHECKING:
+    from robotraj.transcription import Nlp
+
+WARM_BARRIER = 1e-4
+"""Barrier parameter of a solve that starts from multipliers."""
+STATUSES = {
+    "solved": Status.SOLVED,
+    "acceptable": Status.SOLVED,
+    "iteration limit": Status.ITERATION_LIMIT,
+    "infeasible": Status.INFEASIBLE,
+    "line search failed": Status.STALLED,
+    "step failed": Status.STALLED,
+    "time limit": Status.TIME_LIMIT,
+    "interrupted": Status.INTERRUPTED,
+    "stopped": Status.INTERRUPTED,
+}
+WIDEST = 10_000
+"""Variables times equalities of a stage from which on fatrop's fully pivoted elimination takes longer than IPOPT."""
+UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
+"""Ends that another solver may turn into better ones; limits that the user set are not among them."""
+
+
+@dataclass(frozen=True)
+class Fatrop(Solver):
+    """fatrop's interior-point method: a Riccati recursion over the stages instead of a general factorisation.
+
+    Parameters
+    ----------
+    tolerance : float
+        Optimality tolerance on the scaled problem.
+    max_iterations : int
+    time_limit : float or None
+        Wall-clock seconds.
+    initial_barrier : float
+        fatrop's ``mu_init``.
+    threads : int, optional
+        That evaluate points side by side; as many as the process has processors by default. The answers are the same,
+        bit by bit, for any number.
+    fallback : Solver or None
+        Solves what has no form in stages, such as shooting, and what fatrop gives up; the message says why. None
+        refuses the former and leaves the latter.
+    options : mapping
+        Any further options of fatrop by its own names; they win over the fields above.
+    """
+
+    tolerance: float = 1e-8
+    max_iterations: int = 1000
+    time_limit: float | None = None
+    initial_barrier: float = 1e-2
+    threads: int | None = None
+    fallback: Solver | None = field(default_factory=Ipopt)
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.tolerance > 0:
+            raise InputError(f"Fatrop(tolerance) must be above 0, got {self.tolerance}.")
+        if self.max_iterations < 1:
+            raise InputError(f"Fatrop(max_iterations) must be at least 1, got {self.max_iterations}.")
+        if self.time_limit is not None and not self.time_limit > 0:
+            raise InputError(f"Fatrop(time_limit) must be above 0 s, got {self.time_limit}.")
+        if self.threads is not None and self.threads < 1:
+            raise InputError(f"Fatrop(threads) must be at least 1, got {self.threads}.")
+
+    def default_engine(self) -> Engine:
+        """Machine code that needs no compiler."""
+        return Native()
+
+    def default_between(self) -> Exchange:
+        """Hold velocity limits everywhere in one solve: rows of stages are cheap, further solves are not."""
+        return ConvexHull()
+
+    def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
+        """Solve from ``nlp.guess``."""
+        began = time.perf_counter()
+        try:
+            reduction = reduce(nlp)
+        except NotStagewise as reason:
+            return self._fall_back(nlp, progress, multipliers, str(reason))
+        program = reduction.program
+        widths = (program.nu + program.nx) * program.equalities
+        stage = int(np.argmax(widths))
+        if widths[stage] > WIDEST and self.fallback is not None:
+            return self._fall_back(
+                nlp,
+                progress,
+                multipliers,
+                f"a stage has {program.nu[stage] + program.nx[stage]} variables and {program.equalities[stage]} "
+                "equalities, which fatrop eliminates slowly",
+            )
+        native = native_program(program, nlp.engine, self._threads)
+        return self._run(reduction, native, began, progress, multipliers)
+
+    def resolve(
+        self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
+    ) -> Outcome:
+        """Solve with the compiled program of an earlier solve: no symbolic work, no chain rule, no allocation."""
+        began = time.perf_counter()
+        origin = known.origin
+        # An NLP with guards, or of another transcription, has other blocks: nothing of the earlier program fits it.
+        if not isinstance(origin, _Origin) or origin.nlp.blocks is not nlp.blocks or origin.threads != self._threads:
+            return self.solve(nlp, progress, multipliers)
+        reduction = origin.reduction.refreshed(nlp)
+        if reduction is None:
+            return self.solve(nlp, progress, multipliers)
+        refresh(origin.native, reduction.program)
+        return self._run(reduction, origin.native, began, progress, multipliers)
+
+    @property
+    def _threads(self) -> int:
+        return self.threads or len(os.sched_getaffinity(0))
+
+    def _run(
+        self,
+        reduction: Reduction,
+        native: Any,
+        began: float,
+        progress: Progress | None,
+        multipliers: Multipliers | None,
+    ) -> Outcome:
+        nlp, program = reduction.nlp, reduction.program
+        ready = time.perf_counter()
+        found = native.solve(
+            reduction.start(nlp.guess),
+            program.lower,
+            program.upper,
+            self._options(),
+            callback=_report(progress),
+            time_limit=np.inf if self.time_limit is None else self.time_limit,
+            **_warm(multipliers, reduction),
+        )
+        ended = time.perf_counter()
+        status = STATUSES.get(found.status, Status.SOLVER_ERROR)
+        if status in UNSOLVED and self.fallback is not None:
+            return self._fall_back(nlp, progress, multipliers, f"fatrop ended with {found.status!r}")
+        parts = {f"solve: {name}": seconds for name, seconds in found.times.items() if name != "total"}
+        # Vectors, line search and residuals; what Python adds around the solve is nothing beside them.
+        parts["solve: steps"] = max(0.0, ended - ready - sum(parts.values()))
+        y, lam = found.y, found.lam
+        sizes = len(nlp.rows), len(nlp.variables)
+        w = reduction.columns(y)
+        origin = _Origin(nlp, w, reduction, lam, native, self._threads)
+        return Outcome(
+            status,
+            f"fatrop: {found.status}" + (f" ({found.message})" if found.message else ""),
+            w,
+            LateMultipliers(lambda: Multipliers(*recover(reduction, y, lam)), sizes, origin),
+            found.iterations,
+            {"setup": ready - began, "solve": ended - ready, **parts},
+        )
+
+    def _options(self) -> dict[str, Any]:
+        return {
+            "tolerance": self.tolerance,
+            "max_iter": self.max_iterations,
+            "mu_init": self.initial_barrier,
+            # Pivots of a last interval that must reach the goal are of the order of its length squared: with fatrop's
+            # own threshold (1e-5) they pass for zeros.
+            "linsol_lu_fact_tol": 1e-10,
+            # Bounds hold at the answer; fatrop's own relaxation (1e-8) shows in the eighth digit of minimum times.
+            "bound_relax_factor": 1e-10,
+            # The barrier may fall before its own problem is solved to the last digit: a quarter fewer iterations.
+            "barrier_tol_factor": 100.0,
+            **self.options,
+        }
+
+    def _fall_back(self, nlp: Nlp, progress: Progress | None, multipliers: Any, reason: str) -> Outcome:
+        if self.fallback is None:
+            raise InputError(f"Fatrop takes problems in stages, but {reason}; use rt.Ipopt().")
+        outcome = self.fallback.solve(nlp, progress, multipliers)
+        by = type(self.fallback).__name__
+        return Outcome(
+            outcome.status,
+            f"{outcome.message} (by {by}, since {reason})",
+            outcome.w,
+            outcome.multipliers,
+            outcome.iterations,
+            outcome.times,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Origin(Origin):
+    """What fatrop keeps: a program, the multipliers of its rows, and its compiled form."""
+
+    reduction: Reduction
+    lam: np.ndarray
+    native: Any
+    threads: int
+
+
+def _warm(multipliers: Multipliers | None, reduction: Reduction) -> dict[str, Any]:
+    """Start from multipliers that fatrop itself found, where there are any."""
+    if multipliers is None or not isinstance(multipliers.origin, _Origin):
+        return {}
+    origin = multipliers.origin
+    return {"lam": carried_over(origin.reduction, origin.lam, reduction), "mu": WARM_BARRIER}
+
+
+def _report(progress: Progress | None) -> Any:
+    """Turn a progress callback into one that never asks to stop."""
+    if progress is None:
+        return None
+
+    def report(number: int, objective: float, infeasibility: float) -> bool:
+        progress(Iteration(number, objective, infeasibility))
+        return False
+
+    return report

@@ -1,0 +1,70 @@
+"""A transcription taken over by a problem that differs in its ends alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.engines import Engine
+from robotraj.schemes import Mesh, MovingMesh, OneStep
+from robotraj.transcription.between import Exchange
+from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.transcribe import bounds_of
+
+if TYPE_CHECKING:
+    from robotraj.problem import Phase, Problem
+
+Array = NDArray[np.float64]
+
+
+def transcribed_again(
+    nlp: Nlp, problem: Problem, mesh: Mesh | Sequence[Mesh], engine: Engine | None, between: Exchange, w: Array
+) -> Nlp | None:
+    """Put another problem's ends into an NLP: only bounds and the start of the solver change.
+
+    Parameters
+    ----------
+    nlp : Nlp
+        Of a problem that ``problem.with_(start=..., end=...)`` was made from, or the same one.
+    problem : Problem
+    mesh, engine, between
+        As for ``transcribe``.
+    w : ndarray (n_w,)
+        Where the solver starts.
+
+    Returns
+    -------
+    Nlp or None
+        With the blocks, scales and functions of ``nlp``; None where more than the ends is different.
+    """
+    before = nlp.problem
+    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+    alike = (
+        len(before.phases) == len(problem.phases) == len(meshes)
+        and tuple(before.links) == tuple(problem.links)
+        and (engine is None or engine == nlp.engine)
+        and between == nlp.between
+        and all(_alike(*pair) for pair in zip(before.phases, problem.phases, strict=True))
+        and all(layout.mesh == mine for layout, mine in zip(nlp.layouts, meshes, strict=True))
+        and not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.schemes)
+        and len(nlp.free) == len(w)
+    )
+    if not alike:
+        return None
+    bounds = bounds_of(problem, nlp.layouts, between)
+    variables = nlp.free.bounded(bounds)
+    again = replace(nlp, problem=problem, variables=variables, guess=np.clip(w, variables.lower, variables.upper))
+    if "functions" in nlp.__dict__:
+        again.__dict__["functions"] = nlp.functions
+    return again
+
+
+def _alike(before: Phase, now: Phase) -> bool:
+    """Whether two phases share everything but their ends; ``Phase.with_`` shares what was made of the others."""
+    # Which rows hold an invariant depends on which ends are fixed.
+    same = before is now or (before.dae is now.dae and before.bound_constraints is now.bound_constraints)
+    return same and not now.dae.invariants and before.duration_bounds == now.duration_bounds

@@ -1,0 +1,105 @@
+"""fatrop beside IPOPT: the same optima and multipliers, and a stated reason where it does not solve."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from tests.stagewise.problems import EVERY
+
+MESH = rt.Mesh(8)
+SAME = [name for name in EVERY if name != "step"]
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_fatrop_finds_the_optimum_of_ipopt_and_its_multipliers_prove_it(name: str) -> None:
+    between = rt.Exchange(rounds=0)
+    fatrop, ipopt = (
+        rt.plan(EVERY[name](), MESH, solver=solver, between=between, progress=False)
+        for solver in (rt.Fatrop(fallback=None), rt.Ipopt())
+    )
+    assert "fatrop" in fatrop.message
+    # Of the acrobot's optima it finds another, a better one.
+    assert fatrop.objective <= ipopt.objective * (1 + 1e-6)
+    assert name == "acrobot" or fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
+    assert not fatrop.violations()
+    # Stationarity and signs, in scaled units, of the multipliers that elimination had left out.
+    known = fatrop.multipliers
+    assert known is not None and known.origin is not None
+    nlp, w = known.origin.nlp, known.origin.w
+    rows, bounds = known.rows / nlp.row_scale, known.bounds * nlp.scale
+    gradient = nlp.scale * (nlp.gradient(w) + nlp.jacobian(w).T @ known.rows + known.bounds)
+    size = max(1.0, np.abs(rows).max(), np.abs(bounds).max())
+    np.testing.assert_allclose(gradient, 0.0, atol=1e-6 * size)
+    values = nlp.values(w) * nlp.row_scale
+    sides = (
+        (rows, values, nlp.rows.lower * nlp.row_scale, nlp.rows.upper * nlp.row_scale),
+        (bounds, w / nlp.scale, nlp.variables.lower / nlp.scale, nlp.variables.upper / nlp.scale),
+    )
+    for multipliers, value, lower, upper in sides:
+        inside = lower < upper
+        pushes_up, pushes_down = multipliers < -1e-3 * size, multipliers > 1e-3 * size
+        assert np.all(value[inside & pushes_up] < lower[inside & pushes_up] + 1e-4)
+        assert np.all(value[inside & pushes_down] > upper[inside & pushes_down] - 1e-4)
+
+
+def test_a_contact_and_a_mirror_are_solved_in_stages() -> None:
+    from tests.test_five_link import guess
+
+    problem = EVERY["step"]()
+    solution = rt.plan(
+        problem,
+        rt.Mesh(6),
+        guess=guess(problem.phases[0].robot),
+        solver=rt.Fatrop(fallback=None),
+        between=rt.Exchange(rounds=0),
+        progress=False,
+    )
+    assert solution.objective == pytest.approx(469.547244, abs=2e-6)
+
+
+def test_shooting_falls_back_and_says_why() -> None:
+    solution = rt.plan(EVERY["pendulum"](), rt.Mesh(10, rt.MultipleShooting()), solver=rt.Fatrop(), progress=False)
+    assert solution.success
+    assert "by Ipopt, since phase 'phase' is planned by MultipleShooting" in solution.message
+    with pytest.raises(rt.InputError, match="MultipleShooting"):
+        rt.plan(EVERY["pendulum"](), rt.Mesh(10, rt.MultipleShooting()), solver=rt.Fatrop(fallback=None))
+
+
+def test_wide_stages_fall_back_and_say_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robotraj.solvers.fatrop.WIDEST", 10)
+    solution = rt.plan(EVERY["arm"](), rt.Mesh(4), solver=rt.Fatrop(), progress=False)
+    assert solution.success
+    assert "variables and 12 equalities" in solution.message
+
+
+def test_an_impossible_plan_is_said_to_be_by_the_other_solver() -> None:
+    (phase,) = EVERY["arm"]().phases
+    weak = phase.with_(limits=phase.robot.limits.with_(effort=5.0))
+    solution = rt.plan(weak, rt.Mesh(5), solver=rt.Fatrop(), check=False, progress=False)
+    assert not solution.success
+    assert "by Ipopt, since fatrop ended with" in solution.message
+    assert solution.violations()
+
+
+def test_limits_of_iterations_and_time_keep_the_last_iterate() -> None:
+    few = rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(max_iterations=3), check=False, progress=False)
+    assert few.status is rt.Status.ITERATION_LIMIT
+    assert np.all(np.isfinite(few.at(0.5).q))
+    none = rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(time_limit=1e-6), check=False, progress=False)
+    assert none.status is rt.Status.TIME_LIMIT
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("tolerance", 0.0), ("max_iterations", 0), ("time_limit", -1.0), ("threads", 0)]
+)
+def test_bad_fields_are_named(field: str, value: float) -> None:
+    with pytest.raises(rt.InputError, match=field):
+        rt.Fatrop(**{field: value})
+
+
+def test_the_default_is_fatrop_for_arms_and_ipopt_for_all_else() -> None:
+    assert "fatrop" in rt.plan(EVERY["arm"](), MESH, progress=False).message
+    assert "fatrop" not in rt.plan(EVERY["acrobot"](), MESH, progress=False).message
+    assert "fatrop" not in rt.plan(EVERY["pendulum"](), MESH, progress=False).message
