@@ -1,8 +1,8 @@
-"""Runs every task with every tool, interleaved, each in a fresh process; writes results.json and a Markdown table.
+"""Runs every task with every tool, interleaved, each in a fresh process; writes results.json, tables and plots.
 
-    python benchmarks/peers/run.py [--tasks T1 T4] [--peers robotraj opti] [--repeats 5]
+    python benchmarks/peers/run.py [--tasks T1 T4@200 T6 lecture] [--tools robotraj opti] [--repeats 5]
 
-Ratios hold within one run only; figures are medians.
+``T4@200`` is T4 on 200 intervals. Ratios hold within one run only; figures are medians.
 """
 
 from __future__ import annotations
@@ -19,111 +19,141 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
 sys.path.insert(0, str(HERE))
 
 import numpy as np  # noqa: E402
 import table  # noqa: E402
 import urdf  # noqa: E402
 from check import judge  # noqa: E402
-from environments import ENVIRONMENTS, python_of  # noqa: E402
-from tasks import TASKS  # noqa: E402
+from environments import DEFAULT_CACHE, ENVIRONMENTS, python_of  # noqa: E402
+from tasks import TASKS, task_of  # noqa: E402
+from tools import TOOLS  # noqa: E402
 
-# Tool: (script's suffix, environment, extra variables).
-PEERS: dict[str, tuple[str, str | None, dict[str, str]]] = {
-    "robotraj": ("robotraj", None, {}),
-    "opti": ("opti", None, {}),
-    "drake-ipopt": ("drake", "drake", {"PEERS_SOLVER": "ipopt"}),
-    "drake-snopt": ("drake", "drake", {"PEERS_SOLVER": "snopt"}),
-    "crocoddyl": ("crocoddyl", "crocoddyl", {}),
-}
-CANNOT = {
-    ("T1", "crocoddyl"): "cannot: free duration",
-    ("T5", "crocoddyl"): "cannot: free duration",
-    ("T3", "crocoddyl"): "not tried",
-}
-LIMIT = 150.0
-"""Seconds after which a process is stopped; solvers are told to stop at 120."""
-ONCE = 40.0
-"""A script that takes longer than this [s] is run once only."""
+SWEEP = tuple(f"T4@{n}" for n in (25, 100, 200, 400))
+OTHERS = {"T6": "benchmarks/peers/legs/run.py", "lecture": "benchmarks/lecture.py"}
+"""Comparisons with a script of their own."""
+LIMIT = 300.0
+"""Seconds after which a process is stopped; solvers are told to stop after 120 on the processor."""
 
 
-def run_once(task: str, peer: str, python: Path, cache: Path) -> dict[str, Any]:
+def run_once(key: str, name: str, python: Path, cache: Path) -> dict[str, Any]:
     """Run one script in a fresh process and judge what it hands back."""
-    suffix, _, extra = PEERS[peer]
-    script = HERE / "scripts" / f"{task.lower()}_{suffix}.py"
-    variables = {**os.environ, **extra, "OMP_NUM_THREADS": "1", "PEERS_URDF": str(cache / "urdf")}
-    variables["PYTHONPATH"] = str(HERE.parents[1])
-    # Python keeps what it compiled, as it does of installed packages.
-    variables.pop("PYTHONDONTWRITEBYTECODE", None)
+    tool, task = TOOLS[name], task_of(key)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "plan.npz"
+        variables = {
+            **os.environ,
+            **tool.variables,
+            "OMP_NUM_THREADS": "1",
+            "PEERS_TASK": key,
+            "PEERS_URDF": str(cache / "urdf"),
+            "PYTHONPATH": "" if tool.environment else str(ROOT),
+        }
+        if not tool.environment:
+            variables["XDG_CACHE_HOME"] = str(cache / "compiled" if tool.cached else Path(folder) / "empty")
+        # Python keeps what it compiled, as it does of installed packages.
+        variables.pop("PYTHONDONTWRITEBYTECODE", None)
+        command = [str(python), "-W", "ignore", str(HERE / "scripts" / tool.script), str(out)]
         began = time.time()
         try:
-            done = subprocess.run(
-                [str(python), str(script), str(out)], env=variables, capture_output=True, text=True, timeout=LIMIT
-            )
+            done = subprocess.run(command, env=variables, cwd=folder, capture_output=True, text=True, timeout=LIMIT)
         except subprocess.TimeoutExpired:
             return {"failed": f"over {LIMIT:.0f} s", "total": LIMIT}
         if done.returncode or not out.exists():
             reason = (done.stderr.strip().splitlines() or ["no output"])[-1]
             return {"failed": reason[:120], "total": time.time() - began}
         with np.load(out) as plan:
-            figures = {key: plan[key].item() for key in ("solve", "iterations", "success", "message", "memory")}
-            figures["total"] = plan["ended"].item() - began
-            samples = {key: plan[key] for key in "tqvu"}
+            figures = {name: plan[name].item() for name in plan if plan[name].ndim == 0}
+            samples = {name: plan[name] for name in "tqvu"}
+    figures["total"] = figures.pop("ended") - began
     if not figures["success"]:
         return {**figures, "failed": f"no solution: {figures['message']}"}
-    return figures | judge(TASKS[task], cache / "urdf" / f"{TASKS[task].urdf}.urdf", samples)
+    return figures | judge(task, cache / "urdf" / f"{task.urdf}.urdf", samples)
+
+
+def compare(key: str, pythons: dict[str, Path], asked: argparse.Namespace, cache: Path) -> dict[str, list[Any]]:
+    """All runs of one task, tools in turn."""
+    runs: dict[str, list[dict[str, Any]]] = {name: [] for name in asked.tools}
+    name_of_task, intervals = key.partition("@")[0], task_of(key).intervals
+    for name, known in runs.items():
+        tool = TOOLS[name]
+        if name_of_task in tool.cannot:
+            known.append({"failed": tool.cannot[name_of_task]})
+        elif name not in pythons:
+            known.append({"failed": "not installed"})
+        elif "@" in key and intervals > tool.largest:
+            known.append({"failed": f"not run: over {tool.largest} intervals"})
+        elif tool.cached:
+            filled = run_once(key, name, pythons[name], cache)
+            if "failed" in filled:
+                known.append(filled)
+    for turn in range(asked.repeats):
+        for name, known in runs.items():
+            ended = known and ("failed" in known[0] or known[0]["total"] > asked.once)
+            if ended or (TOOLS[name].slow and turn >= asked.slow_repeats):
+                continue
+            known.append(run_once(key, name, pythons[name], cache))
+            shown = {k: round(v, 4) if isinstance(v, float) else v for k, v in known[-1].items()}
+            print(key, name, shown, flush=True)
+    return runs
+
+
+def run_other(name: str, asked: argparse.Namespace) -> None:
+    """Run a comparison that has a script of its own."""
+    more = ["--results", str(asked.results)] if asked.results else []
+    if name == "T6":
+        more += ["--repeats", str(asked.repeats), "--cache", str(asked.cache), "--once", str(asked.once)]
+        more += ["--readme", str(asked.readme)] if asked.readme else []
+    variables = {**os.environ, "PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, str(ROOT / OTHERS[name]), *more], check=True, env=variables)
 
 
 def main() -> None:
     """Parse, prepare, run, write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--tasks", nargs="+", choices=TASKS, default=list(TASKS))
-    parser.add_argument("--peers", nargs="+", choices=PEERS, default=list(PEERS))
+    parser.add_argument("--tasks", nargs="+", default=[*TASKS, *SWEEP, *OTHERS], help="T1 ... T6, T4@200, lecture")
+    parser.add_argument("--tools", nargs="+", choices=TOOLS, default=list(TOOLS))
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--cache", type=Path, default=Path.home() / ".cache" / "robotraj-peers")
-    parser.add_argument("--out", type=Path, default=Path("results.json"))
+    parser.add_argument("--slow-repeats", type=int, default=3, help="of tools that take many seconds")
+    parser.add_argument("--once", type=float, default=40.0, help="what takes longer than this [s] runs once")
+    parser.add_argument("--cache", type=Path, default=DEFAULT_CACHE)
+    parser.add_argument("--out", type=Path, default=Path("results.json"), help="record; added to where it exists")
+    parser.add_argument("--commit", help="of what is measured; the checkout's by default")
     parser.add_argument("--readme", type=Path, help="write the short table between this file's peers markers")
+    parser.add_argument("--results", type=Path, help="write all tables between this file's markers, plots beside it")
     asked = parser.parse_args()
     cache = asked.cache.resolve()
-    for name in {TASKS[task].urdf for task in asked.tasks}:
-        urdf.write(name, cache / "urdf")
-    pythons, missing = {}, {}
-    for peer in asked.peers:
+    tasks = [key for key in asked.tasks if key not in OTHERS]
+    for key in tasks:
+        urdf.write(task_of(key).urdf, cache / "urdf")
+    pythons: dict[str, Path] = {}
+    for name in asked.tools if tasks else []:
         try:
-            pythons[peer] = python_of(PEERS[peer][1], cache)
+            pythons[name] = python_of(TOOLS[name].environment, cache)
         except RuntimeError as error:
-            missing[peer] = str(error)
+            print(f"{name}: {error}", file=sys.stderr)
     # Bytecode of a checkout and of the scripts, which pip writes for installed packages.
-    subprocess.run([sys.executable, "-m", "compileall", "-q", str(HERE.parents[1] / "robotraj"), str(HERE)], check=True)
-    results: dict[str, dict[str, list[dict[str, Any]]]] = {}
-    for task in asked.tasks:
-        runs = results[task] = {peer: [] for peer in asked.peers}
-        for peer in asked.peers:
-            if peer in missing:
-                runs[peer].append({"failed": missing[peer]})
-            elif (task, peer) in CANNOT:
-                runs[peer].append({"failed": CANNOT[task, peer]})
-        for _ in range(asked.repeats):
-            for peer in pythons:
-                known = runs[peer]
-                if known and ("failed" in known[0] or known[0]["total"] > ONCE):
-                    continue
-                known.append(run_once(task, peer, pythons[peer], cache))
-                shown = {k: round(v, 5) if isinstance(v, float) else v for k, v in known[-1].items()}
-                print(task, peer, shown, flush=True)
-        record = {
-            "date": datetime.date.today().isoformat(),
-            "repeats": asked.repeats,
-            "environments": {name: list(packages) for name, packages in ENVIRONMENTS.items()},
-            "versions": table.versions(pythons),
-            "results": results,
-        }
+    subprocess.run([sys.executable, "-m", "compileall", "-q", str(ROOT / "robotraj"), str(HERE)], check=True)
+    record = {
+        "date": datetime.date.today().isoformat(),
+        "commit": asked.commit or table.commit(ROOT),
+        "repeats": asked.repeats,
+        "slow repeats": asked.slow_repeats,
+        "once": asked.once,
+        "environments": {name: each.text for name, each in ENVIRONMENTS.items()},
+        "versions": table.versions(pythons),
+        "results": {},
+    }
+    if asked.out.exists():
+        record["results"] = json.loads(asked.out.read_text())["results"]
+    for key in tasks:
+        record["results"][key] = record["results"].get(key, {}) | compare(key, pythons, asked, cache)
         asked.out.write_text(json.dumps(record, indent=1))
-        asked.out.with_suffix(".md").write_text(table.full(record))
-    if asked.readme is not None:
-        table.between_markers(asked.readme, table.short(record))
+        table.write_all(record, asked.readme, asked.results)
+    for name in OTHERS:
+        if name in asked.tasks:
+            run_other(name, asked)
 
 
 if __name__ == "__main__":

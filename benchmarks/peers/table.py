@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-import statistics
 import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from tasks import TASKS
+import goals
+import plots
+from figures import good, median, of, off_the_line, over, seconds
+from tasks import task_of
+from tools import TOOLS
 
-PACKAGES = ("drake", "crocoddyl", "pin", "casadi", "robotraj")
-NAMES = {
-    "robotraj": "robotraj", "opti": "CasADi Opti", "drake-ipopt": "Drake, IPOPT", "drake-snopt": "Drake, SNOPT",
-    "crocoddyl": "Crocoddyl",
-}  # fmt: skip
+PACKAGES = ("drake", "crocoddyl", "pin", "casadi", "robotraj", "dymos", "openmdao", "opty")
+SHOWN = ("T1", "T2", "T3", "T4", "T4@200", "T5")
+"""Columns of the short table."""
+
+
+def commit(root: Path) -> str:
+    """Tell what is checked out, with a + where it was changed since."""
+    command = ["git", "-C", str(root), "describe", "--always", "--dirty=+", "--abbrev=7"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def versions(pythons: Mapping[str, Path]) -> dict[str, str]:
@@ -25,96 +32,124 @@ def versions(pythons: Mapping[str, Path]) -> dict[str, str]:
         "    try: print(name, m.version(name))\n"
         "    except m.PackageNotFoundError: pass"
     )
-    found = {}
-    for peer, python in pythons.items():
+    found: dict[str, str] = {}
+    for python in dict.fromkeys(pythons.values()):
         lines = subprocess.run([str(python), "-c", code], capture_output=True, text=True, check=True).stdout
-        found[peer] = ", ".join(lines.splitlines())
+        who = next(TOOLS[name].environment for name, path in pythons.items() if path == python)
+        found[who or "robotraj, by hand, Opti"] = ", ".join(lines.splitlines())
     return found
 
 
-def median(runs: list[dict[str, Any]], key: str) -> float:
-    """Median of a figure over the runs that ended well."""
-    return statistics.median(run[key] for run in runs if "failed" not in run)
+def title_of(key: str) -> str:
+    """Task, motion and mesh."""
+    return f"{key.partition('@')[0]} {task_of(key).title}, {task_of(key).intervals} intervals"
 
 
-def seconds(value: float) -> str:
-    """Two significant digits below 10 s."""
-    return f"{value:.2g}" if value < 10 else f"{value:.0f}"
-
-
-def ended_well(runs: list[dict[str, Any]]) -> bool:
-    """Whether any run gave a plan."""
-    return any("failed" not in run for run in runs)
-
-
-def over(runs: list[dict[str, Any]]) -> str:
-    """Largest excess over a limit, in percent of it, and which limit."""
-    value, kind = max((median(runs, f"over {kind}"), kind) for kind in ("position", "speed", "torque"))
-    digits = ".0f" if value > 0.1 else ".2g"
-    return "0" if value < 1e-6 else f"{100 * value:{digits}} % {kind}"
-
-
-def times(ratio: float) -> str:
-    """Form a ratio to robotraj's time."""
-    return f"{ratio:.2g}x"
+def repeats(record: Mapping[str, Any]) -> str:
+    """How often things were run."""
+    return (
+        f"medians of {record['repeats']} ({record['slow repeats']} of slow tools, 1 where a run takes over "
+        f"{record['once']:.0f} s)"
+    )
 
 
 def full(record: Mapping[str, Any]) -> str:
-    """Every figure of every task and tool."""
+    """Every figure of every task and tool, the goals, the plots."""
     lines = [
-        f"Run of {record['date']}, medians of {record['repeats']} (1 where a run takes over 40 s), "
-        "interleaved, fresh processes, one thread; ratios hold within this run only.",
+        f"Run of {record['date']} at commit {record['commit']}: {repeats(record)}, interleaved, fresh processes, one "
+        "thread. **Processor seconds**, with the clock's in brackets, since the machine was not idle; ratios hold "
+        "within this run only.",
         "",
-        *(f"- {NAMES[peer]}: {text}" for peer, text in record["versions"].items()),
+        *(f"- {who}: {text}" for who, text in record["versions"].items()),
         "",
-        "| task | tool | solve [s] | total [s] | total, ratio | iterations | objective | over a limit "
-        "| goal missed by | drift | memory [MB] | runs |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|",
+        f"![solve seconds by task]({plots.BARS})",
+        "",
+        f"![seconds against intervals]({plots.SWEEP})",
+        "",
     ]
-    for task, peers in record["results"].items():
-        ours = median(peers["robotraj"], "total") if ended_well(peers.get("robotraj", [])) else float("nan")
-        for peer, runs in peers.items():
-            head = f"| {task} {TASKS[task].title} | {NAMES[peer]} "
-            if not ended_well(runs):
-                lines.append(head + f"| {runs[0]['failed']} |" + " |" * 9)
+    for key, tools in record["results"].items():
+        lines += [
+            f"### {title_of(key)}",
+            "",
+            "| tool | solve [s] | build + solve [s] | process [s] | second plan, solve [s] | other goal, plan [s] "
+            "| iterations | objective | over a limit | goal missed by | drift | memory [MB] | runs |",
+            "|---|---|---|---|---|---|---|---|---|---|---|---|---|",
+        ]
+        for name, runs in tools.items():
+            head = f"| {TOOLS[name].title} "
+            if not good(runs):
+                lines.append(head + f"| {runs[0]['failed']} |" + " |" * 11)
                 continue
-            m = {key: median(runs, key) for key in ("solve", "total", "objective", "goal", "drift", "memory")}
+            times = [
+                f"{seconds(median(runs, cpu))} ({seconds(median(runs, clock))})"
+                for cpu, clock in (("solve cpu", "solve"), ("work cpu", "work"), ("process cpu", "total"))
+            ]
             iterations = median(runs, "iterations")
             lines.append(
-                head + f"| {seconds(m['solve'])} | {seconds(m['total'])} | {times(m['total'] / ours)} "
-                f"| {'not told' if iterations < 0 else round(iterations)} "
-                f"| {m['objective']:.7g} | {over(runs)} | {m['goal']:.1g} | {m['drift']:.1g} "
-                f"| {m['memory']:.0f} | {sum('failed' not in run for run in runs)} |"
+                head + f"| {' | '.join(times)} | {seconds(median(runs, 'again solve cpu'))} "
+                f"| {seconds(median(runs, 'moved cpu'))} "
+                f"| {'not told' if iterations < 0 else round(iterations)} | {median(runs, 'objective'):.7g} "
+                f"| {over(runs)} | {median(runs, 'goal'):.1g} | {median(runs, 'drift'):.1g} "
+                f"| {median(runs, 'memory'):.0f} | {len(good(runs))} |"
             )
-    return "\n".join(lines) + "\n"
+        lines.append("")
+    lines += growth(record)
+    titles = {name: tool.title for name, tool in TOOLS.items()}
+    lines += ["### Ratios", "", "Processor seconds, peer over robotraj.", "", *goals.rows(record, titles), ""]
+    return "\n".join(lines)
+
+
+def growth(record: Mapping[str, Any]) -> list[str]:
+    """T4: build and solve for each iteration, against the number of intervals."""
+    keys = sorted((key for key in record["results"] if key.startswith("T4")), key=lambda key: task_of(key).intervals)
+    counts = [task_of(key).intervals for key in keys]
+    lines = [
+        "### T4: build + solve for each iteration [ms] against intervals",
+        "",
+        "The last column is the largest distance from the nearest straight line.",
+        "",
+        f"| tool | {' | '.join(map(str, counts))} | off the line |",
+        "|---" * (len(keys) + 2) + "|",
+    ]
+    for name, tool in TOOLS.items():
+        each = [1e3 * of(record, key, name, "work cpu") / of(record, key, name, "iterations") for key in keys]
+        known = [(n, value) for n, value in zip(counts, each, strict=True) if value > 0]
+        if len(known) > 2:
+            cells = " | ".join("" if not value > 0 else f"{value:.3g}" for value in each)
+            lines.append(f"| {tool.title} | {cells} | {100 * off_the_line(*zip(*known, strict=True)):.0f} % |")
+    return [*lines, ""]
 
 
 def short(record: Mapping[str, Any]) -> str:
-    """Total and solve seconds, ratio of totals and excess over limits; Drake by its quicker solver."""
-    columns = {"robotraj": ["robotraj"], "CasADi Opti": ["opti"], "Drake": ["drake-ipopt", "drake-snopt"]}
-    columns["Crocoddyl"] = ["crocoddyl"]
+    """Solve, and build and solve, of every tool on every task."""
+    tasks = [key for key in SHOWN if key in record["results"]]
+    names = [name for name in TOOLS if any(name in record["results"][key] for key in tasks)]
+    where = "benchmarks/peers"
     lines = [
-        "Total / solve seconds (total: a fresh process, imports included), total relative to robotraj's, and the "
-        f"largest excess over a limit between the knots; medians of {record['repeats']}, {record['date']}. "
-        "Crocoddyl takes speed "
-        "limits and the goal as penalties. More in [RESULTS.md](benchmarks/peers/RESULTS.md).",
+        "Processor seconds in the solver / of build and solve (after the imports, in a fresh process); the largest "
+        f"excess over a limit between the knots. M{repeats(record)[1:]}, {record['date']}, commit "
+        f"{record['commit']}. Crocoddyl takes speed limits and the goal as penalties. Whole processes, memory, drift, "
+        f"second plans, other meshes: [RESULTS.md]({where}/RESULTS.md).",
         "",
-        "| task | " + " | ".join(columns) + " |",
-        "|---" * (len(columns) + 1) + "|",
+        "| | " + " | ".join(title_of(key) for key in tasks) + " |",
+        "|---" * (len(tasks) + 1) + "|",
     ]
-    for task, peers in record["results"].items():
-        cells = [f"{task} {TASKS[task].title}"]
-        ours = median(peers["robotraj"], "total") if ended_well(peers["robotraj"]) else float("nan")
-        for candidates in columns.values():
-            good = [peers[peer] for peer in candidates if ended_well(peers.get(peer, []))]
-            if not good:
-                cells.append(str(peers[candidates[0]][0]["failed"]))
-                continue
-            best = min(good, key=lambda runs: median(runs, "total"))
-            total, solve = median(best, "total"), median(best, "solve")
-            ratio = "" if best is peers["robotraj"] else f", {times(total / ours)}"
-            cells.append(f"{seconds(total)} / {seconds(solve)} s{ratio}; {over(best)}")
+    for name in names:
+        cells = [TOOLS[name].title]
+        for key in tasks:
+            runs = record["results"][key].get(name, [])
+            if good(runs):
+                cells.append(
+                    f"{seconds(median(runs, 'solve cpu'))} / {seconds(median(runs, 'work cpu'))}; {over(runs)}"
+                )
+            else:
+                cells.append(str(runs[0]["failed"]) if runs else "")
         lines.append("| " + " | ".join(cells) + " |")
+    lines += [
+        "",
+        f"![solve seconds by task]({where}/{plots.BARS})",
+        f"![seconds against intervals]({where}/{plots.SWEEP})",
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -123,3 +158,13 @@ def between_markers(path: Path, text: str, name: str = "peers") -> None:
     begin, end = f"<!-- {name}:begin -->", f"<!-- {name}:end -->"
     before, rest = path.read_text().split(begin)
     path.write_text(f"{before}{begin}\n{text}{end}{rest.split(end)[1]}")
+
+
+def write_all(record: Mapping[str, Any], readme: Path | None, results: Path | None) -> None:
+    """Fill the files that were named, plots beside the second."""
+    if readme is not None:
+        between_markers(readme, short(record))
+    if results is not None:
+        between_markers(results, full(record), "tasks")
+        plots.bars(record, results.parent / plots.BARS)
+        plots.sweep(record, results.parent / plots.SWEEP)

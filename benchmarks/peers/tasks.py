@@ -1,8 +1,8 @@
-"""The five tasks as plain data, the same for every tool. SI units."""
+"""The tasks T1 to T5 as plain data, the same for every tool. SI units."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, pi
 
 
@@ -84,3 +84,15 @@ TASKS = {
         (2.175,) * 4 + (2.61,) * 3, (87.0,) * 4 + (12.0,) * 3, "duration", 50,
     ),
 }  # fmt: skip
+
+
+def task_of(key: str) -> Task:
+    """Give a task by name, "T4", or on another mesh, "T4@200".
+
+    Raises
+    ------
+    KeyError
+        No task of that name.
+    """
+    name, at, intervals = key.partition("@")
+    return replace(TASKS[name], intervals=int(intervals)) if at else TASKS[name]

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import resource
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -154,16 +153,36 @@ CLOCK: list[float] = []
 """Processor seconds inside the solver."""
 
 
-@dataclass(frozen=True)
-class Clocked(rt.Ipopt):
-    """IPOPT on the processor's clock, which a busy machine does not stretch."""
+ENGINES = {
+    "native": ("Ipopt", "Native"),
+    "machine": ("Ipopt", "VirtualMachine"),
+    "compiled": ("Ipopt", "Compiled"),
+    "fatrop": ("Fatrop", "Native"),
+    "fatrop-compiled": ("Fatrop", "Compiled"),
+}
+"""Names of the solver and of what evaluates the point functions."""
 
-    def solve(self, *given: Any, **named: Any) -> Any:
-        """Solve and note the time."""
-        began = time.process_time()
-        outcome = super().solve(*given, **named)
-        CLOCK.append(time.process_time() - began)
-        return outcome
+
+def value(name: str, **settings: Any) -> Any:
+    """Make what robotraj calls so, or say that it has no such thing."""
+    try:
+        return getattr(rt, name)(**settings)
+    except AttributeError as error:
+        raise SystemExit(f"cannot: this robotraj has no rt.{name}") from error
+
+
+def clocked(solver: rt.Ipopt) -> rt.Ipopt:
+    """Have a solver's processor seconds noted, which a busy machine does not stretch."""
+
+    class Clocked(type(solver)):  # type: ignore[misc]
+        def solve(self, *given: Any, **named: Any) -> Any:
+            """Solve and note the time."""
+            began = time.process_time()
+            outcome = super().solve(*given, **named)
+            CLOCK.append(time.process_time() - began)
+            return outcome
+
+    return Clocked(**{field.name: getattr(solver, field.name) for field in fields(solver)})
 
 
 def samples(walk: Walk, solution: rt.Solution) -> dict[str, np.ndarray]:
@@ -191,9 +210,11 @@ def main() -> None:
     walk, kind = WALKS[sys.argv[1]], sys.argv[3]
     robot = robot_of(walk.robot)
     problem, meshes = (periodic if kind == "periodic" else from_rest)(walk, robot)
-    solver = Clocked(max_iterations=300, options={"print_level": int(os.environ.get("PEERS_PRINT", "0"))})
-    engine = rt.Compiled() if len(sys.argv) > 4 and sys.argv[4] == "compiled" else rt.VirtualMachine()
-    solution = rt.plan(problem, meshes, solver=solver, engine=engine, check=False, progress=False)
+    chosen, engine = ENGINES[sys.argv[4] if len(sys.argv) > 4 else "native"]
+    # One thread, as Crocoddyl has.
+    settings = {"threads": 1} if chosen == "Fatrop" else {}
+    solver = clocked(value(chosen, max_iterations=300, **settings))
+    solution = rt.plan(problem, meshes, solver=solver, engine=value(engine), check=False, progress=False)
     figures = {
         "solve": solution.times["solve"],
         "worked": sum(CLOCK),

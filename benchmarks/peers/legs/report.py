@@ -10,7 +10,9 @@ from walks import WALKS
 
 NAMES = {
     "crocoddyl": "Crocoddyl 3.2.1", "robotraj": "robotraj", "robotraj compiled": "robotraj, `engine=rt.Compiled()`",
+    "robotraj fatrop": "robotraj, fatrop",
     "robotraj periodic": "robotraj, one step that repeats",
+    "robotraj periodic fatrop": "robotraj, fatrop, one step that repeats",
 }  # fmt: skip
 
 
@@ -112,7 +114,7 @@ def full(record: Mapping[str, Any]) -> str:
         for title, key, written in ROWS:
             cells = []
             for runs in shown.values():
-                good = [run[key] for run in runs if key in run]
+                good = [run[key] for run in runs if "failed" not in run]
                 cells.append(written(statistics.median(good)))
             lines.append(f"| {title} | " + " | ".join(cells) + " |")
         lines.append("")

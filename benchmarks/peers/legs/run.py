@@ -1,6 +1,6 @@
 """Walks by Crocoddyl's own examples and by robotraj, interleaved, each in a fresh process, judged alike.
 
-python benchmarks/peers/legs/run.py [--walks L1 L2 L3] [--repeats 5] [--out legs.json] [--readme README.md]
+python benchmarks/peers/legs/run.py [--walks L1 L2 L3] [--repeats 5] [--readme README.md] [--results RESULTS.md]
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import numpy as np  # noqa: E402
-from environments import python_of  # noqa: E402
+from environments import DEFAULT_CACHE, python_of  # noqa: E402
 from judge import judge  # noqa: E402
 from models import robot_of  # noqa: E402
 from report import full, short  # noqa: E402
@@ -30,18 +30,17 @@ from walks import WALKS  # noqa: E402
 # Tool: (script, environment, words after the walk and the file).
 TOOLS: dict[str, tuple[str, str | None, tuple[str, ...]]] = {
     "crocoddyl": ("plan_crocoddyl.py", "crocoddyl", ()),
-    "robotraj": ("plan_robotraj.py", None, ("rest", "machine")),
+    "robotraj": ("plan_robotraj.py", None, ("rest", "native")),
     "robotraj compiled": ("plan_robotraj.py", None, ("rest", "compiled")),
-    "robotraj periodic": ("plan_robotraj.py", None, ("periodic", "machine")),
+    "robotraj fatrop": ("plan_robotraj.py", None, ("rest", "fatrop")),
+    "robotraj periodic": ("plan_robotraj.py", None, ("periodic", "native")),
+    "robotraj periodic fatrop": ("plan_robotraj.py", None, ("periodic", "fatrop")),
 }
-CANNOT = {("L1", "robotraj periodic"): "rt.gait has no walk for four feet"}
-LIMIT = 900.0
-"""Seconds after which a process is stopped."""
-ONCE = 100.0
-"""What takes longer [s] is run once only."""
+_FOUR = "rt.gait has no walk for four feet"
+CANNOT = {("L1", "robotraj periodic"): _FOUR, ("L1", "robotraj periodic fatrop"): _FOUR}
 
 
-def run_once(walk: str, tool: str, python: Path) -> dict[str, Any]:
+def run_once(walk: str, tool: str, python: Path, limit: float) -> dict[str, Any]:
     """Run one script in a fresh process and judge what it hands back."""
     script, _, words = TOOLS[tool]
     variables = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": f"{HERE.parents[2]}:{HERE}"}
@@ -51,9 +50,9 @@ def run_once(walk: str, tool: str, python: Path) -> dict[str, Any]:
         began = time.time()
         command = [str(python), str(HERE / script), walk, str(out), *words]
         try:
-            done = subprocess.run(command, env=variables, capture_output=True, text=True, timeout=LIMIT)
+            done = subprocess.run(command, env=variables, capture_output=True, text=True, timeout=limit)
         except subprocess.TimeoutExpired:
-            return {"failed": f"over {LIMIT:.0f} s"}
+            return {"failed": f"over {limit:.0f} s"}
         if done.returncode or not out.exists():
             return {"failed": (done.stderr.strip().splitlines() or ["no output"])[-1][:120]}
         with np.load(out) as plan:
@@ -69,9 +68,12 @@ def main() -> None:
     parser.add_argument("--walks", nargs="+", choices=WALKS, default=list(WALKS))
     parser.add_argument("--tools", nargs="+", choices=TOOLS, default=list(TOOLS))
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--cache", type=Path, default=Path.home() / ".cache" / "robotraj-peers")
+    parser.add_argument("--cache", type=Path, default=DEFAULT_CACHE)
+    parser.add_argument("--once", type=float, default=100.0, help="what takes longer than this [s] runs once")
+    parser.add_argument("--limit", type=float, default=900.0, help="what takes longer than this [s] is stopped")
     parser.add_argument("--out", type=Path, default=Path("legs.json"))
     parser.add_argument("--readme", type=Path, help="write the short table between this file's walks markers")
+    parser.add_argument("--results", type=Path, help="write the full tables between this file's walks markers")
     asked = parser.parse_args()
     pythons = {tool: python_of(TOOLS[tool][1], asked.cache.resolve()) for tool in asked.tools}
     subprocess.run([sys.executable, "-m", "compileall", "-q", str(HERE.parents[2] / "robotraj"), str(HERE)], check=True)
@@ -84,15 +86,17 @@ def main() -> None:
                 runs[tool].append({"failed": CANNOT[walk, tool]})
         for _ in range(asked.repeats):
             for tool, python in pythons.items():
-                if runs[tool] and ("failed" in runs[tool][0] or runs[tool][0]["total"] > ONCE):
+                if runs[tool] and ("failed" in runs[tool][0] or runs[tool][0]["total"] > asked.once):
                     continue
-                runs[tool].append(run_once(walk, tool, python))
+                runs[tool].append(run_once(walk, tool, python, asked.limit))
                 shown = {k: round(v, 6) if isinstance(v, float) else v for k, v in runs[tool][-1].items()}
                 print(walk, tool, shown, flush=True)
                 asked.out.write_text(json.dumps(record, indent=1))
                 asked.out.with_suffix(".md").write_text(full(record))
     if asked.readme is not None:
         between_markers(asked.readme, short(record), "walks")
+    if asked.results is not None:
+        between_markers(asked.results, full(record), "walks")
 
 
 if __name__ == "__main__":

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import time
-
 import crocoddyl
 import numpy as np
 import pinocchio as pin
-from report import SAMPLES, Report, inside, urdf
+from report import SAMPLES, Clock, Report, asked, inside, urdf
 from tasks import Task
 
 GOAL, BARRIER = 1e6, 1e5
@@ -66,10 +64,14 @@ def solve(task: Task) -> None:
     solver = crocoddyl.SolverBoxFDDP(problem)
     solver.th_stop = 1e-7
     states = list(np.linspace(start, end, n + 1))
-    began = time.perf_counter()
-    solved = solver.solve(states, [np.zeros(nu)] * n, ITERATIONS, False)
-    seconds = time.perf_counter() - began
-    report = Report(seconds, solver.iter, bool(solved), "converged" if solved else "stopped")
+    with Clock() as clock:
+        solved = solver.solve(states, [np.zeros(nu)] * n, ITERATIONS, False)
+    report = Report(
+        (clock.wall, clock.processor),
+        solver.iter,
+        bool(solved),
+        "converged" if solved else f"not converged in {ITERATIONS} iterations",
+    )
     # Its interpolant: the motion under controls held constant, which it integrates step by step.
     t = inside(np.arange(n + 1) * step)
     x = np.zeros((n, SAMPLES, 2 * nq))
@@ -89,3 +91,7 @@ def solve(task: Task) -> None:
             k3 = rate(y + h / 2 * k2, torque)
             x[k, j + 1] = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(y + h * k3, torque))
     report.write(t, x[..., :nq], x[..., nq:], u)
+
+
+if __name__ == "__main__":
+    solve(asked())

@@ -1,17 +1,92 @@
-"""What the robotraj scripts share: the report of a solution."""
+"""A task with robotraj: PEERS_SOLVER, PEERS_ENGINE and PEERS_BETWEEN name values that rt.plan is given."""
 
 from __future__ import annotations
 
+import os
+from typing import Any
+
 import numpy as np
-from report import Report, inside
+from report import Clock, Report, asked, inside, urdf
+from tasks import Task
 
 import robotraj as rt
 
+USED = (rt.Phase, rt.State, rt.Effort, rt.Duration, rt.Mesh, rt.HermiteSimpson, rt.StraightLine, rt.load, rt.plan)
+"""Names are imported when they are first asked for: asked for here, they count among the imports."""
 
-def finish(solution: rt.Solution) -> None:
-    """Stop the clock and hand back the solution."""
-    report = Report(solution.times["solve"], solution.iterations, solution.success, solution.status.value)
+
+AWAY = -0.05
+"""How far every joint of another goal is [rad, m]."""
+SETTINGS: dict[str, dict[str, Any]] = {"Fatrop": {"threads": 1}}
+"""One thread, as all the others have."""
+
+
+def value(name: str) -> Any:
+    """Make the solver, engine or whatever has that name.
+
+    Raises
+    ------
+    SystemExit
+        This robotraj does not have it.
+    """
+    try:
+        return getattr(rt, name)(**SETTINGS.get(name, {}))
+    except AttributeError as error:
+        raise SystemExit(f"cannot: this robotraj has no rt.{name}") from error
+
+
+def phase_of(task: Task) -> rt.Phase:
+    """Pose the task in a user's three lines."""
+    acrobot = task.urdf == "rods"
+    return rt.Phase(
+        rt.load(urdf(task), actuated=["elbow"]) if acrobot else rt.load(task.urdf),
+        duration=task.duration,
+        start=rt.State(q=task.start, v=0),
+        end=rt.State(q=task.end, v=0),
+        objective=rt.Effort() if task.objective == "effort" else rt.Duration(),
+    )
+
+
+def solve(task: Task, settings: dict[str, Any]) -> None:
+    """Plan, report; plan the same again and another goal in the same process."""
+    # A bang-bang force is constant within each interval, so that it cannot bulge over its limit.
+    scheme = rt.HermiteSimpson(control=rt.ConstantControl()) if task.urdf == "block" else rt.HermiteSimpson()
+
+    def plan(problem: rt.Problem, guess: rt.StraightLine | rt.Solution) -> rt.Solution:
+        return rt.plan(problem, rt.Mesh(task.intervals, scheme), guess, check=False, progress=False, **settings)
+
+    with Clock() as first:
+        problem = rt.Problem([phase_of(task)])
+        solution = plan(problem, rt.StraightLine(task.guess))
+    # Its own clock tells seconds on the wall; the plan's share of the processor tells how many were its own.
+    solving = solution.times["solve"]
+    spent = solving * first.processor / first.wall
+    report = Report((solving, spent), solution.iterations, solution.success, solution.status.value)
+    with Clock() as clock:
+        second = plan(rt.Problem([phase_of(task)]), rt.StraightLine(task.guess))
+    with Clock() as other:
+        moved = plan(problem.with_(end=rt.State(q=np.add(task.end, AWAY), v=0)), solution)
     part = solution.phases[0]
     t = inside(part.knots)
     samples = [part.at(times, interval=k) for k, times in enumerate(t)]
-    report.write(t, *(np.array([getattr(s, name) for s in samples]) for name in ("q", "v", "tau")))
+    curves = (np.array([getattr(s, name) for s in samples]) for name in ("q", "v", "tau"))
+    again = {
+        "again": clock.wall,
+        "again cpu": clock.processor,
+        "again solve": second.times["solve"],
+        "again solve cpu": second.times["solve"] * clock.processor / clock.wall,
+    }
+    if moved.success:
+        again["moved cpu"] = other.processor
+    report.write(t, *curves, **again)
+
+
+def main() -> None:
+    """Read what is asked for."""
+    named = {what: os.environ.get(f"PEERS_{what.upper()}") for what in ("solver", "engine", "between")}
+    settings = {what: value(name) for what, name in named.items() if name}
+    solve(asked(), settings)
+
+
+if __name__ == "__main__":
+    main()

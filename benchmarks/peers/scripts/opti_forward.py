@@ -7,12 +7,14 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from report import Report, inside
+from equations import rates_of
+from report import Report, asked, inside
 from tasks import Task
 
 
-def solve(task: Task, rates: Any) -> None:
-    """Solve a task; ``rates(q, v, u)`` gives the accelerations."""
+def solve(task: Task) -> None:
+    """Transcribe, solve, report."""
+    rates = rates_of(task)
     nq, nu, n = len(task.joints), len(task.actuated), task.intervals
     x, u = ca.SX.sym("x", 2 * nq), ca.SX.sym("u", nu)
     f = ca.Function("f", [x, u], [ca.vertcat(x[nq:], rates(x[:nq], x[nq:], u))])
@@ -46,7 +48,7 @@ def solve(task: Task, rates: Any) -> None:
     opti.set_initial(states, np.linspace(np.r_[task.start, rest], np.r_[task.end, rest], n + 1).T)
     opti.minimize(effort if task.objective == "effort" else duration)
     opti.solver(
-        "ipopt", {"print_time": False, "record_time": True}, {"print_level": 0, "sb": "yes", "max_wall_time": 120.0}
+        "ipopt", {"print_time": False, "record_time": True}, {"print_level": 0, "sb": "yes", "max_cpu_time": 120.0}
     )
     solved, read = True, opti
     try:
@@ -56,7 +58,7 @@ def solve(task: Task, rates: Any) -> None:
     stats = opti.stats()
     values = [np.atleast_2d(read.value(part)) for part in (states, controls, middles)]
     total = float(read.value(duration))
-    report = Report(stats["t_wall_total"], stats["iter_count"], solved, stats["return_status"])
+    report = Report((stats["t_wall_total"], stats["t_proc_total"]), stats["iter_count"], solved, stats["return_status"])
     # The interpolant: cubic states that keep the knots' values and slopes, quadratic controls.
     xs, us, ms = (value.T for value in values)
     ds = np.array([np.array(f(a, b)).ravel() for a, b in zip(xs, us, strict=True)])
@@ -67,3 +69,7 @@ def solve(task: Task, rates: Any) -> None:
     u0, u1, um = us[:-1, None, :], us[1:, None, :], ms[:, None, :]
     control = u0 * (1 - s) * (1 - 2 * s) + 4 * um * s * (1 - s) + u1 * s * (2 * s - 1)
     report.write(t, curve[..., :nq], curve[..., nq:], control)
+
+
+if __name__ == "__main__":
+    solve(asked())

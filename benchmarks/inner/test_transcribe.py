@@ -1,0 +1,14 @@
+"""From a problem on a mesh to an NLP, its functions, its guards."""
+
+from __future__ import annotations
+
+import pytest
+from pieces import PIECES, Piece
+from pytest_benchmark.fixture import BenchmarkFixture
+
+
+@pytest.mark.parametrize(
+    "piece", [piece for piece in PIECES if piece.group == "transcription"], ids=lambda piece: piece.name
+)
+def test_transcription(benchmark: BenchmarkFixture, piece: Piece) -> None:
+    benchmark(piece.make())

@@ -1,6 +1,0 @@
-"""T2 with Crocoddyl."""
-
-from crocoddyl_shooting import solve
-from report import asked
-
-solve(asked("T2"))

@@ -1,6 +1,0 @@
-"""T5 with Drake."""
-
-from drake_collocation import solve
-from report import asked
-
-solve(asked("T5"))

@@ -1,0 +1,81 @@
+"""Who is compared: robotraj in its variants, and its peers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Tool:
+    """A tool as it is run.
+
+    Attributes
+    ----------
+    title : str
+    script : str
+        In ``scripts``.
+    environment : str or None
+        Of ``environments.py``; None is the interpreter that runs the comparison.
+    variables : mapping
+        Handed to the script.
+    cached : bool
+        Whether compiled functions are kept from one run to the next; a first run, which is not measured, fills the
+        cache. Else every run has an empty one.
+    slow : bool
+        Repeated less often.
+    cannot : mapping of str to str
+        Tasks that it cannot express or that nobody wrote down for it, and why.
+    largest : int
+        Most intervals it is asked for; more take minutes.
+    """
+
+    title: str
+    script: str
+    environment: str | None = None
+    variables: Mapping[str, str] = field(default_factory=dict)
+    cached: bool = False
+    slow: bool = False
+    cannot: Mapping[str, str] = field(default_factory=dict)
+    largest: int = 400
+
+
+def _robotraj(variant: str, cached: bool = False, **variables: str) -> Tool:
+    return Tool(f"robotraj{variant}", "plan_robotraj.py", None, variables, cached, largest=1600)
+
+
+FREE = "cannot: free duration"
+PAPER = "not tried: its equations would have to be written out in SymPy"
+TOOLS: dict[str, Tool] = {
+    "robotraj": _robotraj(""),
+    "robotraj-compiled": _robotraj(", compiled", True, PEERS_ENGINE="Compiled"),
+    "robotraj-ipopt": _robotraj(", IPOPT, virtual machine", PEERS_SOLVER="Ipopt", PEERS_ENGINE="VirtualMachine"),
+    "robotraj-fatrop": _robotraj(", fatrop", PEERS_SOLVER="Fatrop", PEERS_ENGINE="Native", PEERS_BETWEEN="Exchange"),
+    "robotraj-hull": _robotraj(
+        ", fatrop, hull", PEERS_SOLVER="Fatrop", PEERS_ENGINE="Native", PEERS_BETWEEN="ConvexHull"
+    ),
+    "robotraj-hull-compiled": _robotraj(
+        ", fatrop, hull, compiled", True, PEERS_SOLVER="Fatrop", PEERS_ENGINE="Compiled", PEERS_BETWEEN="ConvexHull"
+    ),
+    "by-hand": Tool("by hand, inverse dynamics", "inverse_by_hand.py"),
+    "opti": Tool("CasADi Opti", "opti_forward.py", slow=True, largest=50),
+    "drake-ipopt": Tool(
+        "Drake, IPOPT", "drake_collocation.py", "drake", {"PEERS_SOLVER": "ipopt"}, slow=True, largest=200
+    ),
+    "drake-snopt": Tool(
+        "Drake, SNOPT", "drake_collocation.py", "drake", {"PEERS_SOLVER": "snopt"}, slow=True, largest=50
+    ),
+    "crocoddyl": Tool("Crocoddyl", "crocoddyl_shooting.py", "crocoddyl", cannot={"T1": FREE, "T5": FREE}),
+    "dymos": Tool("Dymos", "dymos_lobatto.py", "dymos", slow=True, largest=50),
+    "opty": Tool(
+        "opty, NumPy", "opty_midpoint.py", "opty", {"PEERS_BACKEND": "numpy"}, cannot={"T4": PAPER, "T5": PAPER}
+    ),
+    "opty-compiled": Tool(
+        "opty, compiled",
+        "opty_midpoint.py",
+        "opty",
+        {"PEERS_BACKEND": "cython"},
+        slow=True,
+        cannot={"T4": PAPER, "T5": PAPER},
+    ),
+}

@@ -1,0 +1,79 @@
+"""How far an iteration is from what one core could do: `python benchmarks/roofline.py`.
+
+Arithmetic of an iteration of fatrop, per stage with n_x states, n_u controls, n_g path equalities and n_h inequalities,
+n = n_u + n_x (Vanroye et al., FATROP, IROS 2023; a multiplication and an addition count as two):
+
+    inequalities n_h n^2,  P [B A] 2 n_x^2 n,  [B A]' P [B A] n_x n^2,  equalities 2 n_g n^2,
+    Cholesky n_u^3 / 3,  its two products n_u^2 n_x + n_u n_x^2
+
+and of the point functions: the operations of CasADi's graphs of inverse dynamics, its Jacobian and its Hessian, which
+the native engine's formulas undercut. The rate is that of a product of matrices of 256 rows in NumPy, on one core.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+import robotraj as rt
+from robotraj.stagewise import reduce
+
+START, GOAL = [-1.1, -1.8, 1.6, -1.2, -1.57, 0.0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2]
+
+
+def rate() -> float:
+    """Floating-point operations of one core in a second."""
+    a = np.random.default_rng(0).standard_normal((256, 256))
+    best = np.inf
+    for _ in range(50):
+        began = time.perf_counter()
+        a @ a
+        best = min(best, time.perf_counter() - began)
+    return 2 * 256**3 / best
+
+
+def riccati(program: object) -> float:
+    """Operations of one factorisation."""
+    total = 0.0
+    for nu, nx, ng, nh in zip(program.nu, program.nx, program.equalities, program.inequalities, strict=True):  # type: ignore[attr-defined]
+        n = float(nu + nx)
+        total += nh * n**2 + 2 * nx**2 * n + nx * n**2 + 2 * ng * n**2 + nu**3 / 3 + nu**2 * nx + nu * nx**2
+    return total
+
+
+def points(nlp: rt.Nlp) -> float:
+    """Operations of values, Jacobians and Hessians at all points."""
+    total = 0.0
+    for block in nlp.blocks:
+        for function in (block.stage.function, block.stage.jacobian, block.stage.hessian):
+            total += function.n_instructions() * block.count
+    return total
+
+
+def main() -> None:
+    """Print one line a mesh."""
+    robot = rt.load("ur5")
+    peak = rate()
+    print(f"one core: {peak / 1e9:.1f} GFlop/s in NumPy's matrix product\n")
+    print("| ur5, intervals | Riccati [MFlop] | points [MFlop] | limit [ms] | iteration [ms] | ratio |")
+    print("|---|---|---|---|---|---|")
+    for count in (25, 50, 100, 200, 400):
+        phase = rt.Phase(robot, 1.0, rt.State(q=START, v=0), rt.State(q=GOAL, v=0), objective=rt.Effort())
+        problem, mesh = rt.Problem(phase), rt.Mesh(count)
+        nlp = rt.transcribe(problem, mesh, between=rt.ConvexHull())
+        solves = riccati(reduce(nlp).program)
+        graphs = points(nlp)
+        runs = []
+        for _ in range(5):
+            plan = rt.plan(problem, mesh, solver=rt.Fatrop(threads=1), between=rt.ConvexHull(), progress=False)
+            runs.append(plan.times["solve"] / plan.iterations)
+        took, limit = min(runs), (solves + graphs) / peak
+        print(
+            f"| {count} | {solves / 1e6:.2f} | {graphs / 1e6:.2f} | {limit * 1e3:.2f} | {took * 1e3:.2f} | "
+            f"{took / limit:.1f} |"
+        )
+
+
+if __name__ == "__main__":
+    main()
