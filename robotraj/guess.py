@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from robotraj.chart import Chart, way
 from robotraj.constraints import Bounds
 from robotraj.errors import InputError
+from robotraj.guesses.least_time import fastest_line
 from robotraj.loading.root import QUATERNION
 from robotraj.robot import Limits
 from robotraj.state import State
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Curve = Callable[[Array], Array]
+
+SLOWER = 1.5
+"""How many times the least time of a straight line a guess takes: a smooth motion then keeps its speed limits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +68,7 @@ class Guess(ABC):
 
 @dataclass(frozen=True)
 class StraightLine(Guess):
-    """States on a straight line from start to end, no torque, no acceleration.
+    """States on a straight line from start to end, no torque.
 
     A robot's positions run on the line and its velocities are the rate of that line, (q_end - q_start) / T,
     so that the guess moves as its velocities say; the velocities given for the ends hold there. A floating root's
@@ -72,10 +76,16 @@ class StraightLine(Guess):
     velocities on a line of their own this halves the iterations and keeps minimum-time problems from
     shrinking the duration to nothing.
 
+    Where the duration is free and the limits of all joints tell how fast the line can be run, speeds rise and fall
+    along it as in its fastest motion, slowed down to T, and accelerations are those of that motion. With s from 0 to 1
+    along the line, from rest to rest, s' at most s'_max and s'' at most k by the limits of speeds, accelerations and
+    torques, the least time is 1 / p + p / k, p = min(s'_max, sqrt(k)).
+    Source: Lynch and Park, Modern Robotics (2017), section 9.2.
+
     Parameters
     ----------
     duration : float, optional
-        Guessed duration [s] where it is free; by default from the bounds and the speed limits.
+        Guessed duration [s] where it is free; by default from the bounds, and at least 1.5 times the least time.
     """
 
     duration: float | None = None
@@ -84,7 +94,9 @@ class StraightLine(Guess):
         """Interpolate between the ends."""
         first, last = ends_of(phase)
         duration = guessed_duration(phase, self.duration)
-        robot = phase.robot
+        robot, nz = phase.robot, len(phase.dae.algebraic)
+        low, high = phase.duration_bounds
+        law = fastest_line(phase, first, last) if low < high else None
 
         def states(s: Array) -> Array:
             s = np.asarray(s)
@@ -93,21 +105,23 @@ class StraightLine(Guess):
                 nq = robot.nq
                 chart = Chart.around(robot.model, first[:nq])
                 start, end = chart.coordinates(np.array([first[:nq], last[:nq]]))
-                y = start + s[:, None] * (end - start)
+                place, pace, _ = (s, np.ones_like(s), s) if law is None else law.motion(s)
+                y = start + place[:, None] * (end - start)
                 values[:, :nq] = chart.positions(y)
                 if duration > 0:
                     inside = (s > 0) & (s < 1)
-                    rate = np.broadcast_to((end - start) / duration, y[inside].shape)
+                    rate = pace[inside, None] * (end - start) / duration
                     values[inside, nq : nq + robot.nv] = chart.velocities(y[inside], rate)
             return values
 
-        return PhaseGuess(
-            duration,
-            states,
-            constant(len(phase.dae.algebraic)),
-            constant(len(phase.dae.controls)),
-            default_parameters(phase),
-        )
+        def algebraic(s: Array) -> Array:
+            values = np.zeros((len(s), nz))
+            if law is not None and duration > 0 and phase.body.algebraic:
+                n = phase.robot.nv  # type: ignore[union-attr]
+                values[:, :n] = law.motion(s)[2][:, None] * (last - first)[:n] / duration**2
+            return values
+
+        return PhaseGuess(duration, states, algebraic, constant(len(phase.dae.controls)), default_parameters(phase))
 
 
 @dataclass(frozen=True)
@@ -275,7 +289,10 @@ def _turned(phase: Phase, x: Array) -> Array:
 
 
 def guessed_duration(phase: Phase, given: float | None) -> float:
-    """Duration to start from [s]: the given one, or one from the bounds and the speed limits.
+    """Duration to start from [s]: the given one, or one from the bounds, at least 1.5 times a straight line's least.
+
+    Shorter guesses break limits everywhere, and the solver has to find that out first; longer ones cost few iterations.
+    The least time is that of ``fastest_line``, or of the speed limits where those of torques say nothing.
 
     Raises
     ------
@@ -293,9 +310,11 @@ def guessed_duration(phase: Phase, given: float | None) -> float:
         guess = np.sqrt(low * high) if np.isfinite(high) else 2 * low
     else:
         guess = min(max(1.0, high / 20), high / 2) if np.isfinite(high) else 1.0
-    if phase.robot is not None and isinstance(phase.limits, Limits):
+    law = fastest_line(phase, *ends_of(phase))
+    if law is not None:
+        guess = max(guess, SLOWER * law.duration)
+    elif phase.robot is not None and isinstance(phase.limits, Limits):
         first, last = (x[: phase.robot.nq] for x in ends_of(phase))
         gaps = np.abs(way(phase.robot.model, first, last))
-        # At 1.5 times the constant-speed time a smooth motion keeps its speed limit.
-        guess = max(guess, 1.5 * float(np.max(gaps / phase.limits.velocity, initial=0.0)))
+        guess = max(guess, SLOWER * float(np.max(gaps / phase.limits.velocity, initial=0.0)))
     return float(np.clip(guess, low, high))
