@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import threading
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ from robotraj.phase_solution import PhaseSolution
 from robotraj.planning import plan
 from robotraj.problem import Phase, Problem
 from robotraj.solution import Solution
+from robotraj.starts import Shared, Start
 from robotraj.status import Status
 from robotraj.sweep import attach, detach
 from robotraj.workers import run
@@ -60,6 +63,9 @@ class Multistart:
     failures : mapping of Status to int
         How many starts ended without a solution, by status.
     starts : int
+        That were made.
+    iterations : int
+        Of all starts.
     objective_tolerance, trajectory_tolerance : float
         Within which two solutions count as one.
     """
@@ -67,6 +73,7 @@ class Multistart:
     optima: tuple[Optimum, ...]
     failures: Mapping[Status, int]
     starts: int
+    iterations: int
     objective_tolerance: float
     trajectory_tolerance: float
 
@@ -88,7 +95,8 @@ class Multistart:
         count = len(self.optima)
         plural = "um" if count == 1 else "a"
         lines = [
-            f"{self.starts} starts: {count} distinct local optim{plural}, {failed} failed",
+            f"{self.starts} starts, {self.iterations} iterations: "
+            f"{count} distinct local optim{plural}, {failed} failed",
             "        objective  duration [s]  starts  iterations  first start",
         ]
         lines += [
@@ -110,6 +118,7 @@ def multistart(
     seed: int = 0,
     *,
     spread: float = 0.2,
+    patience: int | None = None,
     guess: Guess | Solution | None = None,
     executor: Executor | None = None,
     objective_tolerance: float = 1e-5,
@@ -118,7 +127,9 @@ def multistart(
 ) -> Multistart:
     """Plan from a guess and from seeded random variations of it, and tell the distinct local optima.
 
-    No number of starts proves that the lowest optimum found is the lowest there is.
+    All starts of a process share one transcription, scaled at the guess, and the solver's program: a later start
+    takes its iterations and little more. No number of starts proves that the lowest optimum found is the lowest there
+    is.
 
     Parameters
     ----------
@@ -129,17 +140,21 @@ def multistart(
         The same seed gives the same starts and the same answer, whatever the executor.
     spread : float
         Size of the perturbations, relative to the ranges of the variables; see ``rt.Perturbed``.
+    patience : int, optional
+        Stop when this many starts in a row found no lower optimum; all are made by default.
     guess : Guess or Solution, optional
         A straight line by default.
     executor : concurrent.futures.Executor, optional
-        As of ``rt.sweep``: one fresh process per core by default.
+        As of ``rt.sweep``: one fresh process per core by default. Where a start takes less than the second that a
+        process takes to begin, ``ThreadPoolExecutor(1)`` is quicker.
     objective_tolerance : float
         Two solutions are one optimum if their objectives differ by less than this times 1 + |objective| ...
     trajectory_tolerance : float
         ... and if, at equal fractions of each phase, no state differs by more than this times its range, nor
         the duration by more than this times itself.
     **options
-        Of ``rt.plan``: mesh, solver, tolerance, stages ...
+        Of ``rt.plan``: mesh, solver, tolerance, stages ... ``rt.Fatrop(fallback=None)`` leaves starts that fatrop
+        gives up instead of handing them to IPOPT, which would take longer over them than over all others.
 
     Returns
     -------
@@ -149,19 +164,23 @@ def multistart(
     Raises
     ------
     InputError
-        No starts, a negative spread, or a problem that cannot be posed.
+        No starts, no patience, a negative spread, or a problem that cannot be posed.
     """
     problem = Problem([problem]) if isinstance(problem, Phase) else problem
     if not isinstance(problem, Problem):
         raise InputError(f"rt.multistart takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
     if starts < 1 or not 0 <= spread < np.inf:
         raise InputError(f"rt.multistart needs at least 1 start and a spread of 0 or more; got {starts} and {spread}.")
+    if patience is not None and patience < 1:
+        raise InputError(f"rt.multistart needs a patience of at least 1 start; got {patience}.")
     for name in ("check", "progress"):
         if name in options:
             raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
     first = as_guess(guess) or default_guess(problem)
     guesses = [first, *(Perturbed(first, (seed, i), spread) for i in range(1, starts))]
-    found: Sequence[Solution] = run(_plan, (problem, options), guesses, executor)
+    found: Sequence[Solution] = run(
+        _plan, _Search(problem, first, options), guesses, executor, _out_of(patience, objective_tolerance)
+    )
     solved = sorted((s.objective, i) for i, s in enumerate(found) if s.success)
     groups: list[list[int]] = []
     for _, i in solved:
@@ -175,19 +194,58 @@ def multistart(
     return Multistart(
         tuple(Optimum(attach(found[group[0]], problem), tuple(sorted(group))) for group in groups),
         dict(sorted(failures.items(), key=lambda entry: entry[0].value)),
-        starts,
+        len(found),
+        sum(s.iterations for s in found),
         objective_tolerance,
         trajectory_tolerance,
     )
 
 
-def _plan(shared: tuple[Problem, Mapping[str, Any]], guess: Guess) -> Solution:
-    problem, options = shared
-    return detach(plan(problem, guess=guess, check=False, progress=False, **options))
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """What all starts have in common."""
+
+    problem: Problem
+    first: Guess
+    options: Mapping[str, Any]
+
+
+class _Own(threading.local):
+    """What the starts of a thread share: compiled programs are worked by one thread at a time."""
+
+    def __init__(self) -> None:
+        self.known: WeakKeyDictionary[_Search, Shared] = WeakKeyDictionary()
+
+
+_own = _Own()
+
+
+def _plan(search: _Search, guess: Guess) -> Solution:
+    shared = _own.known.setdefault(search, Shared(search.first))
+    start = Start(guess, shared)
+    return detach(plan(search.problem, guess=start, check=False, progress=False, **search.options))
+
+
+def _out_of(patience: int | None, tolerance: float) -> Callable[[Sequence[Solution]], bool] | None:
+    """Whether the last starts, that many, found no optimum lower than those before, if any did."""
+    if patience is None:
+        return None
+
+    def stop(found: Sequence[Solution]) -> bool:
+        costs = [s.objective if s.success else np.inf for s in found]
+        lowest = min(costs)
+        first = next((i for i, cost in enumerate(costs) if _equal(cost, lowest, tolerance)), len(costs))
+        return len(costs) - 1 - first >= patience
+
+    return stop
+
+
+def _equal(a: float, b: float, tolerance: float) -> bool:
+    return abs(a - b) <= tolerance * (1.0 + abs(a))
 
 
 def _same(a: Solution, b: Solution, objective: float, trajectory: float, problem: Problem) -> bool:
-    if abs(a.objective - b.objective) > objective * (1.0 + abs(a.objective)):
+    if not _equal(a.objective, b.objective, objective):
         return False
     parts = zip(a.phases, b.phases, problem.phases, strict=True)
     return all(_distance(p, q, len(phase.body.states)) <= trajectory for p, q, phase in parts)

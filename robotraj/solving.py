@@ -19,6 +19,7 @@ from robotraj.schemes import Mesh, MovingMesh
 from robotraj.solution import Solution
 from robotraj.solvers import Multipliers, Progress, Solver
 from robotraj.solvers.base import LateMultipliers, Outcome
+from robotraj.starts import Start
 from robotraj.status import Status
 from robotraj.transcription import Nlp, transcribe
 from robotraj.transcription.again import transcribed_again
@@ -86,7 +87,9 @@ def _again(
     engine: Engine | None,
     between: Exchange,
 ) -> Nlp | None:
-    """Take over the NLP of an earlier solution of a problem like this one, if there was one without guards."""
+    """Take over the NLP of an earlier solution of a problem like this one without guards, or of earlier starts."""
+    if isinstance(guess, Start):
+        return guess.shared.transcribed(problem, mesh, guess, engine, between)
     if not isinstance(guess, Solution) or guess.guards or guess.multipliers is None or guess.multipliers.origin is None:
         return None
     origin = guess.multipliers.origin
@@ -139,10 +142,14 @@ def _solve(
 ) -> tuple[Solution, np.ndarray]:
     """Solve a transcribed problem; also give the decision vector. It is being built since ``began``."""
     multipliers = _multipliers(guess, nlp, guards)
-    if isinstance(guess, Solution) and guess.multipliers is not None and guess.multipliers.origin is not None:
-        outcome = solver.resolve(nlp, guess.multipliers, progress, multipliers)
+    shared = guess.shared if isinstance(guess, Start) else None
+    known = guess.multipliers if isinstance(guess, Solution) else shared.known if shared else None
+    if known is not None and known.origin is not None:
+        outcome = solver.resolve(nlp, known, progress, multipliers)
     else:
         outcome = solver.solve(nlp, progress, multipliers)
+    if shared is not None:
+        shared.keep(nlp, outcome.multipliers)
     # What a solver does not count as its own, such as assembling the NLP's functions for it, is building.
     own = outcome.times.get("setup", 0.0) + outcome.times.get("solve", 0.0)
     times = {"build": time.perf_counter() - began - own - nlp.compiling, "compile": nlp.compiling}

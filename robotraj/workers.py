@@ -1,8 +1,9 @@
 """Work handed to any ``concurrent.futures`` executor, with results in the order of the tasks.
 
 What is shared by all tasks travels once per task but is unpacked once per worker, so that graphs built for a
-problem serve all its tasks. Everything travels by cloudpickle, because equations of Systems and expressions
-of constraints are mostly lambdas, which the standard library refuses to pickle.
+problem serve all its tasks. Between processes everything travels by cloudpickle, because equations of Systems and
+expressions of constraints are mostly lambdas, which the standard library refuses to pickle. Threads share memory:
+there nothing travels, and what an answer would only find to be sent, such as its costates, is left for later.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import lru_cache
 from typing import Any
@@ -20,7 +21,13 @@ import cloudpickle
 from robotraj.errors import InputError, RobotrajError
 
 
-def run(work: Callable[[Any, Any], Any], shared: Any, tasks: Sequence[Any], executor: Executor | None) -> list[Any]:
+def run(
+    work: Callable[[Any, Any], Any],
+    shared: Any,
+    tasks: Sequence[Any],
+    executor: Executor | None,
+    enough: Callable[[Sequence[Any]], bool] | None = None,
+) -> list[Any]:
     """Return ``[work(shared, task) for task in tasks]``, computed by an executor.
 
     Parameters
@@ -31,6 +38,9 @@ def run(work: Callable[[Any, Any], Any], shared: Any, tasks: Sequence[Any], exec
     executor : concurrent.futures.Executor, optional
         Threads, processes, Dask's ``client.get_executor()`` ... By default as many fresh processes as there
         are cores, started by spawn: nothing of this process leaks into them.
+    enough : callable, optional
+        Whether these first results are enough. The others are then left out, and those that nobody has begun are not
+        computed; what is returned does not depend on the executor.
 
     Raises
     ------
@@ -44,9 +54,11 @@ def run(work: Callable[[Any, Any], Any], shared: Any, tasks: Sequence[Any], exec
             return []
         workers = min(len(tasks), os.cpu_count() or 1)
         with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as own:
-            return run(work, shared, tasks, own)
+            return run(work, shared, tasks, own, enough)
     if not hasattr(executor, "submit"):
         raise InputError(f"executor= must be a concurrent.futures executor; got {type(executor).__name__}.")
+    if isinstance(executor, ThreadPoolExecutor):
+        return _first([executor.submit(work, shared, task) for task in tasks], lambda result: result, enough)
     try:
         common = cloudpickle.dumps((work, shared))
         packed = [cloudpickle.dumps(task) for task in tasks]
@@ -56,12 +68,28 @@ def run(work: Callable[[Any, Any], Any], shared: Any, tasks: Sequence[Any], exec
         ) from error
     try:
         futures = [executor.submit(_call, common, task) for task in packed]
-        return [cloudpickle.loads(future.result()) for future in futures]
+        return _first(futures, cloudpickle.loads, enough)
     except BrokenProcessPool as error:
         raise RobotrajError(
             "A worker process died. In a script, start it from under `if __name__ == '__main__':`, because "
             "every worker imports the script; else a worker ran out of memory: use fewer, with executor=."
         ) from error
+
+
+def _first(
+    futures: Sequence[Future[Any]], unpacked: Callable[[Any], Any], enough: Callable[[Sequence[Any]], bool] | None
+) -> list[Any]:
+    """Wait for results in their order until there are enough of them."""
+    results: list[Any] = []
+    try:
+        for future in futures:
+            results.append(unpacked(future.result()))
+            if enough is not None and enough(results):
+                break
+    finally:
+        for future in futures[len(results) :]:
+            future.cancel()
+    return results
 
 
 def _call(common: bytes, task: bytes) -> bytes:

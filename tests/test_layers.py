@@ -40,6 +40,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
         "export",
         "plotting",
         "indirect",
+        "starts",
         "solving",
     ),
     8: ("adaptive", "kinematic", "stages", "compiling", "planning"),

@@ -5,11 +5,14 @@ from __future__ import annotations
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj import starts
 from robotraj.errors import InputError
+from robotraj.solvers import fatrop
 
 
 def two_ways(cost_of_left: float = 1.0) -> rt.Phase:
@@ -84,6 +87,53 @@ def test_seeds_decide_the_answer() -> None:
     assert [o.starts for o in one.optima] != [o.starts for o in other.optima]
 
 
+def test_starts_share_a_transcription_and_the_compiled_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+    for module, name in ((starts, "transcribe"), (fatrop, "reduce")):
+        original = getattr(module, name)
+        monkeypatch.setattr(module, name, lambda *a, f=original, n=name, **k: made.append(n) or f(*a, **k))
+    system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], ca.sin(point.u["u"])])
+    phase = rt.Phase(system, duration=1.0, start=rt.State([0, 0]), end=rt.State([0.1, 0]), objective=rt.Effort())
+    found = search(phase, solver=rt.Fatrop(fallback=None))
+    assert sum(len(optimum.starts) for optimum in found.optima) > 1
+    assert sorted(made) == ["reduce", "transcribe"]
+
+
+@pytest.mark.parametrize("solver", [rt.Fatrop(), rt.Ipopt()])
+def test_a_start_ends_where_it_would_alone(solver: rt.Solver) -> None:
+    phase = two_ways()
+    found = search(phase, solver=solver)
+    assert found.iterations > 0
+    for optimum in found.optima:
+        for number in {optimum.starts[0], optimum.starts[-1]}:
+            guess = rt.StraightLine() if number == 0 else rt.Perturbed(rt.StraightLine(), (0, number), 0.2)
+            alone = rt.plan(phase, rt.Mesh(12), guess, solver, check=False)
+            assert alone.objective == pytest.approx(optimum.objective, rel=1e-6)
+
+
+def test_what_starts_share_is_of_one_problem_on_one_mesh() -> None:
+    phase = two_ways()
+    shared = starts.Shared(rt.StraightLine())
+    start = starts.Start(rt.StraightLine(), shared)
+    for mesh in (rt.Mesh(12), rt.Mesh(10), rt.Mesh(12)):
+        solution = rt.plan(phase, mesh, start, rt.Fatrop())
+        fresh = rt.plan(phase, mesh, rt.StraightLine(), rt.Fatrop())
+        assert len(solution.phases[0].knots) == len(mesh.knots)
+        assert solution.objective == pytest.approx(fresh.objective, rel=1e-9)
+    dearer = rt.plan(two_ways(3.0), rt.Mesh(12), start, rt.Fatrop())
+    assert dearer.objective != pytest.approx(solution.objective, rel=1e-3)
+
+
+def test_patience_ends_the_search_at_the_same_start_on_any_executor() -> None:
+    every = search(two_ways(), starts=12)
+    lowest = every.optima[0].starts[0]
+    found = search(two_ways(), starts=12, patience=3)
+    assert found.starts == lowest + 4 < 12
+    assert found.best.objective == pytest.approx(every.best.objective, rel=1e-8)
+    with ThreadPoolExecutor(3) as threads:
+        assert str(search(two_ways(), starts=12, patience=3, executor=threads)) == str(found)
+
+
 @pytest.mark.slow
 def test_the_executor_does_not() -> None:
     with ThreadPoolExecutor(2) as threads, ProcessPoolExecutor(2, get_context("spawn")) as processes:
@@ -100,6 +150,8 @@ def test_the_executor_does_not() -> None:
 def test_wrong_arguments_are_named() -> None:
     with pytest.raises(InputError, match="at least 1 start"):
         rt.multistart(two_ways(), starts=0)
+    with pytest.raises(InputError, match="patience of at least 1"):
+        rt.multistart(two_ways(), patience=0)
     with pytest.raises(InputError, match="check="):
         rt.multistart(two_ways(), check=True)
     with pytest.raises(InputError, match="got int"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import subprocess
 import sys
 import threading
@@ -14,6 +15,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.errors import InputError
+from robotraj.workers import run
 
 MESH = rt.Mesh(8)
 
@@ -144,5 +146,33 @@ def test_wrong_arguments_are_named() -> None:
     lock = threading.Lock()
     system = rt.System(["x"], ["u"], lambda point: [point.u["u"] * (1 if lock else 0)])
     phase = rt.Phase(system, duration=1.0)
-    with ThreadPoolExecutor(1) as executor, pytest.raises(InputError, match="cannot be pickled"):
+    with ProcessPoolExecutor(1) as executor, pytest.raises(InputError, match="cannot be pickled"):
         rt.sweep([phase], executor=executor)
+
+
+def test_tasks_that_are_not_needed_are_not_begun() -> None:
+    begun: list[int] = []
+    release = threading.Event()
+
+    def work(shared: list[int], task: int) -> int:
+        begun.append(task)
+        if task > 2:
+            release.wait()
+        return shared[0] * task
+
+    with ThreadPoolExecutor(2) as executor:
+        assert run(work, [10], range(100), executor, lambda found: len(found) == 3) == [0, 10, 20]
+        release.set()
+    assert len(begun) < 100
+
+
+def test_enough_counts_results_in_the_order_of_the_tasks() -> None:
+    with Backwards() as executor:
+        assert run(operator.mul, 10, range(4), executor, lambda found: len(found) == 3) == [0, 10, 20]
+
+
+def test_threads_hand_over_the_answer_itself() -> None:
+    with ThreadPoolExecutor(1) as executor:
+        (solution,) = rt.sweep(moves()[:1], executor=executor, mesh=MESH, solver=rt.Fatrop())
+    assert solution.multipliers is not None
+    assert solution.multipliers.origin is not None, "multipliers are found when they are read"

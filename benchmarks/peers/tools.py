@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,9 @@ def _robotraj(variant: str, cached: bool = False, **variables: str) -> Tool:
     return Tool(f"robotraj{variant}", "plan_robotraj.py", None, variables, cached, largest=1600)
 
 
+ONE = "not run: one start reaches the best known"
+
+
 FREE = "cannot: free duration"
 PAPER = "not tried: its equations would have to be written out in SymPy"
 TOOLS: dict[str, Tool] = {
@@ -56,6 +59,9 @@ TOOLS: dict[str, Tool] = {
     ),
     "robotraj-hull-compiled": _robotraj(
         ", fatrop, hull, compiled", True, PEERS_SOLVER="Fatrop", PEERS_ENGINE="Compiled", PEERS_BETWEEN="ConvexHull"
+    ),
+    "robotraj-starts": replace(
+        _robotraj(", fatrop, 20 starts", PEERS_STARTS="20"), cannot={"T1": ONE, "T4": ONE, "T5": ONE}
     ),
     "by-hand": Tool("by hand, inverse dynamics", "inverse_by_hand.py"),
     "opti": Tool("CasADi Opti", "opti_forward.py", slow=True, largest=50),

@@ -1,4 +1,4 @@
-"""A transcription taken over by a problem that differs in its ends alone."""
+"""A transcription taken over: by a problem that differs in its ends alone, or by another guess."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.engines import Engine
+from robotraj.guess import Guess
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.transcription.between import Exchange
 from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.transcribe import bounds_of
+from robotraj.transcription.transcribe import bounds_of, start_of
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase, Problem
@@ -57,7 +58,18 @@ def transcribed_again(
         return None
     bounds = bounds_of(problem, nlp.layouts, between)
     variables = nlp.free.bounded(bounds)
-    again = replace(nlp, problem=problem, variables=variables, guess=np.clip(w, variables.lower, variables.upper))
+    guess = np.clip(w, variables.lower, variables.upper)
+    return _with_functions(replace(nlp, problem=problem, variables=variables, guess=guess), nlp)
+
+
+def started_at(nlp: Nlp, guess: Guess) -> Nlp:
+    """Start an NLP at another guess; blocks, scales and functions are those of ``nlp``."""
+    start = start_of(nlp.problem, nlp.layouts, nlp.link_columns, nlp.variables, guess)
+    return _with_functions(replace(nlp, guess=start), nlp)
+
+
+def _with_functions(again: Nlp, nlp: Nlp) -> Nlp:
+    """Hand on the functions that were assembled, which a copy is without."""
     if "functions" in nlp.__dict__:
         again.__dict__["functions"] = nlp.functions
     return again

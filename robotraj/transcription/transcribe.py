@@ -29,7 +29,7 @@ from robotraj.transcription.ends import (
 from robotraj.transcription.layout import PhaseLayout, lay_out
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scaling import row_scale, variable_scale
-from robotraj.transcription.table import ColumnBound, Entry, ScalarTable
+from robotraj.transcription.table import ColumnBound, Entry, Scalars, ScalarTable
 from robotraj.transcription.triplets import Triplets
 
 if TYPE_CHECKING:
@@ -106,12 +106,7 @@ def transcribe(
     every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]
     every += [widen(block, *shape) for block in blocks]
     matrix = linear.matrix(shape)
-    known = (guess or default_guess(problem)).prepared(problem)
-    start = _guess(problem, layouts, known, len(variables))
-    for i, (link, own) in enumerate(zip(problem.bound_links, unknowns, strict=True)):
-        brought = known.of_link(link, i)
-        start[own] = [brought.get(unknown.name, 0.0) for unknown in link.unknowns]
-    start = np.clip(start, variables.lower, variables.upper)
+    start = start_of(problem, layouts, unknowns, variables, guess or default_guess(problem))
     scale = variable_scale(variables, start)
     return Nlp(
         problem,
@@ -128,6 +123,22 @@ def transcribe(
         engine,
         between,
     )
+
+
+def start_of(
+    problem: Problem,
+    layouts: Sequence[PhaseLayout],
+    link_columns: Sequence[NDArray[np.int_]],
+    variables: Scalars,
+    guess: Guess,
+) -> Array:
+    """Give the decision vector of a guess, inside the bounds, (n_w,)."""
+    known = guess.prepared(problem)
+    start = _guess(problem, layouts, known, len(variables))
+    for i, (link, own) in enumerate(zip(problem.bound_links, link_columns, strict=True)):
+        brought = known.of_link(link, i)
+        start[own] = [brought.get(unknown.name, 0.0) for unknown in link.unknowns]
+    return np.clip(start, variables.lower, variables.upper)
 
 
 def bounds_of(problem: Problem, layouts: Sequence[PhaseLayout], between: Exchange) -> list[ColumnBound]:

@@ -1,8 +1,12 @@
-"""A task with robotraj: PEERS_SOLVER, PEERS_ENGINE and PEERS_BETWEEN name values that rt.plan is given."""
+"""A task with robotraj: PEERS_SOLVER, PEERS_ENGINE and PEERS_BETWEEN name values that rt.plan is given.
+
+PEERS_STARTS is a number of starts of rt.multistart, all in this process; 1 by default, rt.plan itself.
+"""
 
 from __future__ import annotations
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -19,6 +23,8 @@ AWAY = -0.05
 """How far every joint of another goal is [rad, m]."""
 SETTINGS: dict[str, dict[str, Any]] = {"Fatrop": {"threads": 1}}
 """One thread, as all the others have."""
+SEED = 0
+"""Of the starts; benchmarks/starts.py tells what others find."""
 
 
 def value(name: str) -> Any:
@@ -47,6 +53,35 @@ def phase_of(task: Task) -> rt.Phase:
     )
 
 
+def search(task: Task, mesh: rt.Mesh, starts: int, settings: dict[str, Any]) -> tuple[rt.Solution, int]:
+    """Plan from many starts; give the best plan and the iterations of all of them."""
+    settings = settings | {"solver": rt.Fatrop(fallback=None, **SETTINGS["Fatrop"])}
+    with ThreadPoolExecutor(1) as here:
+        guess = rt.StraightLine(task.guess)
+        found = rt.multistart(phase_of(task), starts, SEED, guess=guess, executor=here, mesh=mesh, **settings)
+    return found.best, found.iterations
+
+
+def solve_from_many(task: Task, starts: int, settings: dict[str, Any]) -> None:
+    """Report the best of many starts; all that they take counts as solving."""
+    mesh = rt.Mesh(task.intervals)
+    with Clock() as first:
+        best, iterations = search(task, mesh, starts, settings)
+    report = Report((first.wall, first.processor), iterations, best.success, best.status.value)
+    with Clock() as clock:
+        search(task, mesh, starts, settings)
+    again = {"again": clock.wall, "again cpu": clock.processor, "again solve": clock.wall}
+    report.write(*curves_of(best), **again, **{"again solve cpu": clock.processor})
+
+
+def curves_of(solution: rt.Solution) -> tuple[np.ndarray, ...]:
+    """Times, positions, velocities and torques inside every interval."""
+    part = solution.phases[0]
+    t = inside(part.knots)
+    samples = [part.at(times, interval=k) for k, times in enumerate(t)]
+    return t, *(np.array([getattr(s, name) for s in samples]) for name in ("q", "v", "tau"))
+
+
 def solve(task: Task, settings: dict[str, Any]) -> None:
     """Plan, report; plan the same again and another goal in the same process."""
     # A bang-bang force is constant within each interval, so that it cannot bulge over its limit.
@@ -66,10 +101,6 @@ def solve(task: Task, settings: dict[str, Any]) -> None:
         second = plan(rt.Problem([phase_of(task)]), rt.StraightLine(task.guess))
     with Clock() as other:
         moved = plan(problem.with_(end=rt.State(q=np.add(task.end, AWAY), v=0)), solution)
-    part = solution.phases[0]
-    t = inside(part.knots)
-    samples = [part.at(times, interval=k) for k, times in enumerate(t)]
-    curves = (np.array([getattr(s, name) for s in samples]) for name in ("q", "v", "tau"))
     again = {
         "again": clock.wall,
         "again cpu": clock.processor,
@@ -78,14 +109,18 @@ def solve(task: Task, settings: dict[str, Any]) -> None:
     }
     if moved.success:
         again["moved cpu"] = other.processor
-    report.write(t, *curves, **again)
+    report.write(*curves_of(solution), **again)
 
 
 def main() -> None:
     """Read what is asked for."""
     named = {what: os.environ.get(f"PEERS_{what.upper()}") for what in ("solver", "engine", "between")}
     settings = {what: value(name) for what, name in named.items() if name}
-    solve(asked(), settings)
+    starts = int(os.environ.get("PEERS_STARTS", "1"))
+    if starts > 1:
+        solve_from_many(asked(), starts, settings)
+    else:
+        solve(asked(), settings)
 
 
 if __name__ == "__main__":
