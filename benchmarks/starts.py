@@ -52,8 +52,8 @@ def main() -> None:
     lines = [
         "# Many starts",
         "",
-        f"`python benchmarks/starts.py`: `rt.multistart` with its own spread, {STARTS} starts of fatrop in one process on "
-        "one thread; lowest objective after so many starts, distinct optima, starts without a solution, processor "
+        f"`python benchmarks/starts.py`: `rt.multistart` with its own spread, {STARTS} starts of fatrop in one process "
+        "on one thread; lowest objective after so many starts, distinct optima, starts without a solution, processor "
         "seconds of all starts with reading and transcribing. Start 1 is the straight line.",
         "",
     ]

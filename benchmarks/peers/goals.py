@@ -11,7 +11,7 @@ from figures import of
 PLAIN = ("robotraj", "robotraj-ipopt", "robotraj-fatrop", "robotraj-hull")
 """No compiler, an empty cache."""
 WARM = ("robotraj-compiled", "robotraj-hull-compiled")
-STARTS = ("robotraj-starts",)
+STARTS = ("robotraj-starts", "robotraj-starts-20")
 """The lowest of many optima."""
 PEERS = ("opti", "drake-ipopt", "drake-snopt", "crocoddyl", "dymos", "opty", "opty-compiled")
 DRAKE = ("drake-ipopt", "drake-snopt")

@@ -47,6 +47,11 @@ def _robotraj(variant: str, cached: bool = False, **variables: str) -> Tool:
 ONE = "not run: one start reaches the best known"
 
 
+def _several(starts: int) -> Tool:
+    tool = _robotraj(f", fatrop, {starts} starts", PEERS_STARTS=str(starts))
+    return replace(tool, cannot={"T1": ONE, "T4": ONE, "T5": ONE})
+
+
 FREE = "cannot: free duration"
 PAPER = "not tried: its equations would have to be written out in SymPy"
 TOOLS: dict[str, Tool] = {
@@ -60,9 +65,8 @@ TOOLS: dict[str, Tool] = {
     "robotraj-hull-compiled": _robotraj(
         ", fatrop, hull, compiled", True, PEERS_SOLVER="Fatrop", PEERS_ENGINE="Compiled", PEERS_BETWEEN="ConvexHull"
     ),
-    "robotraj-starts": replace(
-        _robotraj(", fatrop, 20 starts", PEERS_STARTS="20"), cannot={"T1": ONE, "T4": ONE, "T5": ONE}
-    ),
+    "robotraj-starts": _several(10),
+    "robotraj-starts-20": _several(20),
     "by-hand": Tool("by hand, inverse dynamics", "inverse_by_hand.py"),
     "opti": Tool("CasADi Opti", "opti_forward.py", slow=True, largest=50),
     "drake-ipopt": Tool(

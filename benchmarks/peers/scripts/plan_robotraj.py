@@ -75,7 +75,7 @@ def solve_from_many(task: Task, starts: int, settings: dict[str, Any]) -> None:
 
 
 def curves_of(solution: rt.Solution) -> tuple[np.ndarray, ...]:
-    """Times, positions, velocities and torques inside every interval."""
+    """Sample times, positions, velocities and torques inside every interval."""
     part = solution.phases[0]
     t = inside(part.knots)
     samples = [part.at(times, interval=k) for k, times in enumerate(t)]
