@@ -2,7 +2,9 @@
 
 Where an output is r(v) - k u with a constant k, stands alone in a row r - k u = 0, and u is read nowhere else, the
 torque of an actuated joint in its balance above all, then u = r / k: the row and the column go, bounds of the column
-become rows of the expression, and everything that read u reads the expression.
+become rows of the expression, and everything that read u, further outputs of the stage or linear rows, reads the
+expression. A linear row over torques of several points of an interval, which holds their polynomial in between, is so
+a combination of the points' torque functions and stays in the interval's stage.
 """
 
 from __future__ import annotations
@@ -67,27 +69,37 @@ def _eliminate(form: Form, index: int) -> Form:
     output = moved[column % stage.outputs]
     kept = output >= 0
     old = row[kept], column[kept] // stage.outputs * width + output[kept], data[kept]
-    new = n_rows + np.arange(many), (place * width + expressions).ravel()[bounded], factors.ravel()[bounded]
-    scatter = array(summed((n_rows + many, count * width), old, new))
+    at, flat = (place * width + expressions).ravel(), columns.ravel()
+    new = n_rows + np.arange(many), at[bounded], factors.ravel()[bounded]
+    # Linear rows that read u = factor * expression.
+    number = np.full(len(form.lower), -1)
+    number[flat] = np.arange(flat.size)
+    row, column, data = entries(form.linear)
+    reads = number[column] >= 0
+    which = number[column[reads]]
+    moved_rows = row[reads], at[which], data[reads] * factors.ravel()[which]
+    linear = summed((n_rows, len(form.lower)), (row[~reads], column[~reads], data[~reads]))
+    scatter = array(summed((n_rows + many, count * width), old, new, moved_rows))
     gather = _with_rows(block.gather, (place * stage.inputs + kept_in).ravel())
     blocks = [taller(other, many) for other in form.blocks]
     blocks[index] = replace(block, stage=reduced, gather=gather, scatter=scatter)
     gone = form.gone.copy()
-    gone[columns.ravel()] = True
+    gone[flat] = True
     row_lower, row_upper = form.row_lower.copy(), form.row_upper.copy()
     # Rows without bounds are no rows: those that said what the control is have been used up.
     row_lower[rows.ravel()], row_upper[rows.ravel()] = -np.inf, np.inf
-    flat = columns.ravel()[bounded]
+    limited = flat[bounded]
     form = replace(
         form,
         blocks=tuple(blocks),
+        linear=linear,
         row_lower=row_lower,
         row_upper=row_upper,
         gone=gone,
         eliminated=(*form.eliminated, Eliminated(index, expressions, columns, factors, rows)),
     )
     nothing = native(csr_array((many, len(form.lower))))
-    return with_rows(form, nothing, form.lower[flat], form.upper[flat], bound_of=flat)
+    return with_rows(form, nothing, form.lower[limited], form.upper[limited], bound_of=limited)
 
 
 def _pairs(form: Form, block: Block) -> Sequence[tuple[int, int]]:
@@ -107,8 +119,10 @@ def _pairs(form: Form, block: Block) -> Sequence[tuple[int, int]]:
 
 
 def _private_inputs(form: Form, block: Block) -> Indices:
-    """Find inputs that are, at every place, one free column that nothing else reads."""
-    uses = np.bincount(form.linear.indices, minlength=len(form.lower)) + (form.cost != 0.0)
+    """Find inputs that are, at every place, one free column that no other place, equation or cost reads."""
+    row, column, _ = entries(form.linear)
+    equation = (form.row_lower == form.row_upper)[row]
+    uses = np.bincount(column[equation], minlength=len(form.lower)) + (form.cost != 0.0)
     for other in form.blocks:
         uses = uses + np.bincount(other.gather.indices, minlength=len(form.lower))
     single = np.diff(block.gather.indptr) == 1

@@ -28,9 +28,10 @@ from robotraj.dynamics.system import as_rows
 from robotraj.dynamics.torques import torques_apart
 from robotraj.schemes import MovingMesh
 from robotraj.sparse import csr_array
-from robotraj.transcription.between import Exchange, impose_hull
+from robotraj.transcription.between import Exchange
 from robotraj.transcription.block import Block
 from robotraj.transcription.holding import hold
+from robotraj.transcription.hull import hold_states
 from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.table import Entry, ScalarTable
@@ -162,7 +163,7 @@ def collocate(
     if held:
         hold(phase, index, layout, rows, scatter, stage.outputs)
     if between is not None:
-        impose_hull(between, phase, index, layout, rows, linear, scatter, stage.outputs)
+        hold_states(between, phase, index, layout, rows, linear, scatter, stage.outputs)
     gather, constants = gather_points(phase, layout)
     if isinstance(layout.mesh, MovingMesh):
         tie_intervals(layout.mesh, index, layout, rows, linear)

@@ -26,6 +26,7 @@ from robotraj.transcription.ends import (
     start_block,
     widen,
 )
+from robotraj.transcription.hull import columns_beside_rows, covered_in, hold_controls, is_held
 from robotraj.transcription.layout import PhaseLayout, lay_out
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scaling import row_scale, variable_scale
@@ -90,6 +91,7 @@ def transcribe(
             blocks += more
         else:
             points.append(collocate(phase, i, layout, rows, linear, engine.torques_apart, between))
+        hold_controls(between, phase, i, layout, rows, linear)
         blocks += end_constraint_blocks(phase, i, layout, rows)
         started = start_block(problem.phases, i, layout, problem.bound_links, rows)
         blocks += [started] if started else []
@@ -145,8 +147,7 @@ def bounds_of(problem: Problem, layouts: Sequence[PhaseLayout], between: Exchang
     """Give the bounds of columns: ends first, then the rows that are single variables."""
     bounds = []
     for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
-        collocated = not isinstance(layout.intervals[0].scheme, OneStep)
-        bounds += _bounds(phase, i, layout, between.covers(phase) if collocated else frozenset())
+        bounds += _bounds(phase, i, layout, covered_in(between, phase, layout))
     return bounds
 
 
@@ -169,7 +170,7 @@ def _finish_points(block: Block, gather: Triplets, scatter: Triplets, shape: tup
 def _bounds(phase: Phase, index: int, layout: PhaseLayout, covered: frozenset[str]) -> list[ColumnBound]:
     """Write the ends of the phase and the rows that are single variables as bounds of columns.
 
-    Of states that are ``covered`` in between, only the knots are bounded.
+    Of what is ``covered`` in between, ``columns_beside_rows`` are bounded.
     """
     bounds = []
     for which, knot, given in (("start", 0, phase.start_bounds), ("end", -1, phase.end_bounds)):
@@ -178,12 +179,12 @@ def _bounds(phase: Phase, index: int, layout: PhaseLayout, covered: frozenset[st
             at = layout.knots[knot, i : i + 1]
             bounds.append(ColumnBound(entry, at, float(given.lower[i]), float(given.upper[i])))
     columns = _columns_by_variable(phase, layout)
-    knots = {state.name: at for state, at in zip(phase.dae.states, layout.knots.T, strict=True)}
+    held = columns_beside_rows(phase, layout) if covered else {}
     for constraint in phase.bound_constraints:
         for row in constraint.rows:
             if row.variable is None:
                 continue
-            every = knots[row.variable] if row.variable in covered else columns[row.variable]
+            every = (held if is_held(constraint, row, covered) else columns)[row.variable]
             _require_point(phase, layout, row.variable, constraint.where)
             chosen = {Where.START: every[:1], Where.END: every[-1:]}.get(constraint.where, every)
             bounds.append(ColumnBound(Entry(index, row.name, row.joint or "", row.unit), chosen, row.lower, row.upper))

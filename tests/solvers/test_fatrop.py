@@ -12,9 +12,9 @@ MESH = rt.Mesh(8)
 SAME = [name for name in EVERY if name != "step"]
 
 
+@pytest.mark.parametrize("between", [rt.Exchange(rounds=0), rt.ConvexHull(rounds=0)], ids=["plain", "hull"])
 @pytest.mark.parametrize("name", SAME)
-def test_fatrop_finds_the_optimum_of_ipopt_and_its_multipliers_prove_it(name: str) -> None:
-    between = rt.Exchange(rounds=0)
+def test_fatrop_finds_the_optimum_of_ipopt_and_its_multipliers_prove_it(name: str, between: rt.Exchange) -> None:
     fatrop, ipopt = (
         rt.plan(EVERY[name](), MESH, solver=solver, between=between, progress=False)
         for solver in (rt.Fatrop(fallback=None), rt.Ipopt())

@@ -23,10 +23,15 @@ MESHES = {
     "Lobatto": rt.Mesh(2, rt.LobattoIIIA(4)),
 }
 PAIRS = [(p, m) for p in EVERY for m in MESHES if not (p == "step" and m == "Gauss")]
+PLAIN, HULL = rt.Exchange(), rt.ConvexHull()
+CASES = [
+    *((p, m, PLAIN) for p, m in PAIRS),
+    *((p, m, HULL) for p, m in PAIRS if p in ("hurried arm", "acrobot", "two phases", "step")),
+]
 
 
-def reduced(problem: str, mesh: str) -> Reduction:
-    return reduce(transcribe(EVERY[problem](), MESHES[mesh], None, None))
+def reduced(problem: str, mesh: str, between: rt.Exchange = PLAIN) -> Reduction:
+    return reduce(transcribe(EVERY[problem](), MESHES[mesh], None, None, between))
 
 
 @dataclass(frozen=True)
@@ -111,9 +116,9 @@ def near(reduction: Reduction, durations: bool = True) -> Array:
 
 
 @pytest.mark.parametrize("durations", [False, True])
-@pytest.mark.parametrize(("problem", "mesh"), PAIRS)
-def test_program_and_nlp_say_the_same(problem: str, mesh: str, durations: bool) -> None:
-    reduction = reduced(problem, mesh)
+@pytest.mark.parametrize(("problem", "mesh", "between"), CASES)
+def test_program_and_nlp_say_the_same(problem: str, mesh: str, between: rt.Exchange, durations: bool) -> None:
+    reduction = reduced(problem, mesh, between)
     y, numbers, nlp = near(reduction, durations), Numbers(reduction), reduction.nlp
     w = reduction.columns(y)
     assert numbers.objective(y) == pytest.approx(nlp.objective(w), rel=1e-11, abs=1e-11)
@@ -136,9 +141,9 @@ def test_program_and_nlp_say_the_same(problem: str, mesh: str, durations: bool) 
         assert ours == pytest.approx(theirs, rel=0.3, abs=1e-9)
 
 
-@pytest.mark.parametrize(("problem", "mesh"), PAIRS)
-def test_derivatives_by_differences(problem: str, mesh: str) -> None:
-    reduction = reduced(problem, mesh)
+@pytest.mark.parametrize(("problem", "mesh", "between"), CASES)
+def test_derivatives_by_differences(problem: str, mesh: str, between: rt.Exchange) -> None:
+    reduction = reduced(problem, mesh, between)
     y, numbers = near(reduction), Numbers(reduction)
     rng = np.random.default_rng(1)
     multipliers = rng.standard_normal(reduction.program.linear.rows)
@@ -173,6 +178,14 @@ def test_free_duration_keeps_defects_linear() -> None:
     # One more state, the duration.
     assert reduction.program.nx[1:].tolist() == [19, 19, 19]
     assert reduction.program.equalities.tolist() == [0, 0, 0, 12]
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_rows_on_torques_between_the_points_keep_torques_eliminated(mesh: str) -> None:
+    plain, hull = (reduced("hurried arm", mesh, between).program for between in (PLAIN, HULL))
+    assert hull.nu.tolist() == plain.nu.tolist()
+    assert hull.nx.tolist() == plain.nx.tolist()
+    assert hull.equalities.tolist() == plain.equalities.tolist()
 
 
 def test_shooting_is_refused() -> None:

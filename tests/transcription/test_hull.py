@@ -1,0 +1,195 @@
+"""Bounds imposed on Bernstein coefficients hold between the collocation points, for states and controls."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.interpolate import BPoly
+
+import robotraj as rt
+from robotraj.polynomials import basis
+from robotraj.schemes.collocation import Scheme
+from robotraj.solvers import Solver
+from robotraj.transcription.hull import are_coefficients, control_weights
+from robotraj.violations import violations
+from tests.stagewise.problems import block, hurried_arm
+from tests.transcription.test_derivatives import assert_close, differences, somewhere
+
+Array = NDArray[np.float64]
+SCHEMES: dict[str, Scheme] = {
+    "Hermite-Simpson": rt.HermiteSimpson(),
+    "fifth degree": rt.FifthDegree(),
+    "Lobatto 5": rt.LobattoIIIA(5),
+    "Radau 2": rt.RadauIIA(2),
+    "Radau 4": rt.RadauIIA(4),
+    "Gauss 1": rt.GaussLegendre(1),
+    "Gauss 2": rt.GaussLegendre(2),
+    "Gauss 3": rt.GaussLegendre(3),
+}
+LOWER, UPPER = -1.0, 0.6
+
+
+def drive(**more: Any) -> rt.Problem:
+    """Minimum time of a block with drag and a speed limit, whose force has other limits forward than back."""
+    system = rt.System(
+        states=["x", "v"], controls=["u"], dynamics=lambda point: [point.x["v"], point.u["u"] - 0.2 * point.x["v"] ** 2]
+    )
+    given = {
+        "duration": (0.5, 20.0),
+        "start": rt.State({"x": 0, "v": 0}),
+        "end": rt.State({"x": 3, "v": 0}),
+        "states": {"v": rt.between(-1.1, 1.1)},
+        "controls": {"u": rt.between(LOWER, UPPER)},
+        "objective": rt.Duration(),
+    }
+    return rt.Problem([rt.Phase(system, **(given | more))])
+
+
+def stop_and_go() -> rt.Problem:
+    """Two phases with the same limits."""
+    (phase,) = drive(end=rt.State({"x": 1})).phases
+    (last,) = drive(start=None).phases
+    return rt.Problem([replace(phase, name="go"), replace(last, name="stop")], links=[rt.Continuity(0, 1)])
+
+
+def planned(problem: rt.Problem, mesh: rt.Mesh, between: rt.Exchange, solver: Solver | None = None) -> rt.Solution:
+    return rt.plan(
+        problem, mesh, rt.StraightLine(4.0), solver or rt.Fatrop(fallback=None), between=between, progress=False
+    )
+
+
+def largest_excess(solution: rt.Solution, names: Sequence[str] = ("u",)) -> float:
+    """How far controls are beyond their limits at 200 random times of every interval [of their SI unit]."""
+    rng = np.random.default_rng(5)
+    worst = -np.inf
+    for part in solution.phases:
+        rows = {r.variable: r for c in part.phase.bound_constraints for r in c.rows}
+        which = [i for i, control in enumerate(part.phase.dae.controls) if control.name in rows]
+        limits = [rows[part.phase.dae.controls[i].name] for i in which]
+        knots = part.trajectory.u.breaks
+        for k, (first, last) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
+            u = part.trajectory.u(rng.uniform(first, last, 200), k)[:, which]
+            beyond = np.maximum([r.lower for r in limits] - u, u - [r.upper for r in limits])
+            worst = max(worst, float(beyond.max()))
+    return worst
+
+
+@pytest.mark.parametrize("sites", [scheme.control_sites for scheme in SCHEMES.values()], ids=SCHEMES)
+def test_values_and_rows_are_the_bernstein_coefficients_of_the_control(sites: Array) -> None:
+    values = np.random.default_rng(len(sites)).standard_normal(len(sites))
+    weights, places = control_weights(tuple(sites))
+    own = are_coefficients(sites)
+    coefficients = np.append(values[own], weights @ values)[np.argsort(np.append(sites[own], places))]
+    tau = np.linspace(0, 1, 33)
+    wanted = basis(sites, tau) @ values
+    np.testing.assert_allclose(BPoly(coefficients[:, None], [0.0, 1.0])(tau), wanted, atol=1e-12)
+
+
+def test_the_parabola_of_hermite_simpson_has_the_published_coefficient() -> None:
+    weights, places = control_weights((0.0, 0.5, 1.0))
+    np.testing.assert_allclose(weights, [[-0.5, 2.0, -0.5]], atol=1e-14)
+    assert places == pytest.approx([0.5])
+
+
+@pytest.mark.parametrize("control", [rt.LinearControl(), rt.ConstantControl()])
+def test_linear_and_constant_controls_need_no_rows(control: Any) -> None:
+    plain, hull = (
+        rt.transcribe(drive(), rt.Mesh(4, rt.HermiteSimpson(control=control)), between=between)
+        for between in (rt.Exchange(), rt.ConvexHull())
+    )
+    assert "u" not in {entry.label for nlp in (plain, hull) for entry in nlp.rows.entries}
+    controls = np.unique(np.concatenate([i.controls.ravel() for i in hull.layouts[0].intervals]))
+    assert np.all(hull.variables.upper[controls] == UPPER)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_controls_hold_everywhere_bulge_without_and_the_time_hardly_grows(scheme: str) -> None:
+    mesh = rt.Mesh(13, SCHEMES[scheme])
+    held, free = (planned(drive(), mesh, between) for between in (rt.ConvexHull(), rt.Exchange(rounds=0)))
+    assert largest_excess(held) < 1e-6
+    # A single Gauss point leaves nothing to bulge.
+    assert scheme == "Gauss 1" or largest_excess(free) > 0.05 * UPPER
+    assert free.objective - 1e-7 <= held.objective <= free.objective * 1.02
+
+
+@pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
+def test_fatrop_and_ipopt_find_the_same_optimum(scheme: Scheme) -> None:
+    fatrop, ipopt = (
+        planned(drive(), rt.Mesh(9, scheme), rt.ConvexHull(), solver) for solver in (None, rt.Ipopt(tolerance=1e-10))
+    )
+    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("problem", "mesh", "solver"),
+    [
+        (stop_and_go(), rt.Mesh(6), None),
+        (drive(), rt.MovingMesh(6), rt.Ipopt()),
+        (drive(), rt.Mesh(8, rt.CompressedHermiteSimpson()), rt.Ipopt()),
+        (drive(), rt.Mesh([0, 0.2, 0.6, 1], [rt.HermiteSimpson(), rt.RadauIIA(3), rt.GaussLegendre(2)]), None),
+        (drive(), rt.Mesh(8, rt.SingleShooting(control=rt.LinearControl())), rt.Ipopt()),
+    ],
+    ids=["two phases", "moving mesh", "compressed", "mixed schemes", "single shooting"],
+)
+def test_controls_hold_on_every_kind_of_mesh(problem: rt.Problem, mesh: rt.Mesh, solver: Solver | None) -> None:
+    assert largest_excess(planned(problem, mesh, rt.ConvexHull(), solver)) < 1e-6
+
+
+def test_torques_of_an_arm_hold_in_minimum_time_by_both_solvers() -> None:
+    mesh, problem = rt.Mesh(12), hurried_arm()
+    joints = [control.name for control in problem.phases[0].dae.controls]
+    fatrop, ipopt = (
+        rt.plan(problem, mesh, solver=solver, between=rt.ConvexHull(), progress=False)
+        for solver in (rt.Fatrop(fallback=None), rt.Ipopt(tolerance=1e-9))
+    )
+    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
+    assert largest_excess(fatrop, joints) < 1e-4
+    assert largest_excess(ipopt, joints) < 1e-4
+    free = rt.plan(problem, mesh, solver=rt.Fatrop(fallback=None), between=rt.Exchange(rounds=0), progress=False)
+    effort = problem.phases[0].robot.limits.effort  # type: ignore[union-attr]
+    assert largest_excess(free, joints) > 0.05 * float(np.min(effort))
+
+
+@pytest.mark.parametrize("scheme", ["Hermite-Simpson", "Radau 2", "Gauss 2", "fifth degree"])
+def test_derivatives_of_the_rows(scheme: str) -> None:
+    nlp = rt.transcribe(stop_and_go(), rt.Mesh(2, SCHEMES[scheme]), between=rt.ConvexHull())
+    w, multipliers = somewhere(nlp)
+    assert_close(nlp.jacobian(w).toarray(), differences(nlp.values, w, nlp.scale))
+
+    def lagrangian_gradient(v: Array) -> Array:
+        return 0.7 * nlp.gradient(v) + nlp.jacobian(v).T @ multipliers
+
+    assert_close(nlp.hessian(w, multipliers, 0.7).toarray(), differences(lagrangian_gradient, w, nlp.scale))
+
+
+def test_a_bulge_is_named_with_its_control_and_time() -> None:
+    nlp = rt.transcribe(drive(duration=4.0), rt.Mesh(4), between=rt.ConvexHull())
+    w = np.zeros(len(nlp.variables))
+    # Knots at the limit, 0.1 above it in the middle of the third interval: the coefficient is 0.2 above.
+    for interval in nlp.layouts[0].intervals:
+        w[interval.controls] = UPPER
+    w[nlp.layouts[0].intervals[2].controls[1]] = UPPER + 0.1
+    (found,) = (v for v in violations(nlp, w, 1e-6) if "u" in v.name.split(", "))
+    assert (found.time, found.amount) == (pytest.approx(2.5), pytest.approx(0.2))
+
+
+def test_bounds_that_fix_a_control_or_leave_it_free_are_no_rows() -> None:
+    fixed = rt.transcribe(drive(controls={"u": rt.between(0.5, 0.5)}, end=None), rt.Mesh(3), between=rt.ConvexHull())
+    free = rt.transcribe(drive(controls={}), rt.Mesh(3), between=rt.ConvexHull())
+    upper = rt.transcribe(drive(controls={"u": rt.between(None, 0.5)}), rt.Mesh(3), between=rt.ConvexHull())
+    for nlp, rows in ((fixed, 0), (free, 0), (upper, 3)):
+        labels = [nlp.rows.entries[meaning].label for meaning in nlp.rows.meaning]
+        assert labels.count("u") == rows
+    controls = np.concatenate([i.controls.ravel() for i in fixed.layouts[0].intervals])
+    assert np.all(fixed.variables.lower[controls] == 0.5)
+
+
+def test_a_block_switches_within_one_interval_at_most_an_interval_late() -> None:
+    """The optimum is 2 sqrt(10) s: a parabola that may not bulge takes a few thousandths longer on 20 intervals."""
+    solution = planned(block(), rt.Mesh(20), rt.ConvexHull())
+    assert 2 * np.sqrt(10) < solution.objective < 2 * np.sqrt(10) * 1.005
