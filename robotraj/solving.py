@@ -158,11 +158,12 @@ def _solve(
 
 def _conclude(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
     """Evaluate every row again outside the solver and wrap up what it found."""
-    broken = violations(nlp, outcome.w, ROW_TOLERANCE)
+    outputs = nlp.outputs(outcome.w)
+    broken = violations(nlp, outcome.w, ROW_TOLERANCE, outputs)
     status = outcome.status
     if status is Status.SOLVED and broken:
         status = Status.ROWS_VIOLATED
-    trajectories = extract(nlp, outcome.w)
+    trajectories = extract(nlp, outcome.w, outputs)
     phases = tuple(
         PhaseSolution(phase, layout.mesh, trajectory)
         for phase, layout, trajectory in zip(nlp.problem.phases, nlp.layouts, trajectories, strict=True)
@@ -172,7 +173,7 @@ def _conclude(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
         phases,
         status,
         outcome.message,
-        nlp.objective(outcome.w),
+        nlp.objective(outcome.w, outputs),
         outcome.iterations,
         times | outcome.times,
         broken,

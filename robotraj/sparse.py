@@ -62,7 +62,7 @@ class csr_array:
     @cached_property
     def row(self) -> Indices:
         """Row of every entry."""
-        return np.repeat(np.arange(self.shape[0]), np.diff(self.indptr))
+        return np.arange(self.shape[0]).repeat(self.indptr[1:] - self.indptr[:-1])
 
     @property
     def col(self) -> Indices:
@@ -197,10 +197,11 @@ def _compressed(data: Array, rows: Indices, columns: Indices, shape: Shape) -> t
     """Compress triplets to data, indices and pointers; those of one place are added in the order they are given in."""
     keys = np.asarray(rows, dtype=np.int64) * shape[1] + columns
     data = np.asarray(data, dtype=float)
-    if np.any(keys[1:] <= keys[:-1]):
+    if (keys[1:] <= keys[:-1]).any():
         order = np.argsort(keys, kind="stable")
         keys, data = keys[order], data[order]
-        fresh = np.append(True, keys[1:] > keys[:-1])
+        fresh = np.ones(keys.size, dtype=bool)
+        fresh[1:] = keys[1:] > keys[:-1]
         if not fresh.all():
             data, keys = _added(np.cumsum(fresh) - 1, data), keys[fresh]
     major, minor = np.divmod(keys, max(shape[1], 1))
@@ -213,7 +214,9 @@ def _added(places: Indices, values: Array, size: int = 0) -> Array:
 
 
 def _pointers(counts: Indices) -> Indices:
-    return np.concatenate([[0], np.cumsum(counts)]).astype(int)
+    pointers = np.zeros(counts.size + 1, dtype=int)
+    counts.cumsum(out=pointers[1:])
+    return pointers
 
 
 def _sum(first: csr_array, second: csr_array, sign: float) -> csr_array:

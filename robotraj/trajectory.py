@@ -49,9 +49,13 @@ class PiecewisePolynomial:
     def _stacks(self) -> tuple[NDArray[np.int_], list[tuple[Array, Array]], NDArray[np.int_]]:
         """Kind of every interval, each kind's sites and stacked values, and where in its stack an interval is."""
         found: dict[bytes, int] = {}
-        kinds = np.array(
-            [found.setdefault(np.asarray(sites, dtype=float).tobytes(), len(found)) for sites in self.sites]
-        )
+        # Most intervals share one array of sites.
+        distinct = {id(sites): sites for sites in self.sites}
+        numbers = {
+            key: found.setdefault(np.asarray(sites, dtype=float).tobytes(), len(found))
+            for key, sites in distinct.items()
+        }
+        kinds = np.array([numbers[id(sites)] for sites in self.sites])
         members = [np.flatnonzero(kinds == kind) for kind in range(len(found))]
         position = np.empty(len(kinds), dtype=int)
         for own in members:
@@ -93,6 +97,14 @@ class PiecewisePolynomial:
                 weights = basis(sites, tau[chosen])
                 out[chosen] = (weights[:, None, :] @ values[position[where[chosen]]])[:, 0]
         return out[0] if np.ndim(t) == 0 else out
+
+    def inside(self, tau: Array) -> Array:
+        """Evaluate every interval at the same places tau in [0, 1], (m,) -> (K, m, n)."""
+        out = np.empty((len(self.sites), len(tau), self.size))
+        kinds, stacks, _ = self._stacks
+        for kind, (sites, values) in enumerate(stacks):
+            out[kinds == kind] = basis(sites, tau) @ values
+        return out
 
     def derivative(self) -> PiecewisePolynomial:
         """Time derivative, on the same sites."""

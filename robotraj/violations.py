@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,7 +45,9 @@ class Violation:
         return f"{self.name}, t = {self.time:.4g} s: {self.amount:.3g}{unit} over"
 
 
-def violations(nlp: Nlp, w: Array, tolerance: float) -> tuple[Violation, ...]:
+def violations(
+    nlp: Nlp, w: Array, tolerance: float, outputs: Sequence[Array] | None = None
+) -> tuple[Violation, ...]:
     """Every row and bound broken by more than ``tolerance`` relative to its scale, worst first.
 
     Parameters
@@ -54,8 +57,10 @@ def violations(nlp: Nlp, w: Array, tolerance: float) -> tuple[Violation, ...]:
         In physical units.
     tolerance : float
         On scaled rows and scaled variables.
+    outputs : sequence of ndarray, optional
+        ``nlp.outputs(w)``, where they are known.
     """
-    found = _broken(nlp, nlp.rows, nlp.values(w), nlp.row_scale, w, tolerance)
+    found = _broken(nlp, nlp.rows, nlp.values(w, outputs), nlp.row_scale, w, tolerance)
     found += _broken(nlp, nlp.variables, w, 1.0 / nlp.scale, w, tolerance)
     return tuple(sorted(found, key=lambda violation: -violation.relative))
 
@@ -66,6 +71,8 @@ def _broken(nlp: Nlp, scalars: Scalars, values: Array, factor: Array, w: Array, 
     # NaN is a violation of everything.
     relative = np.where(np.isnan(amount), np.inf, amount * factor)
     chosen = np.flatnonzero(relative > tolerance)
+    if not chosen.size:
+        return []
     times = nlp.times(scalars, w)
     found = []
     for i in chosen:

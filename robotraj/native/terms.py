@@ -42,7 +42,7 @@ class Entries:
 
 def entries(rows: Indices, columns: Indices, first: int) -> Entries:
     """Give the matrix whose entries stand one after the other from ``first`` on."""
-    places = first + np.arange(len(rows), dtype=np.int64)
+    places = np.arange(first, first + len(rows), dtype=np.int64)
     return Entries(np.asarray(rows, dtype=np.int64), np.asarray(columns, dtype=np.int64), places)
 
 

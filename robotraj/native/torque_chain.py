@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -62,6 +63,7 @@ class TorqueChain:
         self._v, self._c, self._r, self._y, self._costed = v, c, r, y, costed
         self._tree = tree
         self._x = x
+        self._evaluators: dict[int, TapeBlock] = {}
 
     @property
     def runs(self) -> bool:
@@ -86,6 +88,24 @@ class TorqueChain:
             self._torques,
         )
         return block
+
+    def evaluate(self, name: str, v: NDArray[np.float64], c: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Evaluate ``"values"`` or ``"jacobian"`` at E places, (n_v, E), (n_c, E) -> (m, E); no Hessian is made."""
+        count = v.shape[1]
+        if count not in self._evaluators:
+            nothing = self._plain(ca.SX(0, 1), ca.SX.sym("m", self._y.numel()))
+            self._evaluators[count] = load_native().TapeBlock(
+                count,
+                self._v.numel(),
+                self._c.numel(),
+                self._values,
+                self._jacobian[0],
+                nothing,
+                torques=self._torques,
+            )
+        evaluate = getattr(self._evaluators[count], name)
+        found: NDArray[np.float64] = evaluate(*(np.ascontiguousarray(each.T).ravel() for each in (v, c)))
+        return found.reshape(count, -1).T
 
     @property
     def jacobian_pattern(self) -> Pattern:
@@ -122,11 +142,11 @@ class TorqueChain:
         )
         return recipe
 
-    def _plain(self, y: ca.SX) -> Recipe:
+    def _plain(self, y: ca.SX, *more: ca.SX) -> Recipe:
         """Give y itself."""
         size = 1 + int(y.numel())
         return self._recipe(
-            y, [], size, Terms(size), entries(np.arange(size - 1), np.zeros(size - 1, dtype=np.int64), 1)
+            y, list(more), size, Terms(size), entries(np.arange(size - 1), np.zeros(size - 1, dtype=np.int64), 1)
         )
 
     @cached_property
@@ -272,17 +292,19 @@ class _Parts:
 
     @classmethod
     def after(cls, tape: ca.SX, *sizes: int) -> _Parts:
-        return cls(*(1 + int(tape.numel()) + np.cumsum([0, *sizes])).tolist())
+        return cls(*accumulate(sizes, initial=1 + int(tape.numel())))
 
 
 def nonzeros(matrix: ca.SX) -> ca.SX:
     """Nonzeros of a matrix as a dense column."""
-    return ca.vec(ca.densify(matrix.nz[:])) if matrix.nnz() else ca.SX(0, 1)
+    found = matrix.nz[:]
+    # Those of a row are a row.
+    return found if found.is_column() else found.T
 
 
 def text_of(inputs: list[ca.SX], result: ca.SX) -> bytes:
-    """Serialise a function of one dense result."""
-    text: str = ca.Function("tape", inputs, [ca.densify(result)]).serialize()
+    """Serialise a function of one result, which must be dense."""
+    text: str = ca.Function("tape", inputs, [result]).serialize()
     return text.encode("latin-1")
 
 

@@ -43,16 +43,16 @@ def summed(shape: tuple[int, int], *parts: Entries) -> Csr:
 def entries(matrix: Csr | csr_array) -> Entries:
     """Give the entries of a matrix, row after row."""
     starts = matrix.indptr if isinstance(matrix, csr_array) else matrix.starts
-    counts = np.diff(starts)
-    return np.repeat(np.arange(counts.size), counts), matrix.indices.astype(np.int64), matrix.data
+    counts = starts[1:] - starts[:-1]
+    return np.arange(counts.size).repeat(counts), matrix.indices.astype(np.int64), matrix.data
 
 
 def entries_of(matrix: Csr, rows: Indices) -> Entries:
     """Give the entries of some rows, with the position in ``rows`` in the place of the row."""
     starts = matrix.starts[rows].astype(np.int64)
     counts = matrix.starts[rows + 1] - starts
-    position = np.repeat(np.arange(rows.size), counts)
-    at = np.arange(position.size) + (starts - np.cumsum(counts) + counts)[position]
+    position = np.arange(rows.size).repeat(counts)
+    at = np.arange(position.size) + (starts - counts.cumsum() + counts)[position]
     return position, matrix.indices[at].astype(np.int64), matrix.data[at]
 
 

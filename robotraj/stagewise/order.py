@@ -73,7 +73,7 @@ def homes(
     offsets = []
     for layout in layouts:
         offsets.append(stage)
-        count = len(layout.intervals)
+        count = layout.count
         for run in layout.runs:
             at = stage + run.which
             for columns in (run.states, run.algebraic, run.controls, run.corrections, run.left, run.right):
@@ -96,7 +96,7 @@ def homes(
                 low[scalar.column], high[scalar.column] = max(stage - 1, 0), EVER
         stage += count + 1
     for columns, end in zip(links, ends, strict=True):
-        low[columns] = high[columns] = offsets[end] + len(layouts[end].intervals)
+        low[columns] = high[columns] = offsets[end] + layouts[end].count
     # Whatever else there is, states of guards, lives where it is read.
     unknown = high < 0
     low[unknown], high[unknown] = 0, EVER

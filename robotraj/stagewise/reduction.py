@@ -124,8 +124,8 @@ def reduce(nlp: Nlp) -> Reduction:
 def _staged(nlp: Nlp) -> tuple[Form, Stretch | None, Order, Mask]:
     """Give the form, its stages, and which of its columns are numbers."""
     for layout, phase in zip(nlp.layouts, nlp.problem.phases, strict=True):
-        if isinstance(layout.intervals[0].scheme, OneStep):
-            raise NotStagewise(f"phase {phase.name!r} is planned by {type(layout.intervals[0].scheme).__name__}")
+        if isinstance(layout.scheme, OneStep):
+            raise NotStagewise(f"phase {phase.name!r} is planned by {type(layout.scheme).__name__}")
     form, stretched = stretch(Form.of(nlp), nlp)
     form = eliminate_controls(take_out_linear(form))
     ends = [min(link.phases) for link in nlp.problem.bound_links]

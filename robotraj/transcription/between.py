@@ -74,5 +74,5 @@ class ConvexHull(Exchange):
             return controls
         point = symbols_of(dae, phase.parameter_names)
         inner = ca.vertcat(ca.SX(0, 1), *(point.z[v.name] for v in phase.body.algebraic), *point.u.values())
-        rates = ca.vertsplit(dae.rates(point))
-        return controls | {s.name for s, rate in zip(dae.states, rates, strict=True) if ca.depends_on(rate, inner)}
+        reads = ca.which_depends(dae.rates(point), inner, 1, True)
+        return controls | {state.name for state, read in zip(dae.states, reads, strict=True) if read}

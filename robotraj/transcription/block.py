@@ -70,17 +70,17 @@ class Block:
         """Values of y at every place, (n_y, E)."""
         return self.stage.evaluate("function", self.places(w), self.constants)
 
-    def rows(self, w: Array) -> Array:
+    def rows(self, outputs: Array) -> Array:
         """Give the block's part of the rows, S vec(Y), (n_rows,)."""
         if not self.scatter.nnz:
             return np.zeros(self.scatter.shape[0])
-        return np.asarray(self.scatter @ self.outputs(w).ravel(order="F"))
+        return np.asarray(self.scatter @ outputs.ravel(order="F"))
 
-    def objective(self, w: Array) -> float:
+    def objective(self, outputs: Array) -> float:
         """Give the block's part of the objective, s' Y[costed]."""
         if not self.costs:
             return 0.0
-        return float(self.stage.evaluate("cost", self.places(w), self.constants)[0] @ self.weights)
+        return float(outputs[self.stage.costed] @ self.weights)
 
     def jacobian_chain(self) -> Chain:
         """Where the nonzeros of the places' Jacobians go in S blkdiag(J_e) G."""

@@ -78,14 +78,15 @@ def phase_scalars(layout: PhaseLayout) -> list[Scalar]:
 
 def interval_scalars(layout: PhaseLayout, interval: int) -> list[Scalar]:
     """List base, span and parameters as an interval reads them, in the order of the symbols."""
-    clock = layout.intervals[interval].clock
+    clock = layout.clock(interval)
     return [clock.base, clock.span, *layout.parameters]
 
 
-def taus(layout: PhaseLayout, owners: Sequence[tuple[int, int]]) -> Array:
-    """Constant tau of evaluations at nodes: t = base + tau span."""
-    clocks = [(layout.intervals[k].clock, float(layout.intervals[k].scheme.nodes[j])) for k, j in owners]
-    return np.array([clock.start + clock.length * node for clock, node in clocks])
+def taus(layout: PhaseLayout) -> Array:
+    """Constant tau of the stage's evaluations: t = base + tau span."""
+    if layout.own_clocks is None:
+        return layout.place_fractions
+    return np.array([layout.intervals[k].scheme.nodes[j] for k, j in layout.place_owner.tolist()])
 
 
 def path_constraints(phase: Phase, where: Where) -> list[BoundConstraint]:
@@ -210,16 +211,15 @@ def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:
     shared = np.array(
         [
             [s.column for s in interval_scalars(layout, k) if s.column is not None]
-            for k in range(len(layout.intervals) if isinstance(layout.mesh, MovingMesh) else 1)
+            for k in range(layout.count if layout.own_clocks is not None else 1)
         ],
         dtype=int,
     )
     scalars = shared.shape[1]
     size = nx + nz + nu + scalars + len(dae.invariants)
     gather = Triplets()
-    owners = layout.place_owner
-    which, node = np.array(owners).T
-    base = np.arange(len(owners))[:, None] * size
+    which, node = layout.place_owner.T
+    base = np.arange(len(which))[:, None] * size
     for run in layout.runs:
         nodes, interpolation = run.scheme.nodes, run.scheme.control_at_nodes
         for j in range(len(nodes)):
@@ -234,8 +234,8 @@ def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:
                 gather.spread(first + size - corrections.shape[1] + np.arange(corrections.shape[1]), corrections, 1.0)
     gather.spread(base + nx + nz + nu + np.arange(scalars), shared[which if len(shared) > 1 else 0], 1.0)
     fixed = [scalar.value for scalar in interval_scalars(layout, 0) if scalar.column is None]
-    tau = taus(layout, owners) if isinstance(layout.mesh, MovingMesh) else layout.place_fractions
-    constants = np.vstack([tau, *(np.full(len(owners), value) for value in fixed)])
+    constants = np.empty((1 + len(fixed), len(which)))
+    constants[0], constants[1:] = taus(layout), np.array(fixed)[:, None]
     return gather, constants
 
 
@@ -244,10 +244,9 @@ def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: Scala
 
     s_0 = t0,  s_{k+1} = s_k + h_k,  sum h_k = T,  least d_k T <= h_k <= most d_k T.
     """
-    count = len(layout.intervals)
-    starts, spans = (
-        np.array([getattr(interval.clock, which).column for interval in layout.intervals]) for which in ("base", "span")
-    )
+    assert layout.own_clocks is not None
+    starts, spans = layout.own_clocks.T
+    count = layout.count
     fractions = mesh.knots[:-1]
     shares = np.diff(mesh.knots)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,9 +39,11 @@ class PhaseTrajectory:
     parameters: dict[str, float]
 
 
-def extract(nlp: Nlp, w: Array) -> tuple[PhaseTrajectory, ...]:
-    """Read every phase's polynomials out of a decision vector in physical units."""
-    return tuple(_phase(nlp, i, w) for i in range(len(nlp.layouts)))
+def extract(nlp: Nlp, w: Array, outputs: Sequence[Array] | None = None) -> tuple[PhaseTrajectory, ...]:
+    """Read every phase's polynomials out of a decision vector in physical units, whose ``outputs`` may be known."""
+    blocks = nlp.blocks[: len(nlp.layouts)]
+    every = [block.outputs(w) for block in blocks] if outputs is None else outputs[: len(blocks)]
+    return tuple(_phase(nlp, i, w, own) for i, own in enumerate(every))
 
 
 def correction_basis(nodes: Array, tau: Array) -> Array:
@@ -49,18 +52,18 @@ def correction_basis(nodes: Array, tau: Array) -> Array:
     return basis(np.concatenate([[0.0], inner]), tau)[:, 1:]
 
 
-def _phase(nlp: Nlp, index: int, w: Array) -> PhaseTrajectory:
-    layout, block = nlp.layouts[index], nlp.blocks[index]
+def _phase(nlp: Nlp, index: int, w: Array, outputs: Array) -> PhaseTrajectory:
+    layout = nlp.layouts[index]
     phase = nlp.problem.phases[index]
     t0, duration = layout.t0.of(w), layout.duration.of(w)
     parameters = {name: s.of(w) for name, s in zip(phase.parameter_names, layout.parameters, strict=True)}
-    if isinstance(layout.intervals[0].scheme, OneStep):
+    if isinstance(layout.scheme, OneStep):
         from robotraj.transcription.shooting_trajectory import shot_polynomials
 
-        curves = shot_polynomials(phase, layout, block, w)
+        curves = shot_polynomials(phase, layout, outputs, w)
         return PhaseTrajectory(t0, duration, *curves, curves[0].breaks, parameters)
     nx, held = len(phase.dae.states), len(phase.dae.invariants)
-    outputs = block.outputs(w).T
+    outputs = outputs.T
     rates, corrections = outputs[:, :nx], outputs[:, outputs.shape[1] - held - nx : outputs.shape[1] - held]
     breaks = layout.breaks(w)
     x_sites: list[Array] = []

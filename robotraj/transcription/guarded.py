@@ -71,7 +71,7 @@ def _states(nlp: Nlp, guards: Sequence[Guard], w: Array) -> Array:
     trajectories = None
     for guard in guards:
         row = nlp.problem.phases[guard.phase].bound_constraints[guard.constraint].rows[guard.row]
-        if row.variable is None and not isinstance(nlp.layouts[guard.phase].intervals[0].scheme, OneStep):
+        if row.variable is None and not isinstance(nlp.layouts[guard.phase].scheme, OneStep):
             trajectories = trajectories or extract(nlp, w)
             x = trajectories[guard.phase].x
             first, last = x.breaks[guard.interval : guard.interval + 2]

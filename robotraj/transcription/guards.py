@@ -110,7 +110,7 @@ def find_bulges(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: 
     breaks = trajectory.x.breaks
     tau = (np.arange(SAMPLES) + 0.5) / SAMPLES
     times = (breaks[:-1, None] + np.diff(breaks)[:, None] * tau).ravel()
-    x = trajectory.x(times)
+    x = trajectory.x.inside(tau).reshape(len(times), -1)
     values = _values(phase, rows, times, x, np.array(list(trajectory.parameters.values())))
     lower, upper = (np.array([getattr(row, side) for *_, row in rows]) for side in ("lower", "upper"))
     broken = np.maximum(lower - values, values - upper).reshape(-1, SAMPLES, len(rows))
@@ -164,7 +164,7 @@ def add_guards(
         phase, layout = phases[guard.phase], layouts[guard.phase]
         constraint = phase.bound_constraints[guard.constraint]
         row = constraint.rows[guard.row]
-        if isinstance(layout.intervals[0].scheme, OneStep):
+        if isinstance(layout.scheme, OneStep):
             continue
         interval = layout.intervals[guard.interval]
         fraction = np.array([interval.start + interval.length * guard.tau])
@@ -192,7 +192,7 @@ def add_guards(
         blocks.append(single(kept, s.constants, value, np.concatenate([states, free]), np.array([tau, *fixed]), path))
     for i, (phase, layout) in enumerate(zip(phases, layouts, strict=True)):
         shot = [(g.interval, g.tau, g.constraint, g.row) for g in guards if g.phase == i]
-        if shot and isinstance(layout.intervals[0].scheme, OneStep):
+        if shot and isinstance(layout.scheme, OneStep):
             from robotraj.transcription.shooting_guards import shot_guards
 
             blocks += shot_guards(phase, i, layout, shot, rows)

@@ -6,10 +6,10 @@ sites. Where the schemes on both sides of a knot have a node (or a control site)
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import groupby
+from itertools import accumulate, groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -111,6 +111,20 @@ class Run:
     places: Indices
     corrections: Indices
 
+    @property
+    def columns(self) -> tuple[Indices, ...]:
+        """Everything that ``IntervalLayout`` has a row of, in its order."""
+        return self.states, self.left, self.right, self.algebraic, self.controls, self.places, self.corrections
+
+    def joined(self, other: Run) -> Run:
+        """Put the run of the same scheme that follows behind this one."""
+        pairs = zip(self._arrays, other._arrays, strict=True)
+        return Run(self.scheme, *(np.concatenate(pair) for pair in pairs))
+
+    @property
+    def _arrays(self) -> tuple[Any, ...]:
+        return self.which, self.start, self.length, self.clock_length, *self.columns
+
 
 @dataclass(frozen=True, eq=False)
 class PhaseLayout:
@@ -120,38 +134,63 @@ class PhaseLayout:
     ----------
     knots : Indices (K + 1, nx)
         In single shooting, whose phase is one interval, those of both ends.
-    intervals : tuple of IntervalLayout
+    runs : tuple of Run
+        The intervals, those of one scheme that follow each other together.
     t0, duration : Scalar
     parameters : tuple of Scalar
-    place_owner : tuple of (int, int)
+    place_owner : Indices (places, 2)
         For every evaluation of the stage function, an interval and a node that use it.
+    own_clocks : Indices (K, 2) or None
+        Columns of the start and the length of every interval, on a moving mesh.
     """
 
     mesh: Mesh
     knots: Indices
-    intervals: tuple[IntervalLayout, ...]
+    runs: tuple[Run, ...]
     t0: Scalar
     duration: Scalar
     parameters: tuple[Scalar, ...]
-    place_owner: tuple[tuple[int, int], ...]
+    place_owner: Indices
+    own_clocks: Indices | None
+
+    @property
+    def scheme(self) -> Any:
+        """The scheme of the first interval."""
+        return self.runs[0].scheme
+
+    @property
+    def count(self) -> int:
+        """Number of intervals K."""
+        return len(self.knots) - 1
 
     @cached_property
-    def runs(self) -> tuple[Run, ...]:
-        """The intervals, those of one scheme that follow each other together."""
-        found = []
-        for _, group in groupby(range(len(self.intervals)), key=lambda k: self.intervals[k].scheme):
-            which = np.array(list(group))
-            own = [self.intervals[k] for k in which]
-            names = ("start", "length", "states", "left", "right", "algebraic", "controls", "places", "corrections")
-            start, length, *columns = (np.array([getattr(interval, name) for interval in own]) for name in names)
-            clock_length = np.array([interval.clock.length for interval in own])
-            found.append(Run(own[0].scheme, which, start, length, clock_length, *columns))
-        return tuple(found)
+    def intervals(self) -> tuple[IntervalLayout, ...]:
+        """The intervals, one by one."""
+        return tuple(
+            IntervalLayout(
+                run.scheme,
+                run.start[i],
+                run.length[i],
+                self.clock(int(k)),
+                *(part[i] for part in run.columns),
+            )
+            for run in self.runs
+            for i, k in enumerate(run.which)
+        )
+
+    def clock(self, interval: int) -> Clock:
+        """Give how an interval reads time."""
+        if self.own_clocks is not None:
+            base, span = self.own_clocks[interval].tolist()
+            return Clock(Scalar(base), Scalar(span), 0.0, 1.0)
+        run = next(run for run in self.runs if interval <= run.which[-1])
+        i = interval - run.which[0]
+        return Clock(self.t0, self.duration, float(run.start[i]), float(run.length[i]))
 
     @cached_property
     def place_fractions(self) -> Array:
         """Where in the phase every evaluation of the stage function stands; on a moving mesh, before it moves."""
-        which, node = np.array(self.place_owner).T
+        which, node = self.place_owner.T
         out = np.empty(len(which))
         for run in self.runs:
             chosen = (which >= run.which[0]) & (which <= run.which[-1])
@@ -162,7 +201,7 @@ class PhaseLayout:
     @property
     def fractions(self) -> Array:
         """Fractions of the phase where ``knots`` stand: those of the mesh, and in single shooting both ends."""
-        return np.array([*(interval.start for interval in self.intervals), 1.0])
+        return np.concatenate([*(run.start for run in self.runs), [1.0]])
 
     def breaks(self, w: Array) -> Array:
         """Give the times of the knots for a decision vector w [s], (K + 1,)."""
@@ -192,17 +231,16 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     whole = schemes[0].over(breaks) if isinstance(schemes[0], OneStep) else None
     if whole is not None:
         schemes, breaks = (whole,), np.array([0.0, 1.0])
-    lengths = np.diff(breaks)
+    lengths = breaks[1:] - breaks[:-1]
     invariants = [Entry(index, "correction", v.label, v.unit) for v in dae.invariants]
     _check_holds(phase, schemes)
-    knots = [table.add(x, breaks[:1])[0]]
-    clocks = _clocks(mesh, breaks, index, t0, duration, table)
-    moving = isinstance(mesh, MovingMesh)
-    intervals: list[IntervalLayout] = []
-    owners: list[tuple[int, int]] = []
-    joins = [_Join.of(schemes, k, moving, bool(u)) for k in range(len(schemes))]
-    for (scheme, join), run in groupby(range(len(schemes)), key=lambda k: (schemes[k], joins[k])):
-        which = np.array(list(run))
+    knots = [table.add(x, breaks[:1])]
+    own_clocks = _clocks(breaks, index, table) if isinstance(mesh, MovingMesh) else None
+    clock_lengths = lengths if own_clocks is None else np.ones(len(lengths))
+    runs: list[Run] = []
+    owners: list[Indices] = []
+    places_before = 0
+    for which, scheme, join in _joins(schemes, own_clocks is not None, bool(u)):
         nodes, sites = scheme.nodes, scheme.control_sites
         inner = np.flatnonzero((nodes > 0.0) & (nodes < 1.0))
         # What an interval of the run adds, in this order: controls, algebraic variables, inner states, the knot on its
@@ -214,37 +252,59 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
             (x, np.ones(1)),
             (invariants, nodes[nodes > 0.0]),
         ]
-        at = np.concatenate([np.repeat(where, len(group)) for group, where in parts])
+        at = np.concatenate([where.repeat(len(group)) for group, where in parts])
         fractions = breaks[which, None] + lengths[which, None] * at
         sizes = [len(group) * len(where) for group, where in parts]
-        ends = np.cumsum(sizes)
+        ends = list(accumulate(sizes))
         fractions[:, ends[2] : ends[3]] = breaks[which + 1, None]
         added = table.add_each([entry for group, where in parts for _ in where for entry in group], fractions)
         controls, algebraic, inside, right, corrections = (
-            part.reshape(len(which), len(where), len(group))
-            for part, (group, where) in zip(np.split(added, ends[:-1], axis=1), parts, strict=True)
+            added[:, end - size : end].reshape(len(which), len(where), len(group))
+            for size, end, (group, where) in zip(sizes, ends, parts, strict=True)
         )
-        before = intervals[-1] if intervals else None
+        before = runs[-1] if runs else None
         if join.control and before is not None:
-            controls = _chain(before.controls[-1], controls)
+            controls = _chain(before.controls[-1, -1], controls)
         if join.place and before is not None:
-            algebraic = _chain(before.algebraic[-1], algebraic)
-        left = np.vstack([knots[-1][None], right[:-1, 0]])
+            algebraic = _chain(before.algebraic[-1, -1], algebraic)
+        left = np.concatenate([knots[-1][-1:], right[:-1, 0]])
         states = np.empty((len(which), len(nodes), len(x)), dtype=int)
         states[:, inner] = inside
         states[:, nodes == 0.0], states[:, nodes == 1.0] = left[:, None], right
         fresh = len(nodes) - join.place
-        places = len(owners) + np.arange(len(which) * fresh).reshape(len(which), fresh)
+        places = places_before + np.arange(len(which) * fresh).reshape(len(which), fresh)
+        places_before += places.size
+        owner = np.empty((*places.shape, 2), dtype=int)
+        owner[..., 0], owner[..., 1] = which[:, None], np.arange(join.place, len(nodes))
+        owners.append(owner.reshape(-1, 2))
         if join.place and before is not None:
-            places = _chain(before.places[-1:], places[:, :, None])[:, :, 0]
-        owners += [(int(k), j) for k in which for j in range(join.place, len(nodes))]
-        knots += list(right[:, 0])
+            places = _chain(before.places[-1, -1:], places[:, :, None])[:, :, 0]
+        knots.append(right[:, 0])
         columns = (states, left, right[:, 0], algebraic, controls, places, corrections)
-        intervals += [
-            IntervalLayout(scheme, breaks[k], lengths[k], clocks[k], *(part[i] for part in columns))
-            for i, k in enumerate(which)
-        ]
-    return PhaseLayout(mesh, np.array(knots), tuple(intervals), t0, duration, parameters, tuple(owners))
+        run = Run(scheme, which, breaks[which], lengths[which], clock_lengths[which], *columns)
+        if before is not None and before.scheme == scheme:
+            runs[-1] = before.joined(run)
+        else:
+            runs.append(run)
+    owned = np.concatenate(owners)
+    return PhaseLayout(mesh, np.concatenate(knots), tuple(runs), t0, duration, parameters, owned, own_clocks)
+
+
+def _joins(schemes: Sequence[Any], moving: bool, controlled: bool) -> Iterator[tuple[Indices, Any, _Join]]:
+    """Neighbouring intervals of one scheme that share the same with those on their left."""
+    first, before = 0, None
+    for scheme, group in groupby(schemes):
+        last = first + len(list(group))
+        alone = _Join(0, 0)
+        join = alone if moving or before is None else _Join.of(scheme, before, controlled)
+        further = alone if moving else _Join.of(scheme, scheme, controlled)
+        if join == further:
+            yield np.arange(first, last), scheme, join
+        else:
+            yield np.arange(first, first + 1), scheme, join
+            if last > first + 1:
+                yield np.arange(first + 1, last), scheme, further
+        first, before = last, scheme
 
 
 @dataclass(frozen=True)
@@ -255,10 +315,7 @@ class _Join:
     place: int
 
     @classmethod
-    def of(cls, schemes: Sequence[Any], k: int, moving: bool, controlled: bool) -> _Join:
-        if moving or k == 0:
-            return cls(0, 0)
-        here, before = schemes[k], schemes[k - 1]
+    def of(cls, here: Any, before: Any, controlled: bool) -> _Join:
         control = here.control_sites[0] == 0.0 and before.control_sites[-1] == 1.0
         # A control that jumps at the knot gives the knot two accelerations: it is evaluated on both sides.
         place = here.nodes[0] == 0.0 and before.nodes[-1] == 1.0 and (control or not controlled)
@@ -278,14 +335,11 @@ def _check_holds(phase: Phase, schemes: Sequence[Any]) -> None:
             )
 
 
-def _clocks(mesh: Mesh, breaks: Array, index: int, t0: Scalar, duration: Scalar, table: ScalarTable) -> list[Clock]:
-    """Clocks of all intervals; a moving mesh adds the start and the length of each as unknowns."""
-    lengths = np.diff(breaks)
-    if not isinstance(mesh, MovingMesh):
-        return [Clock(t0, duration, float(a), float(d)) for a, d in zip(breaks[:-1], lengths, strict=True)]
-    starts = table.add([Entry(index, "start of interval", "", "s")], breaks[:-1])[:, 0]
-    spans = table.add([Entry(index, "length of interval", "", "s")], breaks[:-1], 0.0, np.inf)[:, 0]
-    return [Clock(Scalar(int(a)), Scalar(int(d)), 0.0, 1.0) for a, d in zip(starts, spans, strict=True)]
+def _clocks(breaks: Array, index: int, table: ScalarTable) -> Indices:
+    """Add the start and the length of every interval as unknowns."""
+    starts = table.add([Entry(index, "start of interval", "", "s")], breaks[:-1])
+    spans = table.add([Entry(index, "length of interval", "", "s")], breaks[:-1], 0.0, np.inf)
+    return np.hstack([starts, spans])
 
 
 def _scalar(table: ScalarTable, entry: Entry, low: float, high: float) -> Scalar:
@@ -297,4 +351,4 @@ def _scalar(table: ScalarTable, entry: Entry, low: float, high: float) -> Scalar
 
 def _chain(first: Indices, fresh: Indices) -> Indices:
     """Put before each interval's columns (n, m, .) the last of the interval before it, ``first`` before all."""
-    return np.concatenate([np.vstack([first[None], fresh[:-1, -1]])[:, None], fresh], axis=1)
+    return np.concatenate([np.concatenate([first[None], fresh[:-1, -1]])[:, None], fresh], axis=1)

@@ -93,15 +93,20 @@ class Nlp:
         """Every stage function that ``functions`` call, and at how many places."""
         return point_functions(self.blocks)
 
-    def objective(self, w: Array) -> float:
-        """Objective at w, in physical units."""
-        return float(sum(block.objective(w) for block in self.blocks))
+    def outputs(self, w: Array) -> tuple[Array, ...]:
+        """Outputs of every block at w, (n_y, E) each: what the following take where they are evaluated together."""
+        return tuple(block.outputs(w) for block in self.blocks)
 
-    def values(self, w: Array) -> Array:
+    def objective(self, w: Array, outputs: Sequence[Array] | None = None) -> float:
+        """Objective at w, in physical units."""
+        every = self.outputs(w) if outputs is None else outputs
+        return sum(block.objective(own) for block, own in zip(self.blocks, every, strict=True))
+
+    def values(self, w: Array, outputs: Sequence[Array] | None = None) -> Array:
         """Rows g at w, in physical units, (n_g,)."""
         values = np.asarray(self.linear @ w)
-        for block in self.blocks:
-            values += block.rows(w)
+        for block, own in zip(self.blocks, self.outputs(w) if outputs is None else outputs, strict=True):
+            values += block.rows(own)
         return values
 
     def gradient(self, w: Array) -> Array:

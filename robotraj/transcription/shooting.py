@@ -270,7 +270,7 @@ def _path_at_knots(
     point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
     stage = Stage(s.unknowns, s.constants, path_rows(path_constraints(phase, Where.THROUGHOUT), point))
     gather, constants = gather_points(phase, layout)
-    owners = [(layout.intervals[k], j) for k, j in layout.place_owner]
+    owners = [(layout.intervals[k], j) for k, j in layout.place_owner.tolist()]
     fractions = np.array([interval.start + interval.length * j for interval, j in owners])
     entries = [Entry(index, r.name, r.joint or "", r.unit) for r in path]
     added = rows.add(entries, fractions, np.array([r.lower for r in path]), np.array([r.upper for r in path]))

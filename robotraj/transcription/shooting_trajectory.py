@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from robotraj.polynomials import lobatto_sites
 from robotraj.schemes import OneStep
 from robotraj.trajectory import PiecewisePolynomial
-from robotraj.transcription.block import Block
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.shooting import Rate
 
@@ -21,16 +20,22 @@ Array = NDArray[np.float64]
 
 
 def shot_polynomials(
-    phase: Phase, layout: PhaseLayout, block: Block, w: Array
+    phase: Phase, layout: PhaseLayout, outputs: Array, w: Array
 ) -> tuple[PiecewisePolynomial, PiecewisePolynomial, PiecewisePolynomial]:
-    """States, algebraic variables (none) and controls of a phase, one polynomial per interval of its mesh."""
-    scheme = layout.intervals[0].scheme
+    """States, algebraic variables (none) and controls of a phase, one polynomial per interval of its mesh.
+
+    Parameters
+    ----------
+    outputs : ndarray (n_y, E)
+        Of the phase's block at w.
+    """
+    scheme = layout.scheme
     assert isinstance(scheme, OneStep)
     nx, pieces = len(phase.dae.states), len(scheme.pieces) - 1
     rate = Rate.of(phase, scheme)
     sites = lobatto_sites(scheme.degree + 1)
     # Only single shooting has pieces, and gives the states between them after its defect.
-    between = block.outputs(w)[nx : nx * pieces].T.reshape(block.count, pieces - 1, nx)
+    between = outputs[nx : nx * pieces].T.reshape(outputs.shape[1], pieces - 1, nx)
     before, after, read, controls = [], [], [], []
     for interval, inner in zip(layout.intervals, between, strict=True):
         knots = [w[interval.left], *inner, w[interval.right]]

@@ -64,12 +64,10 @@ class Stage:
         return ca.Function("stage", [self.v, self.c], [self._whole], ["v", "c"], ["y"])
 
     def evaluate(self, name: str, v: Array, c: Array) -> Array:
-        """Evaluate ``"function"``, ``"cost"`` or ``"jacobian"`` at E places: (n_v, E), (n_c, E) -> (m, E)."""
+        """Evaluate ``"function"`` or ``"jacobian"`` at E places: (n_v, E), (n_c, E) -> (m, E)."""
         if self.chain is None:
             return _evaluate(getattr(self, name), v, c)
-        block = self.chain.block(v.shape[1], name == "cost")
-        found = getattr(block, "values" if name == "function" else name)(*(_flat(each) for each in (v, c)))
-        return found.reshape(v.shape[1], -1).T
+        return self.chain.evaluate("values" if name == "function" else name, v, c)
 
     @property
     def inputs(self) -> int:
@@ -145,11 +143,6 @@ def _evaluate(function: ca.Function, *arguments: Array) -> Array:
     buffer.set_res(0, result.data)
     run()
     return result.T
-
-
-def _flat(columns: Array) -> Array:
-    """Column after column."""
-    return np.ascontiguousarray(columns.T, dtype=float).ravel()
 
 
 def _spread(matrix: Symbols, pattern: Pattern) -> Symbols:

@@ -82,7 +82,7 @@ def transcribe(
     blocks: list[Block] = []
     points = []
     for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
-        collocated = not isinstance(layout.intervals[0].scheme, OneStep)
+        collocated = not isinstance(layout.scheme, OneStep)
         if not collocated:
             from robotraj.transcription.shooting import shoot
 
@@ -208,18 +208,18 @@ def _require_point(phase: Phase, layout: PhaseLayout, variable: str, where: Wher
 
 def _columns_by_variable(phase: Phase, layout: PhaseLayout) -> dict[str, NDArray[np.int_]]:
     """Columns of every variable of the dynamics, in the order of time."""
-    states = [layout.knots, *(interval.states for interval in layout.intervals)]
     groups = (
-        (phase.dae.states, states),
-        (phase.dae.algebraic, [interval.algebraic for interval in layout.intervals]),
-        (phase.dae.controls, [interval.controls for interval in layout.intervals]),
+        (phase.dae.states, [layout.knots, *(run.states for run in layout.runs)]),
+        (phase.dae.algebraic, [run.algebraic for run in layout.runs]),
+        (phase.dae.controls, [run.controls for run in layout.runs]),
     )
     found: dict[str, NDArray[np.int_]] = {}
     for variables, parts in groups:
         # Columns were numbered in the order of time; all variables of a group stand at the same places.
-        columns = np.sort(np.concatenate(parts), axis=0)
         if variables:
-            fresh = np.append(True, np.diff(columns[:, 0]) > 0)
+            columns = np.sort(np.concatenate([part.reshape(-1, len(variables)) for part in parts]), axis=0)
+            fresh = np.ones(len(columns), dtype=bool)
+            fresh[1:] = columns[1:, 0] > columns[:-1, 0]
             found |= {variable.name: columns[fresh, j] for j, variable in enumerate(variables)}
     return found
 

@@ -22,12 +22,18 @@ class Triplets:
         """Add ``value`` (a scalar or an array) at the paired rows and columns."""
         self._rows.append(rows)
         self._columns.append(columns)
-        self._values.append(np.full(rows.shape, value, dtype=float))
+        values = np.empty(rows.shape)
+        values[...] = value
+        self._values.append(values)
 
     def spread(self, rows: NDArray[np.int_], columns: NDArray[np.int_], value: Any) -> None:
         """Add ``value`` where rows and columns pair up when all three are broadcast."""
-        every = np.broadcast_arrays(rows, columns, np.asarray(value, dtype=float))
-        self.add(*(part.ravel() for part in every))
+        shape = np.broadcast(rows, columns, value).shape
+        at = np.empty((2, *shape), dtype=int)
+        at[0], at[1] = rows, columns
+        values = np.empty(shape)
+        values[...] = value
+        self.add(at[0].ravel(), at[1].ravel(), values.ravel())
 
     def matrix(self, shape: tuple[int, int]) -> csr_array:
         """Sum the triplets into a sparse matrix."""
@@ -43,7 +49,7 @@ def scaled(
     """Give diag(rows) M diag(columns), on the pattern of M."""
     data = matrix.data
     if rows is not None:
-        data = np.repeat(rows, np.diff(matrix.indptr)) * data
+        data = rows.repeat(matrix.indptr[1:] - matrix.indptr[:-1]) * data
     if columns is not None:
         data = data * columns[matrix.indices]
     return csr_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)
