@@ -45,9 +45,7 @@ class Violation:
         return f"{self.name}, t = {self.time:.4g} s: {self.amount:.3g}{unit} over"
 
 
-def violations(
-    nlp: Nlp, w: Array, tolerance: float, outputs: Sequence[Array] | None = None
-) -> tuple[Violation, ...]:
+def violations(nlp: Nlp, w: Array, tolerance: float, outputs: Sequence[Array] | None = None) -> tuple[Violation, ...]:
     """Every row and bound broken by more than ``tolerance`` relative to its scale, worst first.
 
     Parameters

@@ -99,12 +99,14 @@ def as_bounds(value: Any, names: Sequence[str], what: str, kind: str = "joint") 
             flat = np.asarray(side, dtype=float).ravel()
             if flat.size != n and np.ndim(side) > 0:
                 raise InputError(f"The {what} has {flat.size} values; it needs {n}: {', '.join(names)}.")
-            sides.append(np.broadcast_to(flat, (n,)).copy())
+            own = np.empty(n)
+            own[:] = flat
+            sides.append(own)
         for side in sides:
             # Only bounds may be infinite; a value that fixes may not.
             fixes = value is not None and not isinstance(value, Between)
             bad = ~np.isfinite(side) if fixes else np.isnan(side)
-            if np.any(bad):
+            if bad.any():
                 i = int(np.flatnonzero(bad)[0])
                 wrong = "NaN" if np.isnan(side[i]) else "infinite"
                 raise InputError(

@@ -105,8 +105,12 @@ class RigidBody:
     def _applied(self, v: ca.SX, tau: ca.SX, damping: Any) -> ca.SX:
         """Generalised force B tau - d(v) of the motors, the damping and the friction, (nv,)."""
         robot = self.robot
-        force = ca.mtimes(ca.DM(robot.actuation), tau)
-        force -= damping * v
+        force = ca.SX(robot.nv, 1)
+        for i, joint in enumerate(robot.actuated):
+            force[robot.velocity_names.index(joint)] = tau[i]
+        # Joints without damping keep no product in the graph either.
+        if not isinstance(damping, np.ndarray) or damping.any():
+            force -= damping * v
         # Frictionless joints keep no tanh in the graph.
         rough = np.flatnonzero(robot.friction).tolist()
         for i in rough:

@@ -73,11 +73,14 @@ class Mesh:
         return len(self.knots) - 1
 
     @property
+    def given(self) -> tuple[Scheme, ...]:
+        """The schemes as they were given: one for all intervals, or one for each."""
+        return (self.scheme,) if isinstance(self.scheme, Scheme) else tuple(self.scheme)
+
+    @property
     def schemes(self) -> tuple[Scheme, ...]:
         """The scheme of each interval."""
-        if isinstance(self.scheme, Scheme):
-            return (self.scheme,) * self.count
-        given = tuple(self.scheme)
+        given = self.given
         return given * self.count if len(given) == 1 else given
 
 

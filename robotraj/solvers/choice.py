@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 def solver_for(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> Solver:
     """Give ``Fatrop()`` for collocation of fully actuated robots on fixed roots, ``Ipopt()`` for all else."""
     meshes = [mesh] if isinstance(mesh, Mesh) else list(mesh)
-    plain = not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.schemes)
+    plain = not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.given)
     return Fatrop() if plain and all(_has_all_motors(phase) for phase in problem.phases) else Ipopt()
 
 

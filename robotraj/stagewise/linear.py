@@ -17,7 +17,7 @@ from robotraj.stagewise.form import Form
 from robotraj.stagewise.kept import Kept
 from robotraj.stagewise.matrices import array, entries, native, summed
 from robotraj.transcription.block import Block
-from robotraj.transcription.stage import Stage
+from robotraj.transcription.stage import Stage, evaluated, nonzeros
 from robotraj.transcription.stage_parts import curved, restricted
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def _take_apart(stage: Stage) -> _Parts:
     matrix = ca.jacobian(part, v)
     rows, columns = (np.array(which, dtype=int) for which in matrix.sparsity().get_triplet())
     at_zero = ca.substitute(part, v, ca.SX.zeros(v.numel()))
-    numbers = ca.vertcat(matrix.nz[:] if matrix.nnz() else ca.SX(0, 1), at_zero)
+    numbers = ca.vertcat(nonzeros(matrix), at_zero)
     rest = restricted(stage, kept.tolist()) if kept.size else None
     return _Parts(chosen, rows, columns, ca.Function("linear", [c], [ca.densify(numbers)]), rest)
 
@@ -100,8 +100,8 @@ def _take_apart(stage: Stage) -> _Parts:
 def _linear_part(block: Block, parts: _Parts) -> tuple[Csr, Array]:
     """Matrix (E m, n_w) and constants (E m,) of m linear outputs at every place."""
     count, m = block.count, parts.outputs.size
-    numbers = np.array(parts.numbers.map(count)(block.constants)).reshape(-1, count)
-    nonzeros, values = np.split(numbers, [parts.rows.size])
+    numbers = evaluated(parts.numbers, block.constants)
+    nonzeros, values = numbers[: parts.rows.size], numbers[parts.rows.size :]
     place = np.arange(count)[:, None]
     at = (place * m + parts.rows).ravel(), (place * block.stage.inputs + parts.columns).ravel(), nonzeros.T.ravel()
     return summed((count * m, count * block.stage.inputs), at) @ native(block.gather), values.T.ravel()

@@ -51,7 +51,7 @@ def transcribed_again(
         and between == nlp.between
         and all(_alike(*pair) for pair in zip(before.phases, problem.phases, strict=True))
         and all(layout.mesh == mine for layout, mine in zip(nlp.layouts, meshes, strict=True))
-        and not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.schemes)
+        and not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.given)
         and len(nlp.free) == len(w)
     )
     if not alike:

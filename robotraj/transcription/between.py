@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 
@@ -68,11 +69,20 @@ class ConvexHull(Exchange):
 
     def covers(self, phase: Phase) -> frozenset[str]:
         """Give all controls and, in phases without invariants, states whose rates read z or u directly."""
-        dae = phase.dae
-        controls = frozenset(u.name for u in dae.controls)
-        if dae.invariants:
-            return controls
-        point = symbols_of(dae, phase.parameter_names)
-        inner = ca.vertcat(ca.SX(0, 1), *(point.z[v.name] for v in phase.body.algebraic), *point.u.values())
-        reads = ca.which_depends(dae.rates(point), inner, 1, True)
-        return controls | {state.name for state, read in zip(dae.states, reads, strict=True) if read}
+        known = _COVERED.get(phase)
+        if known is None:
+            known = _COVERED[phase] = frozenset(u.name for u in phase.dae.controls) | _driven(phase)
+        return known
+
+
+_COVERED: WeakKeyDictionary[Phase, frozenset[str]] = WeakKeyDictionary()
+
+
+def _driven(phase: Phase) -> frozenset[str]:
+    dae = phase.dae
+    if dae.invariants:
+        return frozenset()
+    point = symbols_of(dae, phase.parameter_names)
+    inner = ca.vertcat(*(point.z[v.name] for v in phase.body.algebraic), *point.u.values())
+    reads = ca.which_depends(dae.rates(point), inner, 1, True)
+    return frozenset(state.name for state, read in zip(dae.states, reads, strict=True) if read)

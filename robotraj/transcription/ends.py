@@ -60,13 +60,11 @@ def mayer_block(phase: Phase, layout: PhaseLayout) -> Block | None:
 def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable) -> list[Block]:
     """Constraints that hold at the start or at the end alone."""
     blocks = []
-    for where, interval, node, fraction in (
-        (Where.START, layout.intervals[0], 0, 0.0),
-        (Where.END, layout.intervals[-1], -1, 1.0),
-    ):
+    for where, node, fraction in ((Where.START, 0, 0.0), (Where.END, -1, 1.0)):
         constraints = path_constraints(phase, where)
         if not constraints:
             continue
+        interval = layout.intervals[node]
         s = point_symbols(phase, phase_scalars(layout))
         y = path_rows(constraints, phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names))
         inner = ca.vertcat(s.z, s.u)

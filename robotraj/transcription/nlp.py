@@ -94,7 +94,7 @@ class Nlp:
         return point_functions(self.blocks)
 
     def outputs(self, w: Array) -> tuple[Array, ...]:
-        """Outputs of every block at w, (n_y, E) each: what the following take where they are evaluated together."""
+        """Give the outputs of every block at w, (n_y, E) each, which the values below are made of."""
         return tuple(block.outputs(w) for block in self.blocks)
 
     def objective(self, w: Array, outputs: Sequence[Array] | None = None) -> float:

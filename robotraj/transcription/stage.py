@@ -66,7 +66,7 @@ class Stage:
     def evaluate(self, name: str, v: Array, c: Array) -> Array:
         """Evaluate ``"function"`` or ``"jacobian"`` at E places: (n_v, E), (n_c, E) -> (m, E)."""
         if self.chain is None:
-            return _evaluate(getattr(self, name), v, c)
+            return evaluated(getattr(self, name), v, c)
         return self.chain.evaluate("values" if name == "function" else name, v, c)
 
     @property
@@ -94,7 +94,7 @@ class Stage:
         matrix = ca.jacobian(self._whole, self.v)
         if self.chain is not None:
             matrix = _spread(matrix, self.chain.jacobian_pattern)
-        return ca.Function("jacobian", [self.v, self.c], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
+        return ca.Function("jacobian", [self.v, self.c], [nonzeros(matrix)]), _pattern(matrix.sparsity())
 
     @property
     def jacobian(self) -> ca.Function:
@@ -112,7 +112,7 @@ class Stage:
         matrix = ca.tril(ca.hessian(ca.dot(m, self._whole), self.v)[0])
         if self.chain is not None:
             matrix = _spread(matrix, self.chain.hessian_pattern)
-        return ca.Function("hessian", [self.v, self.c, m], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
+        return ca.Function("hessian", [self.v, self.c, m], [nonzeros(matrix)]), _pattern(matrix.sparsity())
 
     @property
     def hessian(self) -> ca.Function:
@@ -125,7 +125,7 @@ class Stage:
         return self._hessian[1] if self.chain is None else self.chain.hessian_pattern
 
 
-def _evaluate(function: ca.Function, *arguments: Array) -> Array:
+def evaluated(function: ca.Function, *arguments: Array) -> Array:
     """Evaluate a function of dense columns at E places: arguments (n_i, E), result (m, E).
 
     CasADi reads and writes the arrays in place; conversion to its matrices and back would cost more than a small
@@ -151,7 +151,8 @@ def _spread(matrix: Symbols, pattern: Pattern) -> Symbols:
     return ca.project(matrix, ca.Sparsity.triplet(*matrix.shape, rows.tolist(), columns.tolist()))
 
 
-def _nonzeros(matrix: Symbols) -> Symbols:
+def nonzeros(matrix: Symbols) -> Symbols:
+    """Give the nonzeros of a matrix as a dense column."""
     return ca.densify(matrix.nz[:]) if matrix.nnz() else type(matrix)(0, 1)
 
 

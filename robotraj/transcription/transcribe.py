@@ -71,7 +71,7 @@ def transcribe(
     engine = engine or VirtualMachine()
     between = between or Exchange()
     meshes = _meshes(problem, mesh)
-    if any(isinstance(scheme, OneStep) for m in meshes for scheme in m.schemes):
+    if any(isinstance(scheme, OneStep) for m in meshes for scheme in m.given):
         from robotraj.transcription.shooting_problem import explicit
 
         problem = explicit(problem, meshes)
@@ -195,14 +195,14 @@ def _require_point(phase: Phase, layout: PhaseLayout, variable: str, where: Wher
     """Refuse a bound on an end where the scheme has no value of the variable."""
     if where not in (Where.START, Where.END) or variable in {state.name for state in phase.dae.states}:
         return
-    interval, at = (layout.intervals[0], 0) if where is Where.START else (layout.intervals[-1], -1)
+    scheme, at = (layout.runs[0].scheme, 0) if where is Where.START else (layout.runs[-1].scheme, -1)
     is_control = variable in {control.name for control in phase.dae.controls}
-    sites = interval.scheme.control_sites if is_control else interval.scheme.nodes
+    sites = scheme.control_sites if is_control else scheme.nodes
     constant = is_control and len(sites) == 1
     if not constant and sites[at] != (0.0 if where is Where.START else 1.0):
         raise InputError(
             f"Phase {phase.name!r}: {variable!r} is bounded at the {where.value}, but "
-            f"{type(interval.scheme).__name__} has no collocation point there; use a Lobatto scheme."
+            f"{type(scheme).__name__} has no collocation point there; use a Lobatto scheme."
         )
 
 
