@@ -83,7 +83,7 @@ def hold_controls(
 def covered_in(between: Exchange, phase: Phase, layout: PhaseLayout) -> frozenset[str]:
     """Variables with rows on coefficients: where a scheme steps over whole intervals, of states there are none."""
     covered = between.covers(phase)
-    if isinstance(layout.intervals[0].scheme, OneStep):
+    if isinstance(layout.scheme, OneStep):
         covered -= {state.name for state in phase.dae.states}
     return covered
 
