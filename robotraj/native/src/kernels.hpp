@@ -10,12 +10,13 @@
 #include "run_tape.hpp"
 #include "spatial.hpp"
 // The algorithms use what is above.
+#include "riccati_substitution.hpp"
 #include "rigid_kernel.hpp"
 
 namespace robotraj::native {
 
 const Kernels ROBOTRAJ_KERNELS = {
-    ROBOTRAJ_PROCESSOR, kLanes, sizeof(JointState) / sizeof(Pack), run_tape, inverse_dynamics, multiply,
+    ROBOTRAJ_PROCESSOR, kLanes, sizeof(JointState) / sizeof(Pack), run_tape, inverse_dynamics, multiply, riccati_kernels,
 };
 
 }  // namespace robotraj::native

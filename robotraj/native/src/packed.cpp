@@ -15,4 +15,6 @@ const std::vector<const Kernels*>& kernels() {
   return found;
 }
 
+const RiccatiKernels& riccati_for_processor() { return kernels().front()->riccati; }
+
 }  // namespace robotraj::native

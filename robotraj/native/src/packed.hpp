@@ -1,6 +1,7 @@
 // The inner loops, compiled once for each kind of processor.
 #pragma once
 
+#include "riccati.hpp"
 #include "rigid_tree.hpp"
 #include "tape.hpp"
 
@@ -30,6 +31,7 @@ struct Kernels {
   void (*run)(const TapeCode& tape, const double* const* arguments, double* memory, double* result);
   void (*rigid)(const Tree& tree, const RigidArguments& arguments);
   void (*multiply)(const Product* terms, std::size_t count, const double* left, const double* right, double* out);
+  RiccatiKernels riccati;
 };
 
 /// Those that this processor runs, the fastest first.

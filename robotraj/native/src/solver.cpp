@@ -90,7 +90,9 @@ struct Solver::Algorithm {
     using Solve = fatrop::PdSolverOrig<Ocp>;
     using SolveRestoration = fatrop::PdSolverResto<Ocp>;
     const fatrop::ProblemInfo<Ocp>& info = nlp->info();
-    const auto system = std::make_shared<fatrop::AugSystemSolver<Ocp>>(info);
+    // Where the systems are solved here, fatrop's solver of them is asked for nothing: as small as can be.
+    const auto system = std::make_shared<fatrop::AugSystemSolver<Ocp>>(
+        nlp->parts() ? fatrop::ProblemInfo<Ocp>(fatrop::ProblemDims<Ocp>(1, {0}, {1}, {0}, {0})) : info);
     const auto solve = std::make_shared<Solve>(info, system);
 
     // The restoration phase is an algorithm of its own, on the problem of least infeasibility.
@@ -128,6 +130,7 @@ struct Solver::Algorithm {
     original->register_options(options);
     data->register_options(options);
     system->register_options(options);
+    if (nlp->parts()) nlp->parts()->register_options(options);
     restored->register_options(options);
     data_restoration->register_options(options);
     direction_restoration->register_options(options);
@@ -223,6 +226,7 @@ Outcome Solver::solve(const Start& start, const Options& options,
   program_->times.clear();
 
   Outcome outcome;
+  const StageParts::Lent lent(nlp_->parts());
   try {
     outcome.status = status_of(run.algorithm->optimize());
   } catch (const Stop& stop) {

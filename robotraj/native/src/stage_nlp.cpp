@@ -5,6 +5,7 @@
 #include <fatrop/ocp/jacobian.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -77,16 +78,20 @@ StageNlp::StageNlp(std::shared_ptr<Program> program, const Stages& stages)
   stage_of_column_.reserve(program_->columns());
   for (std::size_t k = 0; k < stages.states.size(); ++k)
     stage_of_column_.insert(stage_of_column_.end(), static_cast<std::size_t>(stages.controls[k] + stages.states[k]), k);
-  place_jacobian();
-  place_hessian();
+  const bool dense = !StageParts::take_over();
+  place_jacobian(dense);
+  place_hessian(dense);
+  if (!dense)
+    parts_ = std::make_unique<StageParts>(info_, program_->jacobian_pattern(), program_->hessian_pattern());
 }
 
 std::size_t StageNlp::stage_of(std::size_t column) const { return stage_of_column_[column]; }
 
-void StageNlp::place_jacobian() {
+void StageNlp::place_jacobian(bool dense) {
   const auto& dims = info_.dims;
   const auto stages = static_cast<std::size_t>(dims.K);
-  Jacobian layout(dims);
+  std::optional<Jacobian> layout;
+  if (dense) layout.emplace(dims);
   dynamics_.resize(stages - 1);
   path_.resize(stages);
   slack_.resize(stages);
@@ -130,8 +135,9 @@ void StageNlp::place_jacobian() {
     if (stage != place.stage)
       throw std::invalid_argument("Jacobian entry " + named(row, column) + " joins stages " +
                                   std::to_string(place.stage) + " and " + std::to_string(stage));
+    if (!dense) continue;
     const std::size_t i = column - static_cast<std::size_t>(info_.offsets_primal_u[stage]);
-    auto& matrix = (place.kind == 0 ? layout.BAbt : place.kind == 1 ? layout.Gg_eqt : layout.Gg_ineqt)[stage];
+    auto& matrix = (place.kind == 0 ? layout->BAbt : place.kind == 1 ? layout->Gg_eqt : layout->Gg_ineqt)[stage];
     Slots& slots = (place.kind == 0 ? dynamics_ : place.kind == 1 ? path_ : slack_)[stage];
     slots.push_back({place_in(matrix, i, place.index), static_cast<std::int32_t>(entry)});
   }
@@ -140,8 +146,9 @@ void StageNlp::place_jacobian() {
   order(slack_);
 }
 
-void StageNlp::place_hessian() {
-  Hessian layout(info_.dims);
+void StageNlp::place_hessian(bool dense) {
+  std::optional<Hessian> layout;
+  if (dense) layout.emplace(info_.dims);
   hessian_.resize(static_cast<std::size_t>(info_.dims.K));
   const Pattern& pattern = program_->hessian_pattern();
   for (std::size_t entry = 0; entry < pattern.size(); ++entry) {
@@ -151,8 +158,9 @@ void StageNlp::place_hessian() {
     if (stage_of(column) != stage)
       throw std::invalid_argument("Hessian entry " + named(row, column) + " joins stages " + std::to_string(stage) +
                                   " and " + std::to_string(stage_of(column)));
+    if (!dense) continue;
     const auto first = static_cast<std::size_t>(info_.offsets_primal_u[stage]);
-    auto& matrix = layout.RSQrqt[stage];
+    auto& matrix = layout->RSQrqt[stage];
     const auto number = static_cast<std::int32_t>(entry);
     // fatrop multiplies by the whole matrix, so both triangles are kept.
     hessian_[stage].push_back({place_in(matrix, row - first, column - first), number});
@@ -178,6 +186,10 @@ Index StageNlp::eval_lag_hess(const Info&, Scalar objective_scale, const Vector&
   program_->set_point(primal_x.data());
   rows_from_fatrop(lam.data(), lam_.data());
   const Numbers& entries = program_->hessian(lam_.data(), objective_scale);
+  if (parts_) {
+    parts_->fill(hess, entries);
+    return 0;
+  }
   for (std::size_t k = 0; k < hessian_.size(); ++k) fill(hess.RSQrqt[k], hessian_[k], entries);
   return 0;
 }
@@ -185,6 +197,10 @@ Index StageNlp::eval_lag_hess(const Info&, Scalar objective_scale, const Vector&
 Index StageNlp::eval_constr_jac(const Info&, const Vector& primal_x, const Vector&, Jacobian& jac) {
   program_->set_point(primal_x.data());
   const Numbers& entries = program_->jacobian();
+  if (parts_) {
+    parts_->fill(jac, entries);
+    return 0;
+  }
   for (std::size_t k = 0; k < dynamics_.size(); ++k) fill(jac.BAbt[k], dynamics_[k], entries);
   for (std::size_t k = 0; k < path_.size(); ++k) fill(jac.Gg_eqt[k], path_[k], entries);
   for (std::size_t k = 0; k < slack_.size(); ++k) fill(jac.Gg_ineqt[k], slack_[k], entries);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "program.hpp"
+#include "stage_parts.hpp"
 
 namespace robotraj::native {
 
@@ -34,6 +35,9 @@ class StageNlp : public fatrop::Nlp<fatrop::OcpType> {
   StageNlp(std::shared_ptr<Program> program, const Stages& stages);
 
   const Info& info() const { return info_; }
+
+  /// Who solves the linear systems; null where fatrop does, with dense matrices.
+  StageParts* parts() const { return parts_.get(); }
 
   /// What the next solve starts from and its bounds of the inequality rows.
   Numbers start, lower, upper;
@@ -70,15 +74,16 @@ class StageNlp : public fatrop::Nlp<fatrop::OcpType> {
     std::int32_t place;
     std::int32_t entry;
   };
-  /// The slots of one matrix.
+  /// The slots of one matrix; none where `parts` has the matrices.
   using Slots = std::vector<Slot>;
 
-  void place_jacobian();
-  void place_hessian();
+  void place_jacobian(bool dense);
+  void place_hessian(bool dense);
   std::size_t stage_of(std::size_t column) const;
 
   std::shared_ptr<Program> program_;
   Info info_;
+  std::unique_ptr<StageParts> parts_;
   fatrop::NlpDims nlp_dims_;
   std::size_t n_dynamics_, n_path_, n_slack_;
   std::vector<std::size_t> stage_of_column_;

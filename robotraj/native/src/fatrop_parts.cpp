@@ -1,0 +1,105 @@
+// fatrop's linear algebra of stages, handed to whoever owns the matrices.
+//
+// This library is in the process before fatrop is, so that fatrop's calls of the functions below are bound to these.
+// They pass on to fatrop's own, found by name, what nobody owns: casadi's plugin works as ever. The names are those of
+// the C++ ABI; an object comes before the arguments.
+#include "fatrop_parts.hpp"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+
+namespace {
+
+using robotraj::native::FatropParts;
+using Jacobian = const FatropParts::Jacobian&;
+using Hessian = const FatropParts::Hessian&;
+using Vector = const FatropParts::Vector&;
+using Result = FatropParts::Vector&;
+using Pointer = const void*;
+
+thread_local FatropParts* parts = nullptr;
+
+/// fatrop's own function, found from a place in the library that calls: fatrop itself, or one that needs it.
+template <typename Function>
+Function original(const char* name, void* caller) {
+  Dl_info calling{};
+  void* const library = dladdr(caller, &calling) ? dlopen(calling.dli_fname, RTLD_NOLOAD | RTLD_LAZY) : nullptr;
+  void* const found = library ? dlsym(library, name) : nullptr;
+  if (!found) std::abort();
+  return reinterpret_cast<Function>(found);
+}
+
+}  // namespace
+
+#define EXPORTED extern "C" __attribute__((visibility("default")))
+/// Calls fatrop's own function of this name.
+#define PASS_ON(name, ...)                                                                          \
+  static const auto own = original<decltype(&name)>(#name, __builtin_return_address(0)); \
+  return own(__VA_ARGS__)
+
+#define PRODUCT_OF_JACOBIAN \
+  _ZNK6fatrop8JacobianINS_7OcpTypeEE14apply_on_rightERKNS_11ProblemInfoIS1_EERKNS_11VecRealViewEdS9_RS7_
+#define TRANSPOSED_PRODUCT_OF_JACOBIAN \
+  _ZNK6fatrop8JacobianINS_7OcpTypeEE24transpose_apply_on_rightERKNS_11ProblemInfoIS1_EERKNS_11VecRealViewEdS9_RS7_
+#define PRODUCT_OF_HESSIAN \
+  _ZNK6fatrop7HessianINS_7OcpTypeEE14apply_on_rightERKNS_11ProblemInfoIS1_EERKNS_11VecRealViewEdS9_RS7_
+#define ZERO_OF_HESSIAN _ZN6fatrop7HessianINS_7OcpTypeEE8set_zeroEv
+#define SOLVE                                                                                                      \
+  _ZN6fatrop15AugSystemSolverINS_7OcpTypeEE5solveERKNS_11ProblemInfoIS1_EERNS_8JacobianIS1_EERNS_7HessianIS1_EERKNS_11VecRealViewESF_SF_SF_RSD_SG_
+#define SOLVE_DAMPED                                                                                               \
+  _ZN6fatrop15AugSystemSolverINS_7OcpTypeEE5solveERKNS_11ProblemInfoIS1_EERNS_8JacobianIS1_EERNS_7HessianIS1_EERKNS_11VecRealViewESF_SF_SF_SF_RSD_SG_
+#define SOLVE_AGAIN                                                                                                \
+  _ZN6fatrop15AugSystemSolverINS_7OcpTypeEE9solve_rhsERKNS_11ProblemInfoIS1_EERKNS_8JacobianIS1_EERKNS_7HessianIS1_EERKNS_11VecRealViewESH_SH_RSF_SI_
+#define SOLVE_DAMPED_AGAIN                                                                                         \
+  _ZN6fatrop15AugSystemSolverINS_7OcpTypeEE9solve_rhsERKNS_11ProblemInfoIS1_EERKNS_8JacobianIS1_EERKNS_7HessianIS1_EERKNS_11VecRealViewESH_SH_SH_RSF_SI_
+
+// A macro's name is replaced before it is made a string, or pasted.
+#define PASS(name, ...) PASS_ON(name, __VA_ARGS__)
+
+EXPORTED FatropParts** robotraj_fatrop_parts() { return &parts; }
+
+EXPORTED void PRODUCT_OF_JACOBIAN(Jacobian self, Pointer info, Vector x, double alpha, Vector y, Result out) {
+  if (parts && parts->owns(self)) return parts->times(self, x, alpha, y, out);
+  PASS(PRODUCT_OF_JACOBIAN, self, info, x, alpha, y, out);
+}
+
+EXPORTED void TRANSPOSED_PRODUCT_OF_JACOBIAN(Jacobian self, Pointer info, Vector x, double alpha, Vector y,
+                                             Result out) {
+  if (parts && parts->owns(self)) return parts->transposed_times(self, x, alpha, y, out);
+  PASS(TRANSPOSED_PRODUCT_OF_JACOBIAN, self, info, x, alpha, y, out);
+}
+
+EXPORTED void PRODUCT_OF_HESSIAN(Hessian self, Pointer info, Vector x, double alpha, Vector y, Result out) {
+  if (parts && parts->owns(self)) return parts->times(self, x, alpha, y, out);
+  PASS(PRODUCT_OF_HESSIAN, self, info, x, alpha, y, out);
+}
+
+EXPORTED void ZERO_OF_HESSIAN(FatropParts::Hessian& self) {
+  if (parts && parts->owns(self)) return parts->set_zero(self);
+  PASS(ZERO_OF_HESSIAN, self);
+}
+
+EXPORTED int SOLVE(Pointer self, Pointer info, Jacobian jacobian, FatropParts::Hessian& hessian, Vector d_x, Vector d_s, Vector f,
+                   Vector g, Result x, Result multipliers) {
+  if (parts && parts->owns(jacobian)) return parts->solve(jacobian, hessian, d_x, nullptr, d_s, f, g, x, multipliers);
+  PASS(SOLVE, self, info, jacobian, hessian, d_x, d_s, f, g, x, multipliers);
+}
+
+EXPORTED int SOLVE_DAMPED(Pointer self, Pointer info, Jacobian jacobian, FatropParts::Hessian& hessian, Vector d_x, Vector d_e,
+                          Vector d_s, Vector f, Vector g, Result x, Result multipliers) {
+  if (parts && parts->owns(jacobian)) return parts->solve(jacobian, hessian, d_x, &d_e, d_s, f, g, x, multipliers);
+  PASS(SOLVE_DAMPED, self, info, jacobian, hessian, d_x, d_e, d_s, f, g, x, multipliers);
+}
+
+EXPORTED int SOLVE_AGAIN(Pointer self, Pointer info, Jacobian jacobian, Hessian hessian, Vector d_s, Vector f,
+                         Vector g, Result x, Result multipliers) {
+  if (parts && parts->owns(jacobian)) return parts->solve_again(jacobian, nullptr, d_s, f, g, x, multipliers);
+  PASS(SOLVE_AGAIN, self, info, jacobian, hessian, d_s, f, g, x, multipliers);
+}
+
+EXPORTED int SOLVE_DAMPED_AGAIN(Pointer self, Pointer info, Jacobian jacobian, Hessian hessian, Vector d_e,
+                                Vector d_s, Vector f, Vector g, Result x, Result multipliers) {
+  if (parts && parts->owns(jacobian)) return parts->solve_again(jacobian, &d_e, d_s, f, g, x, multipliers);
+  PASS(SOLVE_DAMPED_AGAIN, self, info, jacobian, hessian, d_e, d_s, f, g, x, multipliers);
+}

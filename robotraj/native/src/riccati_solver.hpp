@@ -1,0 +1,54 @@
+// The augmented system of fatrop, solved by the recursion of `riccati.hpp`.
+#pragma once
+
+#include <vector>
+
+#include "riccati.hpp"
+#include "stage_matrices.hpp"
+
+namespace robotraj::native {
+
+/// Solves, for the rows' weights D_e and D_s and the damping D_x,
+///
+///     [ H + D_x  A_e'   A_d'  A_i' ] [ z        ]     [ f   ]
+///     [ A_e     -D_e               ] [ lambda_e ] = - [ g_e ]
+///     [ A_d                        ] [ lambda_d ]     [ g_d ]
+///     [ A_i                  -D_s  ] [ lambda_i ]     [ g_i ]
+///
+/// stage after stage from the last one: each stage's rows become part of its Hessian (A_i, and A_e where D_e is given)
+/// or are solved for controls (A_e without D_e). Dynamics cost as many operations as they have entries, for vectors of
+/// the states; the rest is dense.
+/// Source: Vanroye, Sathya, De Schutter, Decre, FATROP, IROS 2023.
+class RiccatiSolver {
+ public:
+  explicit RiccatiSolver(const StageMatrices& matrices);
+
+  RiccatiOptions options;
+
+  /// Diagonals and right-hand sides in fatrop's order; `de` may be null.
+  struct System {
+    const double *dx, *de, *ds, *f, *g;
+    double *z, *lam;
+  };
+  Pivots factorise_and_solve(const StageValues& jacobian, const StageValues& hessian, const System& system);
+  /// With the factors of the last call of the above.
+  void solve(const StageValues& jacobian, const System& system);
+
+ private:
+  StageVectors vectors(std::size_t stage, const System& system) const;
+  StageFactor* next(std::size_t stage) { return stage + 1 < factors_.size() ? &factors_[stage + 1] : nullptr; }
+  StageFactor make_factor(int nu, int nx, double*& at) const;
+  void make_room(std::size_t index, StageFactor& factor, int most);
+  void forward(const StageValues& jacobian, const System& system);
+
+  const StageMatrices& matrices_;
+  const RiccatiKernels& run_;
+  std::vector<StageFactor> factors_;
+  StageFactor start_;
+  Packs block_;                      // of all factors
+  std::vector<Packs> eliminations_;  // of the stages that have constraints, the first state's last
+  Packs work_, left_;
+  RiccatiMemory memory_;
+};
+
+}  // namespace robotraj::native

@@ -1,0 +1,241 @@
+#include "stage_matrices.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <stdexcept>
+
+#include "riccati.hpp"
+
+namespace robotraj::native {
+
+namespace {
+
+/// Rows with more of their entries than this are kept whole: a product of registers beats one of single numbers.
+bool is_wide(std::size_t entries, int n) { return entries >= 8 && 3 * entries >= static_cast<std::size_t>(n); }
+
+void scale(double alpha, const double* y, int count, double* out) {
+  if (alpha == 1.0 && y == out) return;
+  for (int i = 0; i < count; ++i) out[i] = alpha * y[i];
+}
+
+}  // namespace
+
+bool StageMatrices::RowPattern::operator==(const RowPattern& other) const {
+  return wide == other.wide && thin == other.thin && starts == other.starts && columns == other.columns;
+}
+
+bool StageMatrices::Shape::operator==(const Shape& other) const {
+  return nu == other.nu && nx == other.nx && next == other.next && equality_count == other.equality_count &&
+         inequality_count == other.inequality_count && dynamics == other.dynamics && equalities == other.equalities &&
+         inequalities == other.inequalities;
+}
+
+StageMatrices::StageMatrices(const Info& info, const Pattern& jacobian, const Pattern& hessian) : info_(info) {
+  stages_.resize(static_cast<std::size_t>(info.dims.K));
+  place_jacobian(jacobian);
+  place_hessian(hessian);
+  constexpr auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+  if (std::max(jacobian_size_, hessian_size_) > most)
+    throw std::invalid_argument("a program of more than 2^31 derivatives");
+  int length = kBlock;
+  for (const Shape& shape : shapes_)
+    length = std::max({length, padded(shape.nu + shape.nx), shape.next, shape.equality_count, shape.inequality_count});
+  memory_.resize(2 * static_cast<std::size_t>(padded(length)));
+}
+
+void StageMatrices::append(Runs& runs, std::size_t place, std::int32_t entry) {
+  const auto at = static_cast<std::int32_t>(place);
+  if (!runs.empty() && runs.back().place + runs.back().count == at && runs.back().entry + runs.back().count == entry)
+    ++runs.back().count;
+  else
+    runs.push_back({at, entry, 1});
+}
+
+int StageMatrices::size_of(const RowPattern& rows, int ld) {
+  return static_cast<int>(rows.wide.size()) * ld + padded(static_cast<int>(rows.columns.size()));
+}
+
+StageMatrices::RowPattern StageMatrices::pattern_of(const std::vector<Entry>& entries, int n, std::size_t first) {
+  RowPattern rows;
+  rows.starts.push_back(0);
+  const int ld = padded(n);
+  const auto each_row = [&](bool wide, auto&& use) {
+    for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+      while (end < entries.size() && entries[end].row == entries[begin].row) ++end;
+      if (is_wide(end - begin, n) == wide) use(begin, end);
+    }
+  };
+  each_row(true, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e)
+      append(jacobian_runs_, first + static_cast<std::size_t>(entries[e].column), entries[e].entry);
+    rows.wide.push_back(entries[begin].row);
+    first += static_cast<std::size_t>(ld);
+  });
+  each_row(false, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e) {
+      append(jacobian_runs_, first++, entries[e].entry);
+      rows.columns.push_back(entries[e].column);
+    }
+    rows.thin.push_back(entries[begin].row);
+    rows.starts.push_back(static_cast<std::int32_t>(rows.columns.size()));
+  });
+  return rows;
+}
+
+void StageMatrices::place_jacobian(const Pattern& pattern) {
+  const auto& dims = info_.dims;
+  const std::size_t count = stages_.size();
+  // Rows are [dynamics, equalities, inequalities], each stage after stage.
+  struct Place {
+    std::size_t stage;
+    std::int32_t index;
+    std::size_t kind;
+  };
+  std::vector<Place> places;
+  for (std::size_t kind = 0; kind < 3; ++kind)
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto rows = kind == 0 ? (k + 1 < count ? dims.number_of_states[k + 1] : 0)
+                        : kind == 1 ? dims.number_of_eq_constraints[k]
+                                    : dims.number_of_ineq_constraints[k];
+      for (std::int32_t i = 0; i < rows; ++i) places.push_back({k, i, kind});
+    }
+  std::vector<std::array<std::vector<Entry>, 3>> entries(count);
+  for (std::size_t e = 0; e < pattern.size(); ++e) {
+    const Place& place = places[static_cast<std::size_t>(pattern.rows[e])];
+    const auto first = info_.offsets_primal_u[place.stage];
+    const auto column = static_cast<std::int32_t>(pattern.columns[e] - first);
+    const auto n = dims.number_of_controls[place.stage] + dims.number_of_states[place.stage];
+    // What is left of the stage is the -1 of the next state, which the recursion knows by itself.
+    if (column < n) entries[place.stage][place.kind].push_back({place.index, column, static_cast<std::int32_t>(e)});
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    for (auto& each : entries[k])
+      std::sort(each.begin(), each.end(), [](const Entry& a, const Entry& b) {
+        return a.row != b.row ? a.row < b.row : a.column < b.column;
+      });
+    Shape shape;
+    shape.nu = dims.number_of_controls[k];
+    shape.nx = dims.number_of_states[k];
+    shape.next = k + 1 < count ? dims.number_of_states[k + 1] : 0;
+    shape.equality_count = dims.number_of_eq_constraints[k];
+    shape.inequality_count = dims.number_of_ineq_constraints[k];
+    const int n = shape.nu + shape.nx, ld = padded(n);
+    stages_[k].jacobian = jacobian_size_;
+    std::size_t at = jacobian_size_;
+    RowPattern* const patterns[] = {&shape.dynamics, &shape.equalities, &shape.inequalities};
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+      *patterns[kind] = pattern_of(entries[k][kind], n, at);
+      at += static_cast<std::size_t>(size_of(*patterns[kind], ld));
+    }
+    jacobian_size_ = at;
+    const auto found = std::find(shapes_.rbegin(), shapes_.rend(), shape);
+    stages_[k].shape = static_cast<std::size_t>(shapes_.rend() - found) - 1;
+    if (found == shapes_.rend()) {
+      stages_[k].shape = shapes_.size();
+      shapes_.push_back(std::move(shape));
+    }
+  }
+}
+
+void StageMatrices::place_hessian(const Pattern& pattern) {
+  std::vector<std::vector<Entry>> entries(stages_.size());
+  std::size_t k = 0;
+  for (std::size_t e = 0; e < pattern.size(); ++e) {
+    const auto end = [&](std::size_t stage) {
+      return info_.offsets_primal_u[stage] + info_.number_of_stage_tangent_variables[stage];
+    };
+    while (pattern.rows[e] < info_.offsets_primal_u[k]) --k;
+    while (pattern.rows[e] >= end(k)) ++k;
+    const auto row = static_cast<std::int32_t>(pattern.rows[e] - info_.offsets_primal_u[k]);
+    const auto column = static_cast<std::int32_t>(pattern.columns[e] - info_.offsets_primal_u[k]);
+    entries[k].push_back({std::max(row, column), std::min(row, column), static_cast<std::int32_t>(e)});
+  }
+  for (k = 0; k < stages_.size(); ++k) {
+    const int n = info_.number_of_stage_tangent_variables[k], ld = padded(n);
+    stages_[k].hessian = hessian_size_;
+    std::sort(entries[k].begin(), entries[k].end(), [](const Entry& a, const Entry& b) {
+      return a.column != b.column ? a.column < b.column : a.row < b.row;
+    });
+    for (const Entry& e : entries[k])
+      append(hessian_runs_, hessian_size_ + static_cast<std::size_t>(column_of(e.column, ld) + e.row), e.entry);
+    hessian_size_ += static_cast<std::size_t>(trapezoid(n, ld));
+  }
+}
+
+void StageMatrices::fill(const Numbers& entries, const Runs& runs, StageValues& values) {
+  for (const Run& run : runs) std::copy_n(entries.data() + run.entry, run.count, values.data() + run.place);
+}
+
+StageView StageMatrices::view(std::size_t k, const StageValues* jacobian, const StageValues* hessian) const {
+  const Stage& stage = stages_[k];
+  const Shape& shape = shapes_[stage.shape];
+  StageView view{};
+  view.nu = shape.nu;
+  view.nx = shape.nx;
+  view.next = shape.next;
+  view.equality_count = shape.equality_count;
+  view.inequality_count = shape.inequality_count;
+  if (hessian) view.hessian = hessian->data() + stage.hessian;
+  if (!jacobian) return view;
+  const int ld = padded(shape.nu + shape.nx);
+  const double* at = jacobian->data() + stage.jacobian;
+  const auto rows = [&](const RowPattern& pattern) {
+    RowsView result{static_cast<int>(pattern.wide.size()), static_cast<int>(pattern.thin.size()), pattern.wide.data(),
+                    pattern.thin.data(), pattern.starts.data(), pattern.columns.data(), at};
+    at += size_of(pattern, ld);
+    return result;
+  };
+  view.dynamics = rows(shape.dynamics);
+  view.equalities = rows(shape.equalities);
+  view.inequalities = rows(shape.inequalities);
+  return view;
+}
+
+void StageMatrices::jacobian_times(const StageValues& values, const double* x, double alpha, const double* y,
+                                   double* out) const {
+  scale(alpha, y, info_.number_of_eq_constraints, out);
+  const auto& run = riccati_for_processor();
+  for (std::size_t k = 0; k < count(); ++k) {
+    const StageView stage = view(k, &values, nullptr);
+    const int n = stage.nu + stage.nx;
+    const double* z = x + info_.offsets_primal_u[k];
+    if (stage.next) {
+      double* dynamics = out + info_.offsets_g_eq_dyn[k];
+      const double* next = x + info_.offsets_primal_x[k + 1];
+      for (int i = 0; i < stage.next; ++i) dynamics[i] -= next[i];
+      run.rows_times(stage.dynamics, stage.next, n, z, dynamics, memory_.data());
+    }
+    run.rows_times(stage.equalities, stage.equality_count, n, z, out + info_.offsets_g_eq_path[k], memory_.data());
+    run.rows_times(stage.inequalities, stage.inequality_count, n, z, out + info_.offsets_g_eq_slack[k],
+                   memory_.data());
+  }
+}
+
+void StageMatrices::transposed_times(const StageValues& values, const double* lam, double alpha, const double* y,
+                                     double* out) const {
+  scale(alpha, y, info_.number_of_primal_variables, out);
+  const auto& run = riccati_for_processor();
+  for (std::size_t k = 0; k < count(); ++k) {
+    const StageView stage = view(k, &values, nullptr);
+    const double* dynamics = stage.next ? lam + info_.offsets_g_eq_dyn[k] : nullptr;
+    run.transposed_times(stage, dynamics, lam + info_.offsets_g_eq_path[k], lam + info_.offsets_g_eq_slack[k],
+                         out + info_.offsets_primal_u[k], memory_.data());
+    if (!stage.next) continue;
+    double* next = out + info_.offsets_primal_x[k + 1];
+    for (int i = 0; i < stage.next; ++i) next[i] -= dynamics[i];
+  }
+}
+
+void StageMatrices::hessian_times(const StageValues& values, const double* x, double alpha, const double* y,
+                                  double* out) const {
+  scale(alpha, y, info_.number_of_primal_variables, out);
+  const auto& run = riccati_for_processor();
+  for (std::size_t k = 0; k < count(); ++k) {
+    const auto first = info_.offsets_primal_u[k];
+    run.hessian_times(values.data() + stages_[k].hessian, info_.number_of_stage_tangent_variables[k], x + first,
+                      out + first, memory_.data());
+  }
+}
+
+}  // namespace robotraj::native

@@ -1,0 +1,73 @@
+// The linear algebra of a solve, done here instead of in fatrop.
+#pragma once
+
+#include <fatrop/common/options.hpp>
+#include <fatrop/ocp/problem_info.hpp>
+#include <fatrop/ocp/type.hpp>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "fatrop_parts.hpp"
+#include "riccati_solver.hpp"
+#include "stage_matrices.hpp"
+
+namespace robotraj::native {
+
+/// Keeps the values of fatrop's Jacobians and Hessians, and answers fatrop's calls for them.
+///
+/// fatrop keeps three of each (the iterate, the trial and a stored one), dense; those that are filled here give their
+/// memory back.
+class StageParts final : public FatropParts {
+ public:
+  using Info = fatrop::ProblemInfo<fatrop::OcpType>;
+
+  /// Whether fatrop's calls arrive here. Not where fatrop was used in this process before `_kernels` was in it.
+  static bool take_over();
+
+  StageParts(const Info& info, const Pattern& jacobian, const Pattern& hessian);
+
+  void fill(Jacobian& jacobian, const Numbers& entries);
+  void fill(Hessian& hessian, const Numbers& entries);
+  void register_options(fatrop::OptionRegistry& registry);
+
+  bool owns(const Jacobian& jacobian) override { return find(jacobians_, &jacobian) != nullptr; }
+  bool owns(const Hessian& hessian) override { return find(hessians_, &hessian) != nullptr; }
+  void times(const Jacobian& jacobian, const Vector& x, double alpha, const Vector& y, Vector& out) override;
+  void transposed_times(const Jacobian& jacobian, const Vector& x, double alpha, const Vector& y,
+                        Vector& out) override;
+  void times(const Hessian& hessian, const Vector& x, double alpha, const Vector& y, Vector& out) override;
+  void set_zero(Hessian& hessian) override;
+  int solve(const Jacobian& jacobian, Hessian& hessian, const Vector& d_x, const Vector* d_e, const Vector& d_s,
+            const Vector& f, const Vector& g, Vector& x, Vector& multipliers) override;
+  int solve_again(const Jacobian& jacobian, const Vector* d_e, const Vector& d_s, const Vector& f, const Vector& g,
+                  Vector& x, Vector& multipliers) override;
+
+  /// While it lives, fatrop's calls from this thread arrive at these parts; null for fatrop's own.
+  class Lent {
+   public:
+    explicit Lent(FatropParts* parts);
+    ~Lent();
+    Lent(const Lent&) = delete;
+    Lent& operator=(const Lent&) = delete;
+
+   private:
+    FatropParts* before_;
+  };
+
+ private:
+  using Owned = std::vector<std::pair<const void*, StageValues>>;
+
+  static StageValues* find(Owned& owned, const void* matrix);
+  /// Zeros for one that has not been filled.
+  StageValues& hessian_values(Hessian& hessian);
+  void set_lu_tolerance(const double& value) { solver_.options.lu_tolerance = value; }
+  void set_pivot_tolerance(const double& value) { solver_.options.pivot_tolerance = value; }
+
+  StageMatrices matrices_;
+  RiccatiSolver solver_;
+  Owned jacobians_, hessians_;
+};
+
+}  // namespace robotraj::native
