@@ -1,7 +1,7 @@
 """The compiled module. Arrays of many points are flat, point after point: element i of point e stands at e n + i."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import overload
+from typing import Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -371,6 +371,41 @@ class Outcome:
     def times(self) -> dict[str, float]: ...
     @property
     def trace(self) -> list[list[float]]: ...
+
+class StageSystem:
+    """Newton's system of a stagewise program, as fatrop's iterations solve it.
+
+    Sizes are those of every stage; columns are (u_0, x_0, u_1, x_1, ...), rows [dynamics, equalities, inequalities],
+    each stage after stage, with -1 at the next state in the dynamics. Hessian entries are of one triangle.
+    """
+
+    def __init__(
+        self,
+        controls: Indices,
+        states: Indices,
+        equalities: Indices,
+        inequalities: Indices,
+        jacobian_rows: Indices,
+        jacobian_columns: Indices,
+        hessian_rows: Indices,
+        hessian_columns: Indices,
+        processor: str = "",
+    ) -> None: ...
+    def fill(self, jacobian: Array, hessian: Array) -> None:
+        """Set the values of the entries."""
+    def solve(
+        self, dx: Array | None, de: Array | None, ds: Array, f: Array, g: Array
+    ) -> tuple[Literal["good", "indefinite", "dependent"], Array, Array]:
+        """Solve (H + dx) z + A' lam = -f, A z - (0, de, ds) lam = -g; without ``dx`` by the last factors."""
+    def jacobian_times(self, x: Array) -> Array: ...
+    def transposed_times(self, lam: Array) -> Array: ...
+    def hessian_times(self, x: Array) -> Array: ...
+
+def takes_over() -> bool:
+    """Whether fatrop's systems are solved by ``StageSystem``'s recursion.
+
+    Not where casadi's own plugin has used fatrop in this process before: its calls are bound by then.
+    """
 
 class Program:
     """A stagewise program and the solver that is kept for it.

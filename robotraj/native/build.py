@@ -33,7 +33,8 @@ def load_native() -> ModuleType:
     -----
     casadi loads its own fatrop only when asked for that plugin. It is loaded here from casadi's wheel, so that the
     module binds to it wherever the wheel is installed. The wheel's BLASFEO is compiled for any x86 processor; the inner
-    products of ``_kernels`` come before it, in the scope that its calls are bound in.
+    products of ``_kernels`` come before it, in the scope that its calls are bound in, and so does the recursion that
+    solves fatrop's systems. Where casadi's plugin has run before, fatrop's calls are bound already and it does its own.
     """
     wheel = Path(casadi.__file__).parent
     try:

@@ -47,12 +47,6 @@ Recipe recipe_of(const nb::bytes& tape, bool jacobian, bool hessian, std::size_t
   return recipe;
 }
 
-const Kernels& kernels_of(const std::string& processor) {
-  for (const Kernels* each : kernels())
-    if (processor.empty() || processor == each->processor) return *each;
-  throw std::invalid_argument("this processor does not run what was compiled for '" + processor + "'");
-}
-
 std::shared_ptr<TapeBlock> block_of(std::size_t count, std::size_t inputs, std::size_t constants, const Recipe& values,
                                     const Recipe& jacobian, const Recipe& hessian, const Recipe* cost,
                                     const Recipe* gradient, std::ptrdiff_t costed, const Torques* torques,

@@ -10,6 +10,7 @@ void bind_tape_block(nanobind::module_& m);
 void bind_casadi_block(nanobind::module_& m);
 void bind_sparse(nanobind::module_& m);
 void bind_chains(nanobind::module_& m);
+void bind_stage_system(nanobind::module_& m);
 void bind_program(nanobind::module_& m);
 
 }  // namespace robotraj::native

@@ -12,5 +12,6 @@ NB_MODULE(_native, m) {
   robotraj::native::bind_casadi_block(m);
   robotraj::native::bind_sparse(m);
   robotraj::native::bind_chains(m);
+  robotraj::native::bind_stage_system(m);
   robotraj::native::bind_program(m);
 }

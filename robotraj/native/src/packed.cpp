@@ -1,5 +1,7 @@
 #include "packed.hpp"
 
+#include <stdexcept>
+
 namespace robotraj::native {
 
 const std::vector<const Kernels*>& kernels() {
@@ -15,6 +17,12 @@ const std::vector<const Kernels*>& kernels() {
   return found;
 }
 
-const RiccatiKernels& riccati_for_processor() { return kernels().front()->riccati; }
+const Kernels& kernels_of(const std::string& processor) {
+  for (const Kernels* each : kernels())
+    if (processor.empty() || processor == each->processor) return *each;
+  throw std::invalid_argument("this processor does not run what was compiled for '" + processor + "'");
+}
+
+const RiccatiKernels& riccati_kernels_of(const std::string& processor) { return kernels_of(processor).riccati; }
 
 }  // namespace robotraj::native

@@ -1,6 +1,9 @@
 // The inner loops, compiled once for each kind of processor.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "riccati.hpp"
 #include "rigid_tree.hpp"
 #include "tape.hpp"
@@ -36,6 +39,10 @@ struct Kernels {
 
 /// Those that this processor runs, the fastest first.
 const std::vector<const Kernels*>& kernels();
+
+/// The fastest or, with a name, those compiled for that processor.
+/// Throws std::invalid_argument where this one does not run them.
+const Kernels& kernels_of(const std::string& processor);
 
 // One file each.
 extern const Kernels plain_kernels;

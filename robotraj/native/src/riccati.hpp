@@ -1,6 +1,8 @@
 // Newton's system of a stagewise program by a Riccati recursion that knows which entries there are.
 #pragma once
 
+#include <string>
+
 #include "stage_system.hpp"
 
 namespace robotraj::native {
@@ -43,7 +45,8 @@ struct RiccatiKernels {
                            const double* inequalities, double* out, double* memory);
 };
 
-/// Those for this processor.
-const RiccatiKernels& riccati_for_processor();
+/// The fastest that this processor runs or, with a name, those compiled for that one.
+/// Throws std::invalid_argument where this processor does not run them.
+const RiccatiKernels& riccati_kernels_of(const std::string& processor = "");
 
 }  // namespace robotraj::native

@@ -14,7 +14,7 @@ std::size_t factor_size(int nu, int nx) {
 }  // namespace
 
 RiccatiSolver::RiccatiSolver(const StageMatrices& matrices)
-    : matrices_(matrices), run_(riccati_for_processor()), start_{} {
+    : matrices_(matrices), run_(matrices.run()), start_{} {
   const auto& dims = matrices.info().dims;
   int n = 1, rows = 1;
   std::size_t size = factor_size(dims.number_of_states[0], 0);

@@ -130,7 +130,7 @@ struct Solver::Algorithm {
     original->register_options(options);
     data->register_options(options);
     system->register_options(options);
-    if (nlp->parts()) nlp->parts()->register_options(options);
+    if (nlp->parts()) nlp->parts()->serve(options);
     restored->register_options(options);
     data_restoration->register_options(options);
     direction_restoration->register_options(options);

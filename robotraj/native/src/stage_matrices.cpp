@@ -5,7 +5,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "riccati.hpp"
 
 namespace robotraj::native {
 
@@ -31,7 +30,9 @@ bool StageMatrices::Shape::operator==(const Shape& other) const {
          inequalities == other.inequalities;
 }
 
-StageMatrices::StageMatrices(const Info& info, const Pattern& jacobian, const Pattern& hessian) : info_(info) {
+StageMatrices::StageMatrices(const Info& info, const Pattern& jacobian, const Pattern& hessian,
+                             const RiccatiKernels& run)
+    : info_(info), run_(run) {
   stages_.resize(static_cast<std::size_t>(info.dims.K));
   place_jacobian(jacobian);
   place_hessian(hessian);
@@ -56,28 +57,30 @@ int StageMatrices::size_of(const RowPattern& rows, int ld) {
   return static_cast<int>(rows.wide.size()) * ld + padded(static_cast<int>(rows.columns.size()));
 }
 
-StageMatrices::RowPattern StageMatrices::pattern_of(const std::vector<Entry>& entries, int n, std::size_t first) {
+StageMatrices::RowPattern StageMatrices::pattern_of(const std::vector<Entry>& entries, int count, int n,
+                                                    std::size_t first) {
   RowPattern rows;
   rows.starts.push_back(0);
   const int ld = padded(n);
   const auto each_row = [&](bool wide, auto&& use) {
-    for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
-      while (end < entries.size() && entries[end].row == entries[begin].row) ++end;
-      if (is_wide(end - begin, n) == wide) use(begin, end);
+    std::size_t begin = 0, end = 0;
+    for (std::int32_t row = 0; row < count; ++row, begin = end) {
+      while (end < entries.size() && entries[end].row == row) ++end;
+      if (is_wide(end - begin, n) == wide) use(row, begin, end);
     }
   };
-  each_row(true, [&](std::size_t begin, std::size_t end) {
+  each_row(true, [&](std::int32_t row, std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e)
       append(jacobian_runs_, first + static_cast<std::size_t>(entries[e].column), entries[e].entry);
-    rows.wide.push_back(entries[begin].row);
+    rows.wide.push_back(row);
     first += static_cast<std::size_t>(ld);
   });
-  each_row(false, [&](std::size_t begin, std::size_t end) {
+  each_row(false, [&](std::int32_t row, std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) {
       append(jacobian_runs_, first++, entries[e].entry);
       rows.columns.push_back(entries[e].column);
     }
-    rows.thin.push_back(entries[begin].row);
+    rows.thin.push_back(row);
     rows.starts.push_back(static_cast<std::int32_t>(rows.columns.size()));
   });
   return rows;
@@ -124,8 +127,9 @@ void StageMatrices::place_jacobian(const Pattern& pattern) {
     stages_[k].jacobian = jacobian_size_;
     std::size_t at = jacobian_size_;
     RowPattern* const patterns[] = {&shape.dynamics, &shape.equalities, &shape.inequalities};
+    const int rows[] = {shape.next, shape.equality_count, shape.inequality_count};
     for (std::size_t kind = 0; kind < 3; ++kind) {
-      *patterns[kind] = pattern_of(entries[k][kind], n, at);
+      *patterns[kind] = pattern_of(entries[k][kind], rows[kind], n, at);
       at += static_cast<std::size_t>(size_of(*patterns[kind], ld));
     }
     jacobian_size_ = at;
@@ -195,7 +199,6 @@ StageView StageMatrices::view(std::size_t k, const StageValues* jacobian, const 
 void StageMatrices::jacobian_times(const StageValues& values, const double* x, double alpha, const double* y,
                                    double* out) const {
   scale(alpha, y, info_.number_of_eq_constraints, out);
-  const auto& run = riccati_for_processor();
   for (std::size_t k = 0; k < count(); ++k) {
     const StageView stage = view(k, &values, nullptr);
     const int n = stage.nu + stage.nx;
@@ -204,10 +207,10 @@ void StageMatrices::jacobian_times(const StageValues& values, const double* x, d
       double* dynamics = out + info_.offsets_g_eq_dyn[k];
       const double* next = x + info_.offsets_primal_x[k + 1];
       for (int i = 0; i < stage.next; ++i) dynamics[i] -= next[i];
-      run.rows_times(stage.dynamics, stage.next, n, z, dynamics, memory_.data());
+      run_.rows_times(stage.dynamics, stage.next, n, z, dynamics, memory_.data());
     }
-    run.rows_times(stage.equalities, stage.equality_count, n, z, out + info_.offsets_g_eq_path[k], memory_.data());
-    run.rows_times(stage.inequalities, stage.inequality_count, n, z, out + info_.offsets_g_eq_slack[k],
+    run_.rows_times(stage.equalities, stage.equality_count, n, z, out + info_.offsets_g_eq_path[k], memory_.data());
+    run_.rows_times(stage.inequalities, stage.inequality_count, n, z, out + info_.offsets_g_eq_slack[k],
                    memory_.data());
   }
 }
@@ -215,11 +218,10 @@ void StageMatrices::jacobian_times(const StageValues& values, const double* x, d
 void StageMatrices::transposed_times(const StageValues& values, const double* lam, double alpha, const double* y,
                                      double* out) const {
   scale(alpha, y, info_.number_of_primal_variables, out);
-  const auto& run = riccati_for_processor();
   for (std::size_t k = 0; k < count(); ++k) {
     const StageView stage = view(k, &values, nullptr);
     const double* dynamics = stage.next ? lam + info_.offsets_g_eq_dyn[k] : nullptr;
-    run.transposed_times(stage, dynamics, lam + info_.offsets_g_eq_path[k], lam + info_.offsets_g_eq_slack[k],
+    run_.transposed_times(stage, dynamics, lam + info_.offsets_g_eq_path[k], lam + info_.offsets_g_eq_slack[k],
                          out + info_.offsets_primal_u[k], memory_.data());
     if (!stage.next) continue;
     double* next = out + info_.offsets_primal_x[k + 1];
@@ -230,10 +232,9 @@ void StageMatrices::transposed_times(const StageValues& values, const double* la
 void StageMatrices::hessian_times(const StageValues& values, const double* x, double alpha, const double* y,
                                   double* out) const {
   scale(alpha, y, info_.number_of_primal_variables, out);
-  const auto& run = riccati_for_processor();
   for (std::size_t k = 0; k < count(); ++k) {
     const auto first = info_.offsets_primal_u[k];
-    run.hessian_times(values.data() + stages_[k].hessian, info_.number_of_stage_tangent_variables[k], x + first,
+    run_.hessian_times(values.data() + stages_[k].hessian, info_.number_of_stage_tangent_variables[k], x + first,
                       out + first, memory_.data());
   }
 }

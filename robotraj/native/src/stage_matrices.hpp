@@ -9,7 +9,7 @@
 
 #include "pack.hpp"
 #include "program.hpp"
-#include "stage_system.hpp"
+#include "riccati.hpp"
 
 namespace robotraj::native {
 
@@ -22,7 +22,8 @@ class StageMatrices {
   using Info = fatrop::ProblemInfo<fatrop::OcpType>;
 
   /// Of entries that lie within stages. Throws std::invalid_argument where there are more than 2^31 numbers.
-  StageMatrices(const Info& info, const Pattern& jacobian, const Pattern& hessian);
+  StageMatrices(const Info& info, const Pattern& jacobian, const Pattern& hessian,
+                const RiccatiKernels& run = riccati_kernels_of());
 
   void fill_jacobian(const Numbers& entries, StageValues& values) const { fill(entries, jacobian_runs_, values); }
   void fill_hessian(const Numbers& entries, StageValues& values) const { fill(entries, hessian_runs_, values); }
@@ -31,6 +32,7 @@ class StageMatrices {
 
   std::size_t count() const { return stages_.size(); }
   const Info& info() const { return info_; }
+  const RiccatiKernels& run() const { return run_; }
   /// Either may be null where its matrices are not asked for.
   StageView view(std::size_t stage, const StageValues* jacobian, const StageValues* hessian) const;
 
@@ -65,11 +67,12 @@ class StageMatrices {
   static void fill(const Numbers& entries, const Runs& runs, StageValues& values);
   static void append(Runs& runs, std::size_t place, std::int32_t entry);
   static int size_of(const RowPattern& rows, int ld);
-  RowPattern pattern_of(const std::vector<Entry>& entries, int n, std::size_t first);
+  RowPattern pattern_of(const std::vector<Entry>& entries, int count, int n, std::size_t first);
   void place_jacobian(const Pattern& pattern);
   void place_hessian(const Pattern& pattern);
 
   const Info& info_;
+  const RiccatiKernels& run_;
   std::vector<Shape> shapes_;
   std::vector<Stage> stages_;
   Runs jacobian_runs_, hessian_runs_;

@@ -128,7 +128,10 @@ void StageParts::fill(Hessian& hessian, const Numbers& entries) {
   matrices_.fill_hessian(entries, hessian_values(hessian));
 }
 
-void StageParts::register_options(fatrop::OptionRegistry& registry) {
+void StageParts::serve(fatrop::OptionRegistry& registry) {
+  solver_.options = RiccatiOptions();
+  jacobians_.clear();
+  hessians_.clear();
   registry.register_option("linsol_lu_fact_tol", &StageParts::set_lu_tolerance, this);
   registry.register_option("linsol_pivot_tol", &StageParts::set_pivot_tolerance, this);
 }

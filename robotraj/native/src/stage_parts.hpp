@@ -28,9 +28,10 @@ class StageParts final : public FatropParts {
 
   StageParts(const Info& info, const Pattern& jacobian, const Pattern& hessian);
 
+  /// Starts afresh for another algorithm, with its options and its matrices.
+  void serve(fatrop::OptionRegistry& registry);
   void fill(Jacobian& jacobian, const Numbers& entries);
   void fill(Hessian& hessian, const Numbers& entries);
-  void register_options(fatrop::OptionRegistry& registry);
 
   bool owns(const Jacobian& jacobian) override { return find(jacobians_, &jacobian) != nullptr; }
   bool owns(const Hessian& hessian) override { return find(hessians_, &hessian) != nullptr; }

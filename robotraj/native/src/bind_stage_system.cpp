@@ -1,0 +1,128 @@
+// Newton's system of stages from Python: to be checked against a dense solver.
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "riccati_solver.hpp"
+#include "stage_parts.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <memory>
+#include <optional>
+
+namespace nb = nanobind;
+
+namespace robotraj::native {
+
+namespace {
+
+using Info = StageMatrices::Info;
+
+Pattern pattern(const Indices& rows, const Indices& columns) {
+  return {{rows.data(), rows.data() + rows.size()}, {columns.data(), columns.data() + columns.size()}};
+}
+
+/// A program's matrices and the solver of its systems; rows are [dynamics, equalities, inequalities].
+class StageSystem {
+ public:
+  StageSystem(const Indices& controls, const Indices& states, const Indices& equalities, const Indices& inequalities,
+              const Pattern& jacobian, const Pattern& hessian, const std::string& processor)
+      : info_(fatrop::ProblemDims<fatrop::OcpType>(static_cast<int>(states.size()), sizes(controls), sizes(states),
+                                                   sizes(equalities), sizes(inequalities))),
+        matrices_(info_, jacobian, hessian, riccati_kernels_of(processor)),
+        solver_(matrices_),
+        jacobian_(matrices_.empty_jacobian()),
+        hessian_(matrices_.empty_hessian()) {}
+
+  void fill(const Doubles& jacobian, const Doubles& hessian) {
+    matrices_.fill_jacobian(Numbers(jacobian.data(), jacobian.data() + jacobian.size()), jacobian_);
+    matrices_.fill_hessian(Numbers(hessian.data(), hessian.data() + hessian.size()), hessian_);
+  }
+
+  nb::tuple solve(const std::optional<Doubles>& dx, const std::optional<Doubles>& de, const Doubles& ds,
+                  const Doubles& f, const Doubles& g) {
+    Numbers z(columns()), lam(rows());
+    const Numbers residuals = reordered(checked(g, rows(), "g"), true);
+    const RiccatiSolver::System system{dx ? checked(*dx, columns(), "dx") : nullptr,
+                                       de ? de->data() : nullptr,
+                                       ds.data(),
+                                       checked(f, columns(), "f"),
+                                       residuals.data(),
+                                       z.data(),
+                                       lam.data()};
+    Pivots pivots = Pivots::good;
+    if (dx) pivots = solver_.factorise_and_solve(jacobian_, hessian_, system);
+    else solver_.solve(jacobian_, system);
+    const char* const names[] = {"good", "indefinite", "dependent"};
+    return nb::make_tuple(names[static_cast<int>(pivots)], to_numpy(std::move(z)),
+                          to_numpy(reordered(lam.data(), false)));
+  }
+
+  Result jacobian_times(const Doubles& x) const {
+    Numbers out(rows());
+    matrices_.jacobian_times(jacobian_, checked(x, columns(), "x"), 0.0, out.data(), out.data());
+    return to_numpy(reordered(out.data(), false));
+  }
+  Result transposed_times(const Doubles& lam) const {
+    Numbers out(columns());
+    const Numbers rows_in_order = reordered(checked(lam, rows(), "lam"), true);
+    matrices_.transposed_times(jacobian_, rows_in_order.data(), 0.0, out.data(), out.data());
+    return to_numpy(std::move(out));
+  }
+  Result hessian_times(const Doubles& x) const {
+    Numbers out(columns());
+    matrices_.hessian_times(hessian_, checked(x, columns(), "x"), 0.0, out.data(), out.data());
+    return to_numpy(std::move(out));
+  }
+
+ private:
+  static std::vector<fatrop::Index> sizes(const Indices& array) { return {array.data(), array.data() + array.size()}; }
+  std::size_t columns() const { return static_cast<std::size_t>(info_.number_of_primal_variables); }
+  std::size_t rows() const { return static_cast<std::size_t>(info_.number_of_eq_constraints); }
+
+  /// Rows into fatrop's order, or back.
+  Numbers reordered(const double* from, bool into) const {
+    Numbers to(rows());
+    int at = 0;
+    const auto part = [&](int count, int offset) {
+      std::copy_n(from + (into ? at : offset), count, to.data() + (into ? offset : at));
+      at += count;
+    };
+    part(info_.number_of_g_eq_dyn, info_.offset_g_eq_dyn);
+    part(info_.number_of_g_eq_path, info_.offset_g_eq_path);
+    part(info_.number_of_g_eq_slack, info_.offset_g_eq_slack);
+    return to;
+  }
+
+  Info info_;
+  StageMatrices matrices_;
+  RiccatiSolver solver_;
+  StageValues jacobian_, hessian_;
+};
+
+}  // namespace
+
+void bind_stage_system(nb::module_& m) {
+  m.def("takes_over", &StageParts::take_over);
+  nb::class_<StageSystem>(m, "StageSystem")
+      .def(
+          "__init__",
+          [](StageSystem* self, const Indices& controls, const Indices& states, const Indices& equalities,
+             const Indices& inequalities, const Indices& jacobian_rows, const Indices& jacobian_columns,
+             const Indices& hessian_rows, const Indices& hessian_columns, const std::string& processor) {
+            new (self) StageSystem(controls, states, equalities, inequalities,
+                                   pattern(jacobian_rows, jacobian_columns), pattern(hessian_rows, hessian_columns),
+                                   processor);
+          },
+          nb::arg("controls"), nb::arg("states"), nb::arg("equalities"), nb::arg("inequalities"),
+          nb::arg("jacobian_rows"), nb::arg("jacobian_columns"), nb::arg("hessian_rows"), nb::arg("hessian_columns"),
+          nb::arg("processor") = "")
+      .def("fill", &StageSystem::fill, nb::arg("jacobian"), nb::arg("hessian"))
+      .def("solve", &StageSystem::solve, nb::arg("dx").none(), nb::arg("de").none(), nb::arg("ds"), nb::arg("f"),
+           nb::arg("g"))
+      .def("jacobian_times", &StageSystem::jacobian_times, nb::arg("x"))
+      .def("transposed_times", &StageSystem::transposed_times, nb::arg("lam"))
+      .def("hessian_times", &StageSystem::hessian_times, nb::arg("x"));
+}
+
+}  // namespace robotraj::native
