@@ -57,8 +57,8 @@ GOALS = (
     Goal("T4", "solve cpu", ("crocoddyl",), PLAIN, 25.0, again=True),
     Goal("T4@200", "solve cpu", DRAKE, PLAIN + WARM, 80.0),
     Goal("T4@200", "solve cpu", ("crocoddyl",), PLAIN + WARM, 20.0),
-    Goal("T5", "work cpu", DRAKE, PLAIN, 150.0),
-    Goal("T5", "solve cpu", DRAKE, PLAIN + WARM, 150.0),
+    Goal("T5", "work cpu", DRAKE, ("robotraj-ends",), 150.0),
+    Goal("T5", "solve cpu", DRAKE, ("robotraj-ends",), 150.0),
 )
 
 

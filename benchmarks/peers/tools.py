@@ -67,6 +67,16 @@ TOOLS: dict[str, Tool] = {
     ),
     "robotraj-starts": _several(10),
     "robotraj-starts-20": _several(20),
+    "robotraj-ends": replace(
+        _robotraj(
+            ", fatrop, hull, twice as many intervals at Chebyshev knots",
+            PEERS_SOLVER="Fatrop",
+            PEERS_ENGINE="Native",
+            PEERS_BETWEEN="ConvexHull",
+            PEERS_MESH="Chebyshev",
+        ),
+        cannot=dict.fromkeys(("T1", "T2", "T3", "T4"), "not run: a mesh for an arm's minimum time"),
+    ),
     "by-hand": Tool("by hand, inverse dynamics", "inverse_by_hand.py"),
     "opti": Tool("CasADi Opti", "opti_forward.py", slow=True, largest=50),
     "drake-ipopt": Tool(

@@ -1,6 +1,7 @@
 """Radau IIA: the end of an interval is a node, its start is not. Order 2 s - 1, stiffly accurate.
 
-Source: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), section IV.5.
+Sources: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), section IV.5; Golub and Welsch,
+Calculation of Gauss quadrature rules, Mathematics of Computation 23 (1969).
 """
 
 from __future__ import annotations
@@ -9,7 +10,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from robotraj.errors import InputError
@@ -20,9 +20,16 @@ Array = NDArray[np.float64]
 
 @lru_cache(maxsize=64)
 def legendre_radau(points: int) -> Array:
-    """Flipped Legendre-Gauss-Radau nodes on (0, 1]: 1 and the roots of the Jacobi polynomial P^(1, 0)_{s-1}."""
-    inner = scipy.special.roots_jacobi(points - 1, 1.0, 0.0)[0] if points > 1 else np.array([])
-    nodes = 0.5 * (np.concatenate([np.sort(inner), [1.0]]) + 1.0)
+    """Flipped Legendre-Gauss-Radau nodes on (0, 1]: 1 and the roots of the Jacobi polynomial P^(1, 0)_{s-1}.
+
+    The roots are eigenvalues of the matrix of its three-term recurrence; scipy, which knows them, takes longer to
+    import than a small problem to solve.
+    """
+    k = np.arange(points - 1)
+    beside = np.sqrt(k[1:] * (k[1:] + 1.0)) / (2.0 * k[1:] + 1.0)
+    matrix = np.diag(-1.0 / ((2.0 * k + 1.0) * (2.0 * k + 3.0))) + np.diag(beside, 1) + np.diag(beside, -1)
+    inner = np.linalg.eigvalsh(matrix) if points > 1 else np.array([])
+    nodes = 0.5 * (np.concatenate([inner, [1.0]]) + 1.0)
     nodes.setflags(write=False)
     return nodes
 

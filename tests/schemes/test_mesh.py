@@ -23,6 +23,18 @@ def test_knots_may_be_given() -> None:
     assert mesh.schemes == (rt.Trapezoidal(), rt.HermiteSimpson())
 
 
+def test_chebyshev_knots_crowd_at_both_ends_symmetrically() -> None:
+    mesh = rt.Mesh.chebyshev(4, rt.RadauIIA(2))
+    half = np.sqrt(0.5)
+    np.testing.assert_allclose(mesh.knots, [0, (1 - half) / 2, 0.5, (1 + half) / 2, 1], atol=1e-15)
+    assert mesh.schemes == (rt.RadauIIA(2),) * 4
+    assert rt.Mesh.chebyshev(1) == rt.Mesh([0, 1])
+    assert isinstance(rt.MovingMesh.chebyshev(3), rt.MovingMesh)
+    for wrong in (0, 2.5, True):
+        with pytest.raises(rt.InputError, match="whole number"):
+            rt.Mesh.chebyshev(wrong)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("first", CLASSES, ids=lambda c: c.__name__)
 @pytest.mark.parametrize("second", CLASSES, ids=lambda c: c.__name__)
 def test_any_scheme_may_follow_any_other(first: type, second: type) -> None:

@@ -1,6 +1,7 @@
 """A task with robotraj: PEERS_SOLVER, PEERS_ENGINE and PEERS_BETWEEN name values that rt.plan is given.
 
 PEERS_STARTS is a number of starts of rt.multistart, all in this process; 1 by default, rt.plan itself.
+PEERS_MESH=Chebyshev asks for a mesh that suits the minimum time of an arm.
 """
 
 from __future__ import annotations
@@ -15,7 +16,18 @@ from tasks import Task
 
 import robotraj as rt
 
-USED = (rt.Phase, rt.State, rt.Effort, rt.Duration, rt.Mesh, rt.HermiteSimpson, rt.StraightLine, rt.load, rt.plan)
+USED = (
+    rt.Phase,
+    rt.State,
+    rt.Effort,
+    rt.Duration,
+    rt.Mesh,
+    rt.HermiteSimpson,
+    rt.RadauIIA,
+    rt.StraightLine,
+    rt.load,
+    rt.plan,
+)
 """Names are imported when they are first asked for: asked for here, they count among the imports."""
 
 
@@ -82,13 +94,21 @@ def curves_of(solution: rt.Solution) -> tuple[np.ndarray, ...]:
     return t, *(np.array([getattr(s, name) for s in samples]) for name in ("q", "v", "tau"))
 
 
-def solve(task: Task, settings: dict[str, Any]) -> None:
-    """Plan, report; plan the same again and another goal in the same process."""
+def mesh_of(task: Task) -> rt.Mesh:
+    """Give equal intervals of Hermite-Simpson, or twice as many of lower order that crowd at both ends."""
+    if os.environ.get("PEERS_MESH") == "Chebyshev":
+        return rt.Mesh.chebyshev(2 * task.intervals, rt.RadauIIA(2))
     # A bang-bang force is constant within each interval, so that it cannot bulge over its limit.
     scheme = rt.HermiteSimpson(control=rt.ConstantControl()) if task.urdf == "block" else rt.HermiteSimpson()
+    return rt.Mesh(task.intervals, scheme)
+
+
+def solve(task: Task, settings: dict[str, Any]) -> None:
+    """Plan, report; plan the same again and another goal in the same process."""
+    mesh = mesh_of(task)
 
     def plan(problem: rt.Problem, guess: rt.StraightLine | rt.Solution) -> rt.Solution:
-        return rt.plan(problem, rt.Mesh(task.intervals, scheme), guess, check=False, progress=False, **settings)
+        return rt.plan(problem, mesh, guess, check=False, progress=False, **settings)
 
     with Clock() as first:
         problem = rt.Problem([phase_of(task)])
