@@ -66,9 +66,10 @@ def plan(
         Easier problems solved first, each the guess of the next: coarser meshes, fewer constraints, simpler
         objectives. The last stage, the problem itself, is understood.
     between : Exchange, optional
-        What holds rows on states between the collocation points: ``rt.Exchange()`` imposes them where a solution breaks
-        them and solves again, the default with a tolerance and with ``rt.Ipopt()``; ``rt.ConvexHull()`` holds velocity
-        limits everywhere in one solve, and asks a little more than they do, the default with ``rt.Fatrop()``.
+        What holds rows on states and controls between the collocation points: ``rt.Exchange()`` imposes those on states
+        where a solution breaks them and solves again, the default with a tolerance and with ``rt.Ipopt()``;
+        ``rt.ConvexHull()`` holds limits of speeds and torques everywhere in one solve, and asks a little more than they
+        do, the default with ``rt.Fatrop()``.
     check : bool
         Raise where no solution was found; else return it with its status.
     progress : bool, optional

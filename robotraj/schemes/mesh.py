@@ -67,7 +67,7 @@ class Mesh:
 
         The first and last interval take (pi / (2 count))^2 of the phase, those in the middle pi / (2 count). In minimum
         time a robot starts and stops within milliseconds: the panda of the benchmarks (0.69 s) comes within 1e-4 of the
-        optimum with 80 of these intervals by ``rt.RadauIIA(2)``, with equal ones it takes more than 800.
+        optimum with 80 of these intervals by ``rt.RadauIIA(2)``, with equal ones it takes some 800.
 
         Raises
         ------

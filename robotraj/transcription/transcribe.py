@@ -61,7 +61,7 @@ def transcribe(
     engine : Engine, optional
         Evaluates the point functions; ``rt.VirtualMachine()`` by default.
     between : Exchange, optional
-        What holds rows on states between the collocation points; ``rt.Exchange()``, which adds nothing yet, by default.
+        What holds rows between the collocation points; ``rt.Exchange()``, which adds nothing yet, by default.
 
     Returns
     -------

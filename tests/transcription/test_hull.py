@@ -189,6 +189,25 @@ def test_bounds_that_fix_a_control_or_leave_it_free_are_no_rows() -> None:
     assert np.all(fixed.variables.lower[controls] == 0.5)
 
 
+def test_the_panda_moves_in_minimum_time_within_its_limits() -> None:
+    """Three schemes on up to 1600 intervals converge to 0.692778 s."""
+    phase = rt.Phase(
+        rt.load("panda"),
+        duration=(0.1, 3.0),
+        start=rt.State(q=[0, -0.785, 0, -2.356, 0, 1.571, 0.785], v=0),
+        end=rt.State(q=[1.5, 0.5, -0.5, -1.2, 0.6, 2.2, -0.8], v=0),
+        objective=rt.Duration(),
+    )
+    solution = rt.plan(phase, rt.Mesh.chebyshev(100, rt.RadauIIA(2)), solver=rt.Fatrop(fallback=None), progress=False)
+    assert solution.objective == pytest.approx(0.692778, rel=1e-4)
+    assert largest_excess(solution, [control.name for control in phase.dae.controls]) < 1e-5
+    assert phase.robot is not None
+    knots, rng = solution.phases[0].knots, np.random.default_rng(2)
+    for k, (first, last) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
+        v = solution.phases[0].at(np.sort(rng.uniform(first, last, 200)), interval=k).v
+        assert np.all(np.abs(v) < phase.robot.limits.velocity + 1e-6)
+
+
 def test_a_block_switches_within_one_interval_at_most_an_interval_late() -> None:
     """The optimum is 2 sqrt(10) s: a parabola that may not bulge takes a few thousandths longer on 20 intervals."""
     solution = planned(block(), rt.Mesh(20), rt.ConvexHull())
