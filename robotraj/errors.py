@@ -6,7 +6,6 @@ Each message is one clear sentence that names what was wrong, lists the valid ch
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 from typing import Any
 
 
@@ -74,6 +73,8 @@ def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = ""
     advice : str
         A closing sentence that says what to do.
     """
+    from difflib import get_close_matches
+
     names = list(valid)
     near = get_close_matches(str(name), names, n=3, cutoff=0.5)
     shown = ", ".join(names[:30]) + (f", ... ({len(names)} in all)" if len(names) > 30 else "")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from robotraj.engines import Compiled, Engine
+from robotraj.engines import Engine
 from robotraj.errors import InputError, NoSolutionFound
 from robotraj.guess import Guess
 from robotraj.problem import Phase, Problem
@@ -93,8 +93,8 @@ def plan(
     several = isinstance(mesh, Sequence) and all(isinstance(m, Mesh) for m in mesh)
     if not isinstance(mesh, Mesh) and not several:
         raise InputError(f"mesh= must be an rt.Mesh, or one for each phase; got {mesh!r}.")
-    # The libraries that rt.compile makes are of the functions that IPOPT calls.
-    solver = solver or (Ipopt() if isinstance(engine, Compiled) else solver_for(problem, mesh))
+    for_ipopt = isinstance(engine, Engine) and engine.made_for_ipopt
+    solver = solver or (Ipopt() if for_ipopt else solver_for(problem, mesh))
     if not isinstance(solver, Solver):
         raise InputError(f"solver= must be a solver value such as rt.Ipopt(); got {solver!r}.")
     if engine is None:

@@ -63,9 +63,12 @@ class Engine(ABC):
     ----------
     torques_apart : bool
         Whether stages tell it where their inverse dynamics are, so that their graphs are never built.
+    made_for_ipopt : bool
+        Whether what it keeps for later plans is of the functions that IPOPT calls, which is then the default solver.
     """
 
     torques_apart: ClassVar[bool] = False
+    made_for_ipopt: ClassVar[bool] = False
 
     @abstractmethod
     def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:

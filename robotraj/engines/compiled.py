@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cache as once
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
 
@@ -53,6 +53,8 @@ class Compiled(Engine):
     --------
     >>> solution = rt.plan(phase, engine=rt.Compiled())  # doctest: +SKIP
     """
+
+    made_for_ipopt: ClassVar[bool] = True
 
     wait: bool = True
     least: int = 300
