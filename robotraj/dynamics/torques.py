@@ -25,25 +25,19 @@ class Torques:
     symbols : casadi.SX
         r, (nv,): what stands for the torques in the outputs of a stage [N m, N].
     model : SymbolicModel
-    q, w, a : casadi.SX
-        Configuration (nq,), velocity and acceleration (nv,), as expressions of the stage's symbols.
+    arguments : casadi.SX
+        q, w and a as one column, (nq + 2 nv,): configuration, velocity and acceleration as expressions of the stage's
+        symbols.
     """
 
     symbols: ca.SX
     model: SymbolicModel
-    q: ca.SX
-    w: ca.SX
-    a: ca.SX
+    arguments: ca.SX
 
     @property
     def tree(self) -> RigidTree:
         """The robot as the compiled module reads it."""
         return _tree(self.model.text)
-
-    @property
-    def arguments(self) -> ca.SX:
-        """Q, w and a as one column."""
-        return ca.vertcat(self.q, self.w, self.a)
 
     def are_in(self, expression: Any) -> bool:
         """Whether the expression depends on the torques."""
@@ -51,14 +45,15 @@ class Torques:
 
     def written_out(self, expression: ca.SX) -> ca.SX:
         """Put the graph of the inverse dynamics in the place of r."""
+        nv = self.symbols.numel()
+        nq = self.arguments.numel() - 2 * nv
+        q, w, a = ca.vertsplit(self.arguments, [0, nq, nq + nv, nq + 2 * nv])
         no_force = ca.SX(6, self.model.model.njoints)
-        return ca.substitute(expression, self.symbols, self.model.inverse_dynamics(self.q, self.w, self.a, no_force))
+        return ca.substitute(expression, self.symbols, self.model.inverse_dynamics(q, w, a, no_force))
 
     def substituted(self, symbols: ca.SX, expressions: ca.SX) -> Torques:
         """Replace symbols in the arguments."""
-        nq, nv = self.q.numel(), self.w.numel()
-        q, w, a = ca.vertsplit(ca.substitute(self.arguments, symbols, expressions), [0, nq, nq + nv, nq + 2 * nv])
-        return replace(self, q=q, w=w, a=a)
+        return replace(self, arguments=ca.substitute(self.arguments, symbols, expressions))
 
 
 @lru_cache(maxsize=16)
@@ -83,4 +78,4 @@ def torques_apart(point: Any) -> Torques | None:
     except ValueError:
         return None
     point.inverse_dynamics = ca.SX.sym("r", point.robot.nv)
-    return Torques(point.inverse_dynamics, model, point.q, point.v, point.a)
+    return Torques(point.inverse_dynamics, model, ca.vertcat(point.q, point.v, point.a))

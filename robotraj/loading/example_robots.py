@@ -27,14 +27,14 @@ def folder() -> Path | None:
 @lru_cache(maxsize=1)
 def example_robots() -> dict[str, Entry]:
     """Give the catalogue's entries whose URDF is there."""
-    entries = (example_robot(name) for name in _rows())
+    entries = (example_robot(row["name"]) for row in csv.DictReader(_lines()))
     return {entry.name: entry for entry in entries if entry is not None}
 
 
 @lru_cache(maxsize=64)
 def example_robot(name: str) -> Entry | None:
     """Give the entry of that name, if it is in the table and its URDF is there."""
-    robots, row = folder(), _rows().get(name)
+    robots, row = folder(), _row(name)
     if robots is None or row is None:
         return None
     urdf = robots / row["urdf"]
@@ -54,7 +54,12 @@ def example_robot(name: str) -> Entry | None:
     )
 
 
+def _row(name: str) -> dict[str, str] | None:
+    """Read the line of the table that begins with the name."""
+    header, *lines = _lines()
+    return next(csv.DictReader([header, *(line for line in lines if line.startswith(f"{name},"))]), None)
+
+
 @lru_cache(maxsize=1)
-def _rows() -> dict[str, dict[str, str]]:
-    """Lines of the table by name."""
-    return {row["name"]: row for row in csv.DictReader(TABLE.read_text(encoding="utf-8").splitlines())}
+def _lines() -> list[str]:
+    return TABLE.read_text(encoding="utf-8").splitlines()

@@ -237,10 +237,9 @@ class TorqueChain:
     @cached_property
     def _places(self) -> Indices | None:
         """Where in v every entry of x stands, -1 for zeros; None where one is something else."""
-        known = {each.element_hash(): i for i, each in enumerate(ca.vertsplit(self._v))}
-        found = [
-            -1 if each.is_zero() else known.get(each.element_hash(), -2) for each in ca.vertsplit(ca.densify(self._x))
-        ]
+        known = {each.element_hash(): i for i, each in enumerate(self._v.elements())}
+        entries_of_x = ca.densify(self._x).elements()
+        found = [-1 if each.is_zero() else known.get(each.element_hash(), -2) for each in entries_of_x]
         return None if -2 in found else np.array(found, dtype=np.int64)
 
     @cached_property

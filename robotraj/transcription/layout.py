@@ -220,7 +220,6 @@ def entries_of(phase: int, variables: Sequence[Variable]) -> list[Entry]:
 def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLayout:
     """Add the columns of a phase to the table, ordered by time, and say where they are."""
     dae = phase.dae
-    x, z, u = (entries_of(index, group) for group in (dae.states, dae.algebraic, dae.controls))
     t0 = _scalar(table, Entry(index, "start time", "", "s"), *((0.0, 0.0) if index == 0 else (0.0, np.inf)))
     duration = _scalar(table, Entry(index, "duration", "", "s"), *phase.duration_bounds)
     parameters = tuple(
@@ -232,15 +231,16 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     if whole is not None:
         schemes, breaks = (whole,), np.array([0.0, 1.0])
     lengths = breaks[1:] - breaks[:-1]
-    invariants = [Entry(index, "correction", v.label, v.unit) for v in dae.invariants]
     _check_holds(phase, schemes)
-    knots = [table.add(x, breaks[:1])]
+    knots = [table.add(entries_of(index, dae.states), breaks[:1])]
+    x, z, u = (table.numbers(entries_of(index, group)) for group in (dae.states, dae.algebraic, dae.controls))
+    invariants = table.numbers([Entry(index, "correction", v.label, v.unit) for v in dae.invariants])
     own_clocks = _clocks(breaks, index, table) if isinstance(mesh, MovingMesh) else None
     clock_lengths = lengths if own_clocks is None else np.ones(len(lengths))
     runs: list[Run] = []
     owners: list[Indices] = []
     places_before = 0
-    for which, scheme, join in _joins(schemes, own_clocks is not None, bool(u)):
+    for which, scheme, join in _joins(schemes, own_clocks is not None, bool(len(u))):
         nodes, sites = scheme.nodes, scheme.control_sites
         inner = np.flatnonzero((nodes > 0.0) & (nodes < 1.0))
         # What an interval of the run adds, in this order: controls, algebraic variables, inner states, the knot on its
@@ -257,7 +257,7 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
         sizes = [len(group) * len(where) for group, where in parts]
         ends = list(accumulate(sizes))
         fractions[:, ends[2] : ends[3]] = breaks[which + 1, None]
-        added = table.add_each([entry for group, where in parts for _ in where for entry in group], fractions)
+        added = table.add_each(np.concatenate([np.tile(group, len(where)) for group, where in parts]), fractions)
         controls, algebraic, inside, right, corrections = (
             added[:, end - size : end].reshape(len(which), len(where), len(group))
             for size, end, (group, where) in zip(sizes, ends, parts, strict=True)

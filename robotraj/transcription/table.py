@@ -112,8 +112,7 @@ class ScalarTable:
     ) -> Indices:
         """Add every entry at every fraction; return indices (len(fractions), len(entries))."""
         shape = (len(fractions), len(entries))
-        ids = np.array([self.entry(e) for e in entries], dtype=int)
-        self._meaning.append(np.tile(ids, shape[0]))
+        self._meaning.append(np.tile(self.numbers(entries), shape[0]))
         self._fraction.append(np.repeat(np.asarray(fractions, dtype=float), len(entries)))
         self._lower.append(np.full(shape, lower, dtype=float).ravel())
         self._upper.append(np.full(shape, upper, dtype=float).ravel())
@@ -121,10 +120,13 @@ class ScalarTable:
         self.count += shape[0] * shape[1]
         return np.arange(first, self.count).reshape(shape)
 
-    def add_each(self, entries: Sequence[Entry], fractions: Array) -> Indices:
-        """Add ``entries[j]`` at ``fractions[i, j]``, row after row, without bounds; return indices of that shape."""
-        ids = np.array([self.entry(e) for e in entries], dtype=int)
-        self._meaning.append(np.tile(ids, len(fractions)))
+    def numbers(self, entries: Sequence[Entry]) -> Indices:
+        """Return the numbers of entries."""
+        return np.array([self.entry(e) for e in entries], dtype=int)
+
+    def add_each(self, numbers: Indices, fractions: Array) -> Indices:
+        """Add entry ``numbers[j]`` at ``fractions[i, j]``, row after row, without bounds; return indices (i, j)."""
+        self._meaning.append(np.tile(numbers, len(fractions)))
         self._fraction.append(np.asarray(fractions, dtype=float).ravel())
         self._lower.append(np.full(fractions.size, -np.inf))
         self._upper.append(np.full(fractions.size, np.inf))
