@@ -334,8 +334,11 @@ def test_ctrl_c_ends_a_solve_that_calls_no_python(pendulum: Any) -> None:
         signal.signal(signal.SIGINT, before)
     assert outcome.status == "interrupted"
     assert outcome.iterations > 20
-    limited = program.solve(start, -BOUND, BOUND, {**endless, "max_iter": outcome.iterations})
-    assert np.array_equal(outcome.y, limited.y, equal_nan=True)
+    assert np.all(np.isfinite(outcome.y))
+    # Where it was is a matter of time; what is left behind is a program that solves as a new one does.
+    after, new = program.solve(start, -BOUND, BOUND), written.build().solve(start, -BOUND, BOUND)
+    assert after.status == new.status == "solved"
+    assert np.array_equal(after.y, new.y)
 
 
 def test_a_time_limit_ends_a_solve(pendulum: Any) -> None:
