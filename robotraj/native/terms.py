@@ -77,18 +77,21 @@ class Terms:
         Entries
             In column-major order.
         """
-        rows, columns, left, right = (np.concatenate(side).astype(np.int64) for side in zip(*sums, strict=True))
+        rows, columns, left, right = (np.concatenate(side) for side in zip(*sums, strict=True))
         key = columns * (rows.max(initial=0) + 1) + rows
-        present, which = np.unique(key, return_inverse=True)
-        first = np.zeros(len(present), dtype=np.int64)
-        first[which] = np.arange(len(key))
+        ranked = key.argsort(kind="stable")
+        fresh = np.ones(len(key), dtype=bool)
+        fresh[1:] = key[ranked[1:]] > key[ranked[:-1]]
+        first = ranked[fresh]
+        which = np.empty(len(key), dtype=np.int64)
+        which[ranked] = fresh.cumsum() - 1
         if full is None:
             made = entries(rows[first], columns[first], self.size)
         else:
             made = entries(np.arange(full), np.zeros(full, dtype=np.int64), self.size)
             which = rows
         self.size += len(made)
-        self._terms.append(np.stack([made.places[which.ravel()], left, right]))
+        self._terms.append(np.stack([made.places[which], left, right]))
         return made
 
     def product(self, a: Entries, b: Entries) -> Entries:

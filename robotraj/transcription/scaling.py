@@ -67,9 +67,10 @@ def row_magnitudes(blocks: Sequence[Block], linear: csr_array, scale: Array, w: 
         with np.errstate(invalid="ignore"):
             terms = np.where(reach > 0.0, np.abs(nonzeros) * reach, 0.0)
             outputs = np.zeros((block.count, stage.outputs))
-            by_row = np.argsort(rows, kind="stable")
-            present, first = np.unique(rows[by_row], return_index=True)
-            outputs[np.ix_(read, present)] = np.maximum.reduceat(terms[:, by_row], first, axis=1)
+            by_row = rows.argsort(kind="stable")
+            ranked = rows[by_row]
+            first = np.append(0, np.flatnonzero(ranked[1:] > ranked[:-1]) + 1)
+            outputs[read[:, None], ranked[first]] = np.maximum.reduceat(terms[:, by_row], first, axis=1)
             values = np.abs(block.scatter.data) * outputs.ravel()[block.scatter.indices]
         largest = np.maximum(largest, _largest(block.scatter, values))
     return largest
