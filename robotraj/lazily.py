@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import importlib
 import sys
 from collections.abc import Callable
@@ -34,12 +33,7 @@ def lazily(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]],
     """
     module = sys.modules[package]
     stub = Path(str(module.__file__)).with_suffix(".pyi")
-    homes = {
-        alias.name: str(node.module)
-        for node in ast.parse(stub.read_bytes()).body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-    }
+    homes = _homes(stub.read_text(encoding="utf-8"))
 
     def find(name: str) -> Any:
         if name in homes:
@@ -60,3 +54,16 @@ def lazily(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]],
 
     module.__class__ = _Package
     return find, names, sorted(homes)
+
+
+def _homes(stub: str) -> dict[str, str]:
+    """Find the module of every name in statements ``from module import name, name``, also over lines in parentheses.
+
+    Python's parser would take longer than all the rest of this file.
+    """
+    homes: dict[str, str] = {}
+    for statement in stub.split("\nfrom ")[1:]:
+        module, _, listed = statement.partition(" import ")
+        listed = listed[1:].partition(")")[0] if listed.startswith("(") else listed.partition("\n")[0]
+        homes |= {name.strip(): module for name in listed.split(",") if name.strip()}
+    return homes

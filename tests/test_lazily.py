@@ -35,6 +35,7 @@ PACKAGES = [
 ]
 
 HEAVY = (
+    "concurrent.futures",
     "importlib.metadata",
     "matplotlib",
     "meshcat",
@@ -42,6 +43,8 @@ HEAVY = (
     "numpy.polynomial",
     "rich",
     "scipy",
+    "subprocess",
+    "tempfile",
     "trimesh",
     "typer",
 )
