@@ -12,7 +12,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.guesses.pendulum import Pendulum, heights
-from robotraj.guesses.schedule import Schedule
+from robotraj.guesses.schedule import Schedule, Stand
 from robotraj.guesses.stance import Stance, standing
 from robotraj.guesses.swing import Swing, swings
 
@@ -83,42 +83,70 @@ class Footsteps:
     @cached_property
     def swings(self) -> dict[str, Swing]:
         """Where each foot is at every time."""
-        places = self.stance.locate(self.home)
         found = {}
         for contact in self.schedule.contacts:
             stands = self.schedule.stands(contact.name)
-            spots = [self._spot(contact.name, s.start, s.end, places) for s in stands]
-            found[contact.name] = swings(contact, stands, spots, places)
+            spots = [self._moved(stand) for stand in stands]
+            found[contact.name] = swings(contact, stands, spots, self._places)
         return found
 
-    def _spot(self, foot: str, start: float, end: float, places: Mapping[str, float]) -> dict[str, float]:
-        """Where a foot stands from one time to another: under its hip halfway."""
+    @cached_property
+    def _places(self) -> dict[str, float]:
+        """Anchors of all feet at home."""
+        return self.stance.locate(self.home)
+
+    def _spot(self, stand: Stand) -> dict[str, float]:
+        """Where a foot stands as if the walk were even: under its hip halfway."""
         whole = self.schedule.times[-1]
-        if np.isinf(start):
+        if np.isinf(stand.start):
             share = 0.0
-        elif np.isinf(end):
+        elif np.isinf(stand.end):
             share = 1.0
         else:
-            share = 0.5 * (start + end) / whole
-        own = {name: value for name, value in places.items() if name.rsplit(".", 1)[0] == foot}
+            share = 0.5 * (stand.start + stand.end) / whole
+        own = {name: value for name, value in self._places.items() if name.rsplit(".", 1)[0] == stand.foot}
         for k, axis in enumerate(self._plane):
-            name = f"{foot}.{axis}"
+            name = f"{stand.foot}.{axis}"
             if name in own:
                 begin, gain = self._way[axis]
                 own[name] += begin - float(self._mass[k]) + share * gain
         return own
 
-    @cached_property
-    def _shift(self) -> dict[str, float]:
-        """How far footholds that a phase fixes are from those found: the whole walk moves there."""
-        gaps: dict[str, list[float]] = {axis: [] for axis in self._plane}
+    def _moved(self, stand: Stand) -> dict[str, float]:
+        """Where a foot stands: where a phase says so, else as far from an even walk's as the walk is."""
+        spot = self._spot(stand)
+        for name in spot:
+            spot[name] += self._shift.get(name.rsplit(".", 1)[1], 0.0)
+        # What repeats stays even: the periods before and after it have no phases to say so.
+        return spot if self.schedule.repeat is not None else spot | self._said(stand)
+
+    def _said(self, stand: Stand) -> dict[str, float]:
+        """Anchors that phases fix while a foot stands."""
+        times = self.schedule.times
+        said = {}
         for i, phase in enumerate(self.problem.phases):
-            t = 0.5 * (self.schedule.times[i] + self.schedule.times[i + 1])
             bounds = phase.parameter_bounds
             for name, low, high in zip(phase.parameter_names, bounds.lower, bounds.upper, strict=True):
-                foot, _, axis = name.rpartition(".")
-                if foot in self.swings and axis in gaps and np.isfinite(low) and low == high:
-                    gaps[axis].append(float(low) - self.swings[foot].at(t)[name])
+                mine = name.rpartition(".")[0] == stand.foot and stand.start <= 0.5 * (times[i] + times[i + 1])
+                if mine and 0.5 * (times[i] + times[i + 1]) <= stand.end and np.isfinite(low) and low == high:
+                    said[name] = float(low)
+        return said
+
+    @cached_property
+    def _shift(self) -> dict[str, float]:
+        """How far footholds that phases fix are from an even walk's: all of it moves there, if its start is free."""
+        gaps: dict[str, list[float]] = {axis: [] for axis in self._plane}
+        first, names = self.problem.phases[0].start_bounds, list(self.stance.robot.position_names)
+        for stand in (stand for contact in self.schedule.contacts for stand in self.schedule.stands(contact.name)):
+            spot = self._spot(stand)
+            for name, value in self._said(stand).items():
+                axis = name.rsplit(".", 1)[1]
+                if axis in gaps and name in spot:
+                    gaps[axis].append(value - spot[name])
+        for axis in self._plane:
+            i = names.index(f"root_{axis}")
+            if first.lower[i] == first.upper[i]:
+                gaps[axis] = []
         return {axis: float(np.mean(values)) if values else 0.0 for axis, values in gaps.items()}
 
     def feet(self, t: float) -> tuple[dict[str, float], dict[str, float]]:
@@ -128,9 +156,6 @@ class Footsteps:
         for name, swing in self.swings.items():
             places |= swing.at(t)
             lifts[name] = swing.lift(t) * self._apex
-        for name in places:
-            axis = name.rsplit(".", 1)[1]
-            places[name] += self._shift.get(axis, 0.0)
         return places, lifts
 
     @cached_property
