@@ -52,6 +52,35 @@ def test_stances_run_through_periods(trot: rt.Problem) -> None:
     assert {c.name for c in schedule.contacts} == {"FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT"}
 
 
+def test_feet_go_where_phases_say() -> None:
+    robot = rt.load("solo12", root="floating")
+    every = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
+    q = gait.stand(robot, feet=every)
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    # Steps of different length: no even walk goes there.
+    steps = {"FR_FOOT": 0.02, "HL_FOOT": 0.07}
+    spots = {foot: float(data.oMf[robot.frame(foot)].translation[0]) + step for foot, step in steps.items()}
+
+    def phase(feet: tuple[str, ...], **more: object) -> rt.Phase:
+        return rt.Phase(robot, 0.2, contacts=[rt.PointContact(foot) for foot in feet], **more)
+
+    phases = [
+        phase(every, start=rt.State(q=q, v=0.0)),
+        phase(("FL_FOOT", "HR_FOOT")),
+        phase(every, parameters={f"{foot}.x": x for foot, x in spots.items()}),
+    ]
+    problem = rt.Problem(phases, [rt.Liftoff(0, 1), rt.Continuity(1, 2)])
+    guess = default_guess(problem).prepared(problem)
+    for i, share in ((1, 1.0), (2, 0.0), (2, 1.0)):
+        x = guess.of(phases[i], i).states(np.array([share]))[0]
+        pin.framesForwardKinematics(robot.model, data, x[: robot.nq])
+        for foot, place in spots.items():
+            assert data.oMf[robot.frame(foot)].translation[0] == pytest.approx(place, abs=1e-6)
+    first = guess.of(phases[0], 0).states(np.array([0.0]))[0]
+    np.testing.assert_allclose(first[: robot.nq], q, atol=1e-6)
+
+
 def test_feet_stand_and_swing(trot: rt.Problem) -> None:
     phase = trot.phases[0]
     guess = default_guess(trot).prepared(trot).of(phase, 0)
