@@ -3,7 +3,7 @@
 A variable is scaled by its bounds where both are finite, else by the guess; all its instances share the scale. What
 joints and contacts have of one unit, in all phases, share what the guess says too: an acceleration that is nearly zero
 in the guess need not stay small, and units of very different size, a thousandth of a radian beside hundreds, cost legs
-twice the iterations.
+twice the iterations. What the guess leaves at zero keeps SI units.
 Durations are scaled by the guess alone: bounds such as 0 to 200 s say little about a motion of 6 s, and a unit that
 large lets the first steps shrink the duration to nothing. A row is scaled by the largest gradient, in scaled
 variables, of its kind at the guess. Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
@@ -44,10 +44,11 @@ def variable_scale(variables: Scalars, guess: Array) -> Array:
 
 
 def _shared(entries: Sequence[Entry], sizes: Array) -> Array:
-    """Largest size among the entries that are alike, for each entry."""
-    families: dict[tuple[str, str] | int, list[int]] = {}
+    """Largest size among the entries that are alike, for each entry that the guess does not leave at zero."""
+    families: dict[tuple[str, str], list[int]] = {}
     for i, entry in enumerate(entries):
-        families.setdefault((entry.name, entry.unit) if entry.name in ALIKE and entry.unit else i, []).append(i)
+        if sizes[i] > 0 and entry.name in ALIKE and entry.unit:
+            families.setdefault((entry.name, entry.unit), []).append(i)
     out = sizes.copy()
     for members in families.values():
         out[members] = np.max(sizes[members])
