@@ -14,7 +14,7 @@ from robotraj.progress import watching
 from robotraj.schemes import Mesh
 from robotraj.solution import Solution
 from robotraj.solvers import Ipopt, Solver
-from robotraj.solvers.choice import solver_for
+from robotraj.solvers.choice import engine_for, solver_for
 from robotraj.solving import solve
 from robotraj.transcription.between import Exchange
 
@@ -52,9 +52,10 @@ def plan(
         By default ``rt.Fatrop()`` for robots on fixed roots whose every joint has a motor, ``rt.Ipopt()`` for all else
         and with ``engine=rt.Compiled()``.
     engine : Engine, optional
-        Evaluates the point functions: by default ``rt.Native()`` with ``rt.Fatrop()``, ``rt.VirtualMachine()`` with
-        ``rt.Ipopt()``. The former is many times faster, the numbers are the same to rounding, and neither needs a
-        compiler; ``rt.Compiled()`` keeps libraries of C for later plans.
+        Evaluates the point functions: by default ``rt.Native()`` with ``rt.Fatrop()`` and for robots with a
+        free-flyer, ``rt.VirtualMachine()`` with ``rt.Ipopt()`` for all else. The former is many times faster, the
+        numbers are the same to rounding, and neither needs a compiler; ``rt.Compiled()`` keeps libraries of C for later
+        plans.
     tolerance : float, optional
         Refine the mesh until the relative error between the knots (``refinement.interval_errors``) is below this and
         the objective has settled to it. Any scheme; those of low order, shooting with constant controls above all,
@@ -98,7 +99,7 @@ def plan(
     if not isinstance(solver, Solver):
         raise InputError(f"solver= must be a solver value such as rt.Ipopt(); got {solver!r}.")
     if engine is None:
-        engine = solver.default_engine()
+        engine = engine_for(problem, solver)
     if not isinstance(engine, Engine):
         raise InputError(f"engine= must be rt.VirtualMachine(), rt.Native() or rt.Compiled(); got {engine!r}.")
     if tolerance is not None and not 0 < tolerance < 1:
