@@ -48,7 +48,8 @@ def assemble(
     first, start = 1 + len(stand.joints), len(stand.positions)
     names = list(whole.names)[first:]
     q, reference_name = reference(about.model, about.srdf, root)
-    resting = inside(q, Limits.of(whole, root))
+    every = Limits.of(whole, root)
+    resting = inside(q, every)
     held = _locked(about, names, dict(zip(names, resting[start:], strict=True)), locked)
     ids = [i for i, joint in enumerate(names, start=first) if joint in held]
     if len(ids) == whole.njoints - 1:
@@ -71,7 +72,7 @@ def assemble(
         twin_note(twins),
         armature_note,
         dissipation_note(model),
-        locked_note(outside(at, Limits.of(whole, root), units(whole, root)), held),
+        locked_note(outside(at, every, units(whole, root)), held),
         neutral_note(outside(kept, wanted, units(model, root)), reference_name),
     )
     return {
