@@ -49,8 +49,8 @@ def plan(
     guess : Guess or Solution, optional
         A straight line by default; an earlier solution on any mesh and scheme warm starts.
     solver : Solver, optional
-        By default ``rt.Fatrop()`` for robots on fixed roots whose every joint has a motor, ``rt.Ipopt()`` for all else
-        and with ``engine=rt.Compiled()``.
+        By default ``rt.Fatrop()`` for robots on fixed roots whose every joint has a motor and for an ``rt.System`` that
+        has a control for every second state; ``rt.Ipopt()`` for all else and with ``engine=rt.Compiled()``.
     engine : Engine, optional
         Evaluates the point functions: by default ``rt.Native()`` with ``rt.Fatrop()`` and for robots with a
         free-flyer, ``rt.VirtualMachine()`` with ``rt.Ipopt()`` for all else. The former is many times faster, the
@@ -68,9 +68,9 @@ def plan(
         objectives. The last stage, the problem itself, is understood.
     between : Exchange, optional
         What holds rows on states and controls between the collocation points: ``rt.Exchange()`` imposes those on states
-        where a solution breaks them and solves again, the default with a tolerance and with ``rt.Ipopt()``;
-        ``rt.ConvexHull()`` holds limits of speeds and torques everywhere in one solve, and asks a little more than they
-        do, the default with ``rt.Fatrop()``.
+        where a solution breaks them and solves again, the default with a tolerance, with ``rt.Ipopt()`` and for
+        systems; ``rt.ConvexHull()`` holds limits of speeds and torques everywhere in one solve, and asks a little more
+        than they do, the default for robots with ``rt.Fatrop()``.
     check : bool
         Raise where no solution was found; else return it with its status.
     progress : bool, optional
@@ -105,8 +105,10 @@ def plan(
     if tolerance is not None and not 0 < tolerance < 1:
         raise InputError(f"tolerance= is a relative error between 0 and 1, such as 1e-6; got {tolerance}.")
     if between is None:
-        # A tolerance asks for the optimum itself: what a hull asks for beyond the limits would take finer meshes.
-        between = solver.default_between() if tolerance is None else Exchange()
+        # A tolerance asks for the optimum itself, and so do equations of one's own, which have no motors to spare: what
+        # a hull asks for beyond the limits would take finer meshes.
+        robots = all(phase.robot is not None for phase in problem.phases)
+        between = solver.default_between() if tolerance is None and robots else Exchange()
     if not isinstance(between, Exchange):
         raise InputError(f"between= must be rt.Exchange() or rt.ConvexHull(); got {between!r}.")
     with watching(solver, progress) as show:

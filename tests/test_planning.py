@@ -44,7 +44,7 @@ def cartpole() -> rt.Phase:
 
 
 def test_a_good_plan_is_solved_and_breaks_nothing() -> None:
-    solution = rt.plan(move())
+    solution = rt.plan(move(), solver=rt.Ipopt())
     assert solution.success and solution.status is rt.Status.SOLVED
     assert solution.violations() == ()
     assert solution.duration == solution.objective == pytest.approx(2 * np.sqrt(10), abs=1e-5)

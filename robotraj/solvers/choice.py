@@ -1,8 +1,9 @@
 """Which solver plans a problem, and what evaluates its point functions, where the user does not say.
 
-Measured on the cases of tests/ and benchmarks/: on robots whose every joint has a motor, arms above all, fatrop finds
-the optima that IPOPT finds, tens of times faster. Where motors are missing there are many optima, and from the same
-guess the two may find different ones; with contacts the stages are large. There IPOPT is the robust choice.
+Measured by benchmarks/solvers.py, each from the same guess: where there is a control for every second state, as on
+robots whose every joint has a motor, fatrop finds the optima that IPOPT finds, in half of the time and less. With fewer
+controls, problems have many optima and the two may find different ones, and with contacts fatrop stalls more often.
+There IPOPT is the robust choice; for many optima there is ``rt.multistart``, with fatrop.
 
 Engines give the same numbers to rounding, but plans with many optima can take another turn for less. Robots with a
 free-flyer, legs above all, have the largest graphs, and the compiled module takes two thirds off a solve's evaluation
@@ -14,7 +15,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from robotraj.constraints import IntegralConstraint
 from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.dynamics.system import SystemDynamics
 from robotraj.engines import Engine, Native
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.solvers.base import Solver
@@ -26,10 +29,10 @@ if TYPE_CHECKING:
 
 
 def solver_for(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> Solver:
-    """Give ``Fatrop()`` for collocation of fully actuated robots on fixed roots, ``Ipopt()`` for all else."""
+    """Give ``Fatrop()`` for collocated systems and fixed robots with all their controls, ``Ipopt()`` for all else."""
     meshes = [mesh] if isinstance(mesh, Mesh) else list(mesh)
     plain = not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.given)
-    return Fatrop() if plain and all(_has_all_motors(phase) for phase in problem.phases) else Ipopt()
+    return Fatrop() if plain and all(_has_all_controls(phase) for phase in problem.phases) else Ipopt()
 
 
 def engine_for(problem: Problem, solver: Solver) -> Engine:
@@ -38,14 +41,14 @@ def engine_for(problem: Problem, solver: Solver) -> Engine:
     return Native() if flies else solver.default_engine()
 
 
-def _has_all_motors(phase: Phase) -> bool:
+def _has_all_controls(phase: Phase) -> bool:
     body = phase.body
-    return (
-        isinstance(body, InverseRigidBody)
-        and body.robot.root == "fixed"
-        and len(body.controls) == body.robot.nv == body.robot.nq
-        and not body.invariants
-        # Costs with variables of their own, such as absolute power, have corners and many optima.
-        and phase.dae is body
-        and body.design is None
-    )
+    # Costs with variables of their own, such as absolute power, have corners and many optima.
+    if phase.dae is not body or body.invariants:
+        return False
+    if isinstance(body, InverseRigidBody):
+        fixed = body.robot.root == "fixed" and body.design is None
+        return fixed and len(body.controls) == body.robot.nv == body.robot.nq
+    # An integral over the phase, like a parameter, is carried through all stages and widens them.
+    narrow = not phase.parameter_names and not any(isinstance(c, IntegralConstraint) for c in phase.constraints)
+    return isinstance(body, SystemDynamics) and narrow and 2 * len(body.controls) >= len(body.states)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,6 +40,11 @@ STATUSES = {
     "interrupted": Status.INTERRUPTED,
     "stopped": Status.INTERRUPTED,
 }
+BARRIERS = (100.0, 10.0)
+"""fatrop's ``barrier_tol_factor``: how far the problem of one barrier is solved before the barrier falls.
+
+The first takes a quarter fewer iterations; where its line search fails, the second, fatrop's own, begins again from the
+guess."""
 WIDEST = 10_000
 """Variables times equalities of a stage from which on fatrop's fully pivoted elimination takes longer than IPOPT."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
@@ -66,7 +71,8 @@ class Fatrop(Solver):
         Solves what has no form in stages, such as shooting, and what fatrop gives up; the message says why. None
         refuses the former and leaves the latter.
     options : mapping
-        Any further options of fatrop by its own names; they win over the fields above.
+        Any further options of fatrop by its own names; they win over the fields above. With a ``barrier_tol_factor``
+        among them, a solve that stalls is not begun again with a smaller one.
     """
 
     tolerance: float = 1e-8
@@ -145,22 +151,31 @@ class Fatrop(Solver):
     ) -> Outcome:
         nlp, program = reduction.nlp, reduction.program
         ready = time.perf_counter()
-        found = native.solve(
-            reduction.start(nlp.guess),
-            program.lower,
-            program.upper,
-            self._options(),
-            callback=_report(progress),
-            time_limit=np.inf if self.time_limit is None else self.time_limit,
-            **_warm(multipliers, reduction),
-        )
-        ended = time.perf_counter()
-        status = STATUSES.get(found.status, Status.SOLVER_ERROR)
+        tried = []
+        for factor in BARRIERS:
+            left = np.inf if self.time_limit is None else ready + self.time_limit - time.perf_counter()
+            found = native.solve(
+                reduction.start(nlp.guess),
+                program.lower,
+                program.upper,
+                self._options(factor),
+                callback=_report(progress),
+                time_limit=left,
+                **_warm(multipliers, reduction),
+            )
+            tried.append(found)
+            status = STATUSES.get(found.status, Status.SOLVER_ERROR)
+            if status is not Status.STALLED or "barrier_tol_factor" in self.options:
+                break
+        spent = time.perf_counter() - ready
+        iterations = sum(each.iterations for each in tried)
         if status in UNSOLVED and self.fallback is not None:
-            return self._fall_back(nlp, progress, multipliers, f"fatrop ended with {found.status!r}")
-        parts = {f"solve: {name}": seconds for name, seconds in found.times.items() if name != "total"}
+            outcome = self._fall_back(nlp, progress, multipliers, f"fatrop ended with {found.status!r}")
+            times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent, "solve: fatrop": spent}
+            return replace(outcome, iterations=iterations + outcome.iterations, times=times)
+        parts = {f"solve: {name}": sum(each.times[name] for each in tried) for name in found.times if name != "total"}
         # Vectors, line search and residuals; what Python adds around the solve is nothing beside them.
-        parts["solve: steps"] = max(0.0, ended - ready - sum(parts.values()))
+        parts["solve: steps"] = max(0.0, spent - sum(parts.values()))
         y, lam = found.y, found.lam
         sizes = len(nlp.rows), len(nlp.variables)
         w = reduction.columns(y)
@@ -170,11 +185,11 @@ class Fatrop(Solver):
             f"fatrop: {found.status}" + (f" ({found.message})" if found.message else ""),
             w,
             LateMultipliers(lambda: Multipliers(*recover(reduction, y, lam)), sizes, origin),
-            found.iterations,
-            {"setup": ready - began, "solve": ended - ready, **parts},
+            iterations,
+            {"setup": ready - began, "solve": spent, **parts},
         )
 
-    def _options(self) -> dict[str, Any]:
+    def _options(self, barrier_tol_factor: float) -> dict[str, Any]:
         return {
             "tolerance": self.tolerance,
             "max_iter": self.max_iterations,
@@ -184,8 +199,9 @@ class Fatrop(Solver):
             "linsol_lu_fact_tol": 1e-10,
             # Bounds hold at the answer; fatrop's own relaxation (1e-8) shows in the eighth digit of minimum times.
             "bound_relax_factor": 1e-10,
-            # The barrier may fall before its own problem is solved to the last digit: a quarter fewer iterations.
-            "barrier_tol_factor": 100.0,
+            "barrier_tol_factor": barrier_tol_factor,
+            # At steps near rounding fatrop moves on without the multipliers' part, over and over, and never converges.
+            "tiny_step_tol": 0.0,
             **self.options,
         }
 

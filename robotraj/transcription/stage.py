@@ -153,7 +153,8 @@ def _spread(matrix: Symbols, pattern: Pattern) -> Symbols:
 
 def nonzeros(matrix: Symbols) -> Symbols:
     """Give the nonzeros of a matrix as a dense column."""
-    return ca.densify(matrix.nz[:]) if matrix.nnz() else type(matrix)(0, 1)
+    # Those of a row come as a row.
+    return ca.densify(ca.vec(matrix.nz[:])) if matrix.nnz() else type(matrix)(0, 1)
 
 
 def _pattern(sparsity: ca.Sparsity) -> Pattern:

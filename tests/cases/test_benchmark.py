@@ -5,9 +5,11 @@ from __future__ import annotations
 import pytest
 import yaml
 from cases import cases, line, markdown
-from problems.case import Case, run
+from problems.case import TOLERANCE, Case, run
 from problems.references import REFERENCES
 from problems.written import MORE, written
+
+import robotraj as rt
 
 EVERY = list(cases())
 FURTHER = {case.name: case for case in written(MORE)}
@@ -31,6 +33,15 @@ def test_a_quick_case_reaches_its_optimum(name: str) -> None:
     written_line = line(result)
     assert written_line[0] == name and written_line[-1] == "reached"
     assert markdown([written_line]).splitlines()[2] == f"| {' | '.join(written_line)} |"
+
+
+@pytest.mark.parametrize("name", ["brachistochrone", "biped, torso of the code", "sliding mass, 3 phases"])
+def test_fatrop_reaches_it_with_nothing_to_fall_back_on(name: str) -> None:
+    """The first stalls unless the problem of every barrier is solved better; guards of the second are linear rows."""
+    (case,) = (case for case in EVERY if case.name == name)
+    solver = rt.Fatrop(fallback=None)
+    solution = rt.plan(case.problem, guess=case.guess, tolerance=TOLERANCE, solver=solver)
+    assert solution.objective == pytest.approx(case.exact, rel=max(TOLERANCE, case.accuracy))
 
 
 def test_a_wrong_optimum_is_a_miss() -> None:

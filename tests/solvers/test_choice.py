@@ -2,10 +2,74 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import pytest
 
 import robotraj as rt
 from robotraj.solvers.choice import engine_for, solver_for
+
+
+def chain(states: int, controls: int, **options: object) -> rt.Problem:
+    """Integrators in a row, the last driven by all the controls."""
+    names = [f"x{i}" for i in range(states)]
+    inputs = [f"u{i}" for i in range(controls)]
+    system = rt.System(names, inputs, lambda p: [*(p.x[name] for name in names[1:]), sum(p.u[i] for i in inputs)])
+    ends = {"start": rt.State([0] * states), "end": rt.State([1] + [0] * (states - 1))}
+    return rt.Problem([rt.Phase(system, **({"duration": 1.0, "objective": rt.Effort()} | ends | options))])  # type: ignore[arg-type]
+
+
+def robot(name: str, **options: object) -> rt.Problem:
+    return rt.Problem([rt.Phase(rt.load(name, **options), duration=1.0, objective=rt.Effort())])  # type: ignore[arg-type]
+
+
+def test_a_control_for_every_second_state_is_enough_for_fatrop() -> None:
+    assert isinstance(solver_for(chain(1, 1), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(chain(2, 1), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(chain(4, 2), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(chain(3, 1), rt.Mesh()), rt.Ipopt)
+    assert isinstance(solver_for(robot("ur5"), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(robot("cartpole"), rt.Mesh()), rt.Ipopt)
+
+
+def test_every_phase_has_a_say() -> None:
+    (good,), (bad,) = chain(2, 1).phases, chain(3, 1).phases
+    assert isinstance(solver_for(rt.Problem([good, good]), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(rt.Problem([good, bad]), rt.Mesh()), rt.Ipopt)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"parameters": {"m": rt.between(1, 2)}},
+        {"constraints": [rt.IntegralConstraint(lambda p: p.x["x0"], upper=3.0)]},
+    ],
+    ids=["parameters", "integral"],
+)
+def test_what_widens_stages_is_for_ipopt(options: dict[str, object]) -> None:
+    assert isinstance(solver_for(chain(2, 1, **options), rt.Mesh()), rt.Ipopt)
+
+
+def test_what_has_no_stages_is_for_ipopt() -> None:
+    assert isinstance(solver_for(chain(2, 1), rt.Mesh(10, rt.MultipleShooting())), rt.Ipopt)
+    assert isinstance(solver_for(chain(2, 1), [rt.MovingMesh(5)]), rt.Ipopt)
+
+
+def test_a_system_reaches_the_optimum_of_its_mesh_and_keeps_nothing_from_its_bounds() -> None:
+    """A hull would ask for more than the bounds; for systems rows are imposed where a plan breaks them."""
+    system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
+    phase = rt.Phase(
+        system,
+        duration=(0.1, 20.0),
+        start=rt.State([0, 0]),
+        end=rt.State([10, 0]),
+        controls={"u": rt.between(-1, 1)},
+        objective=rt.Duration(),
+    )
+    mesh = rt.Mesh(20, rt.HermiteSimpson(control=rt.ConstantControl()))
+    plans = [rt.plan(phase, mesh, solver=solver) for solver in (None, rt.Ipopt())]
+    assert plans[0].message.startswith("fatrop")
+    assert plans[0].objective == pytest.approx(plans[1].objective, rel=1e-6)
+    assert plans[0].objective == pytest.approx(2 * float(ca.sqrt(10)), rel=1e-6)
 
 
 @pytest.mark.parametrize(

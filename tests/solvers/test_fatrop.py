@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -99,7 +100,10 @@ def test_bad_fields_are_named(field: str, value: float) -> None:
         rt.Fatrop(**{field: value})
 
 
-def test_the_default_is_fatrop_for_arms_and_ipopt_for_all_else() -> None:
-    assert "fatrop" in rt.plan(EVERY["arm"](), MESH, progress=False).message
-    assert "fatrop" not in rt.plan(EVERY["acrobot"](), MESH, progress=False).message
-    assert "fatrop" not in rt.plan(EVERY["pendulum"](), MESH, progress=False).message
+def test_multipliers_converge_where_steps_are_near_rounding() -> None:
+    system = rt.System(["q", "w"], ["u"], lambda p: [p.x["w"], p.u["u"] - 9.81 * ca.sin(p.x["q"])])
+    phase = rt.Phase(system, 1.5, rt.State([0, 0]), rt.State([np.pi, 0]), rt.Effort())
+    mesh = rt.Mesh(6, rt.Trapezoidal())
+    solution = rt.plan(phase, mesh, solver=rt.Fatrop(fallback=None), progress=False)
+    assert solution.iterations < 20
+    assert solution.objective == pytest.approx(rt.plan(phase, mesh, solver=rt.Ipopt()).objective, rel=1e-8)

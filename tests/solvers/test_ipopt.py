@@ -59,13 +59,13 @@ def test_its_answer_is_a_stationary_point_in_physical_units() -> None:
 
 
 def test_multipliers_of_the_same_mesh_restart_at_the_answer() -> None:
-    first = rt.plan(MOVE, rt.Mesh(20))
-    again = rt.plan(MOVE, rt.Mesh(20), guess=first)
+    first = rt.plan(MOVE, rt.Mesh(20), solver=rt.Ipopt())
+    again = rt.plan(MOVE, rt.Mesh(20), guess=first, solver=rt.Ipopt())
     assert again.iterations <= 2 < first.iterations
     assert again.objective == pytest.approx(first.objective, rel=1e-8)
 
 
 def test_bounds_hold_exactly_at_the_answer() -> None:
-    solution = rt.plan(MOVE, rt.Mesh(20))
+    solution = rt.plan(MOVE, rt.Mesh(20), solver=rt.Ipopt())
     u = np.concatenate(solution.phases[0].trajectory.u.values)
     assert u.max() <= 1.0 and u.min() >= -1.0

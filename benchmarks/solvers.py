@@ -1,0 +1,299 @@
+"""IPOPT and fatrop on every case and on the examples' first problems: `python benchmarks/solvers.py`.
+
+Each problem is planned twice, once with each solver, from the same guess, with the same mesh or tolerance and
+`between=rt.Exchange()`; fatrop has nothing to fall back on. Prints and writes solvers.md: which of them solved, which
+found the better optimum, and their processor seconds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import os
+import runpy
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import numpy as np
+from cases import cases
+from problems.case import TOLERANCE
+
+import robotraj as rt
+from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
+
+HERE = Path(__file__).resolve().parent
+EXAMPLES = sorted((HERE.parent / "examples").glob("[0-9]*.py"))
+UNIFORM = rt.Mesh(40)
+LARGEST = 6000
+"""Variables of the largest problem of an example that is tried."""
+LIMIT = 60.0
+"""Seconds that a solver has for one mesh."""
+MANY_OPTIMA = ("cartpole", "acrobot", "cartpole, URDF", "acrobot, URDF")
+STARTS = 20
+EQUAL = 1e-5
+"""Objectives that differ by no more than this share are the same optimum."""
+SOLVERS: dict[str, Solver] = {
+    "IPOPT": rt.Ipopt(time_limit=LIMIT),
+    "fatrop": rt.Fatrop(time_limit=LIMIT, threads=1, fallback=None),
+}
+
+
+@dataclass(frozen=True)
+class Task:
+    """A problem as both solvers get it.
+
+    Attributes
+    ----------
+    name, kind : str
+    problem : Problem or Phase
+    options : dict
+        Of ``rt.plan``.
+    exact : float
+        The known optimum; NaN where there is none.
+    """
+
+    name: str
+    kind: str
+    problem: rt.Problem | rt.Phase
+    options: dict[str, Any]
+    exact: float
+
+
+@dataclass
+class Timed(Solver):
+    """A solver whose processor seconds and iterations are added up, set-up included."""
+
+    inner: Solver
+    seconds: float = 0.0
+    iterations: int = 0
+
+    def default_engine(self) -> rt.Engine:
+        """Give the solver's own."""
+        return self.inner.default_engine()
+
+    def solve(self, nlp: rt.Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
+        """Solve and count."""
+        return self._counted(self.inner.solve, nlp, progress, multipliers)
+
+    def resolve(
+        self, nlp: rt.Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
+    ) -> Outcome:
+        """Solve again and count."""
+        return self._counted(self.inner.resolve, nlp, known, progress, multipliers)
+
+    def _counted(self, solve: Any, *arguments: Any) -> Outcome:
+        began = time.process_time()
+        try:
+            outcome: Outcome = solve(*arguments)
+        finally:
+            self.seconds += time.process_time() - began
+        self.iterations += outcome.iterations
+        return outcome
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one solver made of one task; ``objective`` is infinite where it did not solve it."""
+
+    status: str
+    objective: float
+    iterations: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Line:
+    """A task and both runs."""
+
+    task: Task
+    runs: dict[str, Run] = field(default_factory=dict)
+
+    @property
+    def better(self) -> str:
+        """Who solved it, or solved it to the lower optimum: a solver's name, "same" or "none"."""
+        ipopt, fatrop = (self.runs[name].objective for name in SOLVERS)
+        if not np.isfinite([ipopt, fatrop]).any():
+            return "none"
+        if abs(ipopt - fatrop) <= EQUAL * (1 + min(abs(ipopt), abs(fatrop))):
+            return "same"
+        return "IPOPT" if ipopt < fatrop else "fatrop"
+
+
+class _Planned(Exception):
+    """Carries what an example would plan first."""
+
+    def __init__(self, problem: rt.Problem | rt.Phase, options: dict[str, Any]) -> None:
+        self.problem, self.options = problem, options
+
+
+def first_plan(example: Path) -> tuple[rt.Problem | rt.Phase, dict[str, Any]] | None:
+    """Run an example until it plans, and give what; None where it does not call ``rt.plan`` or ``rt.multistart``."""
+
+    def plan(problem: Any, mesh: Any = None, guess: Any = None, *_: Any, **options: Any) -> None:
+        kept = {k: v for k, v in options.items() if k in ("mesh", "guess", "tolerance", "refinement", "stages")}
+        given = {k: v for k, v in (("mesh", mesh), ("guess", guess)) if v is not None}
+        raise _Planned(problem, given | kept)
+
+    def multistart(problem: Any, *_: Any, **options: Any) -> None:
+        plan(problem, **options)
+
+    with mock.patch.object(rt, "plan", plan), mock.patch.object(rt, "multistart", multistart):
+        try:
+            runpy.run_path(str(example), run_name="__main__")
+        except _Planned as planned:
+            return planned.problem, planned.options
+    return None
+
+
+def kind_of(problem: rt.Problem | rt.Phase) -> str:
+    """Say which class of the default's choice a problem belongs to: "fewer controls" than every second state."""
+    phases = (problem,) if isinstance(problem, rt.Phase) else problem.phases
+    kinds = set()
+    for phase in phases:
+        robot = phase.robot
+        if robot is None:
+            few = 2 * len(phase.body.controls) < len(phase.body.states)
+            kinds.add(("DAE" if phase.dae.algebraic else "ODE") + (", fewer controls" if few else ""))
+        elif phase.contacts or robot.root != "fixed":
+            kinds.add("legs")
+        else:
+            kinds.add("arm" if robot.nu == robot.nv else "robot without all motors")
+    return ", ".join(sorted(kinds)) + (f", {len(phases)} phases" if len(phases) > 1 else "")
+
+
+def tasks() -> Iterator[Task]:
+    """Every case to the tolerance and on a uniform mesh, then the examples' first problems."""
+    for case in cases():
+        kind = kind_of(case.problem)
+        adaptive = {"guess": case.guess, "tolerance": TOLERANCE}
+        yield Task(case.name, kind, case.problem, adaptive, case.exact)
+        yield Task(f"{case.name}, uniform", kind, case.problem, {"guess": case.guess, "mesh": UNIFORM}, case.exact)
+    for example in EXAMPLES:
+        planned = first_plan(example)
+        if planned is not None:
+            problem, options = planned
+            posed = rt.Problem([problem]) if isinstance(problem, rt.Phase) else problem
+            if len(rt.transcribe(posed, options.get("mesh") or rt.Mesh()).variables) <= LARGEST:
+                yield Task(f"example {example.stem}", kind_of(posed), posed, options, float("nan"))
+
+
+def run(task: Task, solver: Solver) -> Run:
+    """Plan a task with a solver."""
+    timed = Timed(solver)
+    try:
+        solution = rt.plan(
+            task.problem, solver=timed, between=rt.Exchange(), check=False, progress=False, **task.options
+        )
+    except rt.InputError as error:
+        return Run("no stages" if "stages" in str(error) else "refused", float("inf"), 0, timed.seconds)
+    objective = solution.objective if solution.success else float("inf")
+    return Run(solution.status.value, objective, timed.iterations, timed.seconds)
+
+
+def cells(line: Line) -> str:
+    """Format a row of the table."""
+    exact = line.task.exact
+    parts = [line.task.name, line.task.kind, "" if np.isnan(exact) else f"{exact:.9g}"]
+    for each in line.runs.values():
+        cost = f"{each.objective:.9g}" if np.isfinite(each.objective) else each.status
+        parts += [cost, str(each.iterations), f"{each.seconds:.3f}"]
+    return f"| {' | '.join([*parts, line.better])} |"
+
+
+def counts(lines: list[Line]) -> list[str]:
+    """Count, by kind of problem, who solved what and at which price."""
+    rows = [
+        "| kind | problems | IPOPT solved | fatrop solved | IPOPT better | fatrop better "
+        "| fatrop's seconds over IPOPT's, median |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for kind in [*sorted({line.task.kind for line in lines}), "all"]:
+        mine = [line for line in lines if kind in (line.task.kind, "all")]
+        solved = [sum(np.isfinite(line.runs[name].objective) for line in mine) for name in SOLVERS]
+        better = Counter(line.better for line in mine)
+        both = [line for line in mine if all(np.isfinite(each.objective) for each in line.runs.values())]
+        ratios = [line.runs["fatrop"].seconds / max(line.runs["IPOPT"].seconds, 1e-3) for line in both]
+        ratio = f"{np.median(ratios):.2f}" if ratios else ""
+        rows.append(
+            f"| {kind} | {len(mine)} | {solved[0]} | {solved[1]} | {better['IPOPT']} | {better['fatrop']} | {ratio} |"
+        )
+    return rows
+
+
+def searched() -> list[str]:
+    """Plan problems with many optima from perturbed guesses with each solver."""
+    rows = [
+        "| problem | solver | solved | lowest objective | median | processor [s] |",
+        "|---|---|---|---|---|---|",
+    ]
+    for case in cases():
+        if case.name not in MANY_OPTIMA:
+            continue
+        for name, solver in SOLVERS.items():
+            began = time.process_time()
+            with ThreadPoolExecutor(1) as here:
+                found = rt.multistart(
+                    case.problem, STARTS, executor=here, guess=case.guess, mesh=UNIFORM, solver=solver
+                )
+            spent = time.process_time() - began
+            costs = [optimum.objective for optimum in found.optima for _ in optimum.starts]
+            rows.append(
+                f"| {case.name} | {name} | {len(costs)} | {min(costs):.2f} | {np.median(costs):.2f} | {spent:.2f} |"
+            )
+            print(rows[-1], flush=True)
+    return rows
+
+
+def write(lines: list[Line], more: list[str]) -> None:
+    """Write the tables beside this file."""
+    head = " | ".join(f"{name} | iterations | processor [s]" for name in SOLVERS)
+    text = [
+        "# IPOPT and fatrop",
+        "",
+        f"`python benchmarks/solvers.py`, {datetime.date.today().isoformat()}. The same guess, mesh or tolerance "
+        f"({TOLERANCE:g}) and `between=rt.Exchange()` for both, each with its own engine, one thread, fatrop without "
+        f"anything to fall back on, {LIMIT:.0f} s a mesh. Processor seconds inside the solver, set-up included. "
+        f"*uniform*: {UNIFORM.count} intervals of Hermite-Simpson; examples: their first plan, where it has at "
+        f"most {LARGEST} variables. Objectives within {EQUAL:g} are the same optimum.",
+        "",
+        *counts(lines),
+        "",
+        f"Fewer controls than every second state, {STARTS} starts (`rt.multistart`, seed 0) on the uniform mesh:",
+        "",
+        *more,
+        "",
+        f"| problem | kind | known optimum | {head} | better |",
+        "|" + "---|" * (4 + 3 * len(SOLVERS)),
+        *map(cells, lines),
+    ]
+    (HERE / "solvers.md").write_text("\n".join(text) + "\n")
+
+
+def main() -> None:
+    """Run the problems named on the command line, or all."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", help="problems whose names contain one of these; all by default")
+    asked = parser.parse_args()
+    lines = []
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        for task in tasks():
+            if asked.names and not any(name in task.name for name in asked.names):
+                continue
+            line = Line(task, {name: run(task, solver) for name, solver in SOLVERS.items()})
+            print(cells(line), flush=True)
+            lines.append(line)
+    print("\n".join(counts(lines)))
+    if not asked.names:
+        write(lines, searched())
+
+
+if __name__ == "__main__":
+    main()
