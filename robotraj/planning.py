@@ -69,8 +69,8 @@ def plan(
     between : Exchange, optional
         What holds rows on states and controls between the collocation points: ``rt.Exchange()`` imposes those on states
         where a solution breaks them and solves again, the default with a tolerance, with ``rt.Ipopt()`` and for
-        systems; ``rt.ConvexHull()`` holds limits of speeds and torques everywhere in one solve, and asks a little more
-        than they do, the default for robots with ``rt.Fatrop()``.
+        systems; ``rt.ConvexHull()`` holds limits of speeds everywhere in one solve, and asks a little more than they
+        do, the default for robots with ``rt.Fatrop()``; ``rt.ConvexHull(controls=True)`` holds torques so too.
     check : bool
         Raise where no solution was found; else return it with its status.
     progress : bool, optional

@@ -98,7 +98,7 @@ class Fatrop(Solver):
         return Native()
 
     def default_between(self) -> Exchange:
-        """Hold speeds and torques everywhere in one solve: rows of stages are cheap, further solves are not."""
+        """Hold speeds everywhere in one solve: rows of stages are cheap, further solves are not."""
         return ConvexHull()
 
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:

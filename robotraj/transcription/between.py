@@ -53,29 +53,41 @@ class Exchange:
 
 @dataclass(frozen=True)
 class ConvexHull(Exchange):
-    """Impose bounds of controls, velocities and all other states whose rates are unknowns on Bernstein coefficients.
+    """Impose bounds of velocities, and of all other states whose rates are unknowns, on Bernstein coefficients.
 
+    What is left, rows on positions and expressions of the state, is dealt with as in ``Exchange``.
+
+    Parameters
+    ----------
+    tolerance, rounds
+        See ``Exchange``.
+    controls : bool
+        Impose bounds of controls so too. Off, they hold at the sites of the scheme, as its published optima have them.
+
+    Notes
+    -----
     The parabola of a torque through tau_0, tau_m, tau_1 of a Hermite-Simpson interval has the coefficients tau_0,
-    2 tau_m - (tau_0 + tau_1) / 2, tau_1: where a torque switches from one limit to the other, it would bulge a quarter
-    of the limit beyond it otherwise. Linear and constant controls lie between their values without further rows.
+    2 tau_m - (tau_0 + tau_1) / 2, tau_1: where a torque switches from one limit to the other, it bulges up to a quarter
+    of the limit beyond it. With ``controls=True`` it does not, and needs the time of an interval to switch. Linear and
+    constant controls lie between their values without further rows.
 
     What is held is the plan: the polynomials of the solution, which are what is replayed and what a robot is sent. The
     torque that the motion (q, v, a)(t) would need by inverse dynamics is the planned one at collocation points alone.
     Where torques switch, the two differ by 2 % of the limit in single intervals (panda in minimum time, 50 to 200
     intervals; 0.1 % with 400), which is the collocation error that ``tolerance=`` and ``rt.validate`` speak of.
-
-    What is left, rows on positions and expressions of the state, is dealt with as in ``Exchange``.
     """
 
+    controls: bool = False
+
     def covers(self, phase: Phase) -> frozenset[str]:
-        """Give all controls and, in phases without invariants, states whose rates read z or u directly."""
-        known = _COVERED.get(phase)
-        if known is None:
-            known = _COVERED[phase] = frozenset(u.name for u in phase.dae.controls) | _driven(phase)
-        return known
+        """Give controls where asked for and, in phases without invariants, states whose rates read z or u directly."""
+        driven = _DRIVEN.get(phase)
+        if driven is None:
+            driven = _DRIVEN[phase] = _driven(phase)
+        return driven | {u.name for u in phase.dae.controls} if self.controls else driven
 
 
-_COVERED: WeakKeyDictionary[Phase, frozenset[str]] = WeakKeyDictionary()
+_DRIVEN: WeakKeyDictionary[Phase, frozenset[str]] = WeakKeyDictionary()
 
 
 def _driven(phase: Phase) -> frozenset[str]:

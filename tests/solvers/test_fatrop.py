@@ -13,7 +13,9 @@ MESH = rt.Mesh(8)
 SAME = [name for name in EVERY if name != "step"]
 
 
-@pytest.mark.parametrize("between", [rt.Exchange(rounds=0), rt.ConvexHull(rounds=0)], ids=["plain", "hull"])
+@pytest.mark.parametrize(
+    "between", [rt.Exchange(rounds=0), rt.ConvexHull(rounds=0, controls=True)], ids=["plain", "hull"]
+)
 @pytest.mark.parametrize("name", SAME)
 def test_fatrop_finds_the_optimum_of_ipopt_and_its_multipliers_prove_it(name: str, between: rt.Exchange) -> None:
     fatrop, ipopt = (

@@ -23,7 +23,7 @@ MESHES = {
     "Lobatto": rt.Mesh(2, rt.LobattoIIIA(4)),
 }
 PAIRS = [(p, m) for p in EVERY for m in MESHES if not (p == "step" and m == "Gauss")]
-PLAIN, HULL = rt.Exchange(), rt.ConvexHull()
+PLAIN, HULL = rt.Exchange(), rt.ConvexHull(controls=True)
 CASES = [
     *((p, m, PLAIN) for p, m in PAIRS),
     *((p, m, HULL) for p, m in PAIRS if p in ("hurried arm", "acrobot", "two phases", "step")),

@@ -32,6 +32,7 @@ SCHEMES: dict[str, Scheme] = {
     "Gauss 3": rt.GaussLegendre(3),
 }
 LOWER, UPPER = -1.0, 0.6
+HULL = rt.ConvexHull(controls=True)
 
 
 def drive(**more: Any) -> rt.Problem:
@@ -100,17 +101,24 @@ def test_the_parabola_of_hermite_simpson_has_the_published_coefficient() -> None
 def test_linear_and_constant_controls_need_no_rows(control: Any) -> None:
     plain, hull = (
         rt.transcribe(drive(), rt.Mesh(4, rt.HermiteSimpson(control=control)), between=between)
-        for between in (rt.Exchange(), rt.ConvexHull())
+        for between in (rt.Exchange(), HULL)
     )
     assert "u" not in {entry.label for nlp in (plain, hull) for entry in nlp.rows.entries}
     controls = np.unique(np.concatenate([i.controls.ravel() for i in hull.layouts[0].intervals]))
     assert np.all(hull.variables.upper[controls] == UPPER)
 
 
+def test_controls_have_rows_where_asked_for_alone() -> None:
+    """Without, the optimum of a scheme is the published one; states are held either way."""
+    held, plain = (rt.transcribe(drive(), rt.Mesh(4), between=b) for b in (HULL, rt.ConvexHull()))
+    bounded = [{str(entry) for entry in nlp.rows.entries if "bound" in str(entry)} for nlp in (held, plain)]
+    assert bounded == [{"state bound, v", "control bound, u"}, {"state bound, v"}]
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_controls_hold_everywhere_bulge_without_and_the_time_hardly_grows(scheme: str) -> None:
     mesh = rt.Mesh(13, SCHEMES[scheme])
-    held, free = (planned(drive(), mesh, between) for between in (rt.ConvexHull(), rt.Exchange(rounds=0)))
+    held, free = (planned(drive(), mesh, between) for between in (HULL, rt.Exchange(rounds=0)))
     assert largest_excess(held) < 1e-6
     # A single Gauss point leaves nothing to bulge.
     assert scheme == "Gauss 1" or largest_excess(free) > 0.05 * UPPER
@@ -119,9 +127,7 @@ def test_controls_hold_everywhere_bulge_without_and_the_time_hardly_grows(scheme
 
 @pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
 def test_fatrop_and_ipopt_find_the_same_optimum(scheme: Scheme) -> None:
-    fatrop, ipopt = (
-        planned(drive(), rt.Mesh(9, scheme), rt.ConvexHull(), solver) for solver in (None, rt.Ipopt(tolerance=1e-10))
-    )
+    fatrop, ipopt = (planned(drive(), rt.Mesh(9, scheme), HULL, solver) for solver in (None, rt.Ipopt(tolerance=1e-10)))
     assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
 
 
@@ -137,14 +143,14 @@ def test_fatrop_and_ipopt_find_the_same_optimum(scheme: Scheme) -> None:
     ids=["two phases", "moving mesh", "compressed", "mixed schemes", "single shooting"],
 )
 def test_controls_hold_on_every_kind_of_mesh(problem: rt.Problem, mesh: rt.Mesh, solver: Solver | None) -> None:
-    assert largest_excess(planned(problem, mesh, rt.ConvexHull(), solver)) < 1e-6
+    assert largest_excess(planned(problem, mesh, HULL, solver)) < 1e-6
 
 
 def test_torques_of_an_arm_hold_in_minimum_time_by_both_solvers() -> None:
     mesh, problem = rt.Mesh(12), hurried_arm()
     joints = [control.name for control in problem.phases[0].dae.controls]
     fatrop, ipopt = (
-        rt.plan(problem, mesh, solver=solver, between=rt.ConvexHull(), progress=False)
+        rt.plan(problem, mesh, solver=solver, between=HULL, progress=False)
         for solver in (rt.Fatrop(fallback=None), rt.Ipopt(tolerance=1e-9))
     )
     assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
@@ -157,7 +163,7 @@ def test_torques_of_an_arm_hold_in_minimum_time_by_both_solvers() -> None:
 
 @pytest.mark.parametrize("scheme", ["Hermite-Simpson", "Radau 2", "Gauss 2", "fifth degree"])
 def test_derivatives_of_the_rows(scheme: str) -> None:
-    nlp = rt.transcribe(stop_and_go(), rt.Mesh(2, SCHEMES[scheme]), between=rt.ConvexHull())
+    nlp = rt.transcribe(stop_and_go(), rt.Mesh(2, SCHEMES[scheme]), between=HULL)
     w, multipliers = somewhere(nlp)
     assert_close(nlp.jacobian(w).toarray(), differences(nlp.values, w, nlp.scale))
 
@@ -168,7 +174,7 @@ def test_derivatives_of_the_rows(scheme: str) -> None:
 
 
 def test_a_bulge_is_named_with_its_control_and_time() -> None:
-    nlp = rt.transcribe(drive(duration=4.0), rt.Mesh(4), between=rt.ConvexHull())
+    nlp = rt.transcribe(drive(duration=4.0), rt.Mesh(4), between=HULL)
     w = np.zeros(len(nlp.variables))
     # Knots at the limit, 0.1 above it in the middle of the third interval: the coefficient is 0.2 above.
     for interval in nlp.layouts[0].intervals:
@@ -179,9 +185,9 @@ def test_a_bulge_is_named_with_its_control_and_time() -> None:
 
 
 def test_bounds_that_fix_a_control_or_leave_it_free_are_no_rows() -> None:
-    fixed = rt.transcribe(drive(controls={"u": rt.between(0.5, 0.5)}, end=None), rt.Mesh(3), between=rt.ConvexHull())
-    free = rt.transcribe(drive(controls={}), rt.Mesh(3), between=rt.ConvexHull())
-    upper = rt.transcribe(drive(controls={"u": rt.between(None, 0.5)}), rt.Mesh(3), between=rt.ConvexHull())
+    fixed = rt.transcribe(drive(controls={"u": rt.between(0.5, 0.5)}, end=None), rt.Mesh(3), between=HULL)
+    free = rt.transcribe(drive(controls={}), rt.Mesh(3), between=HULL)
+    upper = rt.transcribe(drive(controls={"u": rt.between(None, 0.5)}), rt.Mesh(3), between=HULL)
     for nlp, rows in ((fixed, 0), (free, 0), (upper, 3)):
         labels = [nlp.rows.entries[meaning].label for meaning in nlp.rows.meaning]
         assert labels.count("u") == rows
@@ -198,7 +204,8 @@ def test_the_panda_moves_in_minimum_time_within_its_limits() -> None:
         end=rt.State(q=[1.5, 0.5, -0.5, -1.2, 0.6, 2.2, -0.8], v=0),
         objective=rt.Duration(),
     )
-    solution = rt.plan(phase, rt.Mesh.chebyshev(100, rt.RadauIIA(2)), solver=rt.Fatrop(fallback=None), progress=False)
+    mesh, solver = rt.Mesh.chebyshev(100, rt.RadauIIA(2)), rt.Fatrop(fallback=None)
+    solution = rt.plan(phase, mesh, solver=solver, between=HULL, progress=False)
     assert solution.objective == pytest.approx(0.692778, rel=1e-4)
     assert largest_excess(solution, [control.name for control in phase.dae.controls]) < 1e-5
     assert phase.robot is not None
@@ -210,5 +217,5 @@ def test_the_panda_moves_in_minimum_time_within_its_limits() -> None:
 
 def test_a_block_switches_within_one_interval_at_most_an_interval_late() -> None:
     """The optimum is 2 sqrt(10) s: a parabola that may not bulge takes a few thousandths longer on 20 intervals."""
-    solution = planned(block(), rt.Mesh(20), rt.ConvexHull())
+    solution = planned(block(), rt.Mesh(20), HULL)
     assert 2 * np.sqrt(10) < solution.objective < 2 * np.sqrt(10) * 1.005

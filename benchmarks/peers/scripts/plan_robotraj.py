@@ -33,8 +33,8 @@ USED = (
 
 AWAY = -0.05
 """How far every joint of another goal is [rad, m]."""
-SETTINGS: dict[str, dict[str, Any]] = {"Fatrop": {"threads": 1}}
-"""One thread, as all the others have."""
+SETTINGS: dict[str, dict[str, Any]] = {"Fatrop": {"threads": 1}, "ConvexHull": {"controls": True}}
+"""One thread, as all the others have; limits of torques held everywhere, as those of speeds."""
 SEED = 0
 """Of the starts; benchmarks/starts.py tells what others find."""
 
