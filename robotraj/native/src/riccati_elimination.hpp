@@ -101,7 +101,7 @@ void eliminate(int gamma, double tolerance, RiccatiMemory& memory, StageFactor& 
 
   // K = U^-1 times the other columns.
   const int ny = n - rank, ldy = padded(ny);
-  double *a = memory.first, *negative = memory.second;
+  double* a = memory.first;
   for (int t = rank - 1; t >= 0; --t) {
     double* row = parts.k_matrix + t * ldy;
     copy_padded(c + t * ld + rank, ny, row);
@@ -118,9 +118,8 @@ void eliminate(int gamma, double tolerance, RiccatiMemory& memory, StageFactor& 
   }
   clear(memory.reduced, ldy * ldy);
   for (int j = 0; j < ny; ++j) copy(m + (rank + j) * ld + rank, ny, memory.reduced + j * ldy);
-  for (int i = 0; i < rank * ldy; ++i) negative[i] = -parts.k_matrix[i];
-  add_products(memory.reduced, ldy, a, negative, rank);
-  add_products(memory.reduced, ldy, negative, parts.s_matrix, rank);
+  add_products<true>(memory.reduced, ldy, a, parts.k_matrix, rank);
+  add_products<true>(memory.reduced, ldy, parts.k_matrix, parts.s_matrix, rank);
 }
 
 /// The elimination of a right-hand side: c of the constraints (changed), m of the gradient (permuted; y from `rank` on).

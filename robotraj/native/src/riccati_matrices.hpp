@@ -6,6 +6,12 @@
 namespace robotraj::native {
 namespace {
 
+ROBOTRAJ_INLINE void invert(const double* x, int n, double* out) {
+  int i = 0;
+  for (; i + kStep <= n; i += kStep) store(out + i, 1.0 / load(x + i));
+  for (; i < n; ++i) out[i] = 1.0 / x[i];
+}
+
 /// M += sum_r weight_r rows_r' rows_r, in the lower triangle.
 void add_weighted(const RowsView& rows, const double* weight, int ld, double* m, double* scaled) {
   const double* value = rows.values;
@@ -38,9 +44,8 @@ void add_cost_to_go(const StageView& stage, int ld, RiccatiMemory& memory) {
   for (int r = 0; r < rows.thin_count; ++r)
     for (int e = rows.starts[r]; e < rows.starts[r + 1]; ++e)
       add(0, ldp, thin[e], p + rows.thin[r] * ldp, by_columns + rows.columns[e] * ldp);
-  clear(by_rows, stage.next * ld);
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < stage.next; ++i) by_rows[i * ld + j] = by_columns[j * ldp + i];
+  clear(by_columns + n * ldp, (ld - n) * ldp);
+  transpose(by_columns, ldp, ld, by_rows, ld);
   for (int r = 0; r < rows.wide_count; ++r) copy(by_rows + rows.wide[r] * ld, ld, by_columns + r * ld);
   add_products(m, ld, by_columns, rows.values, rows.wide_count);
   for (int r = 0; r < rows.thin_count; ++r)
@@ -85,15 +90,15 @@ bool cholesky(double* m, int ld, int nb, double tolerance, double* l, double* di
 /// memory.cost = M_xx - L_xu L_xu', full and symmetric; M has ld rows, x from nb on. Its trapezoid goes to `kept`.
 void reduce_cost(const double* m, int ld, int nb, int nx, RiccatiMemory& memory, double* kept) {
   const int ldp = padded(nx);
-  double *p = memory.cost, *rows = memory.first, *negative = memory.second;
-  clear(p, ldp * ldp);
-  for (int j = 0; j < nx; ++j)
-    for (int i = j; i < nx; ++i) p[j * ldp + i] = m[(nb + j) * ld + nb + i];
-  for (int k = 0; k < nb; ++k) {
-    for (int i = 0; i < nx; ++i) negative[k * ldp + i] = -(rows[k * ldp + i] = m[k * ld + nb + i]);
-    for (int i = nx; i < ldp; ++i) negative[k * ldp + i] = rows[k * ldp + i] = 0.0;
-  }
-  add_products(p, ldp, rows, negative, nb);
+  double *p = memory.cost, *rows = memory.first;
+  // What is copied beyond the last row belongs to the next column.
+  const auto take = [=](const double* from, double* to, int first) {
+    for (int i = first; i < ldp; i += kStep) store(to + i, load(from + i));
+    for (int i = nx; i < ldp; ++i) to[i] = 0.0;
+  };
+  for (int j = 0; j < nx; ++j) take(m + (nb + j) * ld + nb, p + j * ldp, j / kBlock * kBlock);
+  for (int k = 0; k < nb; ++k) take(m + k * ld + nb, rows + k * ldp, 0);
+  add_products<true>(p, ldp, rows, rows, nb);
   for (int j = 0; j < nx; ++j) {
     double* column = kept + column_of(j, ldp);
     for (int i = j / kBlock * kBlock; i < j; ++i) column[i] = 0.0;
@@ -128,17 +133,16 @@ Pivots factorise_stage(const StageView& stage, const StageVectors& vectors, cons
                        const RiccatiOptions& options, RiccatiMemory& memory, StageFactor& factor) {
   const int n = stage.nu + stage.nx, ld = padded(n);
   double *m = memory.matrix, *weights = memory.vector;
-  clear(m, ld * ld);
   for (int j = 0; j < n; ++j) {
     const double* column = stage.hessian + column_of(j, ld);
     for (int i = j / kBlock * kBlock; i < ld; i += kStep) store(m + j * ld + i, load(column + i));
     m[j * ld + j] += vectors.dx[j];
   }
   if (next) add_cost_to_go(stage, ld, memory);
-  for (int i = 0; i < stage.inequality_count; ++i) weights[i] = 1.0 / vectors.ds[i];
+  invert(vectors.ds, stage.inequality_count, weights);
   add_weighted(stage.inequalities, weights, ld, m, memory.first);
   if (vectors.de) {
-    for (int i = 0; i < stage.equality_count; ++i) weights[i] = 1.0 / vectors.de[i];
+    invert(vectors.de, stage.equality_count, weights);
     add_weighted(stage.equalities, weights, ld, m, memory.first);
     return divide(0, options, memory, factor);
   }

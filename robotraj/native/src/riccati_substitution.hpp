@@ -33,10 +33,10 @@ void backward_stage(const StageView& stage, const StageVectors& vectors, const S
     add_symmetric(next->cost, stage.next, b, slope);
     add_transposed(stage.dynamics, ld, slope, m);
   }
-  for (int i = 0; i < stage.inequality_count; ++i) weighted[i] = vectors.inequalities[i] / vectors.ds[i];
+  divide_by(vectors.inequalities, vectors.ds, stage.inequality_count, weighted);
   add_transposed(stage.inequalities, ld, weighted, m);
   if (vectors.de) {
-    for (int i = 0; i < stage.equality_count; ++i) weighted[i] = vectors.equalities[i] / vectors.de[i];
+    divide_by(vectors.equalities, vectors.de, stage.equality_count, weighted);
     add_transposed(stage.equalities, ld, weighted, m);
   } else if (factor.gamma > 0) {
     copy(vectors.equalities, stage.equality_count, c);
@@ -63,9 +63,15 @@ void find_controls(const StageFactor& factor, const double* state, const double*
   const int nb = factor.nu - factor.rank, ny = nb + factor.nx, ldy = padded(ny);
   clear(y, ldy);
   copy(state, factor.nx, y + nb);
-  for (int j = nb - 1; j >= 0; --j)
-    y[j] = -factor.diagonal[j] * (factor.step[j] + dot(j / kBlock * kBlock, ldy, factor.l + column_of(j, ldy), y));
+  // The states' part of L' y first, all columns at once; then u from the last one on, by rows of L.
   const int n = factor.nu + factor.nx;
+  double* sum = z;
+  for (int j = 0; j < nb; ++j)
+    sum[j] = factor.step[j] + dot(j / kBlock * kBlock, ldy, factor.l + column_of(j, ldy), y);
+  for (int j = nb - 1; j >= 0; --j) {
+    const double control = y[j] = -factor.diagonal[j] * sum[j];
+    for (int i = 0; i < j; ++i) sum[i] += factor.l[column_of(i, ldy) + j] * control;
+  }
   clear(z, padded(n));
   copy(y, ny, z + factor.rank);
   if (factor.gamma == 0) return;
@@ -82,14 +88,14 @@ void forward_stage(const StageView& stage, const StageVectors& vectors, const St
   copy(z, stage.nu, vectors.z);
   if (vectors.de) {
     times(stage.equalities, ld, z, rows);
-    for (int i = 0; i < stage.equality_count; ++i)
-      vectors.lam_equalities[i] = (rows[i] + vectors.equalities[i]) / vectors.de[i];
+    for (int i = 0; i < stage.equality_count; ++i) rows[i] += vectors.equalities[i];
+    divide_by(rows, vectors.de, stage.equality_count, vectors.lam_equalities);
   } else {
     copy(multipliers, stage.equality_count, vectors.lam_equalities);
   }
   times(stage.inequalities, ld, z, rows);
-  for (int i = 0; i < stage.inequality_count; ++i)
-    vectors.lam_inequalities[i] = (rows[i] + vectors.inequalities[i]) / vectors.ds[i];
+  for (int i = 0; i < stage.inequality_count; ++i) rows[i] += vectors.inequalities[i];
+  divide_by(rows, vectors.ds, stage.inequality_count, vectors.lam_inequalities);
   if (!next) return;
   times(stage.dynamics, ld, z, state);
   for (int i = 0; i < stage.next; ++i) state[i] += vectors.dynamics[i];

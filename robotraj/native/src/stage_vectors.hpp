@@ -17,10 +17,17 @@ typedef double Loose __attribute__((vector_size(kLanes * sizeof(double)), aligne
 ROBOTRAJ_INLINE Pack load(const double* x) { return *reinterpret_cast<const Loose*>(x); }
 ROBOTRAJ_INLINE void store(double* x, Pack value) { *reinterpret_cast<Loose*>(x) = value; }
 
+/// The sum of a pack's numbers, halves added to halves.
 ROBOTRAJ_INLINE double across(Pack v) {
-  double sum = 0.0;
-  for (int i = 0; i < kStep; ++i) sum += v[i];
-  return sum;
+#if ROBOTRAJ_LANES == 8
+  const Bits half{4, 5, 6, 7, 0, 1, 2, 3}, quarter{2, 3, 0, 1, 4, 5, 6, 7};
+  v += __builtin_shuffle(v, half);
+  v += __builtin_shuffle(v, quarter);
+#elif ROBOTRAJ_LANES == 4
+  const Bits half{2, 3, 0, 1};
+  v += __builtin_shuffle(v, half);
+#endif
+  return v[0] + v[1];
 }
 
 ROBOTRAJ_INLINE void clear(double* x, int n) {
@@ -35,6 +42,13 @@ ROBOTRAJ_INLINE void copy(const double* from, int n, double* to) {
 ROBOTRAJ_INLINE void copy_padded(const double* from, int n, double* to) {
   copy(from, n, to);
   for (int i = n; i < padded(n); ++i) to[i] = 0.0;
+}
+
+/// out = x / y, n numbers.
+ROBOTRAJ_INLINE void divide_by(const double* x, const double* y, int n, double* out) {
+  int i = 0;
+  for (; i + kStep <= n; i += kStep) store(out + i, load(x + i) / load(y + i));
+  for (; i < n; ++i) out[i] = x[i] / y[i];
 }
 
 /// y += a x, from `first`, a multiple of kBlock, to `ld`.
