@@ -1,23 +1,30 @@
 """Cost per iteration against the number of intervals, and the straight line nearest to it.
 
-Kelly's cart-pole by Hermite-Simpson on 50 to 800 intervals, ten iterations of IPOPT each. Processor time, the least of
-several runs taken in turn, so that other work on the machine counts little. Run with
+Kelly's cart-pole by IPOPT on 50 to 800 intervals, ten iterations each, and task T4 (ur5) by fatrop on 25 to 1,600, to
+its end: iterations alone, of a program that is there, and with the set-up of the stages. Hermite-Simpson. Processor
+time, the least of several runs taken in turn, so that other work on the machine counts little. Run with
 ``python benchmarks/linearity.py``.
 """
 
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
+from roofline import iterations
 
 import robotraj as rt
 
-INTERVALS = (50, 100, 200, 400, 800)
+CARTPOLE, ARM = (50, 100, 200, 400, 800), (25, 50, 100, 200, 400, 800, 1600)
 ITERATIONS = 10
-RUNS = 9
+RUNS = 5
+START, GOAL = (-1.1, -1.8, 1.6, -1.2, -1.57, 0.0), (1.1, -0.8, 0.6, -0.6, -0.6, 1.2)
+
+Array = NDArray[np.float64]
 
 
 def cartpole() -> rt.Problem:
@@ -38,33 +45,57 @@ def cartpole() -> rt.Problem:
     return rt.Problem([rt.Phase(system, 2.0, *ends, effort, **bounds)])
 
 
-def main() -> None:
-    problem = cartpole()
-    solver = rt.Ipopt(max_iterations=ITERATIONS)
-    build = np.full((RUNS, len(INTERVALS)), np.inf)
-    iterate = np.full((RUNS, len(INTERVALS)), np.inf)
-    for run in range(RUNS):
-        for i, count in enumerate(INTERVALS):
-            began = time.process_time()
-            nlp = rt.transcribe(problem, rt.Mesh(count))
-            _ = nlp.functions
-            built = time.process_time()
-            outcome = solver.solve(nlp)
-            build[run, i] = built - began
-            iterate[run, i] = (time.process_time() - built) / outcome.iterations
-    seconds, building = iterate.min(axis=0), build.min(axis=0)
-    n = np.array(INTERVALS, dtype=float)
+def arm() -> rt.Problem:
+    """Task T4."""
+    ends = rt.State(q=list(START), v=0), rt.State(q=list(GOAL), v=0)
+    return rt.Problem([rt.Phase(rt.load("ur5"), 1.0, *ends, rt.Effort())])
+
+
+def report(title: str, counts: Sequence[int], seconds: Array) -> None:
+    """Print a line a mesh, and how far they are from a straight line."""
+    n = np.array(counts, dtype=float)
     # A straight line that minimises the relative deviations.
     line = np.linalg.lstsq(np.column_stack([np.ones_like(n), n]) / seconds[:, None], np.ones_like(n), rcond=None)[0]
     fitted = line[0] + line[1] * n
-    print(f"{'intervals':>9} {'build [s]':>10} {'per iteration [ms]':>19} {'straight line [ms]':>19} {'off':>6}")
-    for row in zip(INTERVALS, building, 1e3 * seconds, 1e3 * fitted, seconds / fitted - 1, strict=True):
-        print(f"{row[0]:9d} {row[1]:10.3f} {row[2]:19.3f} {row[3]:19.3f} {row[4]:6.1%}")
-    worst = float(np.max(np.abs(seconds / fitted - 1)))
+    print(f"\n{title}")
+    print(f"{'intervals':>9} {'measured [ms]':>14} {'an interval [us]':>17} {'straight line [ms]':>19} {'off':>6}")
+    for count, own, near in zip(counts, seconds, fitted, strict=True):
+        print(f"{count:9d} {1e3 * own:14.3f} {1e6 * own / count:17.2f} {1e3 * near:19.3f} {own / near - 1:6.1%}")
     slope = np.polyfit(np.log(n), np.log(seconds), 1)[0]
-    print(f"worst distance from the line {worst:.1%}; grows as intervals^{slope:.2f}")
-    print(f"16 times the intervals cost {seconds[-1] / seconds[0]:.1f} times as much per iteration")
+    print(f"worst distance from the line {np.max(np.abs(seconds / fitted - 1)):.1%}; grows as intervals^{slope:.2f}")
+    print(f"{n[-1] / n[0]:.0f} times the intervals cost {seconds[-1] / seconds[0]:.1f} times as much")
+
+
+def by_ipopt() -> None:
+    problem, solver = cartpole(), rt.Ipopt(max_iterations=ITERATIONS)
+    iterate = np.full((RUNS, len(CARTPOLE)), np.inf)
+    for run in range(RUNS):
+        for i, count in enumerate(CARTPOLE):
+            nlp = rt.transcribe(problem, rt.Mesh(count))
+            _ = nlp.functions
+            began = time.process_time()
+            outcome = solver.solve(nlp)
+            iterate[run, i] = (time.process_time() - began) / outcome.iterations
+    report("cart-pole, an iteration of IPOPT", CARTPOLE, iterate.min(axis=0))
+
+
+def by_fatrop() -> None:
+    problem, solver = arm(), rt.Fatrop(threads=1, fallback=None)
+    whole, iterate = (np.full((RUNS, len(ARM)), np.inf) for _ in range(2))
+    for run in range(RUNS):
+        for i, count in enumerate(ARM):
+            nlp = rt.transcribe(
+                problem, rt.Mesh(count), engine=solver.default_engine(), between=solver.default_between()
+            )
+            began = time.process_time()
+            outcome = solver.solve(nlp)
+            solved = time.process_time()
+            whole[run, i] = (solved - began) / outcome.iterations
+            iterate[run, i] = min(iterations(solver, nlp, 2))
+    report("ur5, an iteration of fatrop", ARM, iterate.min(axis=0))
+    report("ur5, set-up of the stages included, over the iterations", ARM, whole.min(axis=0))
 
 
 if __name__ == "__main__":
-    main()
+    by_ipopt()
+    by_fatrop()
