@@ -321,7 +321,9 @@ def test_a_program_is_solved_once_at_a_time(pendulum: Any) -> None:
 
 def test_ctrl_c_ends_a_solve_that_calls_no_python(pendulum: Any) -> None:
     written = pendulum.write()
-    endless = {"tolerance": -1.0, "tol_acceptable": -1.0, "max_iter": 10**9}
+    # A barrier's problem that is never solved well enough for the next: without it, steps end where rounding begins.
+    never = {"mu_init": 1e3, "barrier_tol_factor": 1e-14}
+    endless = {"tolerance": -1.0, "tol_acceptable": -1.0, "max_iter": 10**9, **never}
     program, start = written.build(), np.zeros(written.linear.shape[1])
     # Workers of pytest-xdist ignore Ctrl-C.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
