@@ -1,5 +1,6 @@
-"""Gaits: phases and links of walking, running, trotting and jumping robots, written out to plan or to edit."""
+"""Gaits: phases and links of robots that walk, run, trot, crawl and jump, written out to plan or to edit."""
 
+from robotraj.gait.crawls import crawl
 from robotraj.gait.feet import feet_of, limb_ends
 from robotraj.gait.flight import Flight
 from robotraj.gait.jumps import jump
@@ -15,6 +16,7 @@ __all__ = [
     "Support",
     "Terms",
     "Upright",
+    "crawl",
     "feet_of",
     "gait_objective",
     "jump",

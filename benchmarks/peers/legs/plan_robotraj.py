@@ -44,16 +44,20 @@ class Swing(rt.RequiredHeight):
 
 
 def periodic(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
-    """One step of the gait that repeats for ever, as ``rt.gait`` writes it: same step, height and time."""
-    one = walk.support * walk.dt + walk.swing * walk.dt
+    """Half a stride of the gait that repeats for ever, as ``rt.gait`` writes it: same steps, heights and times."""
+    swings = [entry for entry in walk.swings if entry is not None]
+    swinging = len(swings) // 2 * walk.swing * walk.dt
+    one = walk.support * walk.dt + swinging
     asked = {"step_length": 0.5 * walk.length, "duration": one, "clearance": walk.height, "feet": list(walk.feet)}
     asked["objective"] = objective_of(walk, robot)
-    if walk.sole is None:
-        problem = rt.gait.trot(robot, **asked)
+    asked["contact"] = lambda foot: foot_of(walk, foot)
+    everyone = walk.support * walk.dt / one
+    if walk.sole is not None:
+        problem = rt.gait.walk(robot, double_support=everyone, **asked)
+    elif len(swings[0][0]) == 1:
+        problem = rt.gait.crawl(robot, full_support=everyone, **asked)
     else:
-        problem = rt.gait.walk(
-            robot, contact=lambda foot: foot_of(walk, foot), double_support=walk.support * walk.dt / one, **asked
-        )
+        problem = rt.gait.trot(robot, **asked)
     stance, swing = INTERVALS[walk.robot]
     return problem, [rt.Mesh(stance if len(p.contacts) == len(walk.feet) else swing) for p in problem.phases]
 
