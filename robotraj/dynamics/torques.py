@@ -7,6 +7,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
+import numpy as np
+import pinocchio as pin
 
 from robotraj.dynamics.point import RobotPoint
 from robotraj.native.torque_chain import read_tree
@@ -68,14 +70,27 @@ def torques_apart(point: Any) -> Torques | None:
     -------
     Torques or None
         None where the point is no robot's, where its model has unknown parameters (``rt.Design``), or where a joint
-        neither turns about an axis nor slides along one and is no free-flyer at the root.
+        neither turns about an axis nor slides along one and is no free-flyer at the root. None too where nothing turns:
+        the expressions then have M a + g itself, which is smaller than anything that could stand for it.
     """
     if not isinstance(point, RobotPoint) or not point.moves or not isinstance(point.symbolic, SymbolicModel):
         return None
     model = point.symbolic
+    if point.robot.root == "fixed" and set(point.robot.units) == {"m"}:
+        point.inverse_dynamics = _sliding(point.robot.model, point.a)
+        return None
     try:
         _tree(model.text)
     except ValueError:
         return None
     point.inverse_dynamics = ca.SX.sym("r", point.robot.nv)
     return Torques(point.inverse_dynamics, model, ca.vertcat(point.q, point.v, point.a))
+
+
+def _sliding(model: pin.Model, a: ca.SX) -> ca.SX:
+    """M a + g of a robot on a fixed root that only slides: neither depends on where it is, and nothing on its speed."""
+    data, q, still = model.createData(), pin.neutral(model), np.zeros(model.nv)
+    gravity = pin.rnea(model, data, q, still, still).copy()
+    columns = [pin.rnea(model, data, q, still, unit) - gravity for unit in np.eye(model.nv)]
+    mass = ca.sparsify(ca.DM(np.column_stack(columns)), 1e-14 * float(np.abs(columns).max()))
+    return ca.mtimes(mass, a) + gravity

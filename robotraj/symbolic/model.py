@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
@@ -80,7 +80,6 @@ class SymbolicModel:
                 "dynamics; build the model with mimic=False, or lock them with pinocchio.buildReducedModel."
             )
         self._model = model.copy()
-        self._text: str = self._model.saveToString()
         self._parametric = bool(parametric)
 
     def __repr__(self) -> str:
@@ -96,10 +95,10 @@ class SymbolicModel:
         """A copy of the model the functions were made from."""
         return self._model.copy()
 
-    @property
+    @cached_property
     def text(self) -> str:
         """The model as Pinocchio writes it, which is how it crosses into compiled modules."""
-        return self._text
+        return str(self._model.saveToString())
 
     @property
     def parametric(self) -> bool:
@@ -246,7 +245,7 @@ class SymbolicModel:
     # -- helpers --------------------------------------------------------------------------------------------
 
     def _function(self, algorithm: str, *arguments: int) -> ca.Function:
-        return _function(self._text, self._parametric, algorithm, *arguments)
+        return _function(self.text, self._parametric, algorithm, *arguments)
 
     def _frame(self, name: str) -> int:
         if not isinstance(name, str) or not self._model.existFrame(name):

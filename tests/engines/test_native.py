@@ -8,6 +8,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
@@ -169,6 +170,25 @@ def test_a_stage_with_torques_apart_has_the_functions_of_one_without(name: str) 
     plain, native = stage_of(phase, None), stage_of(phase, rt.Native())
     points = points_of(plain)
     assert_same(expected(native, points), expected(plain, points), 1e-13)
+
+
+def test_where_nothing_turns_the_dynamics_are_linear_numbers() -> None:
+    """Two slides at a slant to each other, with rotors: M is no diagonal, and gravity acts along one of them."""
+    model = pin.Model()
+    place = pin.SE3(pin.AngleAxis(0.7, np.array([0.0, 1.0, 0.0])).matrix(), np.array([0.1, -0.2, 0.3]))
+    first = model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), "rail")
+    second = model.addJoint(first, pin.JointModelPrismaticUnaligned(np.array([0.6, 0.0, 0.8])), place, "lift")
+    for joint in (first, second):
+        model.appendBodyToJoint(joint, pin.Inertia(2.0, np.array([0.1, 0.2, -0.3]), np.eye(3)), place)
+    model.armature = np.array([0.3, 0.05])
+    phase = rt.Phase(rt.load(model), (0.5, 2.0), objective=rt.Effort(), limits=None)
+    plain, native = stage_of(phase, None), stage_of(phase, rt.Native())
+    assert plain.torques is None
+    assert native.torques is None
+    points = points_of(plain)
+    wanted = expected(plain, points)
+    assert np.abs(wanted["function"]).max() > 0.1
+    assert_same(evaluated(native, points), wanted, 1e-13)
 
 
 @pytest.mark.parametrize("name", ["panda", "free-flyer"])
