@@ -121,14 +121,14 @@ def fastest_line(phase: Phase, first: Array, last: Array) -> Trapezoid | None:
     slope = float(np.min(np.minimum(upper, -lower)[moved] / np.abs(way[moved])))
     lower, upper = _limits(phase, "tau")
     model, data, still = robot.model, robot.model.createData(), np.zeros(n)
-    for s in np.linspace(0.0, 1.0, PLACES):
-        q = first[:n] + s * way
-        gravity = np.array(pin.rnea(model, data, q, still, still))
-        inertia = np.abs(np.array(pin.rnea(model, data, q, still, way)) - gravity)
-        held = gravity + robot.friction * np.sign(way)
-        room = np.minimum(upper - held, held - lower)
-        asked = (inertia > 1e-9) | (room < 0)
-        slope = min(slope, float(np.min(room[asked] / np.maximum(inertia[asked], 1e-9), initial=np.inf)))
+    places = first[:n] + np.linspace(0.0, 1.0, PLACES)[:, None] * way
+    # Pinocchio gives the same vector anew: each is copied.
+    gravity = np.array([pin.rnea(model, data, q, still, still).copy() for q in places])
+    inertia = np.abs(np.array([pin.rnea(model, data, q, still, way).copy() for q in places]) - gravity)
+    held = gravity + robot.friction * np.sign(way)
+    room = np.minimum(upper - held, held - lower)
+    asked = (inertia > 1e-9) | (room < 0)
+    slope = min(slope, float(np.min(room[asked] / np.maximum(inertia[asked], 1e-9), initial=np.inf)))
     if not (fastest > 0 and 0 < slope < np.inf):
         return None
     along = way / (way @ way)

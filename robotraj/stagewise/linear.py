@@ -31,13 +31,14 @@ Indices = NDArray[np.int_]
 class _Parts:
     """A stage taken apart: outputs = A(c) v + b(c) for the linear ones, ``rest`` for the others.
 
-    ``numbers`` gives the nonzeros of A, which stand at (rows, columns), then b; ``rest`` is None where nothing is left.
+    ``numbers`` gives the nonzeros of A, which stand at (rows, columns), then b: (n_c,) -> (m,), or (m, 1) where they do
+    not depend on c. ``rest`` is None where nothing is left.
     """
 
     outputs: Indices
     rows: Indices
     columns: Indices
-    numbers: ca.Function
+    numbers: ca.Function | Array
     rest: Stage | None
 
 
@@ -94,13 +95,18 @@ def _take_apart(stage: Stage) -> _Parts:
     at_zero = ca.substitute(part, v, ca.SX.zeros(v.numel()))
     numbers = ca.vertcat(nonzeros(matrix), at_zero)
     rest = restricted(stage, kept.tolist()) if kept.size else None
+    if numbers.is_constant():
+        return _Parts(chosen, rows, columns, np.array(ca.DM(numbers)), rest)
     return _Parts(chosen, rows, columns, ca.Function("linear", [c], [ca.densify(numbers)]), rest)
 
 
 def _linear_part(block: Block, parts: _Parts) -> tuple[Csr, Array]:
     """Matrix (E m, n_w) and constants (E m,) of m linear outputs at every place."""
     count, m = block.count, parts.outputs.size
-    numbers = evaluated(parts.numbers, block.constants)
+    if isinstance(parts.numbers, np.ndarray):
+        numbers = np.broadcast_to(parts.numbers, (len(parts.numbers), count))
+    else:
+        numbers = evaluated(parts.numbers, block.constants)
     nonzeros, values = numbers[: parts.rows.size], numbers[parts.rows.size :]
     place = np.arange(count)[:, None]
     at = (place * m + parts.rows).ravel(), (place * block.stage.inputs + parts.columns).ravel(), nonzeros.T.ravel()

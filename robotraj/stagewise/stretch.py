@@ -172,8 +172,9 @@ def _stage(stage: Stage, degrees: Sequence[tuple[int, int]], rates: tuple[int, f
         Where the first outputs are T v and T a: they become T_0 v' and, multiplied by s, T_0 a'.
     """
     s, v = ca.SX.sym("s"), stage.v
-    old = v[[i for i, _ in degrees]]
-    new = ca.vertcat(*(v[i] / s**k for i, k in degrees))
+    inputs, powers = zip(*degrees, strict=True)
+    old = v[list(inputs)]
+    new = old / s ** ca.DM(powers)
     y = ca.substitute(stage.y, old, new)
     if rates is not None:
         n, span = rates
