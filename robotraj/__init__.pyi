@@ -34,8 +34,8 @@ from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.engines import Compiled, Native, VirtualMachine
 from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
 from robotraj.gait import Flight, Upright
-from robotraj.guess import FromSolution, Keyframes, StraightLine
-from robotraj.guesses import InverseKinematics, InvertedPendulum, MinimumJerk, Perturbed
+from robotraj.guess import FromSolution, StraightLine
+from robotraj.guesses import InverseKinematics, InvertedPendulum, Keyframes, MinimumJerk, Perturbed
 from robotraj.indirect.conditions import conditions
 from robotraj.indirect.costates import costates
 from robotraj.indirect.junctions import cut_at_junctions

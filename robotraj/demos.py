@@ -9,7 +9,8 @@ import numpy as np
 
 from robotraj.constraints import GroundClearance
 from robotraj.errors import unknown_name
-from robotraj.guess import Guess, Keyframes
+from robotraj.guess import Guess
+from robotraj.guesses import Keyframes
 from robotraj.objectives import Duration, Effort
 from robotraj.problem import Phase
 from robotraj.robot import load

@@ -16,7 +16,6 @@ from robotraj.errors import InputError
 from robotraj.guesses.least_time import fastest_line
 from robotraj.loading.root import QUATERNION
 from robotraj.robot import Limits
-from robotraj.state import State
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
@@ -125,46 +124,6 @@ class StraightLine(Guess):
 
 
 @dataclass(frozen=True)
-class Keyframes(Guess):
-    """States through key poses.
-
-    States of a System run on straight lines. A robot's positions run on the monotone piecewise cubic through
-    the poses, without overshoot and at rest where they turn; velocities and accelerations are that curve's
-    own.
-    Source: Fritsch and Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984).
-
-    Parameters
-    ----------
-    fractions : sequence of float
-        Where the keyframes are, ascending from 0 to 1.
-    states : sequence of State
-        One state per fraction; entries left free are 0. Of a robot's keyframes only the positions are read.
-    duration : float, optional
-        Guessed duration [s] where it is free.
-    """
-
-    fractions: Sequence[float]
-    states: Sequence[State]
-    duration: float | None = None
-
-    def __post_init__(self) -> None:
-        if len(self.fractions) != len(self.states) or len(self.states) < 2:
-            raise InputError(
-                f"Keyframes needs one state per fraction and at least two; got {len(self.fractions)} "
-                f"fractions and {len(self.states)} states."
-            )
-        if not np.all(np.diff(self.fractions) > 0) or self.fractions[0] != 0 or self.fractions[-1] != 1:
-            raise InputError(f"The fractions of Keyframes must ascend from 0 to 1; got {list(self.fractions)}.")
-
-    def of(self, phase: Phase, index: int) -> PhaseGuess:
-        """Interpolate between the keyframes."""
-        keys = np.array([_turned(phase, _middle(state.bounds(phase.dae, "keyframe"), 0.0)) for state in self.states])
-        duration = guessed_duration(phase, self.duration)
-        states, algebraic = _through(phase, self.fractions, keys, duration)
-        return PhaseGuess(duration, states, algebraic, constant(len(phase.dae.controls)), default_parameters(phase))
-
-
-@dataclass(frozen=True)
 class FromSolution(Guess):
     """Start from an earlier solution, on whatever mesh and scheme; variables are matched by name."""
 
@@ -218,33 +177,6 @@ def _sampled(source: Any, variables: Sequence[Variable]) -> Curve:
     return curve
 
 
-def _through(phase: Phase, fractions: Sequence[float], keys: Array, duration: float) -> tuple[Curve, Curve]:
-    """States and algebraic variables of a motion through key states (m, nx)."""
-    nz = len(phase.dae.algebraic)
-    import scipy
-
-    if phase.robot is None:
-        return scipy.interpolate.make_interp_spline(fractions, keys, k=1), constant(nz)
-    # What an objective added comes last and starts from 0.
-    nq, nv, further = phase.robot.nq, phase.robot.nv, len(phase.dae.states) - len(phase.body.states)
-    chart = Chart.around(phase.robot.model, keys[0, :nq])
-    y = scipy.interpolate.PchipInterpolator(fractions, chart.coordinates(keys[:, :nq]))
-    rate, second = y.derivative(1), y.derivative(2)
-    pace = duration if duration > 0 else 1.0
-
-    def states(s: Array) -> Array:
-        at = y(s)
-        return np.column_stack([chart.positions(at), chart.velocities(at, rate(s) / pace), np.zeros((len(s), further))])
-
-    def algebraic(s: Array) -> Array:
-        values = np.zeros((len(s), nz))
-        if phase.body.algebraic:
-            values[:, :nv] = chart.accelerations(y(s), rate(s) / pace, second(s) / pace**2)
-        return values
-
-    return states, algebraic
-
-
 def constant(size: int) -> Curve:
     """Give zeros (m, size)."""
     return lambda s: np.zeros((len(s), size))
@@ -252,11 +184,11 @@ def constant(size: int) -> Curve:
 
 def default_parameters(phase: Phase) -> dict[str, float]:
     """Middle of each parameter's bounds, or its finite bound, or 1."""
-    values = _middle(phase.parameter_bounds, 1.0)
+    values = middle_of(phase.parameter_bounds, 1.0)
     return dict(zip(phase.parameter_names, (float(v) for v in values), strict=True))
 
 
-def _middle(bounds: Bounds, free: float) -> Array:
+def middle_of(bounds: Bounds, free: float) -> Array:
     """Middle of finite bounds, the finite one of two, or ``free``."""
     low, high = bounds
     with np.errstate(invalid="ignore"):
@@ -271,13 +203,13 @@ def ends_of(phase: Phase) -> tuple[Array, Array]:
     rest = np.zeros(len(phase.dae.states))
     if phase.robot is not None:
         rest[: phase.robot.nq] = phase.robot.neutral
-    first, last = _middle(phase.start_bounds, np.nan), _middle(phase.end_bounds, np.nan)
+    first, last = middle_of(phase.start_bounds, np.nan), middle_of(phase.end_bounds, np.nan)
     first = np.where(np.isnan(first), np.where(np.isnan(last), rest, last), first)
     last = np.where(np.isnan(last), first, last)
-    return _turned(phase, first), _turned(phase, last)
+    return turned(phase, first), turned(phase, last)
 
 
-def _turned(phase: Phase, x: Array) -> Array:
+def turned(phase: Phase, x: Array) -> Array:
     """Scale the quaternion of a guessed state to length 1; the neutral one where nothing is known of it."""
     robot = phase.robot
     if robot is None or robot.root != "floating":
