@@ -16,6 +16,9 @@ from walks import WALKS, Walk
 import robotraj as rt
 
 INTERVALS = {"solo12": (1, 6), "talos_legs": (3, 12)}
+"""Of a stance on all feet and of a swing."""
+FROM_REST = {"solo12": [0.0, 0.2, 0.38, 0.5, 0.62, 0.8, 1.0]}
+"""Knots of a swing where equal intervals let a foot dip 1 to 3 mm below its parabola between the points, halfway."""
 SAMPLES = 9
 TOUCH = 1e-4
 CALM = 0.3
@@ -122,7 +125,8 @@ def from_rest(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
                 name=f"{i} {' and '.join(swinging) or 'all stand'}",
             )
         )
-        meshes.append(rt.Mesh(1 if last else INTERVALS[walk.robot][bool(swinging)], rt.HermiteSimpson()))
+        stance, swing = INTERVALS[walk.robot]
+        meshes.append(rt.Mesh(FROM_REST.get(walk.robot, swing) if swinging else 1 if last else stance))
         for foot in swinging:
             places[foot][0] += length
     links = [rt.Liftoff(i, i + 1) if not plan[i][0] else rt.Continuity(i, i + 1) for i in range(len(plan) - 1)]
