@@ -26,6 +26,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -79,51 +80,119 @@ const char* status_of(fatrop::IpSolverReturnFlag flag) {
   }
 }
 
+/// fatrop's restoration phase: an algorithm of its own, on the problem of least infeasibility.
+struct Restoration {
+  using Solve = fatrop::PdSolverOrig<Ocp>;
+
+  Restoration(const std::shared_ptr<fatrop::IpNlpOrig<Ocp>>& original, const std::shared_ptr<Data>& data_original,
+              const std::shared_ptr<Solve>& solve, const std::shared_ptr<fatrop::IpLinesearch<Solve, Ocp>>& search,
+              StageNlp& nlp, std::vector<Iteration>& trace)
+      : nlp_restored(std::make_shared<fatrop::IpNlpResto<Ocp>>(original)),
+        data(std::make_shared<Data>(nlp_restored)),
+        watch(std::make_shared<Watch>(data, data_original, nlp, trace)) {
+    using SolveRestoration = fatrop::PdSolverResto<Ocp>;
+    const auto solve_restoration = std::make_shared<SolveRestoration>(nlp.info(), solve);
+    const auto direction = std::make_shared<SearchDirection<SolveRestoration>>(data, solve_restoration);
+    const auto line_search =
+        std::make_shared<fatrop::IpLinesearch<SolveRestoration, Ocp>>(data, solve_restoration, nullptr);
+    const auto converged = std::make_shared<fatrop::IpConvergenceCheckResto<Ocp>>(data_original, data);
+    const auto barrier = std::make_shared<fatrop::IpMonotoneMuUpdate<Ocp>>(data, line_search);
+    const auto multipliers = std::make_shared<fatrop::IpEqMultInitializer<Ocp>>(data, solve);
+    const auto start = std::make_shared<fatrop::IpInitializerResto<Ocp>>(data_original, data);
+    phase = std::make_shared<fatrop::IpRestoPhaseMinCl1<Ocp>>(
+        std::make_shared<fatrop::IpAlgorithm<Ocp>>(direction, line_search, start, barrier, multipliers, converged,
+                                                   watch, data),
+        multipliers, data_original, data, nlp_restored);
+    converged->set_line_search_orig(search);
+    nlp_restored->register_options(options);
+    data->register_options(options);
+    direction->register_options(options);
+    line_search->register_options(options);
+    converged->register_options(options);
+    barrier->register_options(options);
+    multipliers->register_options(options);
+    start->register_options(options);
+    phase->register_options(options);
+  }
+
+  std::shared_ptr<fatrop::IpNlpResto<Ocp>> nlp_restored;
+  std::shared_ptr<Data> data;
+  std::shared_ptr<Watch> watch;
+  std::shared_ptr<fatrop::IpRestoPhaseMinCl1<Ocp>> phase;
+  fatrop::OptionRegistry options;
+};
+
+/// A restoration phase that is made when it is first entered: few solves do, and it takes as much memory as the rest.
+class LateRestoration : public fatrop::IpRestoPhaseBase {
+ public:
+  explicit LateRestoration(std::function<std::unique_ptr<Restoration>()> make) : make_(std::move(make)) {}
+
+  /// Null until it was entered or asked for.
+  Restoration* made() const { return made_.get(); }
+  Restoration& now() {
+    if (!made_) made_ = make_();
+    return *made_;
+  }
+  bool perform_restoration() override { return now().phase->perform_restoration(); }
+  void reset() override {
+    if (made_) made_->phase->reset();
+  }
+  void register_options(fatrop::OptionRegistry&) override {}  // it has a registry of its own
+
+ private:
+  std::function<std::unique_ptr<Restoration>()> make_;
+  std::unique_ptr<Restoration> made_;
+};
+
+/// Set an option in a registry that has it.
+void set_option(fatrop::OptionRegistry& registry, const std::string& name, const Option& value) {
+  const auto type = registry.get_option_type(name);
+  if (type == fatrop::OptionTypeId::Unknown) return;
+  const auto* number = std::get_if<int>(&value);
+  if (number && type == fatrop::OptionTypeId::Scalar)
+    registry.set_option(name, static_cast<double>(*number));
+  else
+    std::visit([&](const auto& plain) { registry.set_option(name, plain); }, value);
+}
+
+/// Add the names of a registry, which it tells only in what it prints: "  name of type n".
+void collect_names(const fatrop::OptionRegistry& registry, std::set<std::string>& names) {
+  std::ostringstream printed;
+  printed << registry;
+  std::istringstream lines(printed.str());
+  std::string line;
+  while (std::getline(lines, line)) {
+    const auto end = line.find(" of type ");
+    if (line.rfind("  ", 0) == 0 && end != std::string::npos) names.insert(line.substr(2, end - 2));
+  }
+}
+
 }  // namespace
 
 /// fatrop's parts, joined as its own builder joins them, with our start, search direction and log in their places.
 struct Solver::Algorithm {
+  using Solve = fatrop::PdSolverOrig<Ocp>;
+
   explicit Algorithm(const std::shared_ptr<Program>& program, const std::shared_ptr<StageNlp>& nlp)
       : original(std::make_shared<fatrop::IpNlpOrig<Ocp>>(nlp)), data(std::make_shared<Data>(original)) {
-    using fatrop::IpEqMultInitializer;
-    using fatrop::IpMonotoneMuUpdate;
-    using Solve = fatrop::PdSolverOrig<Ocp>;
-    using SolveRestoration = fatrop::PdSolverResto<Ocp>;
     const fatrop::ProblemInfo<Ocp>& info = nlp->info();
     // Where the systems are solved here, fatrop's solver of them is asked for nothing: as small as can be.
     const auto system = std::make_shared<fatrop::AugSystemSolver<Ocp>>(
         nlp->parts() ? fatrop::ProblemInfo<Ocp>(fatrop::ProblemDims<Ocp>(1, {0}, {1}, {0}, {0})) : info);
-    const auto solve = std::make_shared<Solve>(info, system);
-
-    // The restoration phase is an algorithm of its own, on the problem of least infeasibility.
-    const auto restored = std::make_shared<fatrop::IpNlpResto<Ocp>>(original);
-    data_restoration = std::make_shared<Data>(restored);
-    const auto solve_restoration = std::make_shared<SolveRestoration>(info, solve);
-    const auto direction_restoration =
-        std::make_shared<SearchDirection<SolveRestoration>>(data_restoration, solve_restoration);
-    const auto search_restoration =
-        std::make_shared<fatrop::IpLinesearch<SolveRestoration, Ocp>>(data_restoration, solve_restoration, nullptr);
-    const auto converged_restoration =
-        std::make_shared<fatrop::IpConvergenceCheckResto<Ocp>>(data, data_restoration);
-    const auto barrier_restoration =
-        std::make_shared<IpMonotoneMuUpdate<Ocp>>(data_restoration, search_restoration);
-    const auto multipliers_restoration = std::make_shared<IpEqMultInitializer<Ocp>>(data_restoration, solve);
-    const auto start_restoration = std::make_shared<fatrop::IpInitializerResto<Ocp>>(data, data_restoration);
-    watch_restoration = std::make_shared<Watch>(data_restoration, data, *nlp, trace);
-    const auto restoration = std::make_shared<fatrop::IpRestoPhaseMinCl1<Ocp>>(
-        std::make_shared<fatrop::IpAlgorithm<Ocp>>(direction_restoration, search_restoration, start_restoration,
-                                                   barrier_restoration, multipliers_restoration,
-                                                   converged_restoration, watch_restoration, data_restoration),
-        multipliers_restoration, data, data_restoration, restored);
-
+    solve = std::make_shared<Solve>(info, system);
+    restoration = std::make_shared<LateRestoration>([this, &stages = *nlp] {
+      auto made = std::make_unique<Restoration>(original, data, solve, search, stages, trace);
+      made->watch->check = watch->check;
+      for (const auto& [name, value] : given) set_option(made->options, name, value);
+      return made;
+    });
     const auto direction = std::make_shared<SearchDirection<Solve>>(data, solve);
-    const auto search = std::make_shared<fatrop::IpLinesearch<Solve, Ocp>>(data, solve, restoration);
-    const auto multipliers = std::make_shared<IpEqMultInitializer<Ocp>>(data, solve);
+    search = std::make_shared<fatrop::IpLinesearch<Solve, Ocp>>(data, solve, restoration);
+    const auto multipliers = std::make_shared<fatrop::IpEqMultInitializer<Ocp>>(data, solve);
     start = std::make_shared<Initializer>(data, multipliers, program, nlp);
-    const auto barrier = std::make_shared<IpMonotoneMuUpdate<Ocp>>(data, search);
+    const auto barrier = std::make_shared<fatrop::IpMonotoneMuUpdate<Ocp>>(data, search);
     const auto converged = std::make_shared<fatrop::IpConvergenceCheck<Ocp>>(data);
     watch = std::make_shared<Watch>(data, data, *nlp, trace);
-    converged_restoration->set_line_search_orig(search);
     algorithm = std::make_unique<fatrop::IpAlgorithm<Ocp>>(direction, search, start, barrier, multipliers, converged,
                                                            watch, data);
 
@@ -131,15 +200,6 @@ struct Solver::Algorithm {
     data->register_options(options);
     system->register_options(options);
     if (nlp->parts()) nlp->parts()->serve(options);
-    restored->register_options(options);
-    data_restoration->register_options(options);
-    direction_restoration->register_options(options);
-    search_restoration->register_options(options);
-    converged_restoration->register_options(options);
-    barrier_restoration->register_options(options);
-    multipliers_restoration->register_options(options);
-    start_restoration->register_options(options);
-    restoration->register_options(options);
     direction->register_options(options);
     search->register_options(options);
     multipliers->register_options(options);
@@ -151,12 +211,31 @@ struct Solver::Algorithm {
     options.set_option("linsol_pivot_tol", 1e-14);
   }
 
+  /// Whether there is such an option; the restoration phase has some of its own.
+  bool knows(const std::string& name) {
+    return options.get_option_type(name) != fatrop::OptionTypeId::Unknown ||
+           restoration->now().options.get_option_type(name) != fatrop::OptionTypeId::Unknown;
+  }
+  void set(const std::string& name, const Option& value) {
+    set_option(options, name, value);
+    if (Restoration* made = restoration->made()) set_option(made->options, name, value);
+    given[name] = value;
+  }
+  void check(const std::function<void(int, double, double)>* asked) {
+    watch->check = asked;
+    if (Restoration* made = restoration->made()) made->watch->check = asked;
+  }
+
   std::shared_ptr<fatrop::IpNlpOrig<Ocp>> original;
-  std::shared_ptr<Data> data, data_restoration;
+  std::shared_ptr<Data> data;
+  std::shared_ptr<Solve> solve;
+  std::shared_ptr<LateRestoration> restoration;
+  std::shared_ptr<fatrop::IpLinesearch<Solve, Ocp>> search;
   std::shared_ptr<Initializer> start;
-  std::shared_ptr<Watch> watch, watch_restoration;
+  std::shared_ptr<Watch> watch;
   std::unique_ptr<fatrop::IpAlgorithm<Ocp>> algorithm;
   fatrop::OptionRegistry options;
+  Options given;
   std::vector<Iteration> trace;
 };
 
@@ -168,18 +247,10 @@ Solver::Solver(std::shared_ptr<Program> program, const Stages& stages)
 Solver::~Solver() = default;
 
 std::vector<std::string> Solver::option_names() const {
-  // The registry tells its names only in what it prints: "  name of type n".
-  std::ostringstream printed;
-  printed << algorithm_->options;
-  std::istringstream lines(printed.str());
-  std::vector<std::string> names;
-  std::string line;
-  while (std::getline(lines, line)) {
-    const auto end = line.find(" of type ");
-    if (line.rfind("  ", 0) == 0 && end != std::string::npos) names.push_back(line.substr(2, end - 2));
-  }
-  std::sort(names.begin(), names.end());
-  return names;
+  std::set<std::string> names;
+  collect_names(algorithm_->options, names);
+  collect_names(algorithm_->restoration->now().options, names);
+  return {names.begin(), names.end()};
 }
 
 void Solver::set_options(const Options& options) {
@@ -191,18 +262,13 @@ void Solver::set_options(const Options& options) {
     }
   options_ = options;
   for (const auto& [name, value] : options) {
-    const auto type = algorithm_->options.get_option_type(name);
-    if (type == fatrop::OptionTypeId::Unknown) {
+    if (!algorithm_->knows(name)) {
       std::string message = "fatrop has no option '" + name + "'; it has";
       for (const std::string& known : option_names()) message += " " + known;
       throw std::invalid_argument(message);
     }
     try {
-      const auto* number = std::get_if<int>(&value);
-      if (number && type == fatrop::OptionTypeId::Scalar)
-        algorithm_->options.set_option(name, static_cast<double>(*number));
-      else
-        std::visit([&, name = name](const auto& plain) { algorithm_->options.set_option(name, plain); }, value);
+      algorithm_->set(name, value);
     } catch (const std::runtime_error& error) {
       throw std::invalid_argument(error.what());
     }
@@ -221,7 +287,7 @@ Outcome Solver::solve(const Start& start, const Options& options,
   Algorithm& run = *algorithm_;
   run.trace.clear();
   run.start->start = start;
-  run.watch->check = run.watch_restoration->check = &check;
+  run.check(&check);
   nlp_->iterating = false;
   program_->times.clear();
 
@@ -246,8 +312,9 @@ void Solver::collect(Outcome& outcome) {
   const std::size_t rows = program_->rows(), slacks = nlp_->lower.size();
   outcome.functions = program_->times.functions;
   outcome.combinations = program_->times.combinations;
-  outcome.linear_algebra = run.data->timing_statistics().compute_search_dir.elapsed() +
-                           run.data_restoration->timing_statistics().compute_search_dir.elapsed();
+  outcome.linear_algebra = run.data->timing_statistics().compute_search_dir.elapsed();
+  if (Restoration* made = run.restoration->made())
+    outcome.linear_algebra += made->data->timing_statistics().compute_search_dir.elapsed();
   outcome.iterations = static_cast<int>(run.data->iteration_number());
   outcome.mu = iterate.mu();
   outcome.trace = run.trace;

@@ -51,7 +51,8 @@ struct Stop {
   const char* status;
 };
 
-/// A solver of one program, reused by every solve of it: no memory is taken once the first one has ended.
+/// A solver of one program, reused by every solve of it: no memory is taken once the first one has ended, but for the
+/// restoration phase, which is made when a solve first enters it.
 class Solver {
  public:
   Solver(std::shared_ptr<Program> program, const Stages& stages);
