@@ -61,6 +61,8 @@ def solve(task: Task) -> None:
         action.u_lb, action.u_ub = -np.array(task.effort), np.array(task.effort)
         actions.append(action)
     problem = crocoddyl.ShootingProblem(start, [actions[0]] * n, actions[1])
+    # Its wheel takes two threads whatever OMP_NUM_THREADS says, and where cores are busy they spin.
+    problem.nthreads = 1
     solver = crocoddyl.SolverBoxFDDP(problem)
     solver.th_stop = 1e-7
     states = list(np.linspace(start, end, n + 1))
