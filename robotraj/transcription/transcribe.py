@@ -27,8 +27,9 @@ from robotraj.transcription.ends import (
     widen,
 )
 from robotraj.transcription.hull import columns_beside_rows, covered_in, hold_controls, is_held
-from robotraj.transcription.layout import PhaseLayout, lay_out
+from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.numbering import lay_out
 from robotraj.transcription.scaling import row_scale, variable_scale
 from robotraj.transcription.table import ColumnBound, Entry, Scalars, ScalarTable
 from robotraj.transcription.triplets import Triplets
