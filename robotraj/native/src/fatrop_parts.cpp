@@ -14,6 +14,7 @@ namespace {
 using robotraj::native::FatropParts;
 using Jacobian = const FatropParts::Jacobian&;
 using Hessian = const FatropParts::Hessian&;
+using Dims = const FatropParts::Dims&;
 using Vector = const FatropParts::Vector&;
 using Result = FatropParts::Vector&;
 using Pointer = const void*;
@@ -38,6 +39,8 @@ Function original(const char* name, void* caller) {
   static const auto own = original<decltype(&name)>(#name, __builtin_return_address(0)); \
   return own(__VA_ARGS__)
 
+#define MAKE_JACOBIAN _ZN6fatrop8JacobianINS_7OcpTypeEEC1ERKNS_11ProblemDimsIS1_EE
+#define MAKE_HESSIAN _ZN6fatrop7HessianINS_7OcpTypeEEC1ERKNS_11ProblemDimsIS1_EE
 #define PRODUCT_OF_JACOBIAN \
   _ZNK6fatrop8JacobianINS_7OcpTypeEE14apply_on_rightERKNS_11ProblemInfoIS1_EERKNS_11VecRealViewEdS9_RS7_
 #define TRANSPOSED_PRODUCT_OF_JACOBIAN \
@@ -58,6 +61,10 @@ Function original(const char* name, void* caller) {
 #define PASS(name, ...) PASS_ON(name, __VA_ARGS__)
 
 EXPORTED FatropParts** robotraj_fatrop_parts() { return &parts; }
+
+EXPORTED void MAKE_JACOBIAN(void* self, Dims dims) { PASS(MAKE_JACOBIAN, self, parts ? parts->made(dims) : dims); }
+
+EXPORTED void MAKE_HESSIAN(void* self, Dims dims) { PASS(MAKE_HESSIAN, self, parts ? parts->made(dims) : dims); }
 
 EXPORTED void PRODUCT_OF_JACOBIAN(Jacobian self, Pointer info, Vector x, double alpha, Vector y, Result out) {
   if (parts && parts->owns(self)) return parts->times(self, x, alpha, y, out);

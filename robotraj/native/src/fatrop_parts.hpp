@@ -6,6 +6,8 @@ template <typename ProblemType>
 struct Jacobian;
 template <typename ProblemType>
 struct Hessian;
+template <typename ProblemType>
+struct ProblemDims;
 class OcpType;
 class VecRealView;
 }  // namespace fatrop
@@ -17,8 +19,11 @@ class FatropParts {
  public:
   using Jacobian = fatrop::Jacobian<fatrop::OcpType>;
   using Hessian = fatrop::Hessian<fatrop::OcpType>;
+  using Dims = fatrop::ProblemDims<fatrop::OcpType>;
   using Vector = fatrop::VecRealView;
 
+  /// Dimensions of the dense matrices that fatrop makes where it asks for `dims`: the least where they stay unused.
+  virtual const Dims& made(const Dims& dims) = 0;
   virtual bool owns(const Jacobian& jacobian) = 0;
   virtual bool owns(const Hessian& hessian) = 0;
 

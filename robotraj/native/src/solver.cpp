@@ -142,9 +142,14 @@ struct Solver::Algorithm {
 Solver::Solver(std::shared_ptr<Program> program, const Stages& stages)
     : program_(std::move(program)),
       nlp_(std::make_shared<StageNlp>(program_, stages)),
-      algorithm_(std::make_unique<Algorithm>(program_, nlp_)) {}
+      algorithm_(make()) {}
 
 Solver::~Solver() = default;
+
+std::unique_ptr<Solver::Algorithm> Solver::make() const {
+  const StageParts::Lent lent(nlp_->parts());  // fatrop's matrices are made now
+  return std::make_unique<Algorithm>(program_, nlp_);
+}
 
 std::vector<std::string> Solver::option_names() const {
   std::set<std::string> names;
@@ -157,7 +162,7 @@ void Solver::set_options(const Options& options) {
   // fatrop does not tell its defaults, so an option that is given up asks for a new algorithm.
   for (const auto& [name, value] : options_)
     if (!options.count(name)) {
-      algorithm_ = std::make_unique<Algorithm>(program_, nlp_);
+      algorithm_ = make();
       break;
     }
   options_ = options;

@@ -71,6 +71,7 @@ class Solver {
  private:
   struct Algorithm;
 
+  std::unique_ptr<Algorithm> make() const;
   void set_options(const Options& options);
   void collect(Outcome& outcome);
 

@@ -27,6 +27,7 @@ FatropParts** slot() {
 /// Notes which calls arrive.
 class Probe final : public FatropParts {
  public:
+  const Dims& made(const Dims& dims) override { return dims; }
   bool owns(const Jacobian&) override { return true; }
   bool owns(const Hessian&) override { return true; }
   void times(const Jacobian&, const Vector&, double, const Vector&, Vector&) override { seen |= 1; }
@@ -76,12 +77,6 @@ int flag_of(Pivots pivots) {
   }
 }
 
-/// Gives the memory of matrices back.
-template <typename Matrices>
-void release(Matrices& matrices) {
-  Matrices().swap(matrices);
-}
-
 }  // namespace
 
 bool StageParts::take_over() {
@@ -108,19 +103,13 @@ StageValues* StageParts::find(Owned& owned, const void* matrix) {
 
 void StageParts::fill(Jacobian& jacobian, const Numbers& entries) {
   StageValues* values = find(jacobians_, &jacobian);
-  if (!values) {
-    values = &jacobians_.emplace_back(&jacobian, matrices_.empty_jacobian()).second;
-    release(jacobian.BAbt);
-    release(jacobian.Gg_eqt);
-    release(jacobian.Gg_ineqt);
-  }
+  if (!values) values = &jacobians_.emplace_back(&jacobian, matrices_.empty_jacobian()).second;
   matrices_.fill_jacobian(entries, *values);
 }
 
 StageValues& StageParts::hessian_values(Hessian& hessian) {
   StageValues* values = find(hessians_, &hessian);
   if (values) return *values;
-  release(hessian.RSQrqt);
   return hessians_.emplace_back(&hessian, matrices_.empty_hessian()).second;
 }
 

@@ -17,8 +17,8 @@ namespace robotraj::native {
 
 /// Keeps the values of fatrop's Jacobians and Hessians, and answers fatrop's calls for them.
 ///
-/// fatrop keeps three of each (the iterate, the trial and a stored one), dense; those that are filled here give their
-/// memory back.
+/// fatrop keeps three of each (the iterate, the trial and a stored one), dense; those that it makes while these parts are
+/// lent to it are as small as can be.
 class StageParts final : public FatropParts {
  public:
   using Info = fatrop::ProblemInfo<fatrop::OcpType>;
@@ -33,6 +33,7 @@ class StageParts final : public FatropParts {
   void fill(Jacobian& jacobian, const Numbers& entries);
   void fill(Hessian& hessian, const Numbers& entries);
 
+  const Dims& made(const Dims&) override { return least_; }
   bool owns(const Jacobian& jacobian) override { return find(jacobians_, &jacobian) != nullptr; }
   bool owns(const Hessian& hessian) override { return find(hessians_, &hessian) != nullptr; }
   void times(const Jacobian& jacobian, const Vector& x, double alpha, const Vector& y, Vector& out) override;
@@ -66,6 +67,7 @@ class StageParts final : public FatropParts {
   void set_lu_tolerance(const double& value) { solver_.options.lu_tolerance = value; }
   void set_pivot_tolerance(const double& value) { solver_.options.pivot_tolerance = value; }
 
+  const Dims least_{1, {0}, {1}, {0}, {0}};
   StageMatrices matrices_;
   RiccatiSolver solver_;
   Owned jacobians_, hessians_;
