@@ -91,10 +91,9 @@ def plan(
         raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
     if mesh is None:
         mesh = Mesh() if tolerance is None else _coarse()
-    several = isinstance(mesh, Sequence) and all(isinstance(m, Mesh) for m in mesh)
-    if not isinstance(mesh, Mesh) and not several:
+    if not isinstance(mesh, Mesh) and not (isinstance(mesh, Sequence) and all(isinstance(m, Mesh) for m in mesh)):
         raise InputError(f"mesh= must be an rt.Mesh, or one for each phase; got {mesh!r}.")
-    for_ipopt = isinstance(engine, Engine) and engine.made_for_ipopt
+    for_ipopt = engine is not None and isinstance(engine, Engine) and engine.made_for_ipopt
     solver = solver or (Ipopt() if for_ipopt else solver_for(problem, mesh))
     if not isinstance(solver, Solver):
         raise InputError(f"solver= must be a solver value such as rt.Ipopt(); got {solver!r}.")

@@ -27,6 +27,10 @@ def _weights(sites: tuple[float, ...]) -> Array:
     return weights
 
 
+_FEW = {1: (np.zeros(1), np.array([2.0])), 2: (np.sqrt(1 / 3) * np.array([-1.0, 1.0]), np.ones(2))}
+"""Gauss-Legendre quadrature of least order, which most schemes need: points and weights."""
+
+
 @lru_cache(maxsize=256)
 def _gauss(count: int) -> tuple[Array, Array]:
     """Points and weights of Gauss-Legendre quadrature on [-1, 1]: numpy's ``leggauss``, without its package's import.
@@ -34,6 +38,8 @@ def _gauss(count: int) -> tuple[Array, Array]:
     The points are eigenvalues of the Jacobi matrix (Golub and Welsch, Mathematics of Computation 23, 1969), improved
     by one Newton step and made symmetric.
     """
+    if count in _FEW:
+        return _FEW[count]
     k = np.arange(1, count)
     scale = 1.0 / np.sqrt(2 * np.arange(count) + 1)
     beside = k * scale[:-1] * scale[1:]

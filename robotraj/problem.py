@@ -115,7 +115,10 @@ class Phase:
         check_phase(self)
 
     def _checked_constraints(self) -> Sequence[Constraint]:
-        given = [self.constraints] if isinstance(self.constraints, Constraint) else list(self.constraints)
+        # A class is asked for its subclasses the first time that it sees a type: plain lists are told apart before.
+        plain = isinstance(self.constraints, tuple | list)
+        given = self.constraints if plain or not isinstance(self.constraints, Constraint) else [self.constraints]
+        given = list(given)
         for constraint in given:
             if not isinstance(constraint, Constraint):
                 raise InputError(f"{constraint!r} in the constraints of phase {self.name!r} is not a constraint.")
@@ -159,9 +162,9 @@ class Phase:
             Contacts of a System, what is no contact, or two of one name.
         """
         robot = self.robot
+        if not self.contacts:
+            return ()
         if robot is None:
-            if not self.contacts:
-                return ()
             raise InputError(f"Phase {self.name!r} has contacts, which are for robots, but moves an rt.System.")
         for contact in self.contacts:
             if not isinstance(contact, Contact):
@@ -169,7 +172,7 @@ class Phase:
                     f"{contact!r} in the contacts of phase {self.name!r} is not a contact such as "
                     "rt.PointContact('foot')."
                 )
-        bound = tuple(contact.bind(robot) for contact in self.contacts)
+        bound = tuple(contact.bound_to(robot) for contact in self.contacts)
         twice = [name for name, count in Counter(contact.name for contact in bound).items() if count > 1]
         if twice:
             raise InputError(f"Phase {self.name!r} has two contacts named {twice[0]!r}; give one of them name=.")
@@ -206,7 +209,8 @@ class Phase:
     def duration_bounds(self) -> tuple[float, float]:
         """Least and greatest duration [s]."""
         value = self.duration
-        if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) and len(value) == 2:
+        single = isinstance(value, int | float | str)
+        if not single and isinstance(value, tuple | Sequence | np.ndarray) and len(value) == 2:
             try:
                 value = between(*value)
             except InputError as error:

@@ -26,6 +26,7 @@ from robotraj.loading import (
 )
 from robotraj.loading.configuration import unit_quaternion
 from robotraj.loading.root import QUATERNION, root_of
+from robotraj.loading.surgery import names_of
 
 if TYPE_CHECKING:
     from robotraj.symbolic import SymbolicModel
@@ -129,7 +130,7 @@ class Robot:
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
         """Names of the moving joints, in the order of v; a floating root is one joint, ``root_joint``."""
-        return tuple(self.model.names)[1:]
+        return tuple(names_of(self.model)[1:])
 
     @cached_property
     def position_names(self) -> tuple[str, ...]:

@@ -50,6 +50,25 @@ def rates(model: pin.Model, q: Any, v: Any) -> Array:
     return np.concatenate([rotated(unit, v[..., PLACE]), 0.5 * product(quaternion, spin), v[..., REST]], axis=-1)
 
 
+def rate_matrix(model: pin.Model, q: Array) -> Array:
+    """Matrix Q (nq, nv) of ``rates`` at one configuration: q' = Q v."""
+    if not floats(model):
+        return np.eye(model.nv)
+    matrix = np.zeros((model.nq, model.nv))
+    matrix[QUATERNION.stop :, REST] = np.eye(model.nv - TURN.stop)
+    # Numbers by themselves: for one configuration that takes a tenth of the time of products of small arrays.
+    x, y, z, w = q[QUATERNION].tolist()
+    twice = 2.0 / (x * x + y * y + z * z + w * w)
+    matrix[PLACE, PLACE] = [
+        [1.0 - twice * (y * y + z * z), twice * (x * y - z * w), twice * (x * z + y * w)],
+        [twice * (x * y + z * w), 1.0 - twice * (x * x + z * z), twice * (y * z - x * w)],
+        [twice * (x * z - y * w), twice * (y * z + x * w), 1.0 - twice * (x * x + y * y)],
+    ]
+    x, y, z, w = 0.5 * x, 0.5 * y, 0.5 * z, 0.5 * w
+    matrix[QUATERNION, TURN] = [[w, -z, y], [z, w, -x], [-y, x, w], [-x, -y, -z]]
+    return matrix
+
+
 def velocities(model: pin.Model, q: Any, rate: Any) -> Array:
     """Give v (..., nv) that moves configurations q (..., nq) at q' (..., nq): the inverse of ``rates``.
 

@@ -32,6 +32,15 @@ def test_rates_are_those_of_integration(flying):
     np.testing.assert_allclose(tangent.rates(model, q[0], v[0]), symbolic, atol=1e-14)
 
 
+def test_rates_are_linear_in_velocities(flying):
+    model = flying.model
+    for q, v in zip(*motion(model), strict=True):
+        q[3:7] *= 1.3
+        np.testing.assert_allclose(tangent.rate_matrix(model, q) @ v, tangent.rates(model, q, v), atol=1e-14)
+    fixed = rt.load("cartpole").model
+    np.testing.assert_array_equal(tangent.rate_matrix(fixed, np.zeros(2)), np.eye(2))
+
+
 def test_velocities_invert_rates_whatever_the_length_of_the_quaternion(flying):
     model = flying.model
     q, v = motion(model)

@@ -79,7 +79,7 @@ def as_bounds(value: Any, names: Sequence[str], what: str, kind: str = "joint") 
         NaN, a wrong length, or an unknown name; the message says which entry.
     """
     n = len(names)
-    if isinstance(value, Mapping):
+    if _is_mapping(value):
         lower, upper = np.full(n, -np.inf), np.full(n, np.inf)
         for name, entry in value.items():
             if name not in names:
@@ -92,7 +92,7 @@ def as_bounds(value: Any, names: Sequence[str], what: str, kind: str = "joint") 
                 )
             lower[i], upper[i] = np.asarray(low).item(), np.asarray(high).item()
         return Bounds(lower, upper)
-    if isinstance(value, Between) or value is None or np.isscalar(value) or _is_plain_array(value):
+    if value is None or isinstance(value, Between) or _is_number(value) or _is_plain_array(value):
         low, high = _pair(value, what)
         sides = []
         for side in (low, high):
@@ -123,9 +123,20 @@ def as_bounds(value: Any, names: Sequence[str], what: str, kind: str = "joint") 
     )
 
 
+def _is_mapping(value: Any) -> bool:
+    """Whether entries go by name; the abstract class takes its time with every type that it has not seen."""
+    plain = isinstance(value, int | float | tuple | list | np.ndarray | Between | None)
+    return not plain and isinstance(value, Mapping)
+
+
+def _is_number(value: Any) -> bool:
+    """Whether the value is a scalar of any kind, a string among them."""
+    return isinstance(value, int | float) or (not isinstance(value, tuple | list) and np.isscalar(value))
+
+
 def _is_plain_array(value: Any) -> bool:
     """Whether the value is an array or list of numbers alone."""
-    if isinstance(value, str | Mapping):
+    if isinstance(value, str) or _is_mapping(value):
         return False
     try:
         return np.asarray(value).dtype.kind in "fiub"

@@ -12,6 +12,7 @@ import numpy as np
 from robotraj.contacts.mobility import AXES
 from robotraj.dynamics.variable import Variable
 from robotraj.errors import InputError
+from robotraj.memory import PerRobot
 
 if TYPE_CHECKING:
     from robotraj.robot import Robot
@@ -62,6 +63,10 @@ class Contact(ABC):
         InputError
             The frame does not exist or leaves the plane, or the robot cannot move in the rows.
         """
+
+    def bound_to(self, robot: Robot) -> BoundContact:
+        """Bind once for every robot, however many phases it stands in; a contact without a hash is bound every time."""
+        return _BOUND.get(robot, self, lambda: self.bind(robot))
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +137,9 @@ class BoundContact(ABC):
     def locate(self, robot: Robot, q: Any) -> dict[str, float]:
         """Anchors of the contact as it stands in configuration q, in numbers, for guesses."""
         return {}
+
+
+_BOUND: PerRobot[BoundContact] = PerRobot()
 
 
 def force_variables(name: str, linear: Sequence[int], angular: Sequence[int] = ()) -> tuple[Variable, ...]:

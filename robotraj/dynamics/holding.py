@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -17,10 +19,43 @@ ROOT_FREEDOMS = {"fixed": (0, 0), "planar": (2, 3), "floating": (3, 6)}
 """How many of the first velocities of a root translate, and how many there are."""
 
 
+@dataclass(frozen=True, eq=False)
+class Share:
+    """What one contact adds to the rows of a point; each part is built when first read."""
+
+    contact: BoundContact
+    point: RobotPoint
+
+    @cached_property
+    def reaction(self) -> ca.SX:
+        """Generalised force -J' f that the motors do not have to give, (nv,) [N m, N]."""
+        return -torques(self.contact, self.point, [self.point.z[force.name] for force in self.contact.forces])
+
+    @cached_property
+    def places(self) -> Sequence[Any]:
+        """Rows that are zero where it stands [m, rad]."""
+        return self.contact.position(self.point, anchors(self.contact, self.point.p))
+
+    @cached_property
+    def rates(self) -> Sequence[Any]:
+        """Velocities [m/s, rad/s]."""
+        return self.contact.velocity(self.point)
+
+    @cached_property
+    def accelerations(self) -> Sequence[Any]:
+        """Accelerations [m/s^2, rad/s^2]."""
+        return self.contact.acceleration(self.point)
+
+
+def share_of(contact: BoundContact, point: RobotPoint) -> Any:
+    """Give what a contact adds: symbols where it stands apart (``dynamics.apart``), else a ``Share``."""
+    return point.shares.get(contact.name) or Share(contact, point)
+
+
 def hold(contacts: Sequence[BoundContact], point: RobotPoint) -> list[Any]:
     """Rows that are zero while the contacts hold: all places, then all velocities."""
-    places = [row for contact in contacts for row in contact.position(point, anchors(contact, point.p))]
-    return places + [row for contact in contacts for row in contact.velocity(point)]
+    shares = [share_of(contact, point) for contact in contacts]
+    return [row for share in shares for row in share.places] + [row for share in shares for row in share.rates]
 
 
 def anchors(contact: BoundContact, p: Any) -> dict[str, Any]:
@@ -36,22 +71,32 @@ def torques(contact: BoundContact, point: RobotPoint, forces: Sequence[Any]) -> 
     return total
 
 
-def correct(robot: Robot, contacts: Sequence[BoundContact], point: RobotPoint, c: Any) -> Any:
+def pinned(robot: Robot, contacts: Sequence[BoundContact]) -> bool:
+    """Whether the root alone corrects a robot, which then moves as if its one contact were pinned."""
+    return len(contacts) == 1 and bool(contacts[0].anchors) and len(contacts[0].holds) in ROOT_FREEDOMS[robot.root]
+
+
+def correct(contacts: Sequence[BoundContact], point: RobotPoint, c: Any) -> Any:
     """Tangent vector (nv,) along which one correction c for each held row moves the robot.
 
     One contact is corrected by the root: a point by its translation, a foot by all of it. The robot then moves as if
     it were pinned there, and the polynomials of its joints are those of a model without a root. More contacts, and
     those of a robot that stands fixed, are corrected along J' c (Posa, Kuindersma and Tedrake, ICRA 2016).
     """
-    nv = robot.nv
+    robot, nv = point.robot, point.robot.nv
     if not contacts:
         return ca.SX.zeros(nv)
-    if len(contacts) == 1 and contacts[0].anchors and c.numel() in ROOT_FREEDOMS[robot.root]:
+    if pinned(robot, contacts):
         return ca.vertcat(c, ca.SX.zeros(nv - c.numel()))
-    # The velocity rows are J v: their gradient by v is J, whatever v is.
-    v = ca.SX.sym("v", nv)
+    return pull(contacts, point, c)
+
+
+def pull(contacts: Sequence[BoundContact], point: RobotPoint, c: Any) -> Any:
+    """J' c, (nv,), for the velocity rows J v of contacts."""
+    # The gradient of J v by v is J, whatever v is.
+    v = ca.SX.sym("v", point.robot.nv)
     at_speed = RobotPoint(
-        point.t, point.x, point.z, point.u, point.p, robot, point.q, v, None, None, point.symbolic, point.damping
+        point.t, point.x, point.z, point.u, point.p, point.robot, point.q, v, None, None, point.symbolic, point.damping
     )
     rows = ca.vertcat(*(row for contact in contacts for row in contact.velocity(at_speed)))
     return ca.jtimes(rows, v, c, True)

@@ -59,6 +59,8 @@ class RobotPoint(Point):
         Torques of the actuated joints [N m, N].
     forces : Named
         Contact forces by contact name [N].
+    shares : dict of str
+        What contacts add to the equations, by contact name, where symbols stand for it (``dynamics.apart``).
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class RobotPoint(Point):
         self.q = q
         self.v = v
         self.forces = Named("contact", (), ())
+        self.shares: dict[str, Any] = {}
 
     @property
     def a(self) -> Any:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from robotraj.dynamics.holding import correct, hold, torques
+from robotraj.dynamics.holding import correct, hold, pinned, share_of
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Named, Variable
 from robotraj.errors import InputError
@@ -165,15 +165,22 @@ class RigidBody:
 
     def correction(self, point: RobotPoint, c: ca.SX) -> ca.SX:
         """Give W c: along the quaternion, and for contacts as ``holding.correct`` says."""
-        robot = self.robot
         first = int(self._has_quaternion)
-        count = (c.numel() - first) // 2
-        places, rates = c[first : first + count], c[first + count :]
-        moved = correct(robot, self.contacts, point, places)
+        if point.shares and not pinned(self.robot, self.contacts):
+            corrected = sum((share.corrected for share in point.shares.values()), ca.SX.zeros(len(self.states)))
+        else:
+            count = (c.numel() - first) // 2
+            places, rates = c[first : first + count], c[first + count :]
+            corrected = self.along(point, *(correct(self.contacts, point, part) for part in (places, rates)))
         if self._has_quaternion:
-            moved = robot.symbolic.configuration_rate(point.q, moved)
-            moved[3:7] += point.q[3:7] * c[0]
-        return ca.vertcat(moved, correct(robot, self.contacts, point, rates))
+            corrected[3:7] += point.q[3:7] * c[0]
+        return corrected
+
+    def along(self, point: RobotPoint, moved: ca.SX, sped: ca.SX) -> ca.SX:
+        """Rates (nq + nv,) of the state that moves along one tangent vector (nv,) and gains speed along another."""
+        if self._has_quaternion:
+            moved = self.robot.symbolic.configuration_rate(point.q, moved)
+        return ca.vertcat(moved, sped)
 
 
 @dataclass(frozen=True)
@@ -210,9 +217,10 @@ class InverseRigidBody(RigidBody):
     def residual(self, point: RobotPoint) -> ca.SX:
         """Torque balance RNEA(q, v, a) - B tau + d(v) - J' f, (nv,) [N m, N], then contact accelerations."""
         balance = point.inverse_dynamics - self._applied(point.v, point.tau, point.damping)
-        for contact in self.contacts:
-            balance -= torques(contact, point, [point.z[force.name] for force in contact.forces])
-        return ca.vertcat(balance, *(row for contact in self.contacts for row in contact.acceleration(point)))
+        shares = [share_of(contact, point) for contact in self.contacts]
+        for share in shares:
+            balance += share.reaction
+        return ca.vertcat(balance, *(row for share in shares for row in share.accelerations))
 
 
 @dataclass(frozen=True)

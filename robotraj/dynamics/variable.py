@@ -54,6 +54,11 @@ class Named(Mapping[str, Any]):
         self._index = {name: i for i, name in enumerate(names)}
         self._values = values
 
+    @property
+    def column(self) -> Any:
+        """All entries, as they were given."""
+        return self._values
+
     def __getitem__(self, name: str) -> Any:
         if name not in self._index:
             raise unknown_name(self.kind, name, self._index)

@@ -11,8 +11,6 @@ import numpy as np
 
 from robotraj.engines.base import Engine, Mapped, StageMapped, VirtualMachine
 from robotraj.errors import InputError
-from robotraj.native.build import load_native
-from robotraj.native.tape_block import tape_block
 
 if TYPE_CHECKING:
     from robotraj.native import PointBlock
@@ -52,14 +50,10 @@ class Native(Engine):
 
     def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
         """Give a stage as tapes, chained to its torques where it has any."""
-        if not isinstance(stage.v, ca.SX):
+        if stage.tapes is None:
             return VirtualMachine().block(stage, count, costs)
-        if stage.chain is not None:
-            return stage.chain.block(count, costs)
-        try:
-            return tape_block(stage, count, costs)
-        except load_native().NotATape:
-            return VirtualMachine().block(stage, count, costs)
+        block: PointBlock = stage.tapes.block(count, costs)
+        return block
 
     def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:
         """Give functions that call the compiled module for all points at once; keep them alive while they are used."""
@@ -112,7 +106,8 @@ class _Points(ca.Callback):
     def has_eval_buffer(self) -> bool:
         return True
 
-    def eval_buffer(self, arguments: Sequence[memoryview], results: Sequence[memoryview]) -> int:
-        given = [np.frombuffer(argument) for argument in arguments]
+    def eval_buffer(self, arguments: Sequence[memoryview | None], results: Sequence[memoryview]) -> int:
+        # What has no numbers is not handed over.
+        given = [np.zeros(0) if argument is None else np.frombuffer(argument) for argument in arguments]
         np.frombuffer(results[0])[:] = self._evaluate(*given, threads=self._threads)
         return 0

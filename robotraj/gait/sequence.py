@@ -110,7 +110,7 @@ def sequence(
     partners = _partners(repeat)
     every = tuple(dict.fromkeys((*feet, *(partners.get(foot, foot) for foot in feet))))
     contacts = {foot: stands(terms.contact, foot) for foot in every}
-    posture = standing(Stance(robot, tuple(contact.bind(robot) for contact in contacts.values())))
+    posture = standing(Stance(robot, tuple(contact.bound_to(robot) for contact in contacts.values())))
     objective = terms.objective if terms.objective is not None else gait_objective(robot, posture)
     phases: list[Phase] = []
     for i, support in enumerate(supports):

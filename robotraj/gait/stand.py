@@ -44,7 +44,7 @@ def stand(
         No such frames, or feet that do not reach the ground.
     """
     names = feet_of(robot, feet)
-    stance = Stance(robot, tuple(stands(contact, name).bind(robot) for name in names))
+    stance = Stance(robot, tuple(stands(contact, name).bound_to(robot) for name in names))
     q = standing(stance, height)
     rows, _ = stance.places(q, stance.locate(q))
     if np.max(np.abs(rows), initial=0.0) > REACHED:

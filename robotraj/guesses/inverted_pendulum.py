@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-import scipy
 from numpy.typing import NDArray
 
 from robotraj.chart import Chart
@@ -21,6 +20,7 @@ from robotraj.guesses.stance import Stance
 from robotraj.guesses.support import support
 from robotraj.links import BoundLink
 from robotraj.problem import Problem
+from robotraj.splines import through
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
@@ -104,7 +104,7 @@ class _Walk(Guess):
                 if robot.root == "planar":
                     mass[1] = np.nan
                 near = np.array(q)
-                near[0] += mass[0] - pin.centerOfMass(robot.model, robot.model.createData(), q)[0]
+                near[0] += mass[0] - pin.centerOfMass(robot.model, self._stance.data, q)[0]
                 q = self._stance.reach(near, places, mass, lifts, self.steps.home)
                 rows.append(q)
             found.append(np.array(rows))
@@ -117,12 +117,13 @@ class _Walk(Guess):
         pace = duration if duration > 0 else 1.0
         fractions = np.linspace(0.0, 1.0, KEYS)
         chart = Chart.around(robot.model, keys[0])
-        y = scipy.interpolate.make_interp_spline(fractions, chart.coordinates(keys), k=5)
+        y = through(fractions, chart.coordinates(keys), 5)
         rate, second = y.derivative(1), y.derivative(2)
-
-        def motion(s: Array) -> tuple[Array, Array, Array]:
-            at, first = y(s), rate(s) / pace
-            return chart.positions(at), chart.velocities(at, first), chart.accelerations(at, first, second(s) / pace**2)
+        motions = {
+            "q": lambda s: chart.positions(y(s)),
+            "v": lambda s: chart.velocities(y(s), rate(s) / pace),
+            "a": lambda s: chart.accelerations(y(s), rate(s) / pace, second(s) / pace**2),
+        }
 
         parameters = default_parameters(phase)
         middle, _ = self.steps.feet(0.5 * (self.steps.schedule.times[index] + self.steps.schedule.times[index + 1]))
@@ -131,17 +132,16 @@ class _Walk(Guess):
             if name in middle:
                 parameters[name] = float(np.clip(middle[name], least, most))
         held = [c.name for c in self.steps.schedule.contacts if c.name in self.steps.schedule.held[index]]
-        loads = _loads(self._stance, held, fractions, motion)
+        loads = _loads(self._stance, held, [motion(fractions) for motion in motions.values()])
 
         def columns(variables: Sequence[Variable]) -> Curve:
             def curve(s: Array) -> Array:
-                s = np.asarray(s, dtype=float)
-                q, v, a = motion(s)
-                known = {f"q.{n}": q[:, i] for i, n in enumerate(robot.position_names)}
-                for kind, values in (("v", v), ("a", a)):
-                    known |= {f"{kind}.{n}": values[:, i] for i, n in enumerate(robot.velocity_names)}
-                known |= {name: np.interp(s, fractions, values) for name, values in loads.items()}
-                still = np.zeros(len(s))
+                s, still = np.asarray(s, dtype=float), np.zeros(len(s))
+                known: dict[str, Array] = {}
+                for kind in motions.keys() & {x.name.partition(".")[0] for x in variables}:
+                    names, values = robot.position_names if kind == "q" else robot.velocity_names, motions[kind](s)
+                    known |= {f"{kind}.{n}": values[:, i] for i, n in enumerate(names)}
+                known |= {x.name: np.interp(s, fractions, loads[x.name]) for x in variables if x.name in loads}
                 return np.column_stack([known.get(x.name, still) for x in variables] or [np.zeros((len(s), 0))])
 
             return curve
@@ -158,11 +158,11 @@ class _Walk(Guess):
         return {name: LANDING * weight / len(up) for name in up}
 
 
-def _loads(stance: Stance, held: Sequence[str], fractions: Array, motion: Any) -> dict[str, Array]:
-    """Contact forces and torques by variable name, at fractions of a phase."""
+def _loads(stance: Stance, held: Sequence[str], motion: Sequence[Array]) -> dict[str, Array]:
+    """Contact forces and torques by variable name, of a motion q, v, a at some places, (m, ...) each."""
     robot = stance.robot
     names = [force.name for contact in stance.contacts if contact.name in held for force in contact.forces]
-    rows = [support(stance, held, *row) for row in zip(*motion(fractions), strict=True)]
+    rows = [support(stance, held, *row) for row in zip(*motion, strict=True)]
     forces, torques = (np.array([row[k] for row in rows]) for k in (0, 1))
     return {name: forces[:, i] for i, name in enumerate(names)} | {
         f"tau.{joint}": torques[:, i] for i, joint in enumerate(robot.actuated)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
-import scipy
 from numpy.typing import NDArray
 
 from robotraj.errors import InputError
@@ -81,6 +80,9 @@ def quintic(fractions: Array, keys: Array, first: Array, last: Array) -> Any:
     continuous derivatives; through two keys it is one quintic. Sources: Flash and Hogan, Journal of
     Neuroscience 5 (1985); de Boor, A Practical Guide to Splines (2001), chapter XIII.
     """
+    # SciPy's splines take longer to import than most guesses take.
+    import scipy
+
     still = np.zeros(keys.shape[1])
     return scipy.interpolate.make_interp_spline(
         fractions, keys, k=5, bc_type=([(1, first), (2, still)], [(1, last), (2, still)])

@@ -14,8 +14,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
+
+from robotraj.splines import Spline, hermite
 
 Array = NDArray[np.float64]
 
@@ -77,7 +78,7 @@ class Pendulum:
 
 def heights(
     times: Sequence[float], levels: Sequence[float], flying: Sequence[bool], gravity: float, repeats: bool
-) -> scipy.interpolate.CubicHermiteSpline:
+) -> Spline:
     """Height of the centre of mass [m]: ``levels`` where phases meet, a parabola in flight, cubics on the ground.
 
     A cubic leaves the ground as fast as the flight needs, and sinks before it does; where the motion repeats, its start
@@ -93,4 +94,4 @@ def heights(
     slopes = leave + arrive
     if repeats:
         slopes[0] = slopes[-1] = slopes[0] + slopes[-1]
-    return scipy.interpolate.CubicHermiteSpline(t, z, slopes)
+    return hermite(t, z, slopes)

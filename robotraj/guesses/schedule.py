@@ -125,5 +125,5 @@ def _contacts(problem: Problem, repeat: Mirror | Periodic | None) -> tuple[Bound
         other = partners.get(name, name)
         frame = partners.get(contact.frame, other if other in robot.frame_names else contact.frame)
         if other not in every and frame != contact.frame and hasattr(contact.contact, "frame"):
-            every[other] = replace(cast(Any, contact.contact), frame=frame, name=other).bind(robot)
+            every[other] = replace(cast(Any, contact.contact), frame=frame, name=other).bound_to(robot)
     return tuple(every.values())

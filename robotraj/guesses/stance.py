@@ -16,7 +16,7 @@ from robotraj.constraints.base import symbols_of
 from robotraj.dynamics import InverseDynamics
 from robotraj.dynamics.holding import anchors
 from robotraj.loading.root import QUATERNION
-from robotraj.tangent import floats, rates
+from robotraj.tangent import rate_matrix
 
 if TYPE_CHECKING:
     from robotraj.contacts import BoundContact
@@ -54,8 +54,27 @@ class Stance:
     def _places(self) -> ca.Function:
         point: Any = symbols_of(InverseDynamics().of(self.robot, None, self.contacts), self._names)
         rows = [row for contact in self.contacts for row in contact.position(point, anchors(contact, point.p))]
-        y, p = ca.vertcat(*rows), ca.vertcat(ca.SX(0, 1), *point.p.values())
-        return ca.Function("places", [point.q, p], [y, ca.jacobian(y, point.q)])
+        y, p = ca.densify(ca.vertcat(*rows)), ca.vertcat(ca.SX(0, 1), *point.p.values())
+        return ca.Function("places", [point.q, p], [y, ca.densify(ca.jacobian(y, point.q))])
+
+    @cached_property
+    def _evaluated_places(self) -> tuple[Array, Array, Array, Array, Any]:
+        """Arrays that ``_places`` reads (q, anchors) and writes (rows, transposed Jacobian), and what runs it."""
+        buffer, run = self._places.buffer()
+        q, p = np.zeros(self.robot.nq), np.zeros(len(self._names))
+        rows = np.zeros(self._places.numel_out(0))
+        slope = np.zeros((self.robot.nq, len(rows)))
+        for i, given in enumerate((q, p)):
+            if given.size:
+                buffer.set_arg(i, given.data)
+        for i, result in enumerate((rows, slope)):
+            buffer.set_res(i, result.data)
+        return q, p, rows, slope, (run, buffer)
+
+    @cached_property
+    def data(self) -> pin.Data:
+        """What Pinocchio's algorithms write into."""
+        return self.robot.model.createData()
 
     @cached_property
     def _efforts(self) -> ca.Function:
@@ -93,15 +112,10 @@ class Stance:
 
     def places(self, q: Array, feet: Mapping[str, float]) -> tuple[Array, Array]:
         """Rows (m,) of all contacts at anchors ``feet``, and their Jacobian (m, nv)."""
-        rows, slope = self._places(q, np.array([feet[name] for name in self._names]))
-        return np.array(rows).ravel(), np.array(slope) @ self._tangent(q)
-
-    def _tangent(self, q: Array) -> Array:
-        """Q' per velocity, (nq, nv)."""
-        nv = self.robot.nv
-        if not floats(self.robot.model):
-            return np.eye(nv)
-        return rates(self.robot.model, np.tile(q, (nv, 1)), np.eye(nv)).T
+        at, anchored, rows, slope, (run, _) = self._evaluated_places
+        at[:], anchored[:] = q, [feet[name] for name in self._names]
+        run()
+        return rows.copy(), slope.T @ rate_matrix(self.robot.model, q)
 
     def reach(
         self, near: Array, feet: Mapping[str, float], mass: Any, lifts: Mapping[str, float], posture: Array
@@ -168,15 +182,14 @@ class Stance:
     def _errors(self, q: Array, feet: Mapping[str, float], mass: Array, raised: Array, posture: Array) -> Any:
         robot, n = self.robot, ROOT_FREEDOMS[self.robot.root]
         rows, slope = self.places(q, feet)
-        data = robot.model.createData()
-        jacobian = pin.jacobianCenterOfMass(robot.model, data, q)
+        jacobian = pin.jacobianCenterOfMass(robot.model, self.data, q)
         known = np.isfinite(mass)
         away = pin.difference(robot.model, posture, q)
         weights = np.full(robot.nv, JOINT)
         weights[:n] = np.where(np.array(robot.units[:n]) == "rad", TILT, 0.0)
         kept = weights > 0
         error = np.concatenate(
-            [FOOT * (rows - raised), MASS * (np.array(data.com[0]) - mass)[known], (weights * away)[kept]]
+            [FOOT * (rows - raised), MASS * (np.array(self.data.com[0]) - mass)[known], (weights * away)[kept]]
         )
         return error, np.vstack([FOOT * slope, MASS * jacobian[known], np.diag(weights)[kept]])
 

@@ -39,8 +39,8 @@ def support(stance: Stance, held: Sequence[str], q: Array, v: Array, a: Array) -
     tau : (nu,) array
     """
     robot = stance.robot
-    model, data = robot.model, robot.model.createData()
-    needed = pin.rnea(model, data, q, v, a) + robot.dissipation(v)
+    model = robot.model
+    needed = pin.rnea(model, stance.data, q, v, a) + robot.dissipation(v)
     columns = stance.columns(held)
     jacobian = stance.jacobian(q)[columns].T
     forces = np.zeros(len(columns))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from robotraj.loading.notes import dissipation_note, locked_note, mimic_note, ne
 from robotraj.loading.root import carried, root_of, rooted
 from robotraj.loading.rotor import with_rotors
 from robotraj.loading.source import Description
-from robotraj.loading.surgery import check_joints, plan_in_angles, reduced, tell_frames_apart
+from robotraj.loading.surgery import check_joints, names_of, plan_in_angles, reduced, tell_frames_apart
 
 Array = npt.NDArray[np.float64]
 
@@ -46,7 +47,7 @@ def assemble(
     copy, armature_note = with_rotors(standing, about.srdf)
     whole = plan_in_angles(copy)
     first, start = 1 + len(stand.joints), len(stand.positions)
-    names = list(whole.names)[first:]
+    names = names_of(whole)[first:]
     q, reference_name = reference(about.model, about.srdf, root)
     every = Limits.of(whole, root)
     resting = inside(q, every)
@@ -72,8 +73,8 @@ def assemble(
         twin_note(twins),
         armature_note,
         dissipation_note(model),
-        locked_note(outside(at, every, units(whole, root)), held),
-        neutral_note(outside(kept, wanted, units(model, root)), reference_name),
+        locked_note(outside(at, every, partial(units, whole, root)), held),
+        neutral_note(outside(kept, wanted, partial(units, model, root)), reference_name),
     )
     return {
         "name": about.name,
@@ -95,7 +96,7 @@ def units(model: pin.Model, root: str = "fixed") -> tuple[str, ...]:
     """Give the unit of what each velocity moves along: ``"m"`` where the joint only translates, else ``"rad"``."""
     about = root_of(root)
     result = list(about.units)
-    for joint in list(model.joints)[1 + len(about.joints) :]:
+    for joint in model.joints.tolist()[1 + len(about.joints) :]:
         data = joint.createData()
         joint.calc(data, np.zeros(joint.nq))
         result.append("rad" if np.any(np.asarray(data.S).reshape(6)[3:]) else "m")

@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from robotraj.errors import InputError, unknown_name
 from robotraj.loading.root import ROOTS, root_of
+from robotraj.loading.surgery import names_of
 
 Array = npt.NDArray[np.float64]
 
@@ -92,7 +93,7 @@ class Limits:
         velocity = _magnitude(model.lowerVelocityLimit, model.upperVelocityLimit)
         effort = _magnitude(model.lowerEffortLimit, model.upperEffortLimit)
         return cls(
-            (*about.velocities, *list(model.names)[1 + len(about.joints) :]),
+            (*about.velocities, *names_of(model)[1 + len(about.joints) :]),
             np.append(-unlimited, model.lowerPositionLimit[further]),
             np.append(unlimited, model.upperPositionLimit[further]),
             np.append(unlimited, velocity[free:]),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +33,8 @@ def reference(model: pin.Model, srdf: Path | None, root: str = "fixed") -> tuple
     root : str
         How the robot stands. A reference that places the free-flyer ``root_joint`` places the planar root too.
     """
-    copy = rooted(model, "fixed" if root == "fixed" else "floating")
+    # A model that is only read needs no copy.
+    copy = model if root == "fixed" and srdf is None else rooted(model, "fixed" if root == "fixed" else "floating")
     if srdf is not None:
         pin.loadReferenceConfigurations(copy, str(srdf), False)
     known = {entry.key(): np.array(entry.data()) for entry in copy.referenceConfigurations}
@@ -56,13 +57,15 @@ def inside(q: Array, limits: Limits) -> Array:
     return np.where(lower <= upper, np.clip(q, lower, upper), q)
 
 
-def outside(q: Array, limits: Limits, units: Sequence[str]) -> dict[str, str]:
-    """Describe the joints outside their limits: ``{"elbow": "'elbow' at 0 rad, limits [0.5, 2] rad"}``."""
-    described = {}
+def outside(q: Array, limits: Limits, units: Callable[[], Sequence[str]]) -> dict[str, str]:
+    """Describe the joints outside their limits: ``{"elbow": "'elbow' at 0 rad, limits [0.5, 2] rad"}``.
+
+    ``units`` are asked for where there are any.
+    """
     n = len(limits.joints)  # a floating root has one position more, and no limits
-    for joint, unit, value, low, high in zip(
-        limits.joints, units, q[-n:], limits.position_lower, limits.position_upper, strict=True
-    ):
-        if low <= high and not low <= value <= high:
-            described[joint] = f"{joint!r} at {value:.4g} {unit}, limits [{low:.4g}, {high:.4g}] {unit}"
+    low, high, at = limits.position_lower, limits.position_upper, q[-n:]
+    described = {}
+    for i in np.flatnonzero((low <= high) & ~((low <= at) & (at <= high))).tolist():
+        joint, unit = limits.joints[i], units()[i]
+        described[joint] = f"{joint!r} at {at[i]:.4g} {unit}, limits [{low[i]:.4g}, {high[i]:.4g}] {unit}"
     return described

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from functools import lru_cache
 from pathlib import Path
 
@@ -11,9 +12,9 @@ from robotraj.loading.entry import Entry
 
 def folder() -> Path:
     """Folder of the robots: inside the package when installed, beside it in a checkout."""
-    package = Path(__file__).resolve().parents[1]
-    installed = package / "robots"
-    return installed if installed.is_dir() else package.parent / "robots"
+    package = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+    installed = os.path.join(package, "robots")
+    return Path(installed if os.path.isdir(installed) else os.path.join(os.path.dirname(package), "robots"))
 
 
 @lru_cache(maxsize=1)

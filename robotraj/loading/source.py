@@ -15,6 +15,7 @@ from robotraj.loading.catalogue import find
 from robotraj.loading.entry import Entry
 from robotraj.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.loading.mimic import Mimic, read_mimics
+from robotraj.loading.surgery import names_of
 from robotraj.loading.urdf import read_model, read_xml
 
 
@@ -98,7 +99,7 @@ def _from_urdf(entry: Entry, folders: tuple[str | os.PathLike[str], ...]) -> Des
         model,
         UrdfGeometry(entry.urdf, folders),
         entry.source,
-        read_mimics(root, list(model.names)[1:]),
+        read_mimics(root, names_of(model)[1:]),
         entry.srdf,
         entry.actuated,
         entry.moving,

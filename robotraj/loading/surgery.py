@@ -33,6 +33,12 @@ PER_VELOCITY = (
 )
 
 
+def names_of(model: pin.Model) -> list[str]:
+    """Give the names of all joints, the universe first; Pinocchio's own iterator ends by an exception of C++."""
+    names = model.names
+    return [names[joint] for joint in range(model.njoints)]
+
+
 def check_joints(model: pin.Model) -> None:
     """Refuse active mimic joints, and joints with more than one velocity but for a free-flyer at the root.
 
@@ -49,8 +55,9 @@ def check_joints(model: pin.Model) -> None:
             "give the path of the URDF, or build the model with mimic=False (the joints are then "
             "independent)."
         )
-    rigid = list(zip(model.names, model.joints, strict=True))[2 if flies(model) else 1 :]
-    wide = [f"{name!r} ({joint.shortname()})" for name, joint in rigid if joint.nv > 1]
+    first = 2 if flies(model) else 1
+    rigid = enumerate(model.joints.tolist()[first:], start=first)
+    wide = [f"{model.names[i]!r} ({joint.shortname()})" for i, joint in rigid if joint.nv > 1]
     if wide:
         raise InputError(
             f"Joint {', '.join(wide)} has more than one degree of freedom. Give a model with single-axis joints; one "
@@ -69,7 +76,7 @@ def plan_in_angles(model: pin.Model) -> pin.Model:
     Joints and frames keep their order and placements, so geometry made for the model fits the copy. The
     angle of a rebuilt joint has no position limits: Pinocchio's +-1.01 bound its cosine and sine.
     """
-    return rebuilt(model, in_angles=True) if any(map(_circles, model.joints)) else model.copy()
+    return rebuilt(model, in_angles=True) if any(map(_circles, model.joints.tolist())) else model.copy()
 
 
 def rebuilt(model: pin.Model, before: Sequence[tuple[str, pin.JointModel]] = (), in_angles: bool = False) -> pin.Model:
@@ -126,7 +133,7 @@ def angles(model: pin.Model, q: Array) -> Array:
     A pair (cos, sin) need not have length 1; one of length 0 gives the angle 0.
     """
     parts = [np.zeros(0)]
-    for joint in list(model.joints)[1:]:
+    for joint in model.joints.tolist()[1:]:
         part = q[joint.idx_q : joint.idx_q + joint.nq]
         parts.append(np.arctan2(part[1:], part[:1]) if _circles(joint) else part)
     return np.concatenate(parts)
@@ -155,10 +162,13 @@ def tell_frames_apart(model: pin.Model) -> list[str]:
     Pinocchio 4.1 raises for an ambiguous name wherever a frame is looked up. The link keeps its name: it is
     what people mean, and both frames are in the same place.
     """
-    names = [frame.name for frame in model.frames]
-    links = {frame.name for frame in model.frames if frame.type == pin.FrameType.BODY}
+    frames = model.frames.tolist()
+    names = [frame.name for frame in frames]
+    if len(set(names)) == len(names):
+        return []
+    links = {name for frame, name in zip(frames, names, strict=True) if frame.type == pin.FrameType.BODY}
     renamed = []
-    for frame in model.frames:
+    for frame in frames:
         if frame.type in (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT) and frame.name in links:
             renamed.append(frame.name)
             while frame.name in names:

@@ -80,6 +80,89 @@ class RigidTree:
     def hessian_pattern(self) -> tuple[Indices, Indices]:
         """Rows and columns (of x) of the numbers of d^2 (l' tau)/dx^2, one of (i, j) and (j, i)."""
 
+class Tape:
+    """A scalar graph as a list of instructions. Made by ``native.tape_of``.
+
+    Parameters
+    ----------
+    address : int
+        Of a casadi::Function, of SX with one dense result.
+
+    Attributes
+    ----------
+    outputs : int
+        Numbers in the result.
+
+    Raises
+    ------
+    NotATape
+    """
+
+    def __init__(self, address: int) -> None: ...
+    @property
+    def outputs(self) -> int: ...
+
+Pattern = tuple[Indices, Indices]
+
+class LinearPart:
+    """Outputs A(c) v + b(c) of a stage."""
+
+    def pattern(self) -> Pattern:
+        """Rows and columns of the nonzeros of A."""
+    def at(self, constants: Array, count: int) -> Array:
+        """Give the nonzeros of A, then b, at each of ``count`` points c."""
+
+class StageGraph:
+    """A stage function y = psi(v, c, r), where r = RNEA(x) with x = chi(v, c), and its derivatives by CasADi.
+
+    Patterns are rows and columns of nonzeros in CasADi's order. Without torques, r and x are empty, and tapes take
+    (v, c) alone instead of (v, c, r).
+
+    Parameters
+    ----------
+    v, c, r, y, x : int
+        Addresses of casadi::SX, columns; the first three of symbols.
+
+    Attributes
+    ----------
+    inputs, constants, torques, outputs, arguments : int
+        n_v, n_c, n_r, n_y, n_x.
+
+    Raises
+    ------
+    NotATape
+        Where tapes are asked for and the function calls others.
+    """
+
+    def __init__(self, v: int, c: int, r: int, y: int, x: int) -> None: ...
+    @property
+    def inputs(self) -> int: ...
+    @property
+    def constants(self) -> int: ...
+    @property
+    def torques(self) -> int: ...
+    @property
+    def outputs(self) -> int: ...
+    @property
+    def arguments(self) -> int: ...
+    def values(self) -> Tape: ...
+    def output(self, which: int) -> Tape: ...
+    def slopes(self, output: int | None = None) -> tuple[Tape, Pattern, Pattern]:
+        """Nonzeros of dy/dv, then of dy/dr, of all outputs or of one."""
+    def gradient(self, which: int) -> Tape:
+        """Give d y_i/dv as a dense column, for stages without torques."""
+    def curvature(self) -> tuple[Tape, Pattern, Pattern, Pattern]:
+        """With l = d(m' y)/dr: l, then nonzeros of the lower triangle of d^2(m' y)/dv^2, dl/dv and dl/dr."""
+    def places(self) -> Indices | None:
+        """Where in v every entry of x stands, -1 for zeros; None where one is something else."""
+    def chain(self) -> tuple[Tape, Tape, Pattern, Pattern]:
+        """Give (v, c) -> x, dx/dv, and (v, c, g) -> lower triangle of sum_i g_i d^2 x_i/dv^2; then their patterns."""
+    def curved(self) -> Indices:
+        """Give the outputs that are not affine in v, the torques being functions of v."""
+    def constant_slopes(self) -> Array:
+        """dy/dv, column after column: numbers where it is constant, NaN where it is not."""
+    def linear(self, outputs: Indices) -> LinearPart: ...
+
 class Torques:
     """Inverse dynamics tau = RNEA(q, w, a), x = (q, w, a).
 
@@ -88,40 +171,52 @@ class Torques:
     robot : RigidTree
     places : ndarray of int
         Where in v every entry of x stands, -1 where it is zero. Or else
-    arguments, curvature : bytes
-        Tapes (v, c) -> x, then the nonzeros of dx/dv, and (v, c, g) -> nonzeros of sum_i g_i d^2 x_i/dv^2.
+    arguments, curvature : Tape
+        (v, c) -> x, then the nonzeros of dx/dv, and (v, c, g) -> nonzeros of sum_i g_i d^2 x_i/dv^2.
     """
 
     @overload
     def __init__(self, robot: RigidTree, places: Indices) -> None: ...
     @overload
-    def __init__(self, robot: RigidTree, arguments: bytes, curvature: bytes) -> None: ...
+    def __init__(self, robot: RigidTree, arguments: Tape, curvature: Tape) -> None: ...
+
+class Call:
+    """A tape that many blocks have in common, with what it is given of one.
+
+    Parameters
+    ----------
+    tape : Tape
+        u -> numbers or, called by a recipe of the Hessian, (u, l) -> numbers.
+    inputs : ndarray of int
+        Where in (v, c) every entry of u stands.
+    multipliers : ndarray of int
+        Where in m every entry of l stands; empty but for the Hessian.
+    """
+
+    def __init__(self, tape: Tape, inputs: Indices, multipliers: Indices) -> None: ...
 
 class Recipe:
     """How one result of a point is computed, in a buffer of parts, each there where the recipe or the torques have it.
 
-    1 | tape | d tau/dx | d^2 (l' tau)/dx^2 | (x, dx/dv) | sum_i g_i d^2 x_i/dv^2 | made,    g = (d tau/dx)' l
+    1 | tape | d tau/dx | d^2 (l' tau)/dx^2 | (x, dx/dv) | sum_i g_i d^2 x_i/dv^2 | calls | made,    g = (d tau/dx)' l
 
     Parameters
     ----------
-    tape : bytes
-        ``Function.serialize()`` as latin-1, of SX with one dense result: (v, c), then tau where the block has torques,
-        then m where it is the Hessian's.
+    tape : Tape
+        Of (v, c), then tau where the block has torques, then m where it is the Hessian's.
     jacobian, hessian : bool
         Whether the buffer has these parts. Of the Hessian, l is what the tape gives first.
     made : int
         Length of the last part, which the products fill: buffer[out] += buffer[left] * buffer[right], in order.
     result, results : int
         The piece of the buffer that is the result.
-
-    Raises
-    ------
-    NotATape
+    calls : list of Call
+        What they give stands one after the other in the buffer.
     """
 
     def __init__(
         self,
-        tape: bytes,
+        tape: Tape,
         jacobian: bool,
         hessian: bool,
         made: int,
@@ -130,6 +225,7 @@ class Recipe:
         out: Indices,
         left: Indices,
         right: Indices,
+        calls: list[Call] = ...,
     ) -> None: ...
 
 class TapeBlock(PointBlock):
@@ -153,7 +249,7 @@ class TapeBlock(PointBlock):
         constants: int,
         values: Recipe,
         jacobian: Recipe,
-        hessian: Recipe,
+        hessian: Recipe | None = None,
         cost: Recipe | None = None,
         gradient: Recipe | None = None,
         costed: int = -1,
@@ -372,6 +468,34 @@ class Outcome:
     @property
     def trace(self) -> list[list[float]]: ...
 
+class SymmetricFactors:
+    """L D L' of a sparse symmetric indefinite matrix, which IPOPT uses through the names of HSL's MA97.
+
+    Multifrontal (Duff and Reid 1983), in an order of approximate minimum degree, with pivots of one or two rows that
+    keep multipliers below 1 / threshold; rows are scaled first.
+
+    Parameters
+    ----------
+    starts, rows : int64 arrays of shape (n + 1,) and (entries,)
+        The lower triangle by columns, as in SciPy's CSC.
+    processor : str
+        One of ``processors()``; the fastest by default.
+
+    Raises
+    ------
+    ValueError
+        When an entry is above the diagonal.
+    """
+
+    def __init__(self, starts: Indices, rows: Indices, processor: str = "") -> None: ...
+    def factorise(self, values: Array, threshold: float = 1e-8, small: float = 1e-20) -> tuple[int, int, int]:
+        """Give the numbers of negative and of zero pivots, and how often one was delayed."""
+    def solve(self, b: Array) -> Array: ...
+    @property
+    def entries(self) -> int: ...
+    @property
+    def largest_front(self) -> int: ...
+
 class StageSystem:
     """Newton's system of a stagewise program, as fatrop's iterations solve it.
 
@@ -397,9 +521,51 @@ class StageSystem:
         self, dx: Array | None, de: Array | None, ds: Array, f: Array, g: Array
     ) -> tuple[Literal["good", "indefinite", "dependent"], Array, Array]:
         """Solve (H + dx) z + A' lam = -f, A z - (0, de, ds) lam = -g; without ``dx`` by the last factors."""
+    def residual(
+        self, dx: Array, de: Array | None, f: Array, g: Array, z: Array, lam: Array
+    ) -> tuple[Array, Array, float]:
+        """Evaluate (H + dx) z + A' lam + f, A z - (0, de, 0) lam + g and the greatest of them but for inequalities."""
     def jacobian_times(self, x: Array) -> Array: ...
     def transposed_times(self, lam: Array) -> Array: ...
     def hessian_times(self, x: Array) -> Array: ...
+
+class SlackVectors:
+    """What an iteration does with all slacks s between bounds l and u, distances s - l below and u - s above.
+
+    Distances are 1 and multipliers 0 where there is no bound.
+    """
+
+    def __init__(self, lower: Array, upper: Array, processor: str = "") -> None: ...
+    def measures(self, x: Array) -> tuple[float, float, bool]:
+        """Find max |x|, sum |x| and whether all of x is finite."""
+    def add(self, x: Array, y: Array) -> Array: ...
+    def distances(self, s: Array) -> tuple[Array, Array, float, float]:
+        """Find both distances, the sum of their logarithms, and the sum of those of slacks with one bound."""
+    def barrier(self, below: Array, above: Array, mu: float, damping: float, ds: Array) -> tuple[Array, float]:
+        """Gradient of -mu sum(log distances) + damping sum(distances of slacks with one bound); its product with ds."""
+    def complementarity(
+        self, below: Array, above: Array, lower_duals: Array, upper_duals: Array, mu: float
+    ) -> tuple[Array, Array, float]:
+        """Evaluate multiplier distance - mu of both bounds and the greatest of them."""
+    def longest_step(self, below: Array, above: Array, ds: Array, tau: float) -> float:
+        """Find the longest step of at most 1 that leaves 1 - tau of every distance."""
+    def longest_dual_step(
+        self, lower_duals: Array, lower_step: Array, upper_duals: Array, upper_step: Array, tau: float
+    ) -> float: ...
+    def clamped(self, distance: Array, z: Array, mu: float, kappa: float) -> Array:
+        """Multipliers of the lower bounds, moved between mu / (kappa distance) and kappa mu / distance."""
+    def eliminated(self, system: Array, side: Array) -> tuple[Array, Array, Array, Array]:
+        """Eliminate the slacks and the multipliers of their bounds from Newton's system.
+
+        ``system`` is [s - l, u - s, z_l, z_u, D, D_e], ``side`` [f, c_l, c_u, g]; gives what s = inverse
+        (lam - gradient) and A x - weights lam = -rows are made of.
+        """
+    def recovered(
+        self, system: Array, side: Array, inverse: Array, gradient: Array, lam: Array
+    ) -> tuple[Array, Array, Array]:
+        """Find s, z_l and z_u of lam."""
+    def residual(self, system: Array, side: Array, step: Array, lam: Array, rows: Array) -> tuple[Array, Array, float]:
+        """Evaluate the three equations of the step [s, z_l, z_u], rows - s - D_e lam, the greatest of the former."""
 
 def takes_over() -> bool:
     """Whether fatrop's systems are solved by ``StageSystem``'s recursion.

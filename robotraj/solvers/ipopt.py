@@ -17,6 +17,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj.errors import InputError
+from robotraj.native.build import load_native
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from robotraj.status import Status
 
@@ -40,6 +41,10 @@ STATUSES = {
     "Not_Enough_Degrees_Of_Freedom": Status.OVERDETERMINED,
 }
 
+LINEAR_SOLVERS = ("ldl", "mumps", "spral")
+LOADED = dict.fromkeys(("ma27", "ma57", "ma77", "ma86", "ma97"), "hsllib") | {"pardiso": "pardisolib"}
+"""Those that IPOPT loads from a library, and the option that names it."""
+
 
 @dataclass(frozen=True)
 class Ipopt(Solver):
@@ -59,8 +64,17 @@ class Ipopt(Solver):
         ``mu_init``. A tenth of IPOPT's own default: the cost of one control shrinks as the mesh gets finer, and a
         stronger barrier then pushes the controls away from where the guess put them.
     linear_solver : str
+        What factorises the symmetric systems: "ldl", robotraj's own sparse L D L' (multifrontal, minimum degree), or
+        one of IPOPT's by its name there: "mumps", "spral" or, where ``options`` name a library as ``hsllib`` or
+        ``pardisolib``, "ma27", "ma57", "ma77", "ma86", "ma97" or "pardiso".
     options : mapping
         Any further IPOPT options by their own names; they win over the fields above.
+
+    Raises
+    ------
+    InputError
+        A tolerance, a number of iterations or a time that is not above 0; a linear solver that is not there, or whose
+        library ``options`` do not name.
     """
 
     tolerance: float = 1e-8
@@ -68,7 +82,7 @@ class Ipopt(Solver):
     time_limit: float | None = None
     barrier: str = "monotone"
     initial_barrier: float = 1e-2
-    linear_solver: str = "mumps"
+    linear_solver: str = "ldl"
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -78,6 +92,16 @@ class Ipopt(Solver):
             raise InputError(f"Ipopt(max_iterations) must be at least 1, got {self.max_iterations}.")
         if self.time_limit is not None and not self.time_limit > 0:
             raise InputError(f"Ipopt(time_limit) must be above 0 s, got {self.time_limit}.")
+        if self.linear_solver not in (*LINEAR_SOLVERS, *LOADED):
+            raise InputError(
+                f"Ipopt(linear_solver) is one of {', '.join((*LINEAR_SOLVERS, *LOADED))}; got {self.linear_solver!r}."
+            )
+        library = LOADED.get(self.linear_solver)
+        if library and library not in self.options:
+            raise InputError(
+                f'Ipopt(linear_solver="{self.linear_solver}") is in a library of your own: give its path as '
+                f'options={{"{library}": ...}}, or take one of {", ".join(LINEAR_SOLVERS)}.'
+            )
 
     def _options(self, warm: bool) -> dict[str, Any]:
         options: dict[str, Any] = {
@@ -86,7 +110,6 @@ class Ipopt(Solver):
             "max_iter": self.max_iterations,
             "mu_strategy": self.barrier,
             "mu_init": self.initial_barrier,
-            "linear_solver": self.linear_solver,
             "print_level": 0,
             "sb": "yes",
             # Bounds hold at the answer. IPOPT relaxes them by 1e-8 on its way, and undoing that moves rows with steep
@@ -94,6 +117,7 @@ class Ipopt(Solver):
             "honor_original_bounds": "yes",
             "bound_relax_factor": 1e-10,
         }
+        options |= own_factors() if self.linear_solver == "ldl" else {"linear_solver": self.linear_solver}
         if self.linear_solver == "mumps":
             # IPOPT asks for eleven times the memory that MUMPS expects to need, too large a piece for the allocator to
             # keep between factorisations: its pages were cleared again each time, a seventh of the time that legs take.
@@ -178,6 +202,12 @@ class Ipopt(Solver):
             int(stats["iter_count"]),
             {"setup": ready - began, "solve": ended - ready, **parts},
         )
+
+
+def own_factors() -> dict[str, Any]:
+    """Options with which IPOPT takes the compiled module for HSL's MA97, and leaves ordering and scaling to it."""
+    library = load_native().__file__
+    return {"linear_solver": "ma97", "hsllib": library, "ma97_order": "amd", "ma97_scaling": "none"}
 
 
 def _multipliers(nlp: Nlp, w: np.ndarray, lam_g: np.ndarray, lam_x: np.ndarray) -> Multipliers:

@@ -22,12 +22,11 @@ from robotraj.stagewise.kept import Kept
 from robotraj.stagewise.matrices import array, entries, entries_of, native, summed
 from robotraj.transcription.block import Block
 from robotraj.transcription.stage import Stage
-from robotraj.transcription.stage_parts import constant_jacobian, solved_for
+from robotraj.transcription.stage_parts import solved_for
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
-_CONSTANT: Kept[Array] = Kept()
 _SOLVED: Kept[Stage] = Kept()
 
 
@@ -109,8 +108,7 @@ def _pairs(form: Form, block: Block) -> Sequence[tuple[int, int]]:
     outputs = _private_outputs(form, block)
     if not inputs.size or not outputs.size:
         return []
-    private = tuple(outputs.tolist()), tuple(inputs.tolist())
-    constant = _CONSTANT.get(stage, private, partial(constant_jacobian, stage, *private))
+    constant = stage.constant_slopes[np.ix_(outputs, inputs)]
     # NaN marks entries that are no constants.
     known = np.where(np.isnan(constant), 1.0, constant) != 0.0
     good = ~np.isnan(constant) & (constant != 0.0)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,11 +16,12 @@ from robotraj.stagewise.form import Form
 from robotraj.stagewise.kept import Kept
 from robotraj.stagewise.matrices import array, entries, native, summed
 from robotraj.transcription.block import Block
-from robotraj.transcription.stage import Stage, evaluated, nonzeros
-from robotraj.transcription.stage_parts import curved, restricted
+from robotraj.transcription.stage import Stage
+from robotraj.transcription.stage_parts import restricted
 
 if TYPE_CHECKING:
     from robotraj.native import Csr
+    from robotraj.native._native import LinearPart
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -31,14 +31,11 @@ Indices = NDArray[np.int_]
 class _Parts:
     """A stage taken apart: outputs = A(c) v + b(c) for the linear ones, ``rest`` for the others.
 
-    ``numbers`` gives the nonzeros of A, which stand at (rows, columns), then b: (n_c,) -> (m,), or (m, 1) where they do
-    not depend on c. ``rest`` is None where nothing is left.
+    ``linear`` gives the nonzeros of A, then b; ``rest`` is None where nothing is left.
     """
 
     outputs: Indices
-    rows: Indices
-    columns: Indices
-    numbers: ca.Function | Array
+    linear: LinearPart
     rest: Stage | None
 
 
@@ -86,28 +83,18 @@ def take_out_linear(form: Form) -> Form:
 
 
 def _take_apart(stage: Stage) -> _Parts:
-    v, c, y = stage.v, stage.c, stage.y
-    kept = np.flatnonzero(curved(stage))
+    kept = stage.graph.curved()
     chosen = np.delete(np.arange(stage.outputs), kept)
-    part = y[chosen.tolist()]
-    matrix = ca.jacobian(part, v)
-    rows, columns = (np.array(which, dtype=int) for which in matrix.sparsity().get_triplet())
-    at_zero = ca.substitute(part, v, ca.SX.zeros(v.numel()))
-    numbers = ca.vertcat(nonzeros(matrix), at_zero)
     rest = restricted(stage, kept.tolist()) if kept.size else None
-    if numbers.is_constant():
-        return _Parts(chosen, rows, columns, np.array(ca.DM(numbers)), rest)
-    return _Parts(chosen, rows, columns, ca.Function("linear", [c], [ca.densify(numbers)]), rest)
+    return _Parts(chosen, stage.graph.linear(chosen), rest)
 
 
 def _linear_part(block: Block, parts: _Parts) -> tuple[Csr, Array]:
     """Matrix (E m, n_w) and constants (E m,) of m linear outputs at every place."""
     count, m = block.count, parts.outputs.size
-    if isinstance(parts.numbers, np.ndarray):
-        numbers = np.broadcast_to(parts.numbers, (len(parts.numbers), count))
-    else:
-        numbers = evaluated(parts.numbers, block.constants)
-    nonzeros, values = numbers[: parts.rows.size], numbers[parts.rows.size :]
+    rows, columns = parts.linear.pattern()
+    numbers = parts.linear.at(np.ascontiguousarray(block.constants.T).ravel(), count).reshape(count, -1)
+    nonzeros, values = numbers[:, : rows.size], numbers[:, rows.size :]
     place = np.arange(count)[:, None]
-    at = (place * m + parts.rows).ravel(), (place * block.stage.inputs + parts.columns).ravel(), nonzeros.T.ravel()
-    return summed((count * m, count * block.stage.inputs), at) @ native(block.gather), values.T.ravel()
+    at = (place * m + rows).ravel(), (place * block.stage.inputs + columns).ravel(), nonzeros.ravel()
+    return summed((count * m, count * block.stage.inputs), at) @ native(block.gather), values.ravel()

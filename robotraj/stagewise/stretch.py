@@ -180,7 +180,7 @@ def _stage(stage: Stage, degrees: Sequence[tuple[int, int]], rates: tuple[int, f
         n, span = rates
         y = ca.vertcat(span * v[n : 2 * n], span * v[2 * n : 3 * n], y[2 * n :])
     torques = stage.torques and stage.torques.substituted(old, new)
-    return Stage(ca.vertcat(v, s), stage.c, y, stage.costed, torques)
+    return Stage(ca.vertcat(v, s), stage.c, y, stage.costed, torques, as_tapes=stage.as_tapes)
 
 
 def _limits(form: Form, known: Stretch, of_rows: bool) -> Form:

@@ -4,8 +4,8 @@ The nonzeros of the big matrices are fixed sparse combinations of the nonzeros o
 
     vec(J) = j0 + sum_b M_b vec(J_b),    vec(H) = sum_b N_b vec(H_b),
 
-computed once here. What a solver evaluates is the stage functions, mapped over their places, and a few sparse
-products; the whole graph is never coloured or differentiated.
+computed once here. What a solver evaluates is the stage functions, mapped over their places, and one sparse product;
+the whole graph is never coloured or differentiated.
 """
 
 from __future__ import annotations
@@ -13,13 +13,16 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from threading import Lock
 
 import casadi as ca
 import numpy as np
 
 from robotraj.engines import Engine, StageMapped
-from robotraj.sparse import csc_array, csr_array, diags_array
-from robotraj.transcription.block import Block, Chain, Indices
+from robotraj.sparse import csr_array
+from robotraj.transcription.block import Array, Block, Chain, Indices
+from robotraj.transcription.callbacks import NlpFunction
+from robotraj.transcription.places import Places, stacked
 
 
 @dataclass(frozen=True)
@@ -35,8 +38,6 @@ class Functions:
     hessian : (w, p, lam_f, lam_g) -> upper triangle of the Hessian of lam_f f + lam_g' g
     preparing : float
         Seconds that the engine took to prepare the point functions.
-    prepared : tuple of casadi.Function
-        What the functions call, kept as long as they are.
     """
 
     objective: ca.Function
@@ -45,20 +46,6 @@ class Functions:
     jacobian: ca.Function
     hessian: ca.Function
     preparing: float = 0.0
-    prepared: tuple[ca.Function, ...] = ()
-
-
-@dataclass(frozen=True)
-class _Places:
-    """A block with its mapped arguments."""
-
-    block: Block
-    v: ca.MX
-    c: ca.DM
-    functions: Mapping[str, ca.Function]
-
-    def map(self, name: str, *more: ca.MX) -> ca.MX:
-        return self.functions[name](self.v, self.c, *more)
 
 
 def assemble(blocks: Sequence[Block], linear: csr_array, engine: Engine) -> Functions:
@@ -71,55 +58,86 @@ def assemble(blocks: Sequence[Block], linear: csr_array, engine: Engine) -> Func
     engine : Engine
         Evaluates the stage functions.
     """
-    n_g, n_w = linear.shape
-    w, p = ca.MX.sym("w", n_w), ca.MX.sym("p", 0)
-    lam_f, lam_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", n_g)
-    wanted = [_wanted(block) for block in blocks]
     began = time.perf_counter()
-    prepared = engine.prepare(point_functions(blocks))
+    prepared = iter(engine.prepare(point_functions(blocks)))
     preparing = time.perf_counter() - began
-    following = iter(prepared)
-    places = [
-        _place(block, w, {name: next(following) for name in own}) for block, own in zip(blocks, wanted, strict=True)
-    ]
-
-    objective, gradient = ca.MX(ca.DM.zeros(1)), ca.MX(ca.DM.zeros(n_w))
-    rows = ca.mtimes(to_dm(linear), w)
-    for place in places:
-        block = place.block
-        if block.scatter.nnz:
-            rows += ca.mtimes(to_dm(block.scatter), ca.vec(place.map("function")))
-        if block.costs:
-            weights = ca.DM(block.weights)
-            objective += ca.mtimes(place.map("cost"), weights)
-            weighed = diags_array(np.repeat(block.weights, block.stage.inputs)) @ block.gather
-            gradient += ca.mtimes(to_dm(weighed.T), ca.vec(place.map("gradient")))
-    rows, objective, gradient = (ca.densify(part) for part in (rows, objective, gradient))
-    jacobian = _jacobian(places, linear)
-    hessian = _hessian(places, lam_f, lam_g, n_w)
+    values = _Values(blocks, [{name: next(prepared) for name in _wanted(block)} for block in blocks], linear)
+    n_g, n_w = linear.shape
+    number, rows = ca.Sparsity.dense(1, 1), ca.Sparsity.dense(n_g, 1)
+    objective, lock, at = (number, values.objective), Lock(), {"x": n_w, "p": 0}
     return Functions(
-        ca.Function("nlp_f", [w, p], [objective], ["x", "p"], ["f"]),
-        ca.Function("nlp_g", [w, p], [rows], ["x", "p"], ["g"]),
-        ca.Function("nlp_grad_f", [w, p], [objective, gradient], ["x", "p"], ["f", "grad_f_x"]),
-        ca.Function("nlp_jac_g", [w, p], [rows, jacobian], ["x", "p"], ["g", "jac_g_x"]),
-        ca.Function(
-            "nlp_hess_l", [w, p, lam_f, lam_g], [hessian], ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"]
+        NlpFunction("nlp_f", at, {"f": objective}, lock),
+        NlpFunction("nlp_g", at, {"g": (rows, values.rows)}, lock),
+        NlpFunction("nlp_grad_f", at, {"f": objective, "grad_f_x": (ca.Sparsity.dense(n_w, 1), values.gradient)}, lock),
+        NlpFunction(
+            "nlp_jac_g", at, {"g": (rows, values.rows), "jac_g_x": (values.jacobian_pattern, values.jacobian)}, lock
+        ),
+        NlpFunction(
+            "nlp_hess_l",
+            at | {"lam_f": 1, "lam_g": n_g},
+            {"triu_hess_gamma_x_x": (values.hessian_pattern, values.hessian)},
+            lock,
         ),
         preparing,
-        tuple(prepared),
     )
+
+
+class _Values:
+    """What the functions give: nonzeros at a scaled w. The second argument of each is the empty p."""
+
+    def __init__(
+        self, blocks: Sequence[Block], functions: Sequence[Mapping[str, ca.Function]], linear: csr_array
+    ) -> None:
+        n_g, n_w = linear.shape
+        self._places = places = Places(blocks, functions, n_w)
+        self._linear = stacked(linear.shape, [(linear.row, linear.col, linear.data)])
+        scatters = [Chain(b.scatter.row, b.scatter.row, b.scatter.data, b.scatter.col) for b in blocks]
+        self._scatter = places.combination("function", scatters, [chain.rows for chain in scatters], n_g)
+        turned = [
+            (chain.source + start, chain.rows, chain.factors)
+            for chain, start in zip(scatters, places.first_output, strict=True)
+        ]
+        self._multipliers = stacked((len(places.multipliers), n_g), turned)
+        costing = [block for block in blocks if block.costs]
+        self._weights = np.concatenate([np.zeros(0), *(block.weights for block in costing)])
+        self._costed = np.concatenate([np.zeros(0), *(_costed(block) for block in blocks)])
+        slopes = [_slopes(block) for block in blocks]
+        self._slopes = places.combination("gradient", slopes, [chain.columns for chain in slopes], n_w)
+
+        chains = [block.jacobian_chain() for block in blocks]
+        given = [(linear.row, linear.col), *((chain.rows, chain.columns) for chain in chains)]
+        self.jacobian_pattern, slots = _merge(given, linear.shape)
+        self._constant = np.bincount(slots[0], weights=linear.data, minlength=self.jacobian_pattern.nnz())
+        self._jacobian = places.combination("jacobian", chains, slots[1:], self.jacobian_pattern.nnz())
+        chains = [block.hessian_chain() for block in blocks]
+        self.hessian_pattern, slots = _merge([(chain.rows, chain.columns) for chain in chains], (n_w, n_w))
+        self._hessian = places.combination("hessian", chains, slots, self.hessian_pattern.nnz())
+
+    def objective(self, w: Array, _: Array) -> Array:
+        self._places.at(w)
+        return np.array([self._weights @ self._places.evaluate("cost")])
+
+    def gradient(self, w: Array, _: Array) -> Array:
+        self._places.at(w)
+        return self._slopes @ self._places.evaluate("gradient")
+
+    def rows(self, w: Array, _: Array) -> Array:
+        self._places.at(w)
+        return self._linear @ w + self._scatter @ self._places.evaluate("function")
+
+    def jacobian(self, w: Array, _: Array) -> Array:
+        self._places.at(w)
+        return self._constant + self._jacobian @ self._places.evaluate("jacobian")
+
+    def hessian(self, w: Array, _: Array, lam_f: Array, lam_g: Array) -> Array:
+        self._places.at(w)
+        self._places.multipliers[:] = self._multipliers @ lam_g + lam_f * self._costed
+        return self._hessian @ self._places.evaluate("hessian")
 
 
 def point_functions(blocks: Sequence[Block]) -> list[StageMapped]:
     """Give every stage function that the NLP calls, and at how many places."""
     return [StageMapped(block.stage, name, block.count) for block in blocks for name in _wanted(block)]
-
-
-def to_dm(matrix: csr_array | csc_array) -> ca.DM:
-    """Copy a sparse matrix into CasADi."""
-    csc = matrix.tocsc() if isinstance(matrix, csr_array) else matrix
-    pattern = ca.Sparsity(csc.shape[0], csc.shape[1], csc.indptr.tolist(), csc.indices.tolist())
-    return ca.DM(pattern, csc.data)
 
 
 def _wanted(block: Block) -> list[str]:
@@ -137,48 +155,18 @@ def _wanted(block: Block) -> list[str]:
     return wanted
 
 
-def _place(block: Block, w: ca.MX, functions: Mapping[str, ca.Function]) -> _Places:
-    flat = ca.mtimes(to_dm(block.gather), w)
-    return _Places(
-        block, ca.reshape(ca.densify(flat), block.stage.inputs, block.count), ca.DM(block.constants), functions
-    )
+def _costed(block: Block) -> Array:
+    """Weights in the objective of all outputs of a block, place after place."""
+    costed = np.zeros((block.count, block.stage.outputs))
+    if block.costs:
+        costed[:, block.stage.costed] = block.weights
+    return costed.ravel()
 
 
-def _jacobian(places: Sequence[_Places], linear: csr_array) -> ca.MX:
-    """Sparse dg/dw: the linear part plus every block's chain."""
-    chains = [place.block.jacobian_chain() for place in places]
-    coo = linear
-    pattern, slots = _merge([(coo.row, coo.col), *((c.rows, c.columns) for c in chains)], linear.shape)
-    values = ca.MX(ca.DM(np.bincount(slots[0], weights=coo.data, minlength=pattern.nnz())))
-    for place, chain, slot in zip(places, chains, slots[1:], strict=True):
-        if chain.source.size:
-            nonzeros = ca.vec(place.map("jacobian"))
-            values += ca.mtimes(_combination(chain, slot, pattern.nnz(), nonzeros.numel()), nonzeros)
-    return ca.MX(pattern, ca.densify(values))
-
-
-def _hessian(places: Sequence[_Places], lam_f: ca.MX, lam_g: ca.MX, n_w: int) -> ca.MX:
-    """Upper triangle of the Lagrangian's Hessian."""
-    chains = [place.block.hessian_chain() for place in places]
-    pattern, slots = _merge([(c.rows, c.columns) for c in chains], (n_w, n_w))
-    values = ca.MX(ca.DM.zeros(pattern.nnz()))
-    for place, chain, slot in zip(places, chains, slots, strict=True):
-        block = place.block
-        if "hessian" not in place.functions or not chain.source.size:
-            continue
-        multipliers = ca.mtimes(to_dm(block.scatter.T), lam_g)
-        if block.costs:
-            costed = np.zeros((block.count, block.stage.outputs))
-            costed[:, block.stage.costed] = block.weights
-            multipliers += lam_f * ca.DM(costed.ravel())
-        m = ca.reshape(ca.densify(multipliers), block.stage.outputs, block.count)
-        nonzeros = ca.vec(place.map("hessian", m))
-        values += ca.mtimes(_combination(chain, slot, pattern.nnz(), nonzeros.numel()), nonzeros)
-    return ca.MX(pattern, ca.densify(values))
-
-
-def _combination(chain: Chain, slot: Indices, rows: int, columns: int) -> ca.DM:
-    return to_dm(csr_array((chain.factors, (slot, chain.source)), shape=(rows, columns)))
+def _slopes(block: Block) -> Chain:
+    """Where the places' gradients go in the objective's."""
+    weights = np.repeat(block.weights, block.stage.inputs)[block.gather.row]
+    return Chain(block.gather.row, block.gather.col, weights * block.gather.data, block.gather.row)
 
 
 def _merge(lists: Sequence[tuple[Indices, Indices]], shape: tuple[int, int]) -> tuple[ca.Sparsity, list[Indices]]:

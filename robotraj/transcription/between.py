@@ -19,6 +19,7 @@ from weakref import WeakKeyDictionary
 import casadi as ca
 
 from robotraj.constraints.base import symbols_of
+from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.errors import InputError
 
 if TYPE_CHECKING:
@@ -94,6 +95,9 @@ def _driven(phase: Phase) -> frozenset[str]:
     dae = phase.dae
     if dae.invariants:
         return frozenset()
+    if type(dae) is InverseRigidBody:
+        # Its rates are velocities, which are states, and accelerations, which are unknowns.
+        return frozenset(state.name for state in dae.states[dae.robot.nq :])
     point = symbols_of(dae, phase.parameter_names)
     inner = ca.vertcat(*(point.z[v.name] for v in phase.body.algebraic), *point.u.values())
     reads = ca.which_depends(dae.rates(point), inner, 1, True)

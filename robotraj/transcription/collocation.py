@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate, count, pairwise
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -24,6 +25,7 @@ from numpy.typing import NDArray
 
 from robotraj.constraints import Where
 from robotraj.constraints.base import BoundConstraint
+from robotraj.dynamics.apart import contacts_apart
 from robotraj.dynamics.system import as_rows
 from robotraj.dynamics.torques import torques_apart
 from robotraj.schemes import MovingMesh
@@ -60,15 +62,32 @@ class PointSymbols:
 def point_symbols(phase: Phase, scalars: Sequence[Scalar]) -> PointSymbols:
     """Make the symbols; of the scalars (base, span, parameters), fixed ones are constants beside the fraction tau."""
     dae = phase.dae
-    x, z, u = (ca.SX.sym(n, len(g)) for n, g in (("x", dae.states), ("z", dae.algebraic), ("u", dae.controls)))
-    tau, t0, duration = ca.SX.sym("tau"), ca.SX.sym("t0"), ca.SX.sym("T")
-    p = ca.SX.sym("p", len(scalars) - 2)
-    shared = list(zip([t0, duration, *ca.vertsplit(p)], scalars, strict=True))
-    unknowns = [symbol for symbol, scalar in shared if scalar.column is not None]
-    constants = [symbol for symbol, scalar in shared if scalar.column is None]
-    return PointSymbols(
-        x, z, u, t0 + tau * duration, duration, p, ca.vertcat(x, z, u, *unknowns), ca.vertcat(tau, *constants)
-    )
+    ends = list(accumulate((len(dae.states), len(dae.algebraic), len(dae.controls)), initial=0))
+    unknowns, constants, (t0, duration, *p) = shared_symbols(scalars, ends[-1], 1)
+    # Slices of two long symbols: to put many short ones together takes CasADi's interface several times as long.
+    x, z, u = (unknowns[first:last] for first, last in pairwise(ends))
+    return PointSymbols(x, z, u, t0 + constants[0] * duration, duration, column_of(p), unknowns, constants)
+
+
+def shared_symbols(scalars: Sequence[Scalar], unknowns: int, constants: int) -> tuple[ca.SX, ca.SX, list[ca.SX]]:
+    """Make symbols of unknowns and of constants, and say which of them the scalars are.
+
+    Parameters
+    ----------
+    scalars : sequence of Scalar
+        Those that are columns come last among the unknowns, the others last among the constants.
+    unknowns, constants : int
+        Others that come before them.
+    """
+    free = sum(scalar.column is not None for scalar in scalars)
+    v, c = ca.SX.sym("v", unknowns + free), ca.SX.sym("c", constants + len(scalars) - free)
+    next_v, next_c = count(unknowns), count(constants)
+    return v, c, [c[next(next_c)] if scalar.column is None else v[next(next_v)] for scalar in scalars]
+
+
+def column_of(parts: Sequence[ca.SX]) -> ca.SX:
+    """Put scalars in a column, which may be empty."""
+    return ca.vertcat(*parts) if parts else ca.SX(0, 1)
 
 
 def phase_scalars(layout: PhaseLayout) -> list[Scalar]:
@@ -190,18 +209,25 @@ def _make_stage(phase: Phase, scalars: Sequence[Scalar], apart: bool) -> Stage:
     s = point_symbols(phase, scalars)
     dae = phase.dae
     point = dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
-    torques = torques_apart(point) if apart else None
-    integrand = sum((w * as_rows(term.rate(point), "integrand")[0] for w, term in phase.integrals), ca.SX(0))
+    torques, c = torques_apart(point) if apart else None, ca.SX.sym("c", len(dae.invariants))
+    contacts = () if torques is None else contacts_apart(phase.body, point, c)
+    integrand = weighted_sum([(w, as_rows(term.rate(point), "integrand")[0]) for w, term in phase.integrals])
     path = path_rows(path_constraints(phase, Where.THROUGHOUT), point)
     sums = path_rows(path_constraints(phase, Where.INTEGRAL), point)
-    rates = (s.duration * part for part in (dae.rates(point), sums, integrand))
-    y = ca.vertcat(next(rates), dae.residual(point), path, *rates)
+    # What is empty, the rule for the last three, is not worth a product.
+    rates, *more = (s.duration * part if part.numel() else part for part in (dae.rates(point), sums, integrand))
+    y = ca.vertcat(*(part for part in (rates, dae.residual(point), path, *more) if part.numel()))
     costed = int(y.numel()) - 1 if phase.integrals else None
     if not dae.invariants:
-        return Stage(s.unknowns, s.constants, y, costed, torques)
-    c = ca.SX.sym("c", len(dae.invariants))
+        return Stage(s.unknowns, s.constants, y, costed, torques, contacts, apart)
     y = ca.vertcat(y, dae.correction(point, c), dae.invariant(point))
-    return Stage(ca.vertcat(s.unknowns, c), s.constants, y, costed, torques)
+    return Stage(ca.vertcat(s.unknowns, c), s.constants, y, costed, torques, contacts, apart)
+
+
+def weighted_sum(terms: Sequence[tuple[float, ca.SX]]) -> ca.SX:
+    """Add weighted terms up, to 0 where there are none."""
+    parts = [term if weight == 1.0 else weight * term for weight, term in terms]
+    return sum(parts[1:], parts[0]) if parts else ca.SX(0)
 
 
 def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:

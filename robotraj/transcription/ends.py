@@ -15,7 +15,15 @@ from robotraj.dynamics.system import as_rows
 from robotraj.errors import InputError
 from robotraj.links import BoundLink, Ends
 from robotraj.transcription.block import Block
-from robotraj.transcription.collocation import path_constraints, path_rows, phase_scalars, point_symbols
+from robotraj.transcription.collocation import (
+    column_of,
+    path_constraints,
+    path_rows,
+    phase_scalars,
+    point_symbols,
+    shared_symbols,
+    weighted_sum,
+)
 from robotraj.transcription.holding import start_rows
 from robotraj.transcription.layout import PhaseLayout, entries_of
 from robotraj.transcription.stage import Stage
@@ -32,20 +40,16 @@ class EndSymbols:
     """Symbols of both ends of a phase, with their columns and the constants among them."""
 
     def __init__(self, phase: Phase, layout: PhaseLayout) -> None:
-        nx, names = len(phase.dae.states), phase.parameter_names
-        x0, x1 = ca.SX.sym("x0", nx), ca.SX.sym("x1", nx)
-        t0, duration, p = ca.SX.sym("t0"), ca.SX.sym("T"), ca.SX.sym("p", len(names))
-        shared = list(zip([t0, duration, *ca.vertsplit(p)], phase_scalars(layout), strict=True))
-        free = [(symbol, scalar.column) for symbol, scalar in shared if scalar.column is not None]
-        fixed = [(symbol, scalar.value) for symbol, scalar in shared if scalar.column is None]
+        nx, names, scalars = len(phase.dae.states), phase.parameter_names, phase_scalars(layout)
+        self.unknowns, self.constants, (t0, duration, *each) = shared_symbols(scalars, 2 * nx, 0)
+        p = column_of(each)
         self.points = (
-            phase.dae.point(t0, x0, None, None, p, names),
-            phase.dae.point(t0 + duration, x1, None, None, p, names),
+            phase.dae.point(t0, self.unknowns[:nx], None, None, p, names),
+            phase.dae.point(t0 + duration, self.unknowns[nx : 2 * nx], None, None, p, names),
         )
-        self.unknowns = ca.vertcat(x0, x1, *(symbol for symbol, _ in free))
-        self.columns = np.concatenate([layout.knots[0], layout.knots[-1], [column for _, column in free]]).astype(int)
-        self.constants = ca.vertcat(*(symbol for symbol, _ in fixed))
-        self.values = np.array([value for _, value in fixed])
+        free = [scalar.column for scalar in scalars if scalar.column is not None]
+        self.columns = np.concatenate([layout.knots[0], layout.knots[-1], free]).astype(int)
+        self.values = np.array([scalar.value for scalar in scalars if scalar.column is None])
 
 
 def mayer_block(phase: Phase, layout: PhaseLayout) -> Block | None:
@@ -53,8 +57,12 @@ def mayer_block(phase: Phase, layout: PhaseLayout) -> Block | None:
     if not phase.end_costs:
         return None
     ends = EndSymbols(phase, layout)
-    cost = sum((w * as_rows(t.value(*ends.points), "Mayer expression")[0] for w, t in phase.end_costs), ca.SX(0))
-    return single(ends.unknowns, ends.constants, cost, ends.columns, ends.values, np.array([], dtype=int), costed=0)
+    cost = weighted_sum([(w, as_rows(t.value(*ends.points), "Mayer expression")[0]) for w, t in phase.end_costs])
+    # Most terms read few of the unknowns; the others would widen all that is made of the block.
+    read = np.array(ca.which_depends(cost, ends.unknowns, 1, False), dtype=bool)
+    kept = np.flatnonzero(read) if read.any() else np.arange(read.size)
+    unknowns = ends.unknowns[kept.tolist()]
+    return single(unknowns, ends.constants, cost, ends.columns[kept], ends.values, np.array([], dtype=int), costed=0)
 
 
 def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable) -> list[Block]:

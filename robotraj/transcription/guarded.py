@@ -43,6 +43,8 @@ def guarded(nlp: Nlp, guards: Sequence[Guard], w: Array) -> Nlp:
     kept = [widen(block, *shape) for block in points]
     extra = [scatter.matrix(block.scatter.shape) for scatter, block in zip(scatters, kept, strict=True)]
     added = [widen(block, *shape) for block in more]
+    for block in added:
+        block.stage.as_tapes = nlp.engine.torques_apart
     matrix = linear.matrix(shape)
     scales = dict(zip(nlp.variables.meaning.tolist(), nlp.scale.tolist(), strict=True))
     scale = np.append(nlp.scale, [scales[m] for m in variables.meaning[len(nlp.variables) :].tolist()])

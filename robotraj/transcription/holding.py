@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
@@ -50,8 +51,17 @@ def start_rows(phases: Sequence[Phase], index: int, links: Sequence[BoundLink]) 
     ).tolist()
 
 
-def _dependence(phase: Phase) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+_DEPENDENCE: WeakKeyDictionary[Phase, tuple[Mask, Mask]] = WeakKeyDictionary()
+
+
+def _dependence(phase: Phase) -> tuple[Mask, Mask]:
     """Which invariants read which states and which parameters, (ni, nx) and (ni, np)."""
+    if phase not in _DEPENDENCE:
+        _DEPENDENCE[phase] = _read(phase)
+    return _DEPENDENCE[phase]
+
+
+def _read(phase: Phase) -> tuple[Mask, Mask]:
     point = symbols_of(phase.dae, phase.parameter_names)
     rows = phase.dae.invariant(point)
     x, p = (ca.vertcat(ca.SX(0, 1), *named.values()) for named in (point.x, point.p))

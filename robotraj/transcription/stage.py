@@ -6,15 +6,23 @@ Only these small SX graphs are ever differentiated; the NLP's derivatives follow
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.dynamics.apart import Apart, taken_out, written_out
 from robotraj.dynamics.torques import Torques
+from robotraj.native.build import load_native
+from robotraj.native.tape import nonzeros
+from robotraj.native.tapes import Tapes
 from robotraj.native.torque_chain import TorqueChain
+
+if TYPE_CHECKING:
+    from robotraj.native._native import RigidTree, StageGraph
 
 Array = NDArray[np.float64]
 Pattern = tuple[NDArray[np.int_], NDArray[np.int_]]
@@ -34,24 +42,69 @@ class Stage:
     torques : Torques, optional
         The robot's inverse dynamics, whose symbols stand in y for them. Engines that know it need not build or
         differentiate its graph; the functions below are the same with and without.
-
+    apart : sequence of Apart
+        What contacts add, whose symbols stand in y for it: likewise, and in common with other stages.
+    as_tapes : bool
+        Whether the engine of the NLP runs tapes: what is asked for below is then made as such, not twice. With torques
+        it always is.
     """
 
     def __init__(
-        self, v: Symbols, c: Symbols, y: Symbols, costed: int | None = None, torques: Torques | None = None
+        self,
+        v: Symbols,
+        c: Symbols,
+        y: Symbols,
+        costed: int | None = None,
+        torques: Torques | None = None,
+        apart: Sequence[Apart] = (),
+        as_tapes: bool = False,
     ) -> None:
-        self.v, self.c, self.y = v, c, ca.densify(y)
+        self.v, self.c, self._y = v, c, y if y.is_dense() else ca.densify(y)
         self.costed = costed
-        self.torques = torques if torques is None or torques.are_in(self.y) else None
+        self.torques = torques if torques is None or torques.are_in(self._y) else None
+        self._apart, self.as_tapes = apart, as_tapes
 
     @cached_property
-    def chain(self) -> TorqueChain | None:
-        """Recipes of the derivatives through the torques, where there are any and the rest is a scalar graph."""
-        t = self.torques
-        if t is None:
+    def y(self) -> Symbols:
+        """The outputs, where nothing but the torques stands apart."""
+        return written_out(self._y, self._apart)
+
+    @cached_property
+    def graph(self) -> StageGraph:
+        """The function as the compiled module differentiates it; of SX."""
+        return self._graph_of(self.y)
+
+    @cached_property
+    def tapes(self) -> Tapes | None:
+        """Tapes of the function and its derivatives, through the torques where there are any.
+
+        None where it is no scalar graph.
+        """
+        if not isinstance(self.v, ca.SX):
             return None
-        chain = TorqueChain(self.v, self.c, t.symbols, self.y, self.costed, t.tree, t.arguments)
-        return chain if chain.runs else None
+        tapes = Tapes(self.graph, self.costed) if self.torques is None else self._chain(self.torques.tree)
+        return tapes if tapes.runs else None
+
+    def _chain(self, tree: RigidTree) -> TorqueChain:
+        rest, added = taken_out(self._y, ca.vertcat(self.v, self.c), self._apart) if self._apart else (self.y, [])
+        return TorqueChain(self._graph_of(rest) if added else self.graph, self.costed, tree, added)
+
+    def _graph_of(self, y: ca.SX) -> StageGraph:
+        nothing = ca.SX(0, 1)
+        r, x = (nothing, nothing) if self.torques is None else (self.torques.symbols, self.torques.arguments)
+        # The compiled module takes CasADi's objects where they stand; see ``native.tape``.
+        made: StageGraph = load_native().StageGraph(*(int(each.this) for each in (self.v, self.c, r, y, x)))
+        return made
+
+    @property
+    def _wanted(self) -> Tapes | None:
+        return self.tapes if self.torques is not None or self.as_tapes else None
+
+    @cached_property
+    def constant_slopes(self) -> Array:
+        """dy/dv (n_y, n_v) where it is a number, NaN where it is an expression."""
+        slopes: Array = self.graph.constant_slopes().reshape(self.inputs, self.outputs).T
+        return slopes
 
     @cached_property
     def _whole(self) -> Symbols:
@@ -65,9 +118,9 @@ class Stage:
 
     def evaluate(self, name: str, v: Array, c: Array) -> Array:
         """Evaluate ``"function"`` or ``"jacobian"`` at E places: (n_v, E), (n_c, E) -> (m, E)."""
-        if self.chain is None:
+        if self._wanted is None:
             return evaluated(getattr(self, name), v, c)
-        return self.chain.evaluate("values" if name == "function" else name, v, c)
+        return self._wanted.evaluate("values" if name == "function" else name, v, c)
 
     @property
     def inputs(self) -> int:
@@ -77,7 +130,7 @@ class Stage:
     @property
     def outputs(self) -> int:
         """n_y."""
-        return int(self.y.numel())
+        return int(self._y.numel())
 
     @cached_property
     def cost(self) -> ca.Function:
@@ -92,8 +145,8 @@ class Stage:
     @cached_property
     def _jacobian(self) -> tuple[ca.Function, Pattern]:
         matrix = ca.jacobian(self._whole, self.v)
-        if self.chain is not None:
-            matrix = _spread(matrix, self.chain.jacobian_pattern)
+        if self.torques is not None and self.tapes is not None:
+            matrix = _spread(matrix, self.tapes.jacobian_pattern)
         return ca.Function("jacobian", [self.v, self.c], [nonzeros(matrix)]), _pattern(matrix.sparsity())
 
     @property
@@ -104,14 +157,14 @@ class Stage:
     @property
     def jacobian_pattern(self) -> Pattern:
         """Rows and columns of ``jacobian``'s output."""
-        return self._jacobian[1] if self.chain is None else self.chain.jacobian_pattern
+        return self._jacobian[1] if self._wanted is None else self._wanted.jacobian_pattern
 
     @cached_property
     def _hessian(self) -> tuple[ca.Function, Pattern]:
         m = type(self.v).sym("m", self.outputs)
         matrix = ca.tril(ca.hessian(ca.dot(m, self._whole), self.v)[0])
-        if self.chain is not None:
-            matrix = _spread(matrix, self.chain.hessian_pattern)
+        if self.torques is not None and self.tapes is not None:
+            matrix = _spread(matrix, self.tapes.hessian_pattern)
         return ca.Function("hessian", [self.v, self.c, m], [nonzeros(matrix)]), _pattern(matrix.sparsity())
 
     @property
@@ -122,7 +175,7 @@ class Stage:
     @property
     def hessian_pattern(self) -> Pattern:
         """Rows and columns of ``hessian``'s output."""
-        return self._hessian[1] if self.chain is None else self.chain.hessian_pattern
+        return self._hessian[1] if self._wanted is None else self._wanted.hessian_pattern
 
 
 def evaluated(function: ca.Function, *arguments: Array) -> Array:
@@ -149,12 +202,6 @@ def _spread(matrix: Symbols, pattern: Pattern) -> Symbols:
     """Write zeros where the pattern has entries that the matrix has not."""
     rows, columns = pattern
     return ca.project(matrix, ca.Sparsity.triplet(*matrix.shape, rows.tolist(), columns.tolist()))
-
-
-def nonzeros(matrix: Symbols) -> Symbols:
-    """Give the nonzeros of a matrix as a dense column."""
-    # Those of a row come as a row.
-    return ca.densify(ca.vec(matrix.nz[:])) if matrix.nnz() else type(matrix)(0, 1)
 
 
 def _pattern(sparsity: ca.Sparsity) -> Pattern:

@@ -14,28 +14,12 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def curved(stage: Stage) -> Mask:
-    """Which outputs are not affine in the unknowns, (n_y,)."""
-    bent = np.array(ca.which_depends(stage.y, stage.v, 2, True), dtype=bool)
-    return bent if stage.torques is None else bent | _turned(stage)
-
-
 def restricted(stage: Stage, kept: Sequence[int]) -> Stage:
     """Keep the outputs ``kept``, which must have the costed one among them if there is cost left."""
     costed = kept.index(stage.costed) if stage.costed in kept else None
-    return Stage(stage.v, stage.c, stage.y[list(kept)], costed, stage.torques)
-
-
-def constant_jacobian(stage: Stage, outputs: Sequence[int], inputs: Sequence[int]) -> Array:
-    """Give d outputs / d inputs where that is a number, NaN where it is an expression."""
-    matrix = ca.jacobian(stage.y[list(outputs)], stage.v[list(inputs)])
-    values = np.zeros(matrix.shape)
-    for row, column, entry in zip(*matrix.sparsity().get_triplet(), matrix.nonzeros(), strict=True):
-        values[row, column] = float(entry) if entry.is_constant() else np.nan
-    if stage.torques is not None:
-        moving = np.array(ca.which_depends(stage.torques.arguments, stage.v[list(inputs)], 1, False), dtype=bool)
-        values[np.ix_(_turned(stage)[list(outputs)], moving)] = np.nan
-    return values
+    made = Stage(stage.v, stage.c, stage.y[list(kept)], costed, stage.torques, as_tapes=stage.as_tapes)
+    made.constant_slopes = stage.constant_slopes[list(kept)]
+    return made
 
 
 def solved_for(stage: Stage, outputs: Sequence[int], inputs: Sequence[int]) -> Stage:
@@ -44,7 +28,7 @@ def solved_for(stage: Stage, outputs: Sequence[int], inputs: Sequence[int]) -> S
     The new stage has neither; it gives the other outputs, then the solved inputs as expressions of those left.
     """
     v, y = stage.v, stage.y
-    diagonal = np.diag(constant_jacobian(stage, outputs, inputs))
+    diagonal = stage.constant_slopes[list(outputs), list(inputs)]
     gone = v[list(inputs)]
     at_zero = ca.substitute(y[list(outputs)], gone, ca.SX.zeros(len(inputs)))
     solved = -at_zero / ca.DM(diagonal)
@@ -54,10 +38,4 @@ def solved_for(stage: Stage, outputs: Sequence[int], inputs: Sequence[int]) -> S
     others = ca.substitute(y[kept_out], gone, solved) if kept_out else ca.SX(0, 1)
     costed = None if stage.costed is None else kept_out.index(stage.costed)
     torques = None if stage.torques is None else stage.torques.substituted(gone, solved)
-    return Stage(v[kept_in], stage.c, ca.vertcat(others, solved), costed, torques)
-
-
-def _turned(stage: Stage) -> Mask:
-    """Which outputs depend on the inverse dynamics, (n_y,)."""
-    assert stage.torques is not None
-    return np.array(ca.which_depends(stage.y, stage.torques.symbols, 1, True), dtype=bool)
+    return Stage(v[kept_in], stage.c, ca.vertcat(others, solved), costed, torques, as_tapes=stage.as_tapes)

@@ -108,6 +108,8 @@ def transcribe(
     shape = (len(constraints), len(variables))
     every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]
     every += [widen(block, *shape) for block in blocks]
+    for block in every:
+        block.stage.as_tapes = engine.torques_apart
     matrix = linear.matrix(shape)
     start = start_of(problem, layouts, unknowns, variables, guess or default_guess(problem))
     scale = variable_scale(variables, start)

@@ -38,9 +38,16 @@ def arm(name: str, locked: dict[str, float] | None = None, root: str = "fixed") 
     )
 
 
-def standing(name: str, root: str, feet: list[str]) -> rt.Phase:
-    robot = rt.load(name, root=root)
-    return rt.Phase(robot, 0.3, objective=rt.Effort(), contacts=[rt.PointContact(foot) for foot in feet])
+def standing(name: str, root: str, feet: list[str], known: dict[str, float] | None = None) -> rt.Phase:
+    robot, contacts = rt.load(name, root=root), [rt.PointContact(foot) for foot in feet]
+    return rt.Phase(robot, 0.3, objective=rt.Effort(), contacts=contacts, parameters=known or {})
+
+
+def on_soles(feet: list[str]) -> rt.Phase:
+    robot = rt.load("talos_legs", root="floating")
+    # Force rates make the forces states: what a foot adds then reads them there.
+    contacts = [rt.FlatFoot(foot, 0.2, 0.1, ground=rt.Slope(0.1)) for foot in feet]
+    return rt.Phase(robot, 0.3, objective=rt.Effort() + rt.ForceRate(), contacts=contacts)
 
 
 FINGERS = {"panda_finger_joint1": 0.0, "panda_finger_joint2": 0.0}
@@ -55,6 +62,9 @@ PHASES: dict[str, Callable[[], rt.Phase]] = {
     "legs in the plane": lambda: standing("five_link", "planar", ["left_foot"]),
     "free-flyer": lambda: arm("solo12", root="floating"),
     "free-flyer on two feet": lambda: standing("solo12", "floating", ["FL_FOOT", "HR_FOOT"]),
+    "a foothold that is known": lambda: standing("solo12", "floating", ["FL_FOOT", "HR_FOOT"], {"HR_FOOT.x": 0.1}),
+    "a sole on a slope": lambda: on_soles(["left_sole_link"]),
+    "two soles on a slope": lambda: on_soles(["left_sole_link", "right_sole_link"]),
 }
 
 
@@ -271,7 +281,7 @@ def test_expressions_that_call_functions_stay_with_the_virtual_machine() -> None
     table = ca.interpolant("table", "bspline", [np.linspace(-4, 4, 12)], np.linspace(-1, 1, 12) ** 2)
     phase = replace(PHASES["ur5"](), objective=rt.Lagrange(lambda point: table(point.q[0]) + point.tau[1] ** 2))
     plain, native = stage_of(phase, None), stage_of(phase, rt.Native())
-    assert native.chain is None
+    assert native.tapes is None
     points = points_of(plain)
     assert_same(evaluated(native, points), expected(plain, points))
 

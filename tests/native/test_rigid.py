@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import robotraj as rt
 from robotraj.native._native import NotATape, Recipe, RigidTree, TapeBlock, Torques, processors
-from robotraj.native.torque_chain import text_of
+from robotraj.native.tape import tape, tape_of
 
 Array = NDArray[np.float64]
 NONE: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
@@ -33,7 +33,7 @@ ROBOTS: dict[str, dict[str, Any]] = {
 
 def recipe(inputs: list[ca.SX], result: ca.SX, at: int, count: int, **parts: bool) -> Recipe:
     given = {"jacobian": False, "hessian": False} | parts
-    return Recipe(text_of(inputs, result), **given, made=0, result=at, results=count, out=NONE, left=NONE, right=NONE)
+    return Recipe(tape(inputs, result), **given, made=0, result=at, results=count, out=NONE, left=NONE, right=NONE)
 
 
 @dataclass
@@ -187,7 +187,6 @@ def test_wrong_sizes_are_refused() -> None:
         TapeBlock(1, 3, 0, long, long, long)
     with pytest.raises(NotATape, match="scalar graph"):
         x = ca.MX.sym("x", 2)
-        text = ca.Function("f", [x], [2 * x]).serialize().encode("latin-1")
-        Recipe(text, False, False, 0, 1, 2, NONE, NONE, NONE)
+        tape_of(ca.Function("f", [x], [2 * x]))
     with pytest.raises(ValueError, match="this processor does not run"):
         TapeBlock(1, 3, 0, plain, plain, plain, processor="abacus")

@@ -123,6 +123,25 @@ def test_products(name: str, processor: str) -> None:
     np.testing.assert_allclose(case.solver.hessian_times(x), case.hessian @ x, rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.parametrize("processor", NATIVE.processors())
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("damped", [False, True])
+def test_what_a_solution_leaves(name: str, processor: str, damped: bool) -> None:
+    case, rng = stages(name, processor), np.random.default_rng(3)
+    first, second = case.split
+    n, m = case.hessian.shape[0], case.jacobian.shape[0]
+    dx, f, z = rng.random(n), rng.standard_normal(n), rng.standard_normal(n)
+    g, lam = rng.standard_normal(m), rng.standard_normal(m)
+    de = rng.uniform(0.1, 1.0, second - first) if damped else None
+    gradient, rows, greatest = case.solver.residual(dx, de, f, g, z, lam)
+    expected = case.jacobian @ z + g
+    if de is not None:
+        expected[first:second] -= de * lam[first:second]
+    np.testing.assert_allclose(gradient, case.hessian @ z + dx * z + case.jacobian.T @ lam + f, rtol=1e-12, atol=1e-11)
+    np.testing.assert_allclose(rows, expected, rtol=1e-12, atol=1e-11)
+    assert greatest == np.abs(np.concatenate([gradient, rows[:second]])).max()
+
+
 def test_an_indefinite_hessian_is_told() -> None:
     case = stages("an arm's shape", "")
     n, m = case.hessian.shape[0], case.jacobian.shape[0]

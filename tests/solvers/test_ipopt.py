@@ -9,6 +9,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.solvers import Iteration
+from robotraj.solvers.ipopt import LINEAR_SOLVERS
 
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
 MOVE = rt.Phase(BLOCK, (0.1, 20), rt.State([0, 0]), rt.State([10, 0]), rt.Duration(), controls={"u": rt.between(-1, 1)})
@@ -69,3 +70,25 @@ def test_bounds_hold_exactly_at_the_answer() -> None:
     solution = rt.plan(MOVE, rt.Mesh(20), solver=rt.Ipopt())
     u = np.concatenate(solution.phases[0].trajectory.u.values)
     assert u.max() <= 1.0 and u.min() >= -1.0
+
+
+def test_every_factorisation_takes_the_same_steps() -> None:
+    nlp = rt.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
+    own, *others = (rt.Ipopt(linear_solver=name).solve(nlp) for name in LINEAR_SOLVERS)
+    for other in others:
+        assert own.iterations == other.iterations
+        np.testing.assert_allclose(own.w, other.w, rtol=1e-6, atol=1e-7)
+        np.testing.assert_allclose(own.multipliers.rows, other.multipliers.rows, rtol=1e-4, atol=1e-6)
+
+
+def test_factors_of_robotraj_are_those_that_ipopt_calls(capfd: pytest.CaptureFixture[str]) -> None:
+    rt.Ipopt(options={"print_level": 5}).solve(rt.transcribe(rt.Problem([MOVE]), rt.Mesh(10)))
+    assert "running with linear solver ma97" in capfd.readouterr().out
+
+
+def test_a_linear_solver_that_is_not_there_is_refused_by_name() -> None:
+    with pytest.raises(rt.InputError, match="one of ldl, mumps, spral, ma27.*got 'nonesuch'"):
+        rt.Ipopt(linear_solver="nonesuch")
+    with pytest.raises(rt.InputError, match='linear_solver="ma57".*"hsllib"'):
+        rt.Ipopt(linear_solver="ma57")
+    assert rt.Ipopt(linear_solver="pardiso", options={"pardisolib": "libpardiso.so"}).linear_solver == "pardiso"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from threading import Lock
 
 import casadi as ca
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import robotraj as rt
+from robotraj.transcription.callbacks import NlpFunction
 
 Array = NDArray[np.float64]
 STEP = 1e-5
@@ -61,25 +63,62 @@ def test_hessian_agrees_with_finite_differences(nlp: rt.Nlp) -> None:
     assert_close(found, differences(lagrangian_gradient, w, nlp.scale))
 
 
+def graph(nlp: rt.Nlp) -> tuple[ca.MX, ca.MX, ca.MX]:
+    """w, objective and rows as one graph of the blocks, which CasADi can differentiate."""
+    w = ca.MX.sym("w", len(nlp.variables))
+    f, g = ca.MX(0), ca.mtimes(ca.DM(nlp.linear.toarray()), w)
+    for block in nlp.blocks:
+        v = ca.reshape(ca.mtimes(ca.DM(block.gather.toarray()), w), block.stage.inputs, block.count)
+        y = block.stage.function.map(block.count)(v, ca.DM(block.constants))
+        g += ca.mtimes(ca.DM(block.scatter.toarray()), ca.vec(y))
+        if block.costs:
+            f += ca.mtimes(y[block.stage.costed, :], ca.DM(block.weights))
+    return w, f, g
+
+
 @pytest.mark.parametrize("name", ["ends", "two phases", "mixed schemes", "cartpole"])
 def test_derivatives_are_those_of_the_whole_graph(name: str, problems: dict) -> None:
     nlp = rt.transcribe(*problems[name]())
-    functions = nlp.functions
-    w, lam, p = ca.MX.sym("w", len(nlp.variables)), ca.MX.sym("lam", len(nlp.rows)), ca.MX.sym("p", 0)
-    f, g = functions.objective(w, p), functions.rows(w, p)
-    hessian, gradient = ca.hessian(0.7 * f + ca.dot(lam, g), w)
-    whole = ca.Function("whole", [w, lam], [ca.gradient(f, w), ca.jacobian(g, w), hessian])
+    w, f, g = graph(nlp)
+    lam = ca.MX.sym("lam", len(nlp.rows))
+    hessian, _ = ca.hessian(0.7 * f + ca.dot(lam, g), w)
+    whole = ca.Function("whole", [w, lam], [g, ca.gradient(f, w), ca.jacobian(g, w), hessian])
     at, multipliers = somewhere(nlp)
-    at = at / nlp.scale
     expected = [part.full() for part in whole(at, multipliers)]
-    upper = functions.hessian(at, [], 0.7, multipliers).full()
+    scale, rows = nlp.scale, nlp.row_scale
     found = [
-        functions.gradient(at, [])[1].full(),
-        functions.jacobian(at, [])[1].full(),
-        upper + np.triu(upper, 1).T,
+        nlp.functions.rows(at / scale, []).full() / rows[:, None],
+        nlp.gradient(at)[:, None],
+        nlp.jacobian(at).toarray(),
+        nlp.hessian(at, multipliers, 0.7).toarray(),
     ]
     for ours, theirs in zip(found, expected, strict=True):
-        np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12 * (1.0 + np.abs(theirs).max()))
+    assert np.isclose(float(nlp.functions.objective(at / scale, [])), float(ca.Function("f", [w], [f])(at)), rtol=1e-13)
+
+
+def test_results_nobody_asked_for_are_not_evaluated_and_a_failure_is_told() -> None:
+    """IPOPT takes a shorter step where a function cannot be evaluated."""
+    asked = []
+
+    def first(x: Array, _: Array) -> Array:
+        asked.append("first")
+        return 2.0 * x
+
+    def second(x: Array, _: Array) -> Array:
+        if x[0] < 0:
+            raise RuntimeError("no such value")
+        return x[:1] ** 2
+
+    dense = ca.Sparsity.dense
+    function = NlpFunction("f", {"x": 2, "p": 0}, {"a": (dense(2, 1), first), "b": (dense(1, 1), second)}, Lock())
+    x = ca.MX.sym("x", 2)
+    only = ca.Function("only", [x], [function(x, ca.MX(0, 1))[1]])
+    assert float(only([3.0, 0.0])) == 9.0
+    assert not asked
+    np.testing.assert_array_equal(function([3.0, 1.0], [])[0].full().ravel(), [6.0, 2.0])
+    with pytest.raises(RuntimeError):
+        only([-1.0, 0.0])
 
 
 def test_the_jacobian_has_no_entry_that_cannot_be_nonzero(problems: dict) -> None:

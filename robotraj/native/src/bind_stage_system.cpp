@@ -58,6 +58,21 @@ class StageSystem {
                           to_numpy(reordered(lam.data(), false)));
   }
 
+  /// What z and lam leave, and the greatest of it but for the inequalities.
+  nb::tuple residual(const Doubles& dx, const std::optional<Doubles>& de, const Doubles& f, const Doubles& g,
+                     const Doubles& z, const Doubles& lam) {
+    Numbers step(checked(z, columns(), "z"), z.data() + z.size());
+    Numbers residuals = reordered(checked(g, rows(), "g"), true);
+    Numbers multipliers = reordered(checked(lam, rows(), "lam"), true);
+    Numbers gradient(columns()), left(rows());
+    const double greatest = solver_.residual(jacobian_, hessian_,
+                                             {checked(dx, columns(), "dx"), de ? de->data() : nullptr, nullptr,
+                                              checked(f, columns(), "f"), residuals.data(), step.data(),
+                                              multipliers.data()},
+                                             gradient.data(), left.data());
+    return nb::make_tuple(to_numpy(std::move(gradient)), to_numpy(reordered(left.data(), false)), greatest);
+  }
+
   Result jacobian_times(const Doubles& x) const {
     Numbers out(rows());
     matrices_.jacobian_times(jacobian_, checked(x, columns(), "x"), 0.0, out.data(), out.data());
@@ -120,6 +135,8 @@ void bind_stage_system(nb::module_& m) {
       .def("fill", &StageSystem::fill, nb::arg("jacobian"), nb::arg("hessian"))
       .def("solve", &StageSystem::solve, nb::arg("dx").none(), nb::arg("de").none(), nb::arg("ds"), nb::arg("f"),
            nb::arg("g"))
+      .def("residual", &StageSystem::residual, nb::arg("dx"), nb::arg("de").none(), nb::arg("f"), nb::arg("g"),
+           nb::arg("z"), nb::arg("lam"))
       .def("jacobian_times", &StageSystem::jacobian_times, nb::arg("x"))
       .def("transposed_times", &StageSystem::transposed_times, nb::arg("lam"))
       .def("hessian_times", &StageSystem::hessian_times, nb::arg("x"));

@@ -3,6 +3,9 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "patterns.hpp"
+
+#include <casadi/core/function.hpp>
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -16,29 +19,16 @@ namespace robotraj::native {
 
 namespace {
 
-using IndexResult = nb::ndarray<nb::numpy, std::int64_t, nb::ndim<1>>;
-
-IndexResult to_numpy(const Pattern& pattern, std::int32_t std::pair<std::int32_t, std::int32_t>::*side) {
-  auto* kept = new std::vector<std::int64_t>;
-  for (const auto& entry : pattern) kept->push_back(entry.*side);
-  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<std::int64_t>*>(p); });
-  return IndexResult(kept->data(), {kept->size()}, owner);
-}
-
-auto to_arrays(const Pattern& pattern) {
-  using Entry = Pattern::value_type;
-  return std::pair(to_numpy(pattern, &Entry::first), to_numpy(pattern, &Entry::second));
-}
-
 std::vector<std::int32_t> to_vector(const Indices& indices) {
   return std::vector<std::int32_t>(indices.data(), indices.data() + indices.size());
 }
 
 std::string to_text(const nb::bytes& text) { return std::string(text.c_str(), text.size()); }
 
-Recipe recipe_of(const nb::bytes& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
-                 std::size_t results, const Indices& out, const Indices& left, const Indices& right) {
-  Recipe recipe{Tape(to_text(tape)), jacobian, hessian, made, result, results, {}};
+Recipe recipe_of(const Tape& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
+                 std::size_t results, const Indices& out, const Indices& left, const Indices& right,
+                 const std::vector<Call>& calls) {
+  Recipe recipe{tape, jacobian, hessian, made, result, results, {}, calls};
   checked(left, out.size(), "left");
   checked(right, out.size(), "right");
   for (std::size_t i = 0; i < out.size(); ++i)
@@ -48,13 +38,14 @@ Recipe recipe_of(const nb::bytes& tape, bool jacobian, bool hessian, std::size_t
 }
 
 std::shared_ptr<TapeBlock> block_of(std::size_t count, std::size_t inputs, std::size_t constants, const Recipe& values,
-                                    const Recipe& jacobian, const Recipe& hessian, const Recipe* cost,
+                                    const Recipe& jacobian, const Recipe* hessian, const Recipe* cost,
                                     const Recipe* gradient, std::ptrdiff_t costed, const Torques* torques,
                                     const std::string& processor) {
-  const PointSizes sizes{count,           inputs, constants, values.results, jacobian.results, hessian.results,
-                         cost ? costed : -1};
+  const PointSizes sizes{
+      count, inputs, constants, values.results, jacobian.results, hessian ? hessian->results : 0, cost ? costed : -1};
+  const auto or_none = [](const Recipe* recipe) { return recipe ? *recipe : Recipe{}; };
   return std::make_shared<TapeBlock>(
-      sizes, Recipes{values, jacobian, cost ? *cost : Recipe{}, gradient ? *gradient : Recipe{}, hessian},
+      sizes, Recipes{values, jacobian, or_none(cost), or_none(gradient), or_none(hessian)},
       torques ? std::optional<Torques>(*torques) : std::nullopt, kernels_of(processor));
 }
 
@@ -77,6 +68,12 @@ void bind_tape_block(nb::module_& m) {
       .def("jacobian_pattern", [](const RigidTree& robot) { return to_arrays(jacobian_pattern(robot.tree)); })
       .def("hessian_pattern", [](const RigidTree& robot) { return to_arrays(hessian_pattern(robot.tree)); });
 
+  nb::class_<Tape>(m, "Tape")
+      .def("__init__",
+           [](Tape* self, std::uintptr_t address) { new (self) Tape(*reinterpret_cast<const casadi::Function*>(address)); },
+           nb::arg("address"))
+      .def_prop_ro("outputs", &Tape::outputs);
+
   nb::class_<Torques>(m, "Torques")
       .def("__init__",
            [](Torques* self, const RigidTree& robot, const Indices& places) {
@@ -84,23 +81,31 @@ void bind_tape_block(nb::module_& m) {
            },
            nb::arg("robot"), nb::arg("places"))
       .def("__init__",
-           [](Torques* self, const RigidTree& robot, const nb::bytes& arguments, const nb::bytes& curvature) {
-             new (self) Torques{robot, {}, Tape(to_text(arguments)), Tape(to_text(curvature))};
+           [](Torques* self, const RigidTree& robot, const Tape& arguments, const Tape& curvature) {
+             new (self) Torques{robot, {}, arguments, curvature};
            },
            nb::arg("robot"), nb::arg("arguments"), nb::arg("curvature"));
 
+  nb::class_<Call>(m, "Call")
+      .def("__init__",
+           [](Call* self, std::shared_ptr<Tape> tape, const Indices& inputs, const Indices& multipliers) {
+             new (self) Call{std::move(tape), to_vector(inputs), to_vector(multipliers)};
+           },
+           nb::arg("tape"), nb::arg("inputs"), nb::arg("multipliers"));
+
   nb::class_<Recipe>(m, "Recipe")
       .def("__init__",
-           [](Recipe* self, const nb::bytes& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
-              std::size_t results, const Indices& out, const Indices& left, const Indices& right) {
-             new (self) Recipe(recipe_of(tape, jacobian, hessian, made, result, results, out, left, right));
+           [](Recipe* self, const Tape& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
+              std::size_t results, const Indices& out, const Indices& left, const Indices& right,
+              const std::vector<Call>& calls) {
+             new (self) Recipe(recipe_of(tape, jacobian, hessian, made, result, results, out, left, right, calls));
            },
            nb::arg("tape"), nb::arg("jacobian"), nb::arg("hessian"), nb::arg("made"), nb::arg("result"),
-           nb::arg("results"), nb::arg("out"), nb::arg("left"), nb::arg("right"));
+           nb::arg("results"), nb::arg("out"), nb::arg("left"), nb::arg("right"), nb::arg("calls") = nb::list());
 
   nb::class_<TapeBlock, PointBlock>(m, "TapeBlock")
       .def(nb::new_(&block_of), nb::arg("count"), nb::arg("inputs"), nb::arg("constants"), nb::arg("values"),
-           nb::arg("jacobian"), nb::arg("hessian"), nb::arg("cost") = nb::none(), nb::arg("gradient") = nb::none(),
+           nb::arg("jacobian"), nb::arg("hessian") = nb::none(), nb::arg("cost") = nb::none(), nb::arg("gradient") = nb::none(),
            nb::arg("costed") = -1, nb::arg("torques") = nb::none(), nb::arg("processor") = "");
 }
 

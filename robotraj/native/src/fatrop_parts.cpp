@@ -5,9 +5,7 @@
 // the C++ ABI; an object comes before the arguments.
 #include "fatrop_parts.hpp"
 
-#include <dlfcn.h>
-
-#include <cstdlib>
+#include "fatrop_own.hpp"
 
 namespace {
 
@@ -21,23 +19,7 @@ using Pointer = const void*;
 
 thread_local FatropParts* parts = nullptr;
 
-/// fatrop's own function, found from a place in the library that calls: fatrop itself, or one that needs it.
-template <typename Function>
-Function original(const char* name, void* caller) {
-  Dl_info calling{};
-  void* const library = dladdr(caller, &calling) ? dlopen(calling.dli_fname, RTLD_NOLOAD | RTLD_LAZY) : nullptr;
-  void* const found = library ? dlsym(library, name) : nullptr;
-  if (!found) std::abort();
-  return reinterpret_cast<Function>(found);
-}
-
 }  // namespace
-
-#define EXPORTED extern "C" __attribute__((visibility("default")))
-/// Calls fatrop's own function of this name.
-#define PASS_ON(name, ...)                                                                          \
-  static const auto own = original<decltype(&name)>(#name, __builtin_return_address(0)); \
-  return own(__VA_ARGS__)
 
 #define MAKE_JACOBIAN _ZN6fatrop8JacobianINS_7OcpTypeEEC1ERKNS_11ProblemDimsIS1_EE
 #define MAKE_HESSIAN _ZN6fatrop7HessianINS_7OcpTypeEEC1ERKNS_11ProblemDimsIS1_EE
@@ -56,9 +38,6 @@ Function original(const char* name, void* caller) {
   _ZN6fatrop15AugSystemSolverINS_7OcpTypeEE9solve_rhsERKNS_11ProblemInfoIS1_EERKNS_8JacobianIS1_EERKNS_7HessianIS1_EERKNS_11VecRealViewESH_SH_RSF_SI_
 #define SOLVE_DAMPED_AGAIN                                                                                         \
   _ZN6fatrop15AugSystemSolverINS_7OcpTypeEE9solve_rhsERKNS_11ProblemInfoIS1_EERKNS_8JacobianIS1_EERKNS_7HessianIS1_EERKNS_11VecRealViewESH_SH_SH_RSF_SI_
-
-// A macro's name is replaced before it is made a string, or pasted.
-#define PASS(name, ...) PASS_ON(name, __VA_ARGS__)
 
 EXPORTED FatropParts** robotraj_fatrop_parts() { return &parts; }
 

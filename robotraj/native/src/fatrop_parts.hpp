@@ -14,6 +14,8 @@ class VecRealView;
 
 namespace robotraj::native {
 
+struct VectorKernels;
+
 /// What `_kernels` asks before it lets fatrop's own functions work: matrices that are not owned are left to fatrop.
 class FatropParts {
  public:
@@ -21,6 +23,9 @@ class FatropParts {
   using Hessian = fatrop::Hessian<fatrop::OcpType>;
   using Dims = fatrop::ProblemDims<fatrop::OcpType>;
   using Vector = fatrop::VecRealView;
+
+  /// What is done with vectors over all stages, for this processor.
+  virtual const VectorKernels& vectors() const = 0;
 
   /// Dimensions of the dense matrices that fatrop makes where it asks for `dims`: the least where they stay unused.
   virtual const Dims& made(const Dims& dims) = 0;

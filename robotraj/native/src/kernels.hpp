@@ -10,13 +10,15 @@
 #include "run_tape.hpp"
 #include "spatial.hpp"
 // The algorithms use what is above.
+#include "barrier_vectors.hpp"
 #include "riccati_substitution.hpp"
 #include "rigid_kernel.hpp"
 
 namespace robotraj::native {
 
 const Kernels ROBOTRAJ_KERNELS = {
-    ROBOTRAJ_PROCESSOR, kLanes, sizeof(JointState) / sizeof(Pack), run_tape, inverse_dynamics, multiply, riccati_kernels,
+    ROBOTRAJ_PROCESSOR, kLanes,          sizeof(JointState) / sizeof(Pack), run_tape, inverse_dynamics, multiply,
+    riccati_kernels,    vector_kernels,
 };
 
 }  // namespace robotraj::native

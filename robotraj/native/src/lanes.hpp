@@ -12,13 +12,19 @@ namespace robotraj::native {
 namespace {
 
 constexpr std::size_t kLanes = ROBOTRAJ_LANES;
+constexpr int kStep = static_cast<int>(kLanes);
 
 /// One number of kLanes points.
 typedef double Pack __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
 typedef std::uint64_t Bits __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
 
+/// kLanes numbers that stand anywhere.
+typedef double Loose __attribute__((vector_size(kLanes * sizeof(double)), aligned(8), may_alias));
+
 ROBOTRAJ_INLINE const Pack* packs(const double* numbers) { return reinterpret_cast<const Pack*>(numbers); }
 ROBOTRAJ_INLINE Pack* packs(double* numbers) { return reinterpret_cast<Pack*>(numbers); }
+
+ROBOTRAJ_INLINE double magnitude(double x) { return x < 0.0 ? -x : x; }
 
 }  // namespace
 }  // namespace robotraj::native

@@ -9,9 +9,12 @@ NB_MODULE(_native, m) {
   m.attr("CASADI_VERSION") = CASADI_VERSION_STRING;
   robotraj::native::bind_point_block(m);
   robotraj::native::bind_tape_block(m);
+  robotraj::native::bind_stage_graph(m);
   robotraj::native::bind_casadi_block(m);
   robotraj::native::bind_sparse(m);
   robotraj::native::bind_chains(m);
+  robotraj::native::bind_ldl(m);
   robotraj::native::bind_stage_system(m);
+  robotraj::native::bind_vectors(m);
   robotraj::native::bind_program(m);
 }

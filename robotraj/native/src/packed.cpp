@@ -23,6 +23,8 @@ const Kernels& kernels_of(const std::string& processor) {
   throw std::invalid_argument("this processor does not run what was compiled for '" + processor + "'");
 }
 
+const VectorKernels& vector_kernels_of(const std::string& processor) { return kernels_of(processor).vectors; }
+
 const RiccatiKernels& riccati_kernels_of(const std::string& processor) { return kernels_of(processor).riccati; }
 
 }  // namespace robotraj::native

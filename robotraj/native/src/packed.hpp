@@ -7,6 +7,7 @@
 #include "riccati.hpp"
 #include "rigid_tree.hpp"
 #include "tape.hpp"
+#include "vector_kernels.hpp"
 
 namespace robotraj::native {
 
@@ -35,6 +36,7 @@ struct Kernels {
   void (*rigid)(const Tree& tree, const RigidArguments& arguments);
   void (*multiply)(const Product* terms, std::size_t count, const double* left, const double* right, double* out);
   RiccatiKernels riccati;
+  VectorKernels vectors;
 };
 
 /// Those that this processor runs, the fastest first.

@@ -38,7 +38,9 @@ struct Restoration {
         watch(std::make_shared<Watch>(data, data_original, nlp, trace)) {
     using SolveRestoration = fatrop::PdSolverResto<Ocp>;
     const auto solve_restoration = std::make_shared<SolveRestoration>(nlp.info(), solve);
-    const auto direction = std::make_shared<SearchDirection<SolveRestoration>>(data, solve_restoration);
+    using Step = FatropStep<SolveRestoration>;
+    const auto direction = std::make_shared<SearchDirection<Step>>(
+        data, std::make_unique<Step>(data->current_iterate(), solve_restoration));
     const auto line_search =
         std::make_shared<fatrop::IpLinesearch<SolveRestoration, Ocp>>(data, solve_restoration, nullptr);
     const auto converged = std::make_shared<fatrop::IpConvergenceCheckResto<Ocp>>(data_original, data);

@@ -25,6 +25,11 @@ struct RiccatiMemory {
   int length;
 };
 
+/// What is left of a stage's equations.
+struct StageResidual {
+  double *gradient, *dynamics, *equalities, *inequalities;
+};
+
 /// The recursion's inner loops; `next` is the stage after, null at the last one.
 struct RiccatiKernels {
   Pivots (*factorise_stage)(const StageView& stage, const StageVectors& vectors, const StageFactor* next,
@@ -38,6 +43,9 @@ struct RiccatiKernels {
   void (*forward_stage)(const StageView& stage, const StageVectors& vectors, const StageFactor& factor,
                         const StageFactor* next, double* next_state, double* left, RiccatiMemory& memory);
   void (*forward_start)(const StageFactor& factor, double* state, double* left, RiccatiMemory& memory);
+
+  double (*residual_stage)(const StageView& stage, const StageVectors& vectors, const double* before,
+                           const double* next_state, const StageResidual& residual, RiccatiMemory& memory);
 
   void (*hessian_times)(const double* a, int n, const double* x, double* out, double* memory);
   void (*rows_times)(const RowsView& rows, int count, int n, const double* x, double* out, double* memory);

@@ -31,8 +31,6 @@ ROBOTRAJ_INLINE Elimination parts_of(const StageFactor& factor) {
   return parts;
 }
 
-ROBOTRAJ_INLINE double magnitude(double x) { return x < 0.0 ? -x : x; }
-
 ROBOTRAJ_INLINE void swap(double& a, double& b) {
   const double kept = a;
   a = b;

@@ -81,7 +81,7 @@ StageVectors RiccatiSolver::vectors(std::size_t k, const System& system) const {
           system.g + inequalities,
           system.dx ? system.dx + first : nullptr,
           system.de ? system.de + (equalities - info.offset_g_eq_path) : nullptr,
-          system.ds + info.offsets_slack[k],
+          system.ds ? system.ds + info.offsets_slack[k] : nullptr,
           system.z + first,
           system.lam + dynamics,
           system.lam + equalities,
@@ -113,6 +113,24 @@ void RiccatiSolver::solve(const StageValues& jacobian, const System& system) {
     run_.backward_stage(matrices_.view(k, &jacobian, nullptr), vectors(k, system), next(k), memory_, factors_[k]);
   run_.backward_start(factors_.front(), memory_, start_);
   forward(jacobian, system);
+}
+
+double RiccatiSolver::residual(const StageValues& jacobian, const StageValues& hessian, const System& system,
+                               double* gradient, double* rows) {
+  const auto& info = matrices_.info();
+  double most = 0.0;
+  const double* before = nullptr;
+  for (std::size_t k = 0; k < matrices_.count(); ++k) {
+    const StageVectors at = vectors(k, system);
+    const auto dynamics = next(k) ? info.offsets_g_eq_dyn[k] : 0;
+    const StageResidual left{gradient + info.offsets_primal_u[k], rows + dynamics, rows + info.offsets_g_eq_path[k],
+                             rows + info.offsets_g_eq_slack[k]};
+    const double* next_state = next(k) ? system.z + info.offsets_primal_x[k + 1] : nullptr;
+    most = std::max(most, run_.residual_stage(matrices_.view(k, &jacobian, &hessian), at, before, next_state, left,
+                                              memory_));
+    before = at.lam_dynamics;
+  }
+  return most;
 }
 
 void RiccatiSolver::forward(const StageValues& jacobian, const System& system) {

@@ -33,6 +33,10 @@ class RiccatiSolver {
   Pivots factorise_and_solve(const StageValues& jacobian, const StageValues& hessian, const System& system);
   /// With the factors of the last call of the above.
   void solve(const StageValues& jacobian, const System& system);
+  /// What z and lam leave: gradient and rows, the latter without the -D_s lambda_i of the inequalities. Returns the
+  /// greatest of them, rows of inequalities left out.
+  double residual(const StageValues& jacobian, const StageValues& hessian, const System& system, double* gradient,
+                  double* rows);
 
  private:
   StageVectors vectors(std::size_t stage, const System& system) const;

@@ -3,6 +3,7 @@
 
 #include "riccati_elimination.hpp"
 #include "riccati_matrices.hpp"
+#include "stage_residual.hpp"
 
 namespace robotraj::native {
 namespace {
@@ -121,7 +122,7 @@ void forward_start(const StageFactor& factor, double* state, double* left, Ricca
 
 const RiccatiKernels riccati_kernels = {
     factorise_stage, factorise_start, backward_stage, backward_start, forward_stage,
-    forward_start,   hessian_times,   rows_times,     transposed_times,
+    forward_start,   residual_stage, hessian_times,   rows_times,     transposed_times,
 };
 
 }  // namespace

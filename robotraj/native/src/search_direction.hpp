@@ -19,6 +19,47 @@
 
 namespace robotraj::native {
 
+/// A step by a linear solver of fatrop's, which takes the residuals' copy for its solution.
+template <typename LinearSolver>
+class FatropStep {
+ public:
+  using Iterate = fatrop::IpIterate<fatrop::OcpType>;
+
+  FatropStep(Iterate& iterate, std::shared_ptr<LinearSolver> solver)
+      : solver_(std::move(solver)),
+        x_(iterate.delta_primal_x().m()),
+        s_(iterate.delta_primal_s().m()),
+        g_(iterate.delta_dual_eq().m()),
+        lower_(iterate.delta_dual_bounds_l().m()),
+        upper_(iterate.delta_dual_bounds_u().m()) {}
+
+  void prepare(Iterate& iterate) {
+    x_.block(x_.m(), 0) = iterate.dual_infeasibility_x();
+    s_.block(s_.m(), 0) = iterate.dual_infeasibility_s();
+    g_.block(g_.m(), 0) = iterate.constr_viol();
+    lower_.block(lower_.m(), 0) = iterate.relaxed_complementarity_l();
+    upper_.block(upper_.m(), 0) = iterate.relaxed_complementarity_u();
+  }
+  fatrop::LinsolReturnFlag solve(Iterate& iterate) {
+    typename LinearSolver::LinearSystemType system(
+        iterate.info(), iterate.jacobian(), iterate.hessian(), iterate.Dx(), iterate.De_is_zero(), iterate.De(),
+        iterate.delta_lower(), iterate.delta_upper(), iterate.dual_bounds_l(), iterate.dual_bounds_u(), x_, s_, g_,
+        lower_, upper_);
+    return solver_->solve_in_place(system);
+  }
+  void accept(Iterate& iterate) {
+    iterate.set_delta_primal_x(x_);
+    iterate.set_delta_primal_s(s_);
+    iterate.set_delta_dual_eq(g_);
+    iterate.set_delta_dual_bounds_l(lower_);
+    iterate.set_delta_dual_bounds_u(upper_);
+  }
+
+ private:
+  std::shared_ptr<LinearSolver> solver_;
+  fatrop::VecRealAllocated x_, s_, g_, lower_, upper_;
+};
+
 /// Solves the primal-dual system, damped by delta_w in the Hessian and by delta_c in the constraints as far as needed.
 ///
 /// delta_w grows while the reduced Hessian is not positive; delta_c is set where constraints depend on each other.
@@ -26,19 +67,13 @@ namespace robotraj::native {
 /// beyond its largest value the step has failed.
 /// Source: Waechter and Biegler, On the implementation of an interior-point filter line-search algorithm for
 /// large-scale nonlinear programming, 2006, algorithm IC.
-template <typename LinearSolver>
+template <typename Step>
 class SearchDirection : public fatrop::IpSearchDirBase {
  public:
   using Data = fatrop::IpData<fatrop::OcpType>;
 
-  SearchDirection(std::shared_ptr<Data> data, std::shared_ptr<LinearSolver> solver)
-      : data_(std::move(data)),
-        solver_(std::move(solver)),
-        x_(data_->current_iterate().delta_primal_x().m()),
-        s_(data_->current_iterate().delta_primal_s().m()),
-        g_(data_->current_iterate().delta_dual_eq().m()),
-        lower_(data_->current_iterate().delta_dual_bounds_l().m()),
-        upper_(data_->current_iterate().delta_dual_bounds_u().m()) {}
+  SearchDirection(std::shared_ptr<Data> data, std::unique_ptr<Step> step)
+      : data_(std::move(data)), step_(std::move(step)) {}
 
   void reset() override { last_delta_w_ = 0.0; }
 
@@ -55,12 +90,7 @@ class SearchDirection : public fatrop::IpSearchDirBase {
   fatrop::LinsolReturnFlag compute_search_dir() override {
     using fatrop::LinsolReturnFlag;
     auto& iterate = data_->current_iterate();
-    x_.block(x_.m(), 0) = iterate.dual_infeasibility_x();
-    s_.block(s_.m(), 0) = iterate.dual_infeasibility_s();
-    g_.block(g_.m(), 0) = iterate.constr_viol();
-    lower_.block(lower_.m(), 0) = iterate.relaxed_complementarity_l();
-    upper_.block(upper_.m(), 0) = iterate.relaxed_complementarity_u();
-
+    step_->prepare(iterate);
     double delta_w = 0.0, delta_c = 0.0;
     for (;;) {
       switch (const LinsolReturnFlag flag = solve(delta_w, delta_c)) {
@@ -100,13 +130,9 @@ class SearchDirection : public fatrop::IpSearchDirBase {
     iterate.set_Dx(fatrop::VecRealScalar(iterate.Dx().m(), delta_w) + iterate.primal_damping());
     iterate.set_De(fatrop::VecRealScalar(iterate.De().m(), delta_c));
     iterate.set_De_is_zero(delta_c == 0.0);
-    typename LinearSolver::LinearSystemType system(
-        iterate.info(), iterate.jacobian(), iterate.hessian(), iterate.Dx(), iterate.De_is_zero(), iterate.De(),
-        iterate.delta_lower(), iterate.delta_upper(), iterate.dual_bounds_l(), iterate.dual_bounds_u(), x_, s_, g_,
-        lower_, upper_);
     auto& timer = data_->timing_statistics().compute_search_dir;
     timer.start();
-    const fatrop::LinsolReturnFlag flag = solver_->solve_in_place(system);
+    const fatrop::LinsolReturnFlag flag = step_->solve(iterate);
     timer.pause();
     return flag;
   }
@@ -114,18 +140,13 @@ class SearchDirection : public fatrop::IpSearchDirBase {
   void accept(double delta_w, double delta_c) {
     auto& iterate = data_->current_iterate();
     if (delta_w > 0.0) last_delta_w_ = delta_w;
-    iterate.set_delta_primal_x(x_);
-    iterate.set_delta_primal_s(s_);
-    iterate.set_delta_dual_eq(g_);
-    iterate.set_delta_dual_bounds_l(lower_);
-    iterate.set_delta_dual_bounds_u(upper_);
+    step_->accept(iterate);
     iterate.search_dir_info().inertia_correction_primal = delta_w;
     iterate.search_dir_info().inertia_correction_dual = delta_c;
   }
 
   std::shared_ptr<Data> data_;
-  std::shared_ptr<LinearSolver> solver_;
-  fatrop::VecRealAllocated x_, s_, g_, lower_, upper_;
+  std::unique_ptr<Step> step_;
   double last_delta_w_ = 0.0;
   double delta_w0_ = 1e-4, delta_wmin_ = 1e-20;
   double kappa_wmin_ = 1.0 / 3.0, kappa_wplus_ = 8.0, kappa_wplusem_ = 100.0;

@@ -25,6 +25,7 @@
 
 #include "restoration.hpp"
 #include "search_direction.hpp"
+#include "stage_step.hpp"
 #include "warm_start.hpp"
 #include "watch.hpp"
 
@@ -86,7 +87,9 @@ struct Solver::Algorithm {
       for (const auto& [name, value] : given) set_option(made->options, name, value);
       return made;
     });
-    const auto direction = std::make_shared<SearchDirection<Solve>>(data, solve);
+    std::shared_ptr<fatrop::IpSearchDirBase> direction;
+    if (nlp->parts()) direction = direct(std::make_unique<StageStep>(*nlp->parts()));
+    else direction = direct(std::make_unique<FatropStep<Solve>>(data->current_iterate(), solve));
     search = std::make_shared<fatrop::IpLinesearch<Solve, Ocp>>(data, solve, restoration);
     const auto multipliers = std::make_shared<fatrop::IpEqMultInitializer<Ocp>>(data, solve);
     start = std::make_shared<Initializer>(data, multipliers, program, nlp);
@@ -109,6 +112,11 @@ struct Solver::Algorithm {
     // fatrop takes a pivot below 1e-6 of its diagonal for a negative one. Near a solution every active bound adds
     // 1 / mu to a diagonal: that is not curvature lost, and damping it would end Newton's convergence.
     options.set_option("linsol_pivot_tol", 1e-14);
+  }
+
+  template <typename Step>
+  std::shared_ptr<fatrop::IpSearchDirBase> direct(std::unique_ptr<Step> step) const {
+    return std::make_shared<SearchDirection<Step>>(data, std::move(step));
   }
 
   /// Whether there is such an option; the restoration phase has some of its own.

@@ -27,6 +27,7 @@ FatropParts** slot() {
 /// Notes which calls arrive.
 class Probe final : public FatropParts {
  public:
+  const VectorKernels& vectors() const override { return vector_kernels_of(); }
   const Dims& made(const Dims& dims) override { return dims; }
   bool owns(const Jacobian&) override { return true; }
   bool owns(const Hessian&) override { return true; }
@@ -145,16 +146,28 @@ void StageParts::set_zero(Hessian& hessian) {
 
 int StageParts::solve(const Jacobian& jacobian, Hessian& hessian, const Vector& d_x, const Vector* d_e,
                       const Vector& d_s, const Vector& f, const Vector& g, Vector& x, Vector& multipliers) {
-  return flag_of(solver_.factorise_and_solve(
-      *find(jacobians_, &jacobian), hessian_values(hessian),
-      {d_x.data(), d_e ? d_e->data() : nullptr, d_s.data(), f.data(), g.data(), x.data(), multipliers.data()}));
+  return solve(jacobian, hessian, {d_x.data(), d_e ? d_e->data() : nullptr, d_s.data(), f.data(), g.data(), x.data(),
+                                   multipliers.data()});
 }
 
 int StageParts::solve_again(const Jacobian& jacobian, const Vector* d_e, const Vector& d_s, const Vector& f,
                             const Vector& g, Vector& x, Vector& multipliers) {
-  solver_.solve(*find(jacobians_, &jacobian), {nullptr, d_e ? d_e->data() : nullptr, d_s.data(), f.data(), g.data(),
-                                               x.data(), multipliers.data()});
+  solve_again(jacobian, {nullptr, d_e ? d_e->data() : nullptr, d_s.data(), f.data(), g.data(), x.data(),
+                         multipliers.data()});
   return fatrop::LinsolReturnFlag::SUCCESS;
+}
+
+int StageParts::solve(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system) {
+  return flag_of(solver_.factorise_and_solve(*find(jacobians_, &jacobian), hessian_values(hessian), system));
+}
+
+void StageParts::solve_again(const Jacobian& jacobian, const RiccatiSolver::System& system) {
+  solver_.solve(*find(jacobians_, &jacobian), system);
+}
+
+double StageParts::residual(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system,
+                          double* gradient, double* rows) {
+  return solver_.residual(*find(jacobians_, &jacobian), hessian_values(hessian), system, gradient, rows);
 }
 
 }  // namespace robotraj::native

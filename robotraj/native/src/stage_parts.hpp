@@ -12,6 +12,7 @@
 #include "fatrop_parts.hpp"
 #include "riccati_solver.hpp"
 #include "stage_matrices.hpp"
+#include "vector_kernels.hpp"
 
 namespace robotraj::native {
 
@@ -33,6 +34,7 @@ class StageParts final : public FatropParts {
   void fill(Jacobian& jacobian, const Numbers& entries);
   void fill(Hessian& hessian, const Numbers& entries);
 
+  const VectorKernels& vectors() const override { return vectors_; }
   const Dims& made(const Dims&) override { return least_; }
   bool owns(const Jacobian& jacobian) override { return find(jacobians_, &jacobian) != nullptr; }
   bool owns(const Hessian& hessian) override { return find(hessians_, &hessian) != nullptr; }
@@ -45,6 +47,15 @@ class StageParts final : public FatropParts {
             const Vector& f, const Vector& g, Vector& x, Vector& multipliers) override;
   int solve_again(const Jacobian& jacobian, const Vector* d_e, const Vector& d_s, const Vector& f, const Vector& g,
                   Vector& x, Vector& multipliers) override;
+
+  const Info& info() const { return matrices_.info(); }
+  /// The augmented system; a LinsolReturnFlag.
+  int solve(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system);
+  /// With the factors of the last one.
+  void solve_again(const Jacobian& jacobian, const RiccatiSolver::System& system);
+  /// What z and lam leave of it: see RiccatiSolver::residual.
+  double residual(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system, double* gradient,
+                double* rows);
 
   /// While it lives, fatrop's calls from this thread arrive at these parts; null for fatrop's own.
   class Lent {
@@ -67,6 +78,7 @@ class StageParts final : public FatropParts {
   void set_lu_tolerance(const double& value) { solver_.options.lu_tolerance = value; }
   void set_pivot_tolerance(const double& value) { solver_.options.pivot_tolerance = value; }
 
+  const VectorKernels& vectors_ = vector_kernels_of();
   const Dims least_{1, {0}, {1}, {0}, {0}};
   StageMatrices matrices_;
   RiccatiSolver solver_;

@@ -9,11 +9,6 @@
 namespace robotraj::native {
 namespace {
 
-constexpr int kStep = static_cast<int>(kLanes);
-
-/// kLanes numbers that stand anywhere.
-typedef double Loose __attribute__((vector_size(kLanes * sizeof(double)), aligned(8), may_alias));
-
 ROBOTRAJ_INLINE Pack load(const double* x) { return *reinterpret_cast<const Loose*>(x); }
 ROBOTRAJ_INLINE void store(double* x, Pack value) { *reinterpret_cast<Loose*>(x) = value; }
 

@@ -43,8 +43,7 @@ class Constants {
 
 }  // namespace
 
-Tape::Tape(const std::string& serialised) {
-  const casadi::Function function = casadi::Function::deserialize(serialised);
+Tape::Tape(const casadi::Function& function) {
   if (!function.is_a("SXFunction") || function.n_out() != 1 || !function.sparsity_out(0).is_dense())
     throw NotATape("a tape is made of a scalar graph with one dense result; " + function.name() + " is none");
   for (casadi_int i = 0; i < function.n_in(); ++i) inputs_.push_back(function.nnz_in(i));

@@ -4,8 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
-#include <string>
 #include <vector>
+
+namespace casadi {
+class Function;
+}
 
 namespace robotraj::native {
 
@@ -40,8 +43,8 @@ struct NotATape : std::invalid_argument {
 class Tape {
  public:
   Tape() = default;
-  /// Reads a serialised SXFunction; throws NotATape for any other function.
-  explicit Tape(const std::string& serialised);
+  /// Reads an SXFunction; throws NotATape for any other function.
+  explicit Tape(const casadi::Function& function);
 
   TapeCode code() const;
   /// Packs of memory that running it takes.

@@ -11,7 +11,24 @@ void need(bool holds, const char* what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
+/// Packs at `places` of two arrays that follow each other, the first of `first` packs.
+double* gather(const std::vector<std::int32_t>& places, const double* one, std::size_t first, const double* two,
+               std::size_t lanes, double* to) {
+  for (const std::int32_t place : places) {
+    const auto at = static_cast<std::size_t>(place);
+    std::copy_n(at < first ? one + at * lanes : two + (at - first) * lanes, lanes, to);
+    to += lanes;
+  }
+  return to;
+}
+
 }  // namespace
+
+std::size_t Recipe::called() const {
+  std::size_t numbers = 0;
+  for (const Call& call : calls) numbers += call.tape->outputs();
+  return numbers;
+}
 
 TapeBlock::TapeBlock(const PointSizes& sizes, Recipes recipes, std::optional<Torques> torques,
                      const Kernels& kernels)
@@ -44,7 +61,8 @@ TapeBlock::Parts TapeBlock::parts(const Recipe& recipe) const {
   parts.hessian = parts.jacobian + (recipe.jacobian ? weighing_.size() : 0);
   parts.arguments = parts.hessian + (recipe.hessian ? hessian_numbers_ : 0);
   parts.curvature = parts.arguments + (torques_ ? torques_->arguments.outputs() : 0);
-  parts.made = parts.curvature + (recipe.hessian ? torques_->curvature.outputs() : 0);
+  parts.calls = parts.curvature + (recipe.hessian ? torques_->curvature.outputs() : 0);
+  parts.made = parts.calls + recipe.called();
   parts.end = parts.made + recipe.made;
   return parts;
 }
@@ -60,6 +78,7 @@ void TapeBlock::check(const Recipe& recipe, bool multiplied) const {
     need(recipe.tape.outputs() >= torques_->robot.tree.rates(), "the tape gives no multipliers");
     need(recipe.jacobian || torques_->curvature.outputs() == 0, "curved arguments need the Jacobian of the torques");
   }
+  for (const Call& call : recipe.calls) check(call, multiplied);
   const std::size_t end = parts(recipe).end;
   need(recipe.result + recipe.results <= end, "the result lies outside the buffer");
   for (const Product& each : recipe.products)
@@ -67,14 +86,30 @@ void TapeBlock::check(const Recipe& recipe, bool multiplied) const {
       need(place >= 0 && place < static_cast<std::int32_t>(end), "a product lies outside the buffer");
 }
 
+void TapeBlock::check(const Call& call, bool multiplied) const {
+  std::vector<std::size_t> given = {call.inputs.size()};
+  if (multiplied) given.push_back(call.multipliers.size());
+  need(call.tape && call.tape->inputs() == given, "a tape that is called takes other arguments than it is given");
+  const auto inside = [](const std::vector<std::int32_t>& places, std::size_t size) {
+    return std::all_of(places.begin(), places.end(),
+                       [&](std::int32_t place) { return place >= 0 && static_cast<std::size_t>(place) < size; });
+  };
+  need(inside(call.inputs, sizes().inputs + sizes().constants) && inside(call.multipliers, sizes().outputs),
+       "a call reads what lies outside v, c or m");
+}
+
 void TapeBlock::prepare(std::size_t threads) {
   const std::size_t lanes = kernels_.lanes;
-  std::size_t tape = 0, buffer = 0;
+  std::size_t tape = 0, buffer = 0, given = 0;
   if (torques_) tape = std::max(torques_->arguments.memory(), torques_->curvature.memory());
   for (const Recipe* recipe :
        {&recipes_.values, &recipes_.jacobian, &recipes_.cost, &recipes_.gradient, &recipes_.hessian}) {
     tape = std::max(tape, recipe->tape.memory());
     buffer = std::max(buffer, parts(*recipe).end);
+    for (const Call& call : recipe->calls) {
+      tape = std::max(tape, call.tape->memory());
+      given = std::max(given, call.inputs.size() + call.multipliers.size());
+    }
   }
   while (work_.size() < threads) {
     Work work;
@@ -87,6 +122,7 @@ void TapeBlock::prepare(std::size_t threads) {
       work.tau.resize(torques_->robot.tree.rates() * lanes);
       work.states.resize(torques_->robot.tree.count * kernels_.state * lanes);
     }
+    work.given.resize(given * lanes);
     work.tape.resize(tape * lanes);
     work.buffer.resize(buffer * lanes);
     work_.push_back(std::move(work));
@@ -114,6 +150,17 @@ const double* TapeBlock::arguments(Work& work, double* into) const {
   return work.x.data();
 }
 
+void TapeBlock::run_calls(const Recipe& recipe, Work& work, double* results) const {
+  const std::size_t lanes = kernels_.lanes;
+  for (const Call& call : recipe.calls) {
+    double* inputs = work.given.data();
+    double* multipliers = gather(call.inputs, work.v.data(), sizes().inputs, work.c.data(), lanes, inputs);
+    gather(call.multipliers, work.m.data(), sizes().outputs, nullptr, lanes, multipliers);
+    run_tape(*call.tape, {inputs, multipliers}, work.tape, results);
+    results += call.tape->outputs() * lanes;
+  }
+}
+
 void TapeBlock::run_pack(const Recipe& recipe, Work& work) const {
   const std::size_t lanes = kernels_.lanes;
   double* buffer = work.buffer.data();
@@ -132,12 +179,13 @@ void TapeBlock::run_pack(const Recipe& recipe, Work& work) const {
   run_tape(recipe.tape, {work.v.data(), work.c.data(), torques_ ? work.tau.data() : work.m.data(), work.m.data()},
            work.tape, buffer + lanes);
   if (derived && (recipe.hessian || !reads)) differentiate(true);
-  if (at.made > at.curvature) {
+  if (at.calls > at.curvature) {
     std::fill(work.g.begin(), work.g.end(), 0.0);
     kernels_.multiply(weighing_.data(), weighing_.size(), buffer + at.jacobian * lanes, buffer + lanes, work.g.data());
     run_tape(torques_->curvature, {work.v.data(), work.c.data(), work.g.data()}, work.tape,
              buffer + at.curvature * lanes);
   }
+  run_calls(recipe, work, buffer + at.calls * lanes);
   std::fill_n(buffer, lanes, 1.0);
   std::fill(buffer + at.made * lanes, buffer + at.end * lanes, 0.0);
   kernels_.multiply(recipe.products.data(), recipe.products.size(), buffer, buffer, buffer);
@@ -147,7 +195,9 @@ std::size_t TapeBlock::effort(const Recipe& recipe) const {
   // Measured on a core of 2023; only its order of magnitude matters.
   const bool derived = recipe.jacobian || recipe.hessian;
   const std::size_t a_joint = derived ? 1000 : torques_ && recipe.tape.reads(2) ? 450 : 0;
-  return 3 * recipe.tape.code().count + 2 * recipe.products.size() +
+  std::size_t instructions = recipe.tape.code().count;
+  for (const Call& call : recipe.calls) instructions += call.tape->code().count;
+  return 3 * instructions + 2 * recipe.products.size() +
          (torques_ ? a_joint * torques_->robot.tree.count : 0);
 }
 

@@ -6,13 +6,21 @@
 #include "point_block.hpp"
 
 #include <initializer_list>
+#include <memory>
 #include <optional>
 
 namespace robotraj::native {
 
+/// A tape that many blocks have in common, called with some entries of theirs: first with those of (v, c) at `inputs`,
+/// then, where it takes multipliers, with those of m at `multipliers`.
+struct Call {
+  std::shared_ptr<const Tape> tape;
+  std::vector<std::int32_t> inputs, multipliers;
+};
+
 /// How one result of a point is computed, in a buffer
 ///
-///     [ 1 | the tape's outputs | d tau/dx | d^2 (l' tau)/dx^2 | (x, dx/dv) | sum_i g_i d^2 x_i/dv^2 | made ]
+///     [ 1 | the tape's outputs | d tau/dx | d^2 (l' tau)/dx^2 | (x, dx/dv) | sum_i g_i d^2 x_i/dv^2 | calls | made ]
 ///
 /// whose last part begins at zero and is filled by the products, in their order. The result is a piece of the buffer.
 /// Parts that are not asked for, or that the torques have not, are left out. Of the Hessian, l is what the tape gives
@@ -25,6 +33,10 @@ struct Recipe {
   std::size_t result = 1;
   std::size_t results = 0;
   std::vector<Product> products;
+  std::vector<Call> calls;
+
+  /// Numbers that the calls give.
+  std::size_t called() const;
 };
 
 /// Inverse dynamics inside a stage function: tau = RNEA(q, w, a), x = (q, w, a).
@@ -60,21 +72,23 @@ class TapeBlock : public PointBlock {
  private:
   /// What a thread needs for a pack of points.
   struct Work {
-    Packs v, c, m, x, g, tau, tape, buffer, states;
+    Packs v, c, m, x, g, tau, given, tape, buffer, states;
   };
 
   /// Where the parts of a recipe's buffer begin.
   struct Parts {
-    std::size_t jacobian, hessian, arguments, curvature, made, end;
+    std::size_t jacobian, hessian, arguments, curvature, calls, made, end;
   };
 
   Parts parts(const Recipe& recipe) const;
   /// Nanoseconds that a pack takes, roughly.
   std::size_t effort(const Recipe& recipe) const;
   void check(const Recipe& recipe, bool multiplied) const;
+  void check(const Call& call, bool multiplied) const;
   void run(const Recipe& recipe, const double* v, const double* c, const double* m, double* out, ThreadPool& pool);
   void run_pack(const Recipe& recipe, Work& work) const;
   void run_tape(const Tape& tape, std::initializer_list<const double*> arguments, Packs& memory, double* result) const;
+  void run_calls(const Recipe& recipe, Work& work, double* results) const;
   const double* arguments(Work& work, double* into) const;
 
   Recipes recipes_;

@@ -6,51 +6,69 @@
 
 namespace robotraj {
 
+/// The motion of all joints as expressions of q, v and a: all frames of a model have it in common. Pinocchio's `Data`
+/// of casadi::SX alone takes longer to make than a frame's expressions.
+struct Kinematics {
+  explicit Kinematics(const Model& model)
+      : q(SX::sym("q", model.nq)), v(SX::sym("v", model.nv)), a(SX::sym("a", model.nv)), data(model) {
+    const Matrix q_ = to_eigen(q), v_ = to_eigen(v), a_ = to_eigen(a);
+    pinocchio::forwardKinematics(model, data, q_.col(0), v_.col(0), a_.col(0));
+  }
+
+  SX q, v, a;
+  Data data;
+};
+
+namespace {
+
+Kinematics& kinematics_of(const SymbolicModel& symbolic) {
+  if (!symbolic.kinematics) symbolic.kinematics = std::make_shared<Kinematics>(symbolic.model);
+  return *symbolic.kinematics;
+}
+
+}  // namespace
+
 std::string frame_placement(const SymbolicModel& symbolic, std::size_t frame) {
-  const Model& model = symbolic.model;
-  Data data(model);
+  Kinematics& moved = kinematics_of(symbolic);
   Graph graph(symbolic);
-  const Vector q = graph.input("q", model.nq);
-  pinocchio::forwardKinematics(model, data, q);
-  const auto& placement = pinocchio::updateFramePlacement(model, data, frame);
+  graph.input("q", moved.q);
+  const auto& placement = pinocchio::updateFramePlacement(symbolic.model, moved.data, frame);
   graph.output("position", placement.translation());
   graph.output("rotation", placement.rotation());
   return graph.serialize("frame_placement_" + std::to_string(frame));
 }
 
 std::string frame_velocity(const SymbolicModel& symbolic, std::size_t frame, Reference reference) {
-  const Model& model = symbolic.model;
-  Data data(model);
+  Kinematics& moved = kinematics_of(symbolic);
   Graph graph(symbolic);
-  const Vector q = graph.input("q", model.nq);
-  const Vector v = graph.input("v", model.nv);
-  pinocchio::forwardKinematics(model, data, q, v);
+  graph.input("q", moved.q);
+  graph.input("v", moved.v);
   graph.output("velocity", pinocchio::getFrameVelocity(
-      model, data, frame, static_cast<pinocchio::ReferenceFrame>(reference)).toVector());
+      symbolic.model, moved.data, frame, static_cast<pinocchio::ReferenceFrame>(reference)).toVector());
   return graph.serialize("frame_velocity_" + std::to_string(frame));
 }
 
 std::string frame_acceleration(const SymbolicModel& symbolic, std::size_t frame, Reference reference) {
-  const Model& model = symbolic.model;
-  Data data(model);
+  Kinematics& moved = kinematics_of(symbolic);
   Graph graph(symbolic);
-  const Vector q = graph.input("q", model.nq);
-  const Vector v = graph.input("v", model.nv);
-  const Vector a = graph.input("a", model.nv);
-  pinocchio::forwardKinematics(model, data, q, v, a);
+  graph.input("q", moved.q);
+  graph.input("v", moved.v);
+  graph.input("a", moved.a);
   graph.output("acceleration", pinocchio::getFrameClassicalAcceleration(
-      model, data, frame, static_cast<pinocchio::ReferenceFrame>(reference)).toVector());
+      symbolic.model, moved.data, frame, static_cast<pinocchio::ReferenceFrame>(reference)).toVector());
   return graph.serialize("frame_acceleration_" + std::to_string(frame));
 }
 
 std::string frame_jacobian(const SymbolicModel& symbolic, std::size_t frame, Reference reference) {
   const Model& model = symbolic.model;
-  Data data(model);
+  Kinematics& moved = kinematics_of(symbolic);
   Graph graph(symbolic);
-  const Vector q = graph.input("q", model.nq);
+  graph.input("q", moved.q);
+  const Matrix q = to_eigen(moved.q);
   Data::Matrix6x J = Data::Matrix6x::Constant(6, model.nv, SX(0));
+  // It moves the joints on the frame's branch once more, to the same placements.
   pinocchio::computeFrameJacobian(
-      model, data, q, frame, static_cast<pinocchio::ReferenceFrame>(reference), J);
+      model, moved.data, q.col(0), frame, static_cast<pinocchio::ReferenceFrame>(reference), J);
   graph.output("J", J);
   return graph.serialize("frame_jacobian_" + std::to_string(frame));
 }

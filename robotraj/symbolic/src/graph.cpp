@@ -35,9 +35,13 @@ SymbolicModel::SymbolicModel(const std::string& text, bool parametric_)
 }
 
 Matrix Graph::input(const std::string& name, Eigen::Index rows, Eigen::Index columns) {
-  inputs_.push_back(SX::sym(name, rows, columns));
-  input_names_.push_back(name);
+  input(name, SX::sym(name, rows, columns));
   return to_eigen(inputs_.back());
+}
+
+void Graph::input(const std::string& name, const SX& symbols) {
+  inputs_.push_back(symbols);
+  input_names_.push_back(name);
 }
 
 Vector Graph::input(const std::string& name, Eigen::Index rows) { return input(name, rows, 1).col(0); }

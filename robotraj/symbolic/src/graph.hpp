@@ -4,6 +4,7 @@
 #include <pinocchio/autodiff/casadi.hpp>
 #include <pinocchio/multibody.hpp>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ SX to_casadi(const Eigen::MatrixBase<Derived>& source) {
 
 Matrix to_eigen(const SX& source);
 
+struct Kinematics;
+
 /// A model whose numbers are constants of the graph, or partly symbols of it.
 ///
 /// With `parametric`, the inertial parameters (10 x njoints, Pinocchio's dynamic parameters
@@ -41,6 +44,8 @@ struct SymbolicModel {
   bool parametric;
   SX inertias;
   SX translations;
+  /// Placements, velocities and accelerations of all joints, made for the first frame that asks (frames.cpp).
+  mutable std::shared_ptr<Kinematics> kinematics;
 };
 
 /// The double-precision model read from Model::saveToString(), cast to SX (numbers become constants).
@@ -53,6 +58,8 @@ class Graph {
 
   Vector input(const std::string& name, Eigen::Index rows);
   Matrix input(const std::string& name, Eigen::Index rows, Eigen::Index columns);
+  /// Symbols that stand in expressions made before.
+  void input(const std::string& name, const SX& symbols);
 
   template <typename Derived>
   void output(const std::string& name, const Eigen::MatrixBase<Derived>& expression) {

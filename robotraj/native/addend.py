@@ -1,0 +1,150 @@
+"""Functions that many stages add to some of their rows, with tapes made once for all of them.
+
+    y = psi(v, c, r) + sum_k S_k s_k(u_k),    u_k some entries of (v, c),    S_k one row of y for every entry of s_k
+
+What a contact adds to a robot's equations is one: the same foot stands in several phases of a walk. A tape of s_k, of
+its Jacobian and of the Hessian of l' s_k serve every stage; each says only where its own u_k and rows stand.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import accumulate
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.native.build import load_native
+from robotraj.native.tape import nonzeros, tape
+from robotraj.native.terms import Entries, Indices, Sums, copied
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from robotraj.native._native import Call, Tape
+
+Pattern = tuple[Indices, Indices]
+NOWHERE: Indices = np.zeros(0, dtype=np.int64)
+
+
+class Addend:
+    """A function s(u) and its derivatives as tapes, made when first asked for.
+
+    Parameters
+    ----------
+    u : casadi.SX
+        Symbols, (n_u,).
+    s : casadi.SX
+        (n_s,), a scalar graph.
+    """
+
+    def __init__(self, u: ca.SX, s: ca.SX) -> None:
+        self.u, self.s = u, ca.densify(s)
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """Give s of u."""
+        return ca.Function("addend", [self.u], [self.s])
+
+    @cached_property
+    def values(self) -> tuple[Tape, int]:
+        """The tape of s, and how many numbers it gives."""
+        return tape([self.u], self.s), int(self.s.numel())
+
+    @cached_property
+    def jacobian(self) -> tuple[tuple[Tape, int], Pattern]:
+        """The tape of the nonzeros of ds/du, and where they stand."""
+        return _nonzeros([self.u], ca.jacobian(self.s, self.u))
+
+    @cached_property
+    def hessian(self) -> tuple[tuple[Tape, int], Pattern]:
+        """The tape (u, l) of the nonzeros of the lower triangle of d^2(l' s)/du^2, and where they stand."""
+        m = ca.SX.sym("l", self.s.numel())
+        return _nonzeros([self.u, m], ca.tril(ca.hessian(ca.dot(m, self.s), self.u)[0]))
+
+
+@dataclass(frozen=True, eq=False)
+class Added:
+    """An addend in a stage.
+
+    Attributes
+    ----------
+    addend : Addend
+    inputs : ndarray of int (n_u,)
+        Where in (v, c) every entry of u stands.
+    rows : ndarray of int (n_s,)
+        The row of y that every entry of s is added to.
+    """
+
+    addend: Addend
+    inputs: Indices
+    rows: Indices
+
+    def call(self, name: str) -> tuple[Call, int]:
+        """Call ``"values"``, ``"jacobian"`` or ``"hessian"``; also give how many numbers come of it."""
+        made, numbers = self.addend.values if name == "values" else getattr(self.addend, name)[0]
+        multipliers = self.rows if name == "hessian" else NOWHERE
+        return load_native().Call(made, self.inputs, multipliers), numbers
+
+    def terms(self, name: str, first: int, unknowns: int) -> Sums:
+        """Terms of what a call gives, from place ``first`` on: of y, of dy/dv or of the Hessian's lower triangle.
+
+        Columns of constants, which stand behind the ``unknowns``, are left out.
+        """
+        if name == "values":
+            places = np.arange(first, first + len(self.rows), dtype=np.int64)
+            return copied(Entries(self.rows, np.zeros(len(self.rows), dtype=np.int64), places))
+        rows, columns = getattr(self.addend, name)[1]
+        places = np.arange(first, first + len(rows), dtype=np.int64)
+        columns = self.inputs[columns]
+        if name == "jacobian":
+            moved = Entries(self.rows[rows], columns, places)
+        else:
+            rows = self.inputs[rows]
+            moved = Entries(np.maximum(rows, columns), np.minimum(rows, columns), places)
+        last = moved.columns if name == "jacobian" else moved.rows
+        return copied(moved.where(last < unknowns))
+
+
+class Calls:
+    """All calls of the addends of a stage.
+
+    Parameters
+    ----------
+    added : sequence of Added
+    name : str
+        ``"values"``, ``"jacobian"`` or ``"hessian"``.
+
+    Attributes
+    ----------
+    calls : list of Call
+    numbers : int
+        How many numbers come of them, one call after the other.
+    """
+
+    def __init__(self, added: Sequence[Added], name: str) -> None:
+        self._added, self._name = added, name
+        called = [each.call(name) for each in added]
+        self.calls = [call for call, _ in called]
+        self._begin = list(accumulate((numbers for _, numbers in called), initial=0))
+        self.numbers = self._begin[-1]
+
+    def terms(self, first: int, unknowns: int) -> list[Sums]:
+        """Terms of the numbers, which stand from place ``first`` on; see ``Added.terms``."""
+        begin = zip(self._added, self._begin, strict=False)
+        return [each.terms(self._name, first + at, unknowns) for each, at in begin]
+
+
+def _nonzeros(inputs: list[ca.SX], matrix: ca.SX) -> tuple[tuple[Tape, int], Pattern]:
+    rows, columns = (np.array(side, dtype=np.int64) for side in matrix.sparsity().get_triplet())
+    return (tape(inputs, nonzeros(matrix)), len(rows)), (rows, columns)
+
+
+def where_in(symbols: ca.SX, entries: ca.SX) -> NDArray[np.int64]:
+    """Where in a column of symbols every entry stands, -1 for zeros, -2 for what is no symbol of the column."""
+    known = {each.element_hash(): i for i, each in enumerate(symbols.elements())}
+    found = [-1 if each.is_zero() else known.get(each.element_hash(), -2) for each in entries.elements()]
+    return np.array(found, dtype=np.int64)

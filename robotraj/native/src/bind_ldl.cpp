@@ -1,0 +1,60 @@
+// The sparse symmetric factorisation from Python: to be checked against a dense solver.
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "ldl/factors.hpp"
+
+#include <nanobind/stl/string.h>
+
+namespace nb = nanobind;
+
+namespace robotraj::native {
+namespace {
+
+using ldl::Factors;
+
+ldl::Pattern checked_pattern(const Indices& starts, const Indices& rows) {
+  ldl::Pattern pattern;
+  pattern.n = static_cast<int>(starts.size()) - 1;
+  pattern.starts.assign(starts.data(), starts.data() + starts.size());
+  pattern.rows.assign(rows.data(), rows.data() + rows.size());
+  if (pattern.n < 0 || pattern.starts.back() != static_cast<int>(rows.size()))
+    throw std::invalid_argument("starts must end with the number of rows");
+  for (int column = 0; column < pattern.n; ++column)
+    for (int e = pattern.starts[column]; e < pattern.starts[column + 1]; ++e)
+      if (pattern.rows[e] < column || pattern.rows[e] >= pattern.n)
+        throw std::invalid_argument("entries must be in the lower triangle");
+  return pattern;
+}
+
+}  // namespace
+
+void bind_ldl(nb::module_& m) {
+  nb::class_<Factors>(m, "SymmetricFactors")
+      .def(
+          "__init__",
+          [](Factors* self, const Indices& starts, const Indices& rows, const std::string& processor) {
+            new (self) Factors(checked_pattern(starts, rows), processor);
+          },
+          nb::arg("starts"), nb::arg("rows"), nb::arg("processor") = "")
+      .def(
+          "factorise",
+          [](Factors& self, const Doubles& values, double threshold, double small) {
+            const ldl::Inertia found =
+                self.factorise(checked(values, self.pattern().rows.size(), "values"), threshold, small);
+            return nb::make_tuple(found.negative, found.zero, found.delayed);
+          },
+          nb::arg("values"), nb::arg("threshold") = 1e-8, nb::arg("small") = 1e-20)
+      .def(
+          "solve",
+          [](Factors& self, const Doubles& b) {
+            const double* from = checked(b, self.pattern().n, "b");
+            std::vector<double> x(from, from + self.pattern().n);
+            self.solve(x.data());
+            return to_numpy(std::move(x));
+          },
+          nb::arg("b"))
+      .def_prop_ro("entries", &Factors::entries)
+      .def_prop_ro("largest_front", [](const Factors& self) { return self.tree().largest; });
+}
+
+}  // namespace robotraj::native

@@ -1,0 +1,58 @@
+// L D L' of a sparse symmetric indefinite matrix, front by front.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "buffer.hpp"
+#include "front.hpp"
+#include "tree.hpp"
+
+namespace robotraj::native::ldl {
+
+struct Inertia {
+  int negative = 0, zero = 0;  ///< pivots
+  int delayed = 0;             ///< candidates that waited for another front, each time they did
+};
+
+/// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983), on a matrix whose rows
+/// are scaled so that the largest number of each is one (Ruiz, RAL-TR-2001-034).
+///
+/// Memory of one factorisation serves the next.
+class Factors {
+ public:
+  /// `processor` as in front_kernels_of.
+  explicit Factors(Pattern pattern, const std::string& processor = {});
+
+  /// Factorises; the values are those of the pattern's entries.
+  Inertia factorise(const double* values, double threshold, double small);
+  /// x := A^-1 x, by the last factors. Parts along zero pivots are zero.
+  void solve(double* x);
+
+  const Pattern& pattern() const { return pattern_; }
+  const Tree& tree() const { return tree_; }
+  std::size_t entries() const { return entries_; }  ///< of the factors, padding included
+
+ private:
+  struct Part {
+    int pivots, ld, delayed;
+    std::size_t entries, order, diagonal;  ///< where they begin
+  };
+  void scale(const double* values);
+  void make_room();
+  Inertia eliminate(std::size_t node, double threshold, double small);
+  void keep(const Front& front, int pivots, Part& part);
+
+  Pattern pattern_;
+  const FrontKernels& kernels_;
+  Tree tree_;
+  std::vector<double> scale_, scaled_;
+  std::vector<Part> parts_;
+  std::size_t entries_ = 0, orders_ = 0, diagonals_ = 0, stacked_ = 0;
+  Buffer factor_, front_, stack_, vector_;
+  std::vector<double> diagonal_, off_, all_;
+  std::vector<int> order_, places_;
+};
+
+}  // namespace robotraj::native::ldl

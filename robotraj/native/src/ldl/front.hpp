@@ -1,0 +1,59 @@
+// Dense fronts of a symmetric indefinite matrix, and who eliminates their pivots.
+#pragma once
+
+#include <string>
+
+namespace robotraj::native::ldl {
+
+/// Rows of fronts are filled up to a multiple of it, so that packs end where columns do.
+constexpr int kRowBlock = 8;
+constexpr int padded_rows(int rows) { return (rows + kRowBlock - 1) / kRowBlock * kRowBlock; }
+
+/// Pivots that wait before the rest of a front hears of them.
+constexpr int kPanel = 24;
+
+/// A front: a symmetric matrix whose first `candidates` rows have all their entries.
+///
+/// Only the lower triangle counts; what is above it may be anything. Elimination leaves the columns of L in the first
+/// ones, the Schur complement in the others.
+struct Front {
+  double* entries;  ///< column-major, `ld` numbers a column
+  int ld;           ///< padded_rows(rows)
+  int rows;
+  int candidates;
+  int* order;         ///< what the rows are; swapped with them
+  double* diagonal;   ///< of the inverse of D, a number a pivot
+  double* off;        ///< beside it: not zero where a pivot has two rows, at the first of them
+  double* memory;     ///< (kPanel + 3) ld numbers
+};
+
+struct PivotRule {
+  double threshold;  ///< a pivot must not make multipliers larger than 1 / threshold
+  double small;      ///< what counts as zero
+  bool last;         ///< nothing comes after this front: every candidate has to go
+};
+
+struct Pivots {
+  int count, negative, zero;
+};
+
+struct FrontKernels {
+  Pivots (*eliminate)(Front& front, const PivotRule& rule);
+  /// Adds a child's lower triangle of `count` rows, `step` numbers a column, to a front at `places`, ascending.
+  void (*add)(const double* block, int step, int count, const int* places, double* entries, int ld);
+  /// x := L^-1 x and x := L^-T x for `pivots` columns of L, x of all `ld` rows, zeros at the end.
+  void (*forward)(const double* l, int ld, int pivots, double* x);
+  void (*backward)(const double* l, int ld, int pivots, double* x);
+};
+
+/// Those of the processor at hand or, with a name, those compiled for that one.
+const FrontKernels& front_kernels_of(const std::string& processor = {});
+
+// One file each.
+extern const FrontKernels plain_front_kernels;
+#ifdef ROBOTRAJ_X86_KERNELS
+extern const FrontKernels avx2_front_kernels;
+extern const FrontKernels avx512_front_kernels;
+#endif
+
+}  // namespace robotraj::native::ldl

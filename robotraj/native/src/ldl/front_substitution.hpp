@@ -1,0 +1,98 @@
+// What children add to a front, and substitutions with the columns of L that it leaves, for one kind of processor.
+#pragma once
+
+#include "../lanes.hpp"
+#include "front.hpp"
+
+namespace robotraj::native::ldl {
+namespace {
+
+ROBOTRAJ_INLINE const Loose* loose(const double* x) { return reinterpret_cast<const Loose*>(x); }
+ROBOTRAJ_INLINE Loose* loose(double* x) { return reinterpret_cast<Loose*>(x); }
+
+/// Adds a child's lower triangle of `count` rows, `step` numbers a column, where `places` says.
+void add(const double* block, int step, int count, const int* places, double* entries, int ld) {
+  // Most rows follow each other in the parent too.
+  int begin = 0;
+  while (begin < count) {
+    int end = begin + 1;
+    while (end < count && places[end] == places[end - 1] + 1) ++end;
+    for (int j = 0; j < end; ++j) {
+      const int first = j > begin ? j : begin;
+      const double* from = block + j * step + first;
+      double* to = entries + places[j] * ld + places[first];
+      const int n = end - first;
+      int i = 0;
+      for (; i + kStep <= n; i += kStep) *loose(to + i) += *loose(from + i);
+      for (; i < n; ++i) to[i] += from[i];
+    }
+    begin = end;
+  }
+}
+
+/// Pivots that take their turn together.
+constexpr int kTogether = 4;
+
+/// x -= `count` columns of L times x[0], ... of those pivots, from row `begin` on.
+template <int Count>
+ROBOTRAJ_INLINE void subtract(const double* l, int ld, int begin, const double* pivots, double* x) {
+  Pack factor[Count];
+  for (int p = 0; p < Count; ++p) factor[p] = Pack{} + pivots[p];
+  for (int i = begin; i < ld; i += kStep) {
+    Pack sum = *packs(x + i);
+#pragma GCC unroll 4
+    for (int p = 0; p < Count; ++p) sum -= *packs(l + p * ld + i) * factor[p];
+    *packs(x + i) = sum;
+  }
+}
+
+/// Columns of L have zeros from the block of their diagonal to it, so that whole packs can be worked on.
+void forward(const double* l, int ld, int pivots, double* x) {
+  int k = 0;
+  for (; k + kTogether <= pivots; k += kTogether, l += kTogether * ld) {
+    double pivot[kTogether];
+    for (int p = 0; p < kTogether; ++p) {
+      pivot[p] = x[k + p];
+      for (int q = 0; q < p; ++q) pivot[p] -= l[q * ld + k + p] * pivot[q];
+    }
+    subtract<kTogether>(l, ld, k / kStep * kStep, pivot, x);
+  }
+  for (; k < pivots; ++k, l += ld) {
+    const double pivot = x[k];
+    subtract<1>(l, ld, k / kStep * kStep, &pivot, x);
+  }
+}
+
+template <int Count>
+ROBOTRAJ_INLINE void products(const double* l, int ld, int begin, const double* x, double* out) {
+  Pack sum[Count] = {};
+  for (int i = begin; i < ld; i += kStep)
+#pragma GCC unroll 4
+    for (int p = 0; p < Count; ++p) sum[p] += *packs(l + p * ld + i) * *packs(x + i);
+  for (int p = 0; p < Count; ++p) {
+    out[p] = 0.0;
+    for (int lane = 0; lane < kStep; ++lane) out[p] += sum[p][lane];
+  }
+}
+
+void backward(const double* l, int ld, int pivots, double* x) {
+  int k = pivots;
+  for (; k % kTogether != 0; --k) {
+    double product;
+    products<1>(l + (k - 1) * ld, ld, (k - 1) / kStep * kStep, x, &product);
+    x[k - 1] -= product;
+  }
+  for (k -= kTogether; k >= 0; k -= kTogether) {
+    const double* columns = l + k * ld;
+    double product[kTogether];
+    products<kTogether>(columns, ld, k / kStep * kStep, x, product);
+    // The products have what was in x[k], ... before: what is found here still changes those before it.
+    for (int p = kTogether - 1; p >= 0; --p) {
+      for (int q = p + 1; q < kTogether; ++q) product[p] -= columns[p * ld + k + q] * product[q];
+      x[k + p] -= product[p];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace robotraj::native::ldl

@@ -1,0 +1,41 @@
+// The assembly tree of a sparse symmetric matrix: which rows leave together, and who hears of it.
+#pragma once
+
+#include <vector>
+
+namespace robotraj::native::ldl {
+
+/// The lower triangle of a symmetric matrix by columns, indices from 0.
+struct Pattern {
+  int n = 0;
+  std::vector<int> starts, rows;  ///< n + 1, and the entries
+};
+
+/// A node of the tree: `columns` successive rows of the new order leave it, `below` hear of them.
+struct Node {
+  int first, columns;
+  int parent;                 ///< -1 at a root
+  std::vector<int> below;     ///< rows of the new order, ascending
+  std::vector<int> places;    ///< where each of `below` is among the parent's columns and rows below
+  std::vector<int> children;  ///< in the order in which they come
+};
+
+/// An entry of the matrix in its node: front(row, column) gets values[entry].
+struct Place {
+  int entry, row, column;
+};
+
+struct Tree {
+  std::vector<int> order;                  ///< order[k] is the row of the matrix that is k-th
+  std::vector<Node> nodes;                 ///< children before their parents
+  std::vector<int> place_starts;           ///< of each node's entries in `places`
+  std::vector<Place> places;
+  long products = 0;                       ///< expected, without delays
+  int largest = 0;                         ///< rows of the largest front, without delays
+};
+
+/// Orders by approximate minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Analysis 17 (1996), Eigen's) and
+/// merges nodes where a larger front costs less than two.
+Tree make_tree(const Pattern& pattern);
+
+}  // namespace robotraj::native::ldl

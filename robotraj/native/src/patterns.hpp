@@ -1,0 +1,31 @@
+// Patterns of sparse matrices on their way to NumPy.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "rigid_tree.hpp"
+
+namespace robotraj::native {
+
+using IndexResult = nanobind::ndarray<nanobind::numpy, std::int64_t, nanobind::ndim<1>>;
+
+inline IndexResult to_numpy(std::vector<std::int64_t> indices) {
+  auto* kept = new std::vector<std::int64_t>(std::move(indices));
+  nanobind::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<std::int64_t>*>(p); });
+  return IndexResult(kept->data(), {kept->size()}, owner);
+}
+
+/// Rows and columns.
+inline auto to_arrays(const Pattern& pattern) {
+  std::vector<std::int64_t> rows, columns;
+  for (const auto& [row, column] : pattern) {
+    rows.push_back(row);
+    columns.push_back(column);
+  }
+  return std::pair(to_numpy(std::move(rows)), to_numpy(std::move(columns)));
+}
+
+}  // namespace robotraj::native

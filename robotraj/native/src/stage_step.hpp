@@ -1,0 +1,61 @@
+// Newton's step of the whole primal-dual system, by the recursion over stages and passes over the slacks.
+#pragma once
+
+#include <fatrop/ip_algorithm/ip_iterate.hpp>
+#include <fatrop/linear_algebra/linear_algebra.hpp>
+#include <fatrop/linear_algebra/linear_solver_return_flags.hpp>
+#include <fatrop/nlp/dims.hpp>
+#include <fatrop/nlp/nlp.hpp>
+#include <fatrop/ocp/hessian.hpp>
+#include <fatrop/ocp/jacobian.hpp>
+#include <fatrop/ocp/type.hpp>
+
+#include "stage_parts.hpp"
+
+namespace robotraj::native {
+
+/// Finds the step of an iterate in the iterate's own vectors, from its own residuals: nothing is copied.
+///
+/// The multipliers of the bounds and the slacks are eliminated, stages solved, and the solution refined as long as the
+/// residual r is not below 1e-8 max(1, |b|) and falls, b the right-hand side.
+class StageStep {
+ public:
+  using Iterate = fatrop::IpIterate<fatrop::OcpType>;
+
+  explicit StageStep(StageParts& parts);
+
+  void prepare(Iterate& iterate);
+  /// With the iterate's Dx and De.
+  fatrop::LinsolReturnFlag solve(Iterate& iterate);
+  void accept(Iterate& iterate);
+
+ private:
+  /// A right-hand side or a solution: primal variables, rows' multipliers, slacks, multipliers of their bounds.
+  struct Step {
+    double *x, *rows, *s, *lower, *upper;
+  };
+  struct Side {
+    const double *x, *rows, *s, *lower, *upper;
+  };
+
+  static Side of(const Step& step) { return {step.x, step.rows, step.s, step.lower, step.upper}; }
+  Step take(double*& at) const;
+  SlackSystem slacks(const Iterate& iterate) const;
+  void reduce(const Iterate& iterate, const Side& side);
+  void recover(const Iterate& iterate, const Side& side, const Step& step) const;
+  void solve_again(Iterate& iterate, const Side& side, const Step& step);
+  double residual(Iterate& iterate, const Step& step);
+  bool finite(const Step& step) const;
+  void add(const Step& first, const Step& second, const Step& sum) const;
+
+  StageParts& parts_;
+  const VectorKernels& run_;
+  int columns_, rows_, slacks_, first_slack_row_, first_path_row_;
+  Packs memory_;
+  double *inverse_, *gradient_, *weights_, *rows_reduced_;
+  Step residual_, correction_, better_;
+  Side side_{};
+  double size_ = 1.0;
+};
+
+}  // namespace robotraj::native
