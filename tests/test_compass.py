@@ -5,12 +5,14 @@ The cycle's numbers are those that tests/robots/test_compass_walker.py finds by 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.solvers.ipopt import LINEAR_SOLVERS
 
 LEGS = {"left_hip": "right_hip", "left_foot": "right_foot"}
 LOBATTO = rt.Mesh(10, rt.LobattoIIIA(4))
@@ -94,6 +96,19 @@ def test_the_motor_is_between_the_legs(level: rt.Solution) -> None:
 @pytest.mark.slow
 def test_longer_steps_cost_more(level: rt.Solution) -> None:
     assert rt.plan(step(0.0, 0.5), LOBATTO).objective > 1.5 * level.objective
+
+
+@pytest.mark.parametrize("name", LINEAR_SOLVERS[:2])
+def test_no_iterate_is_left_to_the_last_digits_of_the_guess(level: rt.Solution, name: str) -> None:
+    """Nothing turns the hip, whose rate the strike has to keep as well: one row says what others say."""
+    nlp = rt.transcribe(step(0.0, 0.4), LOBATTO)
+    rng = np.random.default_rng(3)
+    for size in (0.0, 1e-12, 1e-9):
+        guess = nlp.guess + size * nlp.scale * rng.standard_normal(len(nlp.guess))
+        outcome = rt.Ipopt(linear_solver=name).solve(replace(nlp, guess=guess))
+        assert outcome.status is rt.Status.SOLVED
+        assert outcome.iterations == level.iterations
+        assert nlp.objective(outcome.w) == pytest.approx(level.objective, rel=1e-8)
 
 
 def test_the_witness_walks_as_planned(level: rt.Solution) -> None:

@@ -116,6 +116,12 @@ class Ipopt(Solver):
             # gradients by more than their tolerance.
             "honor_original_bounds": "yes",
             "bound_relax_factor": 1e-10,
+            # Rows may say the same twice: a gait that closes on itself asks for what the motion keeps anyway. A pivot
+            # that is zero but for rounding then decides by its sign what IPOPT takes for the curvature, and iterates
+            # are chance. Every system is regularised instead, by so little that legs near a straight knee, where rows
+            # only almost agree, still take Newton's steps; with IPOPT's own 1e-8 those creep or diverge.
+            "perturb_always_cd": "yes",
+            "jacobian_regularization_value": 1e-13,
         }
         options |= own_factors() if self.linear_solver == "ldl" else {"linear_solver": self.linear_solver}
         if self.linear_solver == "mumps":
@@ -207,7 +213,14 @@ class Ipopt(Solver):
 def own_factors() -> dict[str, Any]:
     """Options with which IPOPT takes the compiled module for HSL's MA97, and leaves ordering and scaling to it."""
     library = load_native().__file__
-    return {"linear_solver": "ma97", "hsllib": library, "ma97_order": "amd", "ma97_scaling": "none"}
+    return {
+        "linear_solver": "ma97",
+        "hsllib": library,
+        "ma97_order": "amd",
+        "ma97_scaling": "none",
+        # As with MUMPS: few pivots wait, and steps are refined where that costs digits.
+        "ma97_u": 1e-6,
+    }
 
 
 def _multipliers(nlp: Nlp, w: np.ndarray, lam_g: np.ndarray, lam_x: np.ndarray) -> Multipliers:

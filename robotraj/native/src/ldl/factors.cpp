@@ -7,9 +7,6 @@
 namespace robotraj::native::ldl {
 namespace {
 
-/// Rounds of scaling: each halves the distance from one, on a scale of orders of magnitude.
-constexpr int kScalings = 2;
-
 /// A power of two near 1 / sqrt(x): scaling by it changes no digit.
 double inverse_root(double x) {
   int exponent;
@@ -42,26 +39,19 @@ void Factors::make_room() {
 
 void Factors::scale(const double* values) {
   const int n = pattern_.n;
-  scale_.assign(n, 1.0);
-  scaled_.assign(values, values + pattern_.rows.size());
-  std::vector<double>& largest = all_;
-  for (int round = 0; round < kScalings; ++round) {
-    largest.assign(n, 0.0);
+  scale_.assign(n, 0.0);
+  scaled_.resize(pattern_.rows.size());
+  const auto each = [this, n](auto&& visit) {
     for (int column = 0; column < n; ++column)
-      for (int e = pattern_.starts[column]; e < pattern_.starts[column + 1]; ++e) {
-        const double size = std::abs(scaled_[e]);
-        const int row = pattern_.rows[e];
-        largest[row] = std::max(largest[row], size);
-        largest[column] = std::max(largest[column], size);
-      }
-    for (int row = 0; row < n; ++row) {
-      largest[row] = largest[row] > 0 ? inverse_root(largest[row]) : 1.0;
-      scale_[row] *= largest[row];
-    }
-    for (int column = 0; column < n; ++column)
-      for (int e = pattern_.starts[column]; e < pattern_.starts[column + 1]; ++e)
-        scaled_[e] *= largest[column] * largest[pattern_.rows[e]];
-  }
+      for (int e = pattern_.starts[column]; e < pattern_.starts[column + 1]; ++e) visit(e, pattern_.rows[e], column);
+  };
+  each([&](int e, int row, int column) {
+    const double size = std::abs(values[e]);
+    scale_[row] = std::max(scale_[row], size);
+    scale_[column] = std::max(scale_[column], size);
+  });
+  for (double& largest : scale_) largest = largest > 0 ? inverse_root(largest) : 1.0;
+  each([&](int e, int row, int column) { scaled_[e] = values[e] * scale_[column] * scale_[row]; });
 }
 
 Inertia Factors::factorise(const double* values, double threshold, double small) {

@@ -17,7 +17,7 @@ struct Inertia {
 };
 
 /// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983), on a matrix whose rows
-/// are scaled so that the largest number of each is one (Ruiz, RAL-TR-2001-034).
+/// are scaled by the root of the largest number of each, one round of Ruiz (RAL-TR-2001-034): an NLP is scaled already.
 ///
 /// Memory of one factorisation serves the next.
 class Factors {

@@ -17,7 +17,7 @@ ROBOTRAJ_INLINE void swap_numbers(double& x, double& y) {
 }
 
 /// A pivot of this size beside the largest number of its column is as good as any: nothing better is looked for.
-constexpr double kGood = 0.1;
+constexpr double kGood = 0.01;
 
 class Elimination {
  public:
