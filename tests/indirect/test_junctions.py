@@ -9,7 +9,7 @@ import pytest
 
 import robotraj as rt
 
-TIGHT = rt.Ipopt(tolerance=1e-12)
+TIGHT = rt.Ipopt(tolerance=1e-13)
 MESHES = [
     rt.Mesh(1, rt.RadauIIA(points=3)),
     rt.Mesh(3, rt.RadauIIA(points=3)),
