@@ -20,6 +20,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import robotraj as rt
+from robotraj.solvers.fatrop import BARRIERS
 from robotraj.stagewise import native_program, reduce
 
 RUNS = 9
@@ -62,7 +63,7 @@ def iterations(solver: rt.Fatrop, nlp: rt.Nlp, runs: int) -> Iterator[float]:
     start, lower, upper = reduction.start(nlp.guess), reduction.program.lower, reduction.program.upper
     for _ in range(runs):
         began = time.process_time()
-        found = program.solve(start, lower, upper, solver._options())
+        found = program.solve(start, lower, upper, solver._options(BARRIERS[0]))
         yield (time.process_time() - began) / found.iterations
 
 

@@ -321,6 +321,17 @@ class Csr:
     @property
     def entries(self) -> int: ...
 
+class Combination:
+    """y = base + A x, over and over: blocks of rows that repeat, each reading x a fixed distance further on, are kept once.
+
+    ``entries`` is how many are kept.
+    """
+
+    def __init__(self, matrix: Csr) -> None: ...
+    def apply(self, x: Array, base: Array, threads: int = 1) -> Array: ...
+    @property
+    def entries(self) -> int: ...
+
 class Chain:
     """Places of a block for the chain rule, Y_e = f(v_e): patterns of one place, and where v comes from and Y goes.
 

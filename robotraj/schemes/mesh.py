@@ -87,6 +87,13 @@ class Mesh:
         return np.asarray(self.intervals, dtype=float)
 
     @property
+    def lengths(self) -> Array:
+        """Lengths of the intervals as fractions of the phase, (K,), to the last digit the same where they are equal."""
+        if isinstance(self.intervals, int | np.integer):
+            return np.full(int(self.intervals), 1.0 / int(self.intervals))
+        return np.diff(self.knots)
+
+    @property
     def count(self) -> int:
         """Number of intervals K."""
         return len(self.knots) - 1

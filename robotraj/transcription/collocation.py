@@ -274,7 +274,7 @@ def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: Scala
     starts, spans = layout.own_clocks.T
     count = layout.count
     fractions = mesh.knots[:-1]
-    shares = np.diff(mesh.knots)
+    shares = mesh.lengths
 
     def add(name: str, at: Array, lower: Array | float, upper: Array | float) -> NDArray[np.int_]:
         lower, upper = (np.reshape(np.broadcast_to(side, len(at)), (-1, 1)) for side in (lower, upper))

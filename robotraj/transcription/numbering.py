@@ -33,9 +33,9 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     )
     schemes, breaks = mesh.schemes, mesh.knots
     whole = schemes[0].over(breaks) if isinstance(schemes[0], OneStep) else None
+    lengths = mesh.lengths
     if whole is not None:
-        schemes, breaks = (whole,), np.array([0.0, 1.0])
-    lengths = breaks[1:] - breaks[:-1]
+        schemes, breaks, lengths = (whole,), np.array([0.0, 1.0]), np.ones(1)
     _check_holds(phase, schemes)
     knots = [table.add(entries_of(index, dae.states), breaks[:1])]
     x, z, u = (table.numbers(entries_of(index, group)) for group in (dae.states, dae.algebraic, dae.controls))

@@ -15,7 +15,7 @@ from walks import WALKS, Walk
 
 import robotraj as rt
 
-INTERVALS = {"solo12": (1, 6), "talos_legs": (3, 12)}
+INTERVALS = {"solo12": (1, 6), "talos_legs": (2, 7)}
 """Of a stance on all feet and of a swing."""
 FROM_REST = {"solo12": [0.0, 0.2, 0.38, 0.5, 0.62, 0.8, 1.0]}
 """Knots of a swing where equal intervals let a foot dip 1 to 3 mm below its parabola between the points, halfway."""

@@ -1,7 +1,7 @@
 // Sparse matrices from Python: SciPy's arrays, whichever integers they have.
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "sparse.hpp"
+#include "combination.hpp"
 
 namespace nb = nanobind;
 
@@ -19,9 +19,8 @@ void make(Csr* self, std::size_t rows, std::size_t columns, const Integers& star
 }
 
 Result times(const Csr& self, const Doubles& x) {
-  ThreadPool alone(1);
   std::vector<double> y(self.rows());
-  self.apply(checked(x, self.columns(), "x"), nullptr, y.data(), alone);
+  self.times(checked(x, self.columns(), "x"), y.data());
   return to_numpy(std::move(y));
 }
 
@@ -48,7 +47,7 @@ void bind_sparse(nb::module_& m) {
           },
           nb::arg("rows"), nb::arg("columns"), nb::arg("row"), nb::arg("column"), nb::arg("data"))
       .def("__matmul__", times, nb::arg("x"))
-      .def("__matmul__", &Csr::times, nb::arg("other"))
+      .def("__matmul__", nb::overload_cast<const Csr&>(&Csr::times, nb::const_), nb::arg("other"))
       .def(
           "resolved",
           [](const Csr& self, const Indices& variable, std::size_t columns) {
@@ -63,6 +62,18 @@ void bind_sparse(nb::module_& m) {
       .def_prop_ro("rows", &Csr::rows)
       .def_prop_ro("columns", &Csr::columns)
       .def_prop_ro("entries", &Csr::entries);
+  nb::class_<Combination>(m, "Combination")
+      .def(nb::init<const Csr&>(), nb::arg("matrix"))
+      .def(
+          "apply",
+          [](const Combination& self, const Doubles& x, const Doubles& base, std::size_t threads) {
+            ThreadPool pool(threads);
+            std::vector<double> y(base.data(), base.data() + base.size());
+            self.apply(x.data(), y.data(), y.data(), pool);
+            return to_numpy(std::move(y));
+          },
+          nb::arg("x"), nb::arg("base"), nb::arg("threads") = 1)
+      .def_prop_ro("entries", &Combination::entries);
 }
 
 }  // namespace robotraj::native

@@ -36,6 +36,7 @@ Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vect
       hessian_pattern_(std::move(hessian)),
       terms_(std::move(terms)),
       work_(terms_.size()),
+      linear_combination_(linear_.rows),
       pool_(std::max<std::size_t>(1, threads)),
       point_(columns()),
       rows_(rows()),
@@ -51,7 +52,12 @@ Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vect
     Term& term = terms_[i];
     Work& work = work_[i];
     const PointSizes& sizes = term.block->sizes();
-    work.scatter_transposed = term.scatter.transposed();
+    work.gather = Combination(term.gather);
+    work.scatter = Combination(term.scatter);
+    work.scatter_transposed = Combination(term.scatter.transposed());
+    work.to_gradient = Combination(term.gradient);
+    work.to_jacobian = Combination(term.jacobian);
+    work.to_hessian = Combination(term.hessian);
     work.has_rows = term.scatter.entries() > 0;
     work.has_cost = !term.weights.empty();
     work.v.resize(sizes.inputs * sizes.count);
@@ -103,7 +109,7 @@ void Program::set_point(const double* y) {
   std::copy_n(y, columns(), point_.data());
   timed(times.combinations, [&] {
     for (std::size_t i = 0; i < terms_.size(); ++i)
-      terms_[i].gather.apply(y, terms_[i].gather_offset.data(), work_[i].v.data(), pool_);
+      work_[i].gather.apply(y, terms_[i].gather_offset.data(), work_[i].v.data(), pool_);
   });
   point_known_ = true;
 }
@@ -122,11 +128,11 @@ const Numbers& Program::values(std::size_t index) {
 const Numbers& Program::row_values() {
   if (rows_known_) return rows_;
   timed(times.combinations,
-        [&] { linear_.rows.apply(point_.data(), linear_.offset.data(), rows_.data(), pool_); });
+        [&] { linear_combination_.apply(point_.data(), linear_.offset.data(), rows_.data(), pool_); });
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     if (!work_[i].has_rows) continue;
     const Numbers& y = values(i);
-    timed(times.combinations, [&] { terms_[i].scatter.apply(y.data(), rows_.data(), rows_.data(), pool_); });
+    timed(times.combinations, [&] { work_[i].scatter.apply(y.data(), rows_.data(), rows_.data(), pool_); });
   }
   rows_known_ = true;
   return rows_;
@@ -165,7 +171,7 @@ const Numbers& Program::gradient() {
     timed(times.functions,
           [&] { term.block->gradient(work.v.data(), term.constants.data(), work.gradient.data(), pool_); });
     timed(times.combinations,
-          [&] { term.gradient.apply(work.gradient.data(), gradient_.data(), gradient_.data(), pool_); });
+          [&] { work.to_gradient.apply(work.gradient.data(), gradient_.data(), gradient_.data(), pool_); });
   }
   gradient_known_ = true;
   return gradient_;
@@ -181,7 +187,7 @@ const Numbers& Program::jacobian() {
     timed(times.functions,
           [&] { term.block->jacobian(work.v.data(), term.constants.data(), work.jacobian.data(), pool_); });
     timed(times.combinations,
-          [&] { term.jacobian.apply(work.jacobian.data(), sum->data(), jacobian_.data(), pool_); });
+          [&] { work.to_jacobian.apply(work.jacobian.data(), sum->data(), jacobian_.data(), pool_); });
     sum = &jacobian_;
   }
   if (sum != &jacobian_) jacobian_ = linear_.jacobian;
@@ -205,7 +211,7 @@ const Numbers& Program::hessian(const double* lam, double lam_f) {
     timed(times.functions, [&] {
       term.block->hessian(work.v.data(), term.constants.data(), work.m.data(), work.hessian.data(), pool_);
     });
-    timed(times.combinations, [&] { term.hessian.apply(work.hessian.data(), sum, hessian_.data(), pool_); });
+    timed(times.combinations, [&] { work.to_hessian.apply(work.hessian.data(), sum, hessian_.data(), pool_); });
     sum = hessian_.data();
   }
   if (!sum) std::fill(hessian_.begin(), hessian_.end(), 0.0);

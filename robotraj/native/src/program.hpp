@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "point_block.hpp"
-#include "sparse.hpp"
+#include "combination.hpp"
 
 namespace robotraj::native {
 
@@ -84,7 +84,7 @@ class Program {
  private:
   /// What one term computes, and the memory for it.
   struct Work {
-    Csr scatter_transposed;
+    Combination gather, scatter, scatter_transposed, to_gradient, to_jacobian, to_hessian;
     Numbers v, y, cost, gradient, jacobian, m, hessian;
     bool has_rows = false;
     bool has_cost = false;
@@ -101,6 +101,7 @@ class Program {
   Pattern jacobian_pattern_, hessian_pattern_;
   std::vector<Term> terms_;
   std::vector<Work> work_;
+  Combination linear_combination_;
   ThreadPool pool_;
   Numbers point_;
   bool point_known_ = false, rows_known_ = false, objective_known_ = false, gradient_known_ = false,

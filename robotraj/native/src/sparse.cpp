@@ -8,13 +8,6 @@
 
 namespace robotraj::native {
 
-namespace {
-
-/// Entries that are worth handing to another thread, some 20 us of work.
-constexpr std::size_t entries_a_step = 1u << 15;
-
-}  // namespace
-
 template <typename Index>
 Csr::Csr(std::size_t rows, std::size_t columns, const Index* starts, std::size_t n_starts, const Index* indices,
          const double* data, std::size_t entries)
@@ -45,18 +38,12 @@ Csr::Csr(std::size_t columns, std::vector<std::int32_t> starts, std::vector<std:
       columns_(columns),
       arrays_(std::make_shared<const Arrays>(Arrays{std::move(starts), std::move(indices), std::move(data)})) {}
 
-void Csr::apply(const double* x, const double* base, double* y, ThreadPool& pool) const {
-  const std::int32_t* begins = starts();
-  const std::int32_t* columns = indices();
-  const double* values = data();
-  const std::size_t step = rows_ * entries_a_step / std::max(entries_a_step, entries()) + 1;
-  pool.split(rows_, step, [=](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) {
-      double sum = base ? base[row] : 0.0;
-      for (std::int32_t i = begins[row]; i < begins[row + 1]; ++i) sum += values[i] * x[columns[i]];
-      y[row] = sum;
-    }
-  });
+void Csr::times(const double* x, double* y) const {
+  for (std::size_t row = 0; row < rows_; ++row) {
+    double sum = 0.0;
+    for (std::int32_t i = starts()[row]; i < starts()[row + 1]; ++i) sum += data()[i] * x[indices()[i]];
+    y[row] = sum;
+  }
 }
 
 Csr Csr::transposed() const {

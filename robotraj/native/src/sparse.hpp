@@ -1,12 +1,10 @@
-// Compressed sparse rows, multiplied by a vector.
+// Compressed sparse rows.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
-
-#include "thread_pool.hpp"
 
 namespace robotraj::native {
 
@@ -34,8 +32,8 @@ class Csr {
   const std::int32_t* indices() const { return arrays_->indices.data(); }
   const double* data() const { return arrays_->data.data(); }
 
-  /// y = base + A x, rows shared by the pool; y may be base, and base may be null for zeros.
-  void apply(const double* x, const double* base, double* y, ThreadPool& pool) const;
+  /// y = A x, once; Combination does it over and over.
+  void times(const double* x, double* y) const;
 
   Csr transposed() const;
 

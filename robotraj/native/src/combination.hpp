@@ -1,0 +1,56 @@
+// A sparse matrix as it is multiplied by, over and over: what repeats from interval to interval is written once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "sparse.hpp"
+#include "thread_pool.hpp"
+
+namespace robotraj::native {
+
+/// y = base + A x for one sparse A.
+///
+/// Equal intervals make equal blocks of rows, each reading x a fixed distance further on. One of them stays in a cache
+/// near the processor, where the whole matrix of a long mesh has to come from memory each time. In a block, rows of
+/// equally many entries follow each other. Every row is summed as it stands, base first.
+class Combination {
+ public:
+  Combination() : Combination(Csr()) {}
+  explicit Combination(const Csr& matrix);
+
+  /// y = base + A x, rows shared by the pool; y may be base, and base may be null for zeros.
+  void apply(const double* x, const double* base, double* y, ThreadPool& pool) const;
+
+  /// How many entries are kept.
+  std::size_t entries() const { return values_.size(); }
+
+ private:
+  /// Rows of a block with `count` entries each.
+  struct Group {
+    std::size_t count, rows, first_row, first_entry;
+  };
+  /// `repeats` blocks, `period` rows apart, that read x `shift` numbers apart.
+  struct Run {
+    std::size_t row, period, repeats;
+    std::ptrdiff_t shift;
+    std::size_t groups_begin, groups_end;
+  };
+  /// Repeats [begin, end) of a run: a piece of work for a thread.
+  struct Piece {
+    std::size_t run, begin, end;
+  };
+
+  void divide(const Csr& matrix, std::size_t begin, std::size_t end);
+  void add(const Csr& matrix, const Run& run);
+  void block(const Run& run, const double* x, const double* base, double* y) const;
+
+  std::vector<std::int32_t> rows_, columns_;
+  std::vector<double> values_;
+  std::vector<Group> groups_;
+  std::vector<Run> runs_;
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace robotraj::native
