@@ -19,7 +19,9 @@ hop = rt.Phase(
     objective=rt.Effort({"hip": 1.0, "leg": 0.01}),
     name="hop",
 )
-solution = rt.plan(hop, mesh=rt.Mesh(40, rt.RadauIIA(1)), stages=rt.tightening(hop, [1.0, 0.1, 1e-2, 1e-3]))
+# A stronger barrier than usual: the guess, a straight line, says nothing of the contacts.
+solver, stages = rt.Ipopt(initial_barrier=0.1), rt.tightening(hop, [1.0, 0.1, 1e-2, 1e-3])
+solution = rt.plan(hop, mesh=rt.Mesh(40, rt.RadauIIA(1)), solver=solver, stages=stages)
 print(solution)
 
 middles = 0.5 * (solution.knots[1:] + solution.knots[:-1])

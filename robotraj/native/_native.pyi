@@ -322,7 +322,7 @@ class Csr:
     def entries(self) -> int: ...
 
 class Combination:
-    """y = base + A x, over and over: blocks of rows that repeat, each reading x a fixed distance further on, are kept once.
+    """y = base + A x, over and over: rows that repeat, each time reading x a fixed distance on, are kept once.
 
     ``entries`` is how many are kept.
     """

@@ -1,7 +1,6 @@
 #include "combination.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace robotraj::native {
 
@@ -12,68 +11,77 @@ constexpr std::size_t kPiece = 1u << 15;
 /// Rows of a block at least, of what is looked at for repeats, and of a block at most.
 constexpr std::size_t kLeast = 16, kWorthwhile = 128, kMost = 1u << 13;
 
-/// `repeats` blocks of `period` rows from `row` on, equal but for columns that are `shift` apart.
-struct Repeat {
-  std::size_t row = 0, period = 0, repeats = 0;
-  std::ptrdiff_t shift = 0;
-  std::size_t size() const { return period * repeats; }
+}  // namespace
+
+/// A matrix with the places of its rows.
+struct Combination::Rows {
+  const Csr& matrix;
+  const std::int32_t* places;
+  std::ptrdiff_t place(std::size_t row) const { return places ? places[row] : static_cast<std::ptrdiff_t>(row); }
+
+  /// Whether rows [a, a + count) are those from b on, moved by the run's shift and step, which are found at first.
+  bool same(std::size_t a, std::size_t b, std::size_t count, Run& run, bool (&known)[2]) const {
+    const std::int32_t *starts = matrix.starts(), *columns = matrix.indices();
+    const double* values = matrix.data();
+    const auto fits = [](std::ptrdiff_t apart, std::ptrdiff_t& expected, bool& is_known) {
+      if (!is_known) expected = apart;
+      is_known = true;
+      return apart == expected;
+    };
+    for (std::size_t row = 0; row < count; ++row) {
+      const std::int32_t here = starts[a + row], there = starts[b + row], entries = starts[a + row + 1] - here;
+      if (starts[b + row + 1] - there != entries) return false;
+      const std::ptrdiff_t from = place(a + row), to = place(b + row);
+      if ((from < 0) != (to < 0) || (from >= 0 && !fits(to - from, run.step, known[1]))) return false;
+      for (std::int32_t e = 0; e < entries; ++e)
+        if (!fits(columns[there + e] - columns[here + e], run.shift, known[0]) || values[there + e] != values[here + e])
+          return false;
+    }
+    return true;
+  }
+
+  /// The longest run within rows [begin, end) that goes through `middle`.
+  Run through(std::size_t begin, std::size_t end, std::size_t middle) const {
+    Run best{};
+    for (std::size_t period = 1; period <= kMost && middle + 2 * period <= end; ++period) {
+      Run run{};
+      bool known[2] = {false, false};
+      if (!same(middle, middle + period, period, run, known)) continue;
+      std::size_t first = middle, last = middle + 2 * period;
+      while (last + period <= end && same(last - period, last, period, run, known)) last += period;
+      while (first >= begin + period && same(first - period, first, period, run, known)) first -= period;
+      if (last - first > best.period * best.repeats)
+        best = {first, period, (last - first) / period, run.shift, run.step, 0, 0};
+      if (last - first >= (end - begin) / 4) break;
+    }
+    // Blocks of few rows are taken several at a time.
+    if (best.period > 0 && best.period < kLeast) {
+      const std::size_t times = (kLeast + best.period - 1) / best.period;
+      best.period *= times;
+      best.repeats /= times;
+      best.shift *= static_cast<std::ptrdiff_t>(times);
+      best.step *= static_cast<std::ptrdiff_t>(times);
+    }
+    return best;
+  }
 };
 
-/// Whether rows [a, a + count) are those from b on, moved by a shift, which is found where it is not known.
-bool same(const Csr& matrix, std::size_t a, std::size_t b, std::size_t count, std::ptrdiff_t& shift, bool& known) {
-  const std::int32_t *starts = matrix.starts(), *columns = matrix.indices();
-  const double* values = matrix.data();
-  for (std::size_t row = 0; row < count; ++row) {
-    const std::int32_t here = starts[a + row], there = starts[b + row], entries = starts[a + row + 1] - here;
-    if (starts[b + row + 1] - there != entries) return false;
-    for (std::int32_t e = 0; e < entries; ++e) {
-      const std::ptrdiff_t apart = columns[there + e] - columns[here + e];
-      if (!known) {
-        shift = apart;
-        known = true;
-      }
-      if (apart != shift || values[there + e] != values[here + e]) return false;
-    }
-  }
-  return true;
-}
-
-/// The longest repeat within rows [begin, end) that goes through `middle`.
-Repeat through(const Csr& matrix, std::size_t begin, std::size_t end, std::size_t middle) {
-  Repeat best;
-  for (std::size_t period = 1; period <= kMost && middle + 2 * period <= end; ++period) {
-    std::ptrdiff_t shift = 0;
-    bool known = false;
-    if (!same(matrix, middle, middle + period, period, shift, known)) continue;
-    std::size_t first = middle, last = middle + 2 * period;
-    while (last + period <= end && same(matrix, last - period, last, period, shift, known)) last += period;
-    while (first >= begin + period && same(matrix, first - period, first, period, shift, known)) first -= period;
-    const Repeat found{first, period, (last - first) / period, shift};
-    if (found.size() > best.size()) best = found;
-    if (best.size() >= (end - begin) / 4) break;
-  }
-  // Blocks of few rows are taken several at a time.
-  if (best.period > 0 && best.period < kLeast) {
-    const std::size_t times = (kLeast + best.period - 1) / best.period;
-    best = {best.row, best.period * times, best.repeats / times, best.shift * static_cast<std::ptrdiff_t>(times)};
-  }
-  return best;
-}
+namespace {
 
 template <std::size_t count>
-void sum_rows(std::size_t rows, const std::int32_t* row, const std::int32_t* columns, const double* values,
-              const double* x, const double* base, double* y) {
+void sum_rows(std::size_t rows, const std::int32_t* row, const std::int32_t* place, const std::int32_t* columns,
+              const double* values, const double* x, const double* base, double* y) {
   for (std::size_t i = 0; i < rows; ++i, columns += count, values += count) {
     double sum = base ? base[row[i]] : 0.0;
     for (std::size_t e = 0; e < count; ++e) sum += values[e] * x[columns[e]];
-    y[row[i]] = sum;
+    y[place[i]] = sum;
   }
 }
 
 }  // namespace
 
-Combination::Combination(const Csr& matrix) {
-  divide(matrix, 0, matrix.rows());
+Combination::Combination(const Csr& matrix, const std::int32_t* places) {
+  divide({matrix, places}, 0, matrix.rows());
   for (std::size_t run = 0; run < runs_.size(); ++run) {
     std::size_t entries = 1;
     for (std::size_t g = runs_[run].groups_begin; g < runs_[run].groups_end; ++g)
@@ -85,30 +93,34 @@ Combination::Combination(const Csr& matrix) {
 }
 
 /// Finds what repeats in rows [begin, end), and in what is before and behind it.
-void Combination::divide(const Csr& matrix, std::size_t begin, std::size_t end) {
+void Combination::divide(const Rows& matrix, std::size_t begin, std::size_t end) {
   if (end - begin >= kWorthwhile)
     for (const std::size_t quarters : {2, 1, 3}) {
-      const Repeat found = through(matrix, begin, end, begin + (end - begin) * quarters / 4);
-      if (found.repeats < 4 || found.size() < (end - begin) / 8) continue;
-      divide(matrix, begin, found.row);
-      add(matrix, {found.row, found.period, found.repeats, found.shift, 0, 0});
-      divide(matrix, found.row + found.size(), end);
+      const Run run = matrix.through(begin, end, begin + (end - begin) * quarters / 4);
+      const std::size_t size = run.period * run.repeats;
+      if (run.repeats < 4 || size < (end - begin) / 8) continue;
+      divide(matrix, begin, run.row);
+      add(matrix, run);
+      divide(matrix, run.row + size, end);
       return;
     }
   // What does not repeat is cut for the threads.
+  const std::int32_t* starts = matrix.matrix.starts();
   for (std::size_t row = begin; row < end;) {
     std::size_t last = row + 1;
-    while (last < end && static_cast<std::size_t>(matrix.starts()[last] - matrix.starts()[row]) < kPiece) ++last;
-    add(matrix, {row, last - row, 1, 0, 0, 0});
+    while (last < end && static_cast<std::size_t>(starts[last] - starts[row]) < kPiece) ++last;
+    add(matrix, {row, last - row, 1, 0, 0, 0, 0});
     row = last;
   }
 }
 
 /// Writes down one block of a run, rows of equally many entries together.
-void Combination::add(const Csr& matrix, const Run& run) {
+void Combination::add(const Rows& rows, const Run& run) {
+  const Csr& matrix = rows.matrix;
   const std::int32_t* starts = matrix.starts() + run.row;
-  std::vector<std::int32_t> order(run.period);
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<std::int32_t> order;
+  for (std::size_t row = 0; row < run.period; ++row)
+    if (rows.place(run.row + row) >= 0) order.push_back(static_cast<std::int32_t>(row));
   const auto count = [starts](std::int32_t row) { return starts[row + 1] - starts[row]; };
   std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) { return count(a) < count(b); });
   Run added = run;
@@ -118,7 +130,8 @@ void Combination::add(const Csr& matrix, const Run& run) {
     if (groups_.size() == added.groups_begin || groups_.back().count != entries)
       groups_.push_back({entries, 0, rows_.size(), values_.size()});
     ++groups_.back().rows;
-    rows_.push_back(row);
+    rows_.push_back(static_cast<std::int32_t>(run.row) + row);
+    places_.push_back(static_cast<std::int32_t>(rows.place(run.row + static_cast<std::size_t>(row))));
     columns_.insert(columns_.end(), matrix.indices() + starts[row], matrix.indices() + starts[row + 1]);
     values_.insert(values_.end(), matrix.data() + starts[row], matrix.data() + starts[row + 1]);
   }
@@ -126,26 +139,33 @@ void Combination::add(const Csr& matrix, const Run& run) {
   runs_.push_back(added);
 }
 
-void Combination::block(const Run& run, const double* x, const double* base, double* y) const {
+void Combination::block(const Run& run, std::size_t repeat, const double* x, const double* base, double* y) const {
+  const auto k = static_cast<std::ptrdiff_t>(repeat);
+  const bool adds = base == y;
+  x += k * run.shift;
+  y += k * run.step;
+  if (base) base += adds ? k * run.step : k * static_cast<std::ptrdiff_t>(run.period);
+  const std::vector<std::int32_t>& from = adds ? places_ : rows_;
   for (std::size_t g = run.groups_begin; g < run.groups_end; ++g) {
     const Group& group = groups_[g];
-    const std::int32_t *row = rows_.data() + group.first_row, *columns = columns_.data() + group.first_entry;
+    const std::int32_t *row = from.data() + group.first_row, *place = places_.data() + group.first_row,
+                       *columns = columns_.data() + group.first_entry;
     const double* values = values_.data() + group.first_entry;
     switch (group.count) {
       case 0:
-        if (base != y) sum_rows<0>(group.rows, row, columns, values, x, base, y);
+        if (!adds) sum_rows<0>(group.rows, row, place, columns, values, x, base, y);
         break;
-      case 1: sum_rows<1>(group.rows, row, columns, values, x, base, y); break;
-      case 2: sum_rows<2>(group.rows, row, columns, values, x, base, y); break;
-      case 3: sum_rows<3>(group.rows, row, columns, values, x, base, y); break;
-      case 4: sum_rows<4>(group.rows, row, columns, values, x, base, y); break;
-      case 5: sum_rows<5>(group.rows, row, columns, values, x, base, y); break;
-      case 6: sum_rows<6>(group.rows, row, columns, values, x, base, y); break;
+      case 1: sum_rows<1>(group.rows, row, place, columns, values, x, base, y); break;
+      case 2: sum_rows<2>(group.rows, row, place, columns, values, x, base, y); break;
+      case 3: sum_rows<3>(group.rows, row, place, columns, values, x, base, y); break;
+      case 4: sum_rows<4>(group.rows, row, place, columns, values, x, base, y); break;
+      case 5: sum_rows<5>(group.rows, row, place, columns, values, x, base, y); break;
+      case 6: sum_rows<6>(group.rows, row, place, columns, values, x, base, y); break;
       default:
         for (std::size_t i = 0; i < group.rows; ++i, columns += group.count, values += group.count) {
           double sum = base ? base[row[i]] : 0.0;
           for (std::size_t e = 0; e < group.count; ++e) sum += values[e] * x[columns[e]];
-          y[row[i]] = sum;
+          y[place[i]] = sum;
         }
     }
   }
@@ -153,13 +173,9 @@ void Combination::block(const Run& run, const double* x, const double* base, dou
 
 void Combination::apply(const double* x, const double* base, double* y, ThreadPool& pool) const {
   pool.split(pieces_.size(), [=](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t piece = begin; piece < end; ++piece) {
-      const Run& run = runs_[pieces_[piece].run];
-      for (std::size_t k = pieces_[piece].begin; k < pieces_[piece].end; ++k) {
-        const std::size_t row = run.row + k * run.period;
-        block(run, x + static_cast<std::ptrdiff_t>(k) * run.shift, base ? base + row : nullptr, y + row);
-      }
-    }
+    for (std::size_t piece = begin; piece < end; ++piece)
+      for (std::size_t k = pieces_[piece].begin; k < pieces_[piece].end; ++k)
+        block(runs_[pieces_[piece].run], k, x, base, y);
   });
 }
 

@@ -15,12 +15,14 @@ namespace robotraj::native {
 /// Equal intervals make equal blocks of rows, each reading x a fixed distance further on. One of them stays in a cache
 /// near the processor, where the whole matrix of a long mesh has to come from memory each time. In a block, rows of
 /// equally many entries follow each other. Every row is summed as it stands, base first.
+///
+/// Results may have places of their own: row i goes to y[places[i]], to nowhere where that is negative.
 class Combination {
  public:
   Combination() : Combination(Csr()) {}
-  explicit Combination(const Csr& matrix);
+  explicit Combination(const Csr& matrix, const std::int32_t* places = nullptr);
 
-  /// y = base + A x, rows shared by the pool; y may be base, and base may be null for zeros.
+  /// y = base + A x, rows shared by the pool; base may be null for zeros, and y for what has its places.
   void apply(const double* x, const double* base, double* y, ThreadPool& pool) const;
 
   /// How many entries are kept.
@@ -31,10 +33,10 @@ class Combination {
   struct Group {
     std::size_t count, rows, first_row, first_entry;
   };
-  /// `repeats` blocks, `period` rows apart, that read x `shift` numbers apart.
+  /// `repeats` blocks, `period` rows apart, that read x `shift` numbers apart and write y `step` numbers apart.
   struct Run {
     std::size_t row, period, repeats;
-    std::ptrdiff_t shift;
+    std::ptrdiff_t shift, step;
     std::size_t groups_begin, groups_end;
   };
   /// Repeats [begin, end) of a run: a piece of work for a thread.
@@ -42,11 +44,13 @@ class Combination {
     std::size_t run, begin, end;
   };
 
-  void divide(const Csr& matrix, std::size_t begin, std::size_t end);
-  void add(const Csr& matrix, const Run& run);
-  void block(const Run& run, const double* x, const double* base, double* y) const;
+  struct Rows;
+  void divide(const Rows& matrix, std::size_t begin, std::size_t end);
+  void add(const Rows& matrix, const Run& run);
+  void block(const Run& run, std::size_t repeat, const double* x, const double* base, double* y) const;
 
-  std::vector<std::int32_t> rows_, columns_;
+  // Of the first block of each run.
+  std::vector<std::int32_t> rows_, places_, columns_;
   std::vector<double> values_;
   std::vector<Group> groups_;
   std::vector<Run> runs_;

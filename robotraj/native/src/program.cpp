@@ -56,8 +56,6 @@ Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vect
     work.scatter = Combination(term.scatter);
     work.scatter_transposed = Combination(term.scatter.transposed());
     work.to_gradient = Combination(term.gradient);
-    work.to_jacobian = Combination(term.jacobian);
-    work.to_hessian = Combination(term.hessian);
     work.has_rows = term.scatter.entries() > 0;
     work.has_cost = !term.weights.empty();
     work.v.resize(sizes.inputs * sizes.count);
@@ -177,25 +175,65 @@ const Numbers& Program::gradient() {
   return gradient_;
 }
 
+void Program::prepare_in_order() {
+  if (in_order_) return;
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    work_[i].jacobian_in_order = Combination(terms_[i].jacobian);
+    work_[i].hessian_in_order = Combination(terms_[i].hessian);
+  }
+  in_order_ = true;
+}
+
+void Program::place(std::vector<std::int32_t> jacobian, std::vector<std::int32_t> hessian) {
+  need(jacobian.size(), jacobian_pattern_.size(), "places of the Jacobian's entries: their number");
+  need(hessian.size(), hessian_pattern_.size(), "places of the Hessian's entries: their number");
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    if (terms_[i].jacobian.entries()) work_[i].jacobian_in_place = Combination(terms_[i].jacobian, jacobian.data());
+    if (terms_[i].hessian.entries()) work_[i].hessian_in_place = Combination(terms_[i].hessian, hessian.data());
+  }
+  jacobian_places_ = std::move(jacobian);
+}
+
 const Numbers& Program::jacobian() {
   if (jacobian_known_) return jacobian_;
-  const Numbers* sum = &linear_.jacobian;
+  prepare_in_order();
+  if (!combine_jacobians(&Work::jacobian_in_order, jacobian_.data())) jacobian_ = linear_.jacobian;
+  jacobian_known_ = true;
+  return jacobian_;
+}
+
+void Program::jacobian_to(double* out) {
+  if (combine_jacobians(&Work::jacobian_in_place, out)) return;
+  for (std::size_t e = 0; e < jacobian_places_.size(); ++e)
+    if (jacobian_places_[e] >= 0) out[jacobian_places_[e]] = linear_.jacobian[e];
+}
+
+const Numbers& Program::hessian(const double* lam, double lam_f) {
+  prepare_in_order();
+  if (!combine_hessians(lam, lam_f, &Work::hessian_in_order, hessian_.data()))
+    std::fill(hessian_.begin(), hessian_.end(), 0.0);
+  return hessian_;
+}
+
+void Program::hessian_to(const double* lam, double lam_f, double* out) {
+  combine_hessians(lam, lam_f, &Work::hessian_in_place, out);
+}
+
+bool Program::combine_jacobians(Combination Work::*combination, double* out) {
+  const double* sum = linear_.jacobian.data();
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const Term& term = terms_[i];
     if (!term.jacobian.entries()) continue;
     Work& work = work_[i];
     timed(times.functions,
           [&] { term.block->jacobian(work.v.data(), term.constants.data(), work.jacobian.data(), pool_); });
-    timed(times.combinations,
-          [&] { work.to_jacobian.apply(work.jacobian.data(), sum->data(), jacobian_.data(), pool_); });
-    sum = &jacobian_;
+    timed(times.combinations, [&] { (work.*combination).apply(work.jacobian.data(), sum, out, pool_); });
+    sum = out;
   }
-  if (sum != &jacobian_) jacobian_ = linear_.jacobian;
-  jacobian_known_ = true;
-  return jacobian_;
+  return sum == out;
 }
 
-const Numbers& Program::hessian(const double* lam, double lam_f) {
+bool Program::combine_hessians(const double* lam, double lam_f, Combination Work::*combination, double* out) {
   const double* sum = nullptr;
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const Term& term = terms_[i];
@@ -211,11 +249,10 @@ const Numbers& Program::hessian(const double* lam, double lam_f) {
     timed(times.functions, [&] {
       term.block->hessian(work.v.data(), term.constants.data(), work.m.data(), work.hessian.data(), pool_);
     });
-    timed(times.combinations, [&] { work.to_hessian.apply(work.hessian.data(), sum, hessian_.data(), pool_); });
-    sum = hessian_.data();
+    timed(times.combinations, [&] { (work.*combination).apply(work.hessian.data(), sum, out, pool_); });
+    sum = out;
   }
-  if (!sum) std::fill(hessian_.begin(), hessian_.end(), 0.0);
-  return hessian_;
+  return sum != nullptr;
 }
 
 void Program::set_offsets(const double* offset, double cost_offset) {

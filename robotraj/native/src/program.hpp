@@ -75,6 +75,11 @@ class Program {
   const Numbers& jacobian();
   const Numbers& hessian(const double* lam, double lam_f);
 
+  /// Has the two below write entry e at places[e], nowhere where that is negative.
+  void place(std::vector<std::int32_t> jacobian, std::vector<std::int32_t> hessian);
+  void jacobian_to(double* out);
+  void hessian_to(const double* lam, double lam_f, double* out);
+
   void set_offsets(const double* offset, double cost_offset);
   void set_gather_offset(std::size_t term, const double* offset);
   void set_constants(std::size_t term, const double* constants);
@@ -84,7 +89,8 @@ class Program {
  private:
   /// What one term computes, and the memory for it.
   struct Work {
-    Combination gather, scatter, scatter_transposed, to_gradient, to_jacobian, to_hessian;
+    Combination gather, scatter, scatter_transposed, to_gradient;
+    Combination jacobian_in_order, hessian_in_order, jacobian_in_place, hessian_in_place;
     Numbers v, y, cost, gradient, jacobian, m, hessian;
     bool has_rows = false;
     bool has_cost = false;
@@ -94,6 +100,10 @@ class Program {
   void check(std::size_t index) const;
   const Numbers& values(std::size_t index);
   void forget();
+  void prepare_in_order();
+  /// False where no block has any.
+  bool combine_jacobians(Combination Work::*combination, double* out);
+  bool combine_hessians(const double* lam, double lam_f, Combination Work::*combination, double* out);
   template <typename Evaluate>
   void timed(double& seconds, Evaluate&& evaluate);
 
@@ -105,7 +115,8 @@ class Program {
   ThreadPool pool_;
   Numbers point_;
   bool point_known_ = false, rows_known_ = false, objective_known_ = false, gradient_known_ = false,
-       jacobian_known_ = false;
+       jacobian_known_ = false, in_order_ = false;
+  std::vector<std::int32_t> jacobian_places_;
   Numbers rows_, gradient_, jacobian_, hessian_;
   double objective_ = 0.0;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 
@@ -32,7 +33,7 @@ bool StageMatrices::Shape::operator==(const Shape& other) const {
 
 StageMatrices::StageMatrices(const Info& info, const Pattern& jacobian, const Pattern& hessian,
                              const RiccatiKernels& run)
-    : info_(info), run_(run) {
+    : info_(info), run_(run), jacobian_entries_(jacobian.size()), hessian_entries_(hessian.size()) {
   stages_.resize(static_cast<std::size_t>(info.dims.K));
   place_jacobian(jacobian);
   place_hessian(hessian);
@@ -169,6 +170,12 @@ void StageMatrices::place_hessian(const Pattern& pattern) {
 
 void StageMatrices::fill(const Numbers& entries, const Runs& runs, StageValues& values) {
   for (const Run& run : runs) std::copy_n(entries.data() + run.entry, run.count, values.data() + run.place);
+}
+
+std::vector<std::int32_t> StageMatrices::places(std::size_t entries, const Runs& runs) {
+  std::vector<std::int32_t> places(entries, -1);
+  for (const Run& run : runs) std::iota(places.begin() + run.entry, places.begin() + run.entry + run.count, run.place);
+  return places;
 }
 
 StageView StageMatrices::view(std::size_t k, const StageValues* jacobian, const StageValues* hessian) const {

@@ -27,6 +27,9 @@ class StageMatrices {
 
   void fill_jacobian(const Numbers& entries, StageValues& values) const { fill(entries, jacobian_runs_, values); }
   void fill_hessian(const Numbers& entries, StageValues& values) const { fill(entries, hessian_runs_, values); }
+  /// Where each entry of the program's stands among the values, -1 where the recursion knows it by itself.
+  std::vector<std::int32_t> jacobian_places() const { return places(jacobian_entries_, jacobian_runs_); }
+  std::vector<std::int32_t> hessian_places() const { return places(hessian_entries_, hessian_runs_); }
   StageValues empty_jacobian() const { return StageValues(jacobian_size_, 0.0); }
   StageValues empty_hessian() const { return StageValues(hessian_size_, 0.0); }
 
@@ -65,6 +68,7 @@ class StageMatrices {
   };
 
   static void fill(const Numbers& entries, const Runs& runs, StageValues& values);
+  static std::vector<std::int32_t> places(std::size_t entries, const Runs& runs);
   static void append(Runs& runs, std::size_t place, std::int32_t entry);
   static int size_of(const RowPattern& rows, int ld);
   RowPattern pattern_of(const std::vector<Entry>& entries, int count, int n, std::size_t first);
@@ -76,7 +80,7 @@ class StageMatrices {
   std::vector<Shape> shapes_;
   std::vector<Stage> stages_;
   Runs jacobian_runs_, hessian_runs_;
-  std::size_t jacobian_size_ = 0, hessian_size_ = 0;
+  std::size_t jacobian_size_ = 0, hessian_size_ = 0, jacobian_entries_, hessian_entries_;
   mutable Packs memory_;
 };
 

@@ -81,8 +81,9 @@ StageNlp::StageNlp(std::shared_ptr<Program> program, const Stages& stages)
   const bool dense = !StageParts::take_over();
   place_jacobian(dense);
   place_hessian(dense);
-  if (!dense)
-    parts_ = std::make_unique<StageParts>(info_, program_->jacobian_pattern(), program_->hessian_pattern());
+  if (dense) return;
+  parts_ = std::make_unique<StageParts>(info_, program_->jacobian_pattern(), program_->hessian_pattern());
+  program_->place(parts_->matrices().jacobian_places(), parts_->matrices().hessian_places());
 }
 
 std::size_t StageNlp::stage_of(std::size_t column) const { return stage_of_column_[column]; }
@@ -185,22 +186,22 @@ Index StageNlp::eval_lag_hess(const Info&, Scalar objective_scale, const Vector&
                               const Vector& lam, Hessian& hess) {
   program_->set_point(primal_x.data());
   rows_from_fatrop(lam.data(), lam_.data());
-  const Numbers& entries = program_->hessian(lam_.data(), objective_scale);
   if (parts_) {
-    parts_->fill(hess, entries);
+    program_->hessian_to(lam_.data(), objective_scale, parts_->values(hess).data());
     return 0;
   }
+  const Numbers& entries = program_->hessian(lam_.data(), objective_scale);
   for (std::size_t k = 0; k < hessian_.size(); ++k) fill(hess.RSQrqt[k], hessian_[k], entries);
   return 0;
 }
 
 Index StageNlp::eval_constr_jac(const Info&, const Vector& primal_x, const Vector&, Jacobian& jac) {
   program_->set_point(primal_x.data());
-  const Numbers& entries = program_->jacobian();
   if (parts_) {
-    parts_->fill(jac, entries);
+    program_->jacobian_to(parts_->values(jac).data());
     return 0;
   }
+  const Numbers& entries = program_->jacobian();
   for (std::size_t k = 0; k < dynamics_.size(); ++k) fill(jac.BAbt[k], dynamics_[k], entries);
   for (std::size_t k = 0; k < path_.size(); ++k) fill(jac.Gg_eqt[k], path_[k], entries);
   for (std::size_t k = 0; k < slack_.size(); ++k) fill(jac.Gg_ineqt[k], slack_[k], entries);

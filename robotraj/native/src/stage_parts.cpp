@@ -102,20 +102,14 @@ StageValues* StageParts::find(Owned& owned, const void* matrix) {
   return nullptr;
 }
 
-void StageParts::fill(Jacobian& jacobian, const Numbers& entries) {
+StageValues& StageParts::values(Jacobian& jacobian) {
   StageValues* values = find(jacobians_, &jacobian);
-  if (!values) values = &jacobians_.emplace_back(&jacobian, matrices_.empty_jacobian()).second;
-  matrices_.fill_jacobian(entries, *values);
+  return values ? *values : jacobians_.emplace_back(&jacobian, matrices_.empty_jacobian()).second;
 }
 
-StageValues& StageParts::hessian_values(Hessian& hessian) {
+StageValues& StageParts::values(Hessian& hessian) {
   StageValues* values = find(hessians_, &hessian);
-  if (values) return *values;
-  return hessians_.emplace_back(&hessian, matrices_.empty_hessian()).second;
-}
-
-void StageParts::fill(Hessian& hessian, const Numbers& entries) {
-  matrices_.fill_hessian(entries, hessian_values(hessian));
+  return values ? *values : hessians_.emplace_back(&hessian, matrices_.empty_hessian()).second;
 }
 
 void StageParts::serve(fatrop::OptionRegistry& registry) {
@@ -140,8 +134,8 @@ void StageParts::times(const Hessian& hessian, const Vector& x, double alpha, co
 }
 
 void StageParts::set_zero(Hessian& hessian) {
-  StageValues& values = hessian_values(hessian);
-  std::fill(values.begin(), values.end(), 0.0);
+  StageValues& zeros = values(hessian);
+  std::fill(zeros.begin(), zeros.end(), 0.0);
 }
 
 int StageParts::solve(const Jacobian& jacobian, Hessian& hessian, const Vector& d_x, const Vector* d_e,
@@ -158,7 +152,7 @@ int StageParts::solve_again(const Jacobian& jacobian, const Vector* d_e, const V
 }
 
 int StageParts::solve(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system) {
-  return flag_of(solver_.factorise_and_solve(*find(jacobians_, &jacobian), hessian_values(hessian), system));
+  return flag_of(solver_.factorise_and_solve(*find(jacobians_, &jacobian), values(hessian), system));
 }
 
 void StageParts::solve_again(const Jacobian& jacobian, const RiccatiSolver::System& system) {
@@ -167,7 +161,7 @@ void StageParts::solve_again(const Jacobian& jacobian, const RiccatiSolver::Syst
 
 double StageParts::residual(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system,
                           double* gradient, double* rows) {
-  return solver_.residual(*find(jacobians_, &jacobian), hessian_values(hessian), system, gradient, rows);
+  return solver_.residual(*find(jacobians_, &jacobian), values(hessian), system, gradient, rows);
 }
 
 }  // namespace robotraj::native

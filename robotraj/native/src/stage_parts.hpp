@@ -31,8 +31,10 @@ class StageParts final : public FatropParts {
 
   /// Starts afresh for another algorithm, with its options and its matrices.
   void serve(fatrop::OptionRegistry& registry);
-  void fill(Jacobian& jacobian, const Numbers& entries);
-  void fill(Hessian& hessian, const Numbers& entries);
+  const StageMatrices& matrices() const { return matrices_; }
+  /// Zeros for one that is new.
+  StageValues& values(Jacobian& jacobian);
+  StageValues& values(Hessian& hessian);
 
   const VectorKernels& vectors() const override { return vectors_; }
   const Dims& made(const Dims&) override { return least_; }
@@ -73,8 +75,6 @@ class StageParts final : public FatropParts {
   using Owned = std::vector<std::pair<const void*, StageValues>>;
 
   static StageValues* find(Owned& owned, const void* matrix);
-  /// Zeros for one that has not been filled.
-  StageValues& hessian_values(Hessian& hessian);
   void set_lu_tolerance(const double& value) { solver_.options.lu_tolerance = value; }
   void set_pivot_tolerance(const double& value) { solver_.options.pivot_tolerance = value; }
 

@@ -1,0 +1,77 @@
+"""Sparse combinations against dense products: whatever repeats, nothing changes but how much is kept."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from robotraj.native.build import load_native
+
+Array = NDArray[np.float64]
+NATIVE: Any = load_native()
+
+
+def native(matrix: Any) -> Any:
+    """The matrix as the compiled module takes it."""
+    a = sp.csr_matrix(matrix)
+    a.sort_indices()
+    return NATIVE.Csr(*a.shape, a.indptr.astype(np.int64), a.indices.astype(np.int64), a.data)
+
+
+def staircase(stages: int, rows: int, columns: int, overlap: int, rng: np.random.Generator) -> sp.csr_matrix:
+    """The same block in every stage, each ``columns`` further on, some rows of it empty."""
+    block = sp.random(rows, columns + overlap, 0.3, random_state=rng, data_rvs=rng.standard_normal).tocoo()
+    k = np.repeat(np.arange(stages), block.nnz)
+    row, column = np.tile(block.row, stages) + k * rows, np.tile(block.col, stages) + k * columns
+    shape = (stages * rows, stages * columns + overlap)
+    return sp.csr_matrix((np.tile(block.data, stages), (row, column)), shape=shape)
+
+
+def random_rows(count: int, columns: int, rng: np.random.Generator) -> sp.csr_matrix:
+    return sp.random(count, columns, 0.1, random_state=rng, data_rvs=rng.standard_normal).tocsr()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("stages", [1, 4, 30, 400])
+def test_blocks_that_repeat_are_kept_once(stages: int, threads: int) -> None:
+    rng = np.random.default_rng(stages)
+    matrix = staircase(stages, 40, 25, 12, rng)
+    made = NATIVE.Combination(native(matrix))
+    x, base = rng.standard_normal(matrix.shape[1]), rng.standard_normal(matrix.shape[0])
+    np.testing.assert_allclose(made.apply(x, base, threads), base + matrix @ x, rtol=1e-13, atol=1e-13)
+    assert made.entries == (matrix.nnz if stages < 4 else matrix.nnz // stages)
+
+
+def test_sections_and_what_lies_between_them() -> None:
+    """Two staircases with rows of no order before, between and behind them, as a first and a last stage are."""
+    rng = np.random.default_rng(5)
+    first, second = staircase(50, 33, 20, 0, rng), staircase(50, 17, 20, 0, rng)
+    rest = [random_rows(count, first.shape[1], rng) for count in (70, 45, 90)]
+    matrix = sp.vstack([rest[0], first, rest[1], second, rest[2]]).tocsr()
+    made = NATIVE.Combination(native(matrix))
+    x, base = rng.standard_normal(matrix.shape[1]), rng.standard_normal(matrix.shape[0])
+    np.testing.assert_allclose(made.apply(x, base), base + matrix @ x, rtol=1e-13, atol=1e-13)
+    assert made.entries < 0.1 * (first.nnz + second.nnz) + sum(part.nnz for part in rest)
+
+
+def test_one_number_that_differs_is_not_taken_for_the_others() -> None:
+    rng = np.random.default_rng(7)
+    matrix = staircase(60, 40, 25, 12, rng)
+    x, base = rng.standard_normal(matrix.shape[1]), np.zeros(matrix.shape[0])
+    for entry in (0, matrix.nnz // 2, matrix.nnz - 1):
+        changed = matrix.copy()
+        changed.data[entry] += 1.0
+        made = NATIVE.Combination(native(changed))
+        np.testing.assert_allclose(made.apply(x, base), changed @ x, rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("rows", [0, 1, 15, 129])
+def test_empty_rows_leave_the_base(rows: int) -> None:
+    made = NATIVE.Combination(native(sp.csr_matrix((rows, 3))))
+    base = np.arange(rows, dtype=float)
+    np.testing.assert_array_equal(made.apply(np.ones(3), base), base)
+    assert made.entries == 0
