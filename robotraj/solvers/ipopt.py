@@ -50,6 +50,8 @@ LOADED = dict.fromkeys(("ma27", "ma57", "ma77", "ma86", "ma97"), "hsllib") | {"p
 class Ipopt(Solver):
     """IPOPT with exact Jacobian and Hessian.
 
+    Newton's systems are regularised by 1e-13 mu^(1/4) in the rows, so that rows that follow from others do no harm.
+
     Parameters
     ----------
     tolerance : float
