@@ -2,7 +2,8 @@
 
 Each problem is planned twice, once with each solver, from the same guess, with the same mesh or tolerance and
 `between=rt.Exchange()`; fatrop has nothing to fall back on. Prints and writes solvers.md: which of them solved, which
-found the better optimum, and their processor seconds.
+found the better optimum, and their processor seconds. Swing-ups of the acrobot, whose optima lie close together, are
+planned on several meshes in several durations as well.
 """
 
 from __future__ import annotations
@@ -37,6 +38,8 @@ LIMIT = 60.0
 """Seconds that a solver has for one mesh."""
 MANY_OPTIMA = ("cartpole", "acrobot", "cartpole, URDF", "acrobot, URDF")
 STARTS = 20
+DURATIONS, INTERVALS = (1.6, 1.8, 2.0, 2.2, 2.5, 3.0), (25, 30, 40, 50, 60)
+"""Of the acrobot's swing-ups."""
 EQUAL = 1e-5
 """Objectives that differ by no more than this share are the same optimum."""
 SOLVERS: dict[str, Solver] = {
@@ -251,6 +254,26 @@ def searched() -> list[str]:
     return rows
 
 
+def swings() -> list[str]:
+    """Compare both solvers on the acrobot's swing-ups, from the straight line."""
+    robot = rt.load("acrobot")
+    lines = []
+    for duration in DURATIONS:
+        ends = rt.State(q=[0, 0], v=0), rt.State(q=[np.pi, 0], v=0)
+        phase = rt.Phase(robot, duration, *ends, rt.Effort(), limits=None)
+        for count in INTERVALS:
+            task = Task(f"{duration} s, {count} intervals", "", phase, {"mesh": rt.Mesh(count)}, float("nan"))
+            lines.append(Line(task, {name: run(task, solver) for name, solver in SOLVERS.items()}))
+    better = Counter(line.better for line in lines)
+    iterations = [sum(line.runs[name].iterations for line in lines) for name in SOLVERS]
+    spans = f"{DURATIONS[0]} to {DURATIONS[-1]} s on {INTERVALS[0]} to {INTERVALS[-1]} intervals"
+    return [
+        f"Acrobot, {len(lines)} swing-ups from the straight line ({spans}): both find the same optimum "
+        f"{better['same']} times, fatrop a better one {better['fatrop']} times and IPOPT {better['IPOPT']} times, in "
+        f"{iterations[1]} and {iterations[0]} iterations."
+    ]
+
+
 def write(lines: list[Line], more: list[str]) -> None:
     """Write the tables beside this file."""
     head = " | ".join(f"{name} | iterations | processor [s]" for name in SOLVERS)
@@ -268,6 +291,8 @@ def write(lines: list[Line], more: list[str]) -> None:
         f"Fewer controls than every second state, {STARTS} starts (`rt.multistart`, seed 0) on the uniform mesh:",
         "",
         *more,
+        "",
+        *swings(),
         "",
         f"| problem | kind | known optimum | {head} | better |",
         "|" + "---|" * (4 + 3 * len(SOLVERS)),

@@ -1,9 +1,9 @@
 """Which solver plans a problem, and what evaluates its point functions, where the user does not say.
 
-Measured by benchmarks/solvers.py, each from the same guess: where there is a control for every second state, as on
-robots whose every joint has a motor, fatrop finds the optima that IPOPT finds, in half of the time and less. With fewer
-controls, problems have many optima and the two may find different ones, and with contacts fatrop stalls more often.
-There IPOPT is the robust choice; for many optima there is ``rt.multistart``, with fatrop.
+Measured by benchmarks/solvers.py, each from the same guess: on robots that stand fast, with all motors or without some,
+and on systems with a control for every second state, fatrop finds the optima that IPOPT finds, in half of the time and
+less. On systems with fewer controls, which have many optima, the two may find different ones, and with contacts fatrop
+stalls more often. There IPOPT is the robust choice; for many optima there is ``rt.multistart``, with fatrop.
 
 Engines give the same numbers to rounding, but plans with many optima can take another turn for less. Robots with a
 free-flyer, legs above all, have the largest graphs, and the compiled module takes two thirds off a solve's evaluation
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 
 
 def solver_for(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> Solver:
-    """Give ``Fatrop()`` for collocated systems and fixed robots with all their controls, ``Ipopt()`` for all else."""
+    """Give ``Fatrop()`` for collocated robots that stand fast and systems with many controls, ``Ipopt()`` else."""
     meshes = [mesh] if isinstance(mesh, Mesh) else list(mesh)
     plain = not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.given)
-    return Fatrop() if plain and all(_has_all_controls(phase) for phase in problem.phases) else Ipopt()
+    return Fatrop() if plain and all(_suits_fatrop(phase) for phase in problem.phases) else Ipopt()
 
 
 def engine_for(problem: Problem, solver: Solver) -> Engine:
@@ -41,14 +41,13 @@ def engine_for(problem: Problem, solver: Solver) -> Engine:
     return Native() if flies else solver.default_engine()
 
 
-def _has_all_controls(phase: Phase) -> bool:
+def _suits_fatrop(phase: Phase) -> bool:
     body = phase.body
     # Costs with variables of their own, such as absolute power, have corners and many optima.
     if phase.dae is not body or body.invariants:
         return False
     if isinstance(body, InverseRigidBody):
-        fixed = body.robot.root == "fixed" and body.design is None
-        return fixed and len(body.controls) == body.robot.nv == body.robot.nq
+        return body.robot.root == "fixed" and body.design is None and body.robot.nv == body.robot.nq
     # An integral over the phase, like a parameter, is carried through all stages and widens them.
     narrow = not phase.parameter_names and not any(isinstance(c, IntegralConstraint) for c in phase.constraints)
     return isinstance(body, SystemDynamics) and narrow and 2 * len(body.controls) >= len(body.states)

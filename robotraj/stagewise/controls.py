@@ -5,6 +5,10 @@ torque of an actuated joint in its balance above all, then u = r / k: the row an
 become rows of the expression, and everything that read u, further outputs of the stage or linear rows, reads the
 expression. A linear row over torques of several points of an interval, which holds their polynomial in between, is so
 a combination of the points' torque functions and stays in the interval's stage.
+
+On a robot that lacks motors the balances of the other joints stay as equations, and a Newton step of the expression
+beside them leads elsewhere than one of the unknown: the acrobot's swing-ups ended at twice the effort. Its torques
+remain unknowns (the lifted Newton method: Albersmeyer and Diehl, SIAM Journal on Optimization 20, 2010).
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,22 +29,37 @@ from robotraj.transcription.block import Block
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.stage_parts import solved_for
 
+if TYPE_CHECKING:
+    from robotraj.transcription import Nlp
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 _SOLVED: Kept[Stage] = Kept()
 
 
-def eliminate_controls(form: Form) -> Form:
+def eliminate_controls(form: Form, nlp: Nlp) -> Form:
     """Eliminate what can be in every block."""
+    staying = _staying(form, nlp)
     for index in range(len(form.blocks)):
-        form = _eliminate(form, index)
+        form = _eliminate(form, index, staying)
     return form
 
 
-def _eliminate(form: Form, index: int) -> Form:
+def _staying(form: Form, nlp: Nlp) -> Mask:
+    """Columns of controls that are unknowns in any case."""
+    staying = np.zeros(len(form.lower), dtype=bool)
+    for layout, phase in zip(nlp.layouts, nlp.problem.phases, strict=True):
+        robot = phase.robot
+        if robot is not None and robot.root == "fixed" and not phase.contacts and robot.nu < robot.nv:
+            for run in layout.runs:
+                staying[run.controls] = True
+    return staying
+
+
+def _eliminate(form: Form, index: int, staying: Mask) -> Form:
     block = form.blocks[index]
-    pairs = _pairs(form, block)
+    pairs = _pairs(form, block, staying)
     if not pairs:
         return form
     outputs, inputs = np.array(pairs).T
@@ -101,10 +121,10 @@ def _eliminate(form: Form, index: int) -> Form:
     return with_rows(form, nothing, form.lower[limited], form.upper[limited], bound_of=limited)
 
 
-def _pairs(form: Form, block: Block) -> Sequence[tuple[int, int]]:
+def _pairs(form: Form, block: Block, staying: Mask) -> Sequence[tuple[int, int]]:
     """(output, input) of controls that can go."""
     stage = block.stage
-    inputs = _private_inputs(form, block)
+    inputs = _private_inputs(form, block, staying)
     outputs = _private_outputs(form, block)
     if not inputs.size or not outputs.size:
         return []
@@ -116,7 +136,7 @@ def _pairs(form: Form, block: Block) -> Sequence[tuple[int, int]]:
     return [(int(outputs[o]), int(inputs[i])) for o, i in np.argwhere(alone)]
 
 
-def _private_inputs(form: Form, block: Block) -> Indices:
+def _private_inputs(form: Form, block: Block, staying: Mask) -> Indices:
     """Find inputs that are, at every place, one free column that no other place, equation or cost reads."""
     row, column, _ = entries(form.linear)
     equation = (form.row_lower == form.row_upper)[row]
@@ -126,7 +146,7 @@ def _private_inputs(form: Form, block: Block) -> Indices:
     single = np.diff(block.gather.indptr) == 1
     column = np.zeros(single.size, dtype=int)
     column[single] = block.gather.indices[block.gather.indptr[:-1][single]]
-    private = single & (uses[column] == 1) & (form.lower[column] < form.upper[column])
+    private = single & (uses[column] == 1) & (form.lower[column] < form.upper[column]) & ~staying[column]
     return np.flatnonzero(private.reshape(block.count, -1).all(axis=0))
 
 

@@ -80,8 +80,9 @@ def test_clearance_keeps_the_tip_above_a_slope_and_a_bump() -> None:
             poses = [tip(robot, q).translation for q in solution.at(solution.phases[0].points).q]
             return min(float(p[2] - height(p[0], p[1])) for p in poses)
 
-        assert least(rt.plan(free)) < 0.0
-        assert least(rt.plan(held)) >= 0.05 - 1e-6
+        # The way below the shoulder, which only the ground forbids, is one of several optima; IPOPT takes it.
+        assert least(rt.plan(free, solver=rt.Ipopt())) < 0.0
+        assert least(rt.plan(held, solver=rt.Ipopt())) >= 0.05 - 1e-6
 
 
 def test_frame_position_holds_at_the_end_alone() -> None:

@@ -22,13 +22,13 @@ def robot(name: str, **options: object) -> rt.Problem:
     return rt.Problem([rt.Phase(rt.load(name, **options), duration=1.0, objective=rt.Effort())])  # type: ignore[arg-type]
 
 
-def test_a_control_for_every_second_state_is_enough_for_fatrop() -> None:
+def test_systems_with_a_control_for_every_second_state_and_robots_that_stand_fast_are_for_fatrop() -> None:
     assert isinstance(solver_for(chain(1, 1), rt.Mesh()), rt.Fatrop)
     assert isinstance(solver_for(chain(2, 1), rt.Mesh()), rt.Fatrop)
     assert isinstance(solver_for(chain(4, 2), rt.Mesh()), rt.Fatrop)
     assert isinstance(solver_for(chain(3, 1), rt.Mesh()), rt.Ipopt)
     assert isinstance(solver_for(robot("ur5"), rt.Mesh()), rt.Fatrop)
-    assert isinstance(solver_for(robot("cartpole"), rt.Mesh()), rt.Ipopt)
+    assert isinstance(solver_for(robot("cartpole"), rt.Mesh()), rt.Fatrop)
 
 
 def test_every_phase_has_a_say() -> None:
@@ -76,7 +76,7 @@ def test_a_system_reaches_the_optimum_of_its_mesh_and_keeps_nothing_from_its_bou
     ("name", "root", "actuated", "solver", "engine"),
     [
         ("ur5", "fixed", None, rt.Fatrop(), rt.Native()),
-        ("double_pendulum", "fixed", [], rt.Ipopt(), rt.VirtualMachine()),
+        ("double_pendulum", "fixed", [], rt.Fatrop(), rt.Native()),
         ("solo12", "floating", None, rt.Ipopt(), rt.Native()),
     ],
 )

@@ -47,6 +47,20 @@ def test_fatrop_finds_the_optimum_of_ipopt_and_its_multipliers_prove_it(name: st
         assert np.all(value[inside & pushes_down] > upper[inside & pushes_down] - 1e-4)
 
 
+@pytest.mark.parametrize(("duration", "intervals"), [(1.6, 40), (2.2, 30)])
+def test_the_acrobot_swings_up_as_with_ipopt(duration: float, intervals: int) -> None:
+    """From the straight line to one of its many optima; with torques eliminated it took others."""
+    robot = rt.load("acrobot")
+    ends = {"start": rt.State(q=[0, 0], v=0), "end": rt.State(q=[np.pi, 0], v=0)}
+    phase = rt.Phase(robot, duration=duration, objective=rt.Effort(), limits=None, **ends)  # type: ignore[arg-type]
+    fatrop, ipopt = (
+        rt.plan(phase, rt.Mesh(intervals), solver=solver, between=rt.Exchange(), progress=False)
+        for solver in (rt.Fatrop(fallback=None), rt.Ipopt())
+    )
+    assert fatrop.success
+    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
+
+
 def test_a_contact_and_a_mirror_are_solved_in_stages() -> None:
     from tests.test_five_link import guess
 

@@ -172,6 +172,14 @@ def test_arm_needs_accelerations_alone() -> None:
     assert program.equalities.tolist() == [0, 0, 0, 12]
 
 
+def test_torques_of_a_robot_that_lacks_a_motor_stay_unknowns() -> None:
+    reduction = reduced("acrobot", "HermiteSimpson")
+    assert not reduction.form.eliminated
+    # u = (tau at the knot and in the middle, two a in the middle and at the next knot), at the last knot tau alone.
+    assert reduction.program.nu.tolist()[1:] == [6, 6, 1]
+    assert reduced("arm", "HermiteSimpson").form.eliminated
+
+
 def test_free_duration_keeps_defects_linear() -> None:
     reduction = reduced("hurried arm", "HermiteSimpson")
     assert reduction.stretched is not None
