@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 from robotraj.native.build import load_native
 
 if TYPE_CHECKING:
-    from robotraj.native._native import CasadiBlock, Csr, Outcome, PointBlock, Program, Term
+    from robotraj.native._native import CasadiBlock, Csr, Outcome, PointBlock, Program, Stacked, Term
 else:
     _native = load_native()
     CasadiBlock, PointBlock, Csr = _native.CasadiBlock, _native.PointBlock, _native.Csr
-    Outcome, Program, Term = _native.Outcome, _native.Program, _native.Term
+    Outcome, Program, Stacked, Term = _native.Outcome, _native.Program, _native.Stacked, _native.Term
 
-__all__ = ["CasadiBlock", "Csr", "Outcome", "PointBlock", "Program", "Term"]
+__all__ = ["CasadiBlock", "Csr", "Outcome", "PointBlock", "Program", "Stacked", "Term"]

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Narrow = NDArray[np.int32]
 
 PINOCCHIO_VERSION: str
 CASADI_VERSION: str
@@ -321,13 +322,30 @@ class Csr:
     @property
     def entries(self) -> int: ...
 
-class Combination:
-    """y = base + A x, over and over: rows that repeat, each time reading x a fixed distance on, are kept once.
+class Stacked:
+    """A sparse matrix of blocks of rows, of which those that come again, a fixed number of columns on, are kept once.
 
-    ``entries`` is how many are kept.
+    ``entries`` counts them all, ``kept`` those that are there. A Csr is taken wherever one of these is.
     """
 
     def __init__(self, matrix: Csr) -> None: ...
+    def __matmul__(self, x: Array) -> Array: ...
+    @property
+    def rows(self) -> int: ...
+    @property
+    def columns(self) -> int: ...
+    @property
+    def entries(self) -> int: ...
+    @property
+    def kept(self) -> int: ...
+
+class Combination:
+    """y = base + A x, over and over: rows that repeat, each time reading x a fixed distance on, are kept once.
+
+    With ``places``, row i goes to y[places[i]], to nowhere where that is negative. ``entries`` is how many are kept.
+    """
+
+    def __init__(self, matrix: Csr | Stacked, places: Narrow | None = None) -> None: ...
     def apply(self, x: Array, base: Array, threads: int = 1) -> Array: ...
     @property
     def entries(self) -> int: ...
@@ -371,7 +389,7 @@ class Chain:
 
 def jacobian_chain(
     linear: Csr, chains: Sequence[Chain], expressions: Csr, base: Indices, starts: Indices, stages: Indices
-) -> tuple[tuple[Indices, Indices], Array, list[Csr]]:
+) -> tuple[tuple[Narrow, Narrow], Array, list[Csr]]:
     """Entries (rows, columns) of linear + sum_b S_b blkdiag(J_e) G_b in row-major order, and what they are made of.
 
     Parameters
@@ -392,8 +410,11 @@ def jacobian_chain(
         entries = constants + sum_b parts[b] vec(J_b).
     """
 
-def hessian_chain(chains: Sequence[Chain], starts: Indices) -> tuple[tuple[Indices, Indices], Array, list[Csr]]:
-    """Entries of the upper triangle of sum_b G_b' blkdiag(H_e) G_b; as ``jacobian_chain``, without constants."""
+def hessian_chain(chains: Sequence[Chain], starts: Indices) -> tuple[tuple[Narrow, Narrow], Array, list[Stacked]]:
+    """Entries of the upper triangle of sum_b G_b' blkdiag(H_e) G_b; as ``jacobian_chain``, without constants.
+
+    Stages that read alike have the same rows, which are kept once.
+    """
 
 class Term:
     """A block in a program: v = gather y + gather_offset, rows += scatter vec(Y), objective += weights' Y[costed].
@@ -411,7 +432,8 @@ class Term:
         None where it has no cost.
     gradient : Csr (columns, n_v E) or None
         gradient += gradient vec(grad Y[costed]), the weights in it.
-    jacobian, hessian : Csr (entries, nonzeros E) or None
+    jacobian : Csr (entries, nonzeros E) or None
+    hessian : Stacked or Csr (entries, nonzeros E) or None
         What the nonzeros of the block add to the entries of the program's Jacobian and Hessian.
     """
 
@@ -425,7 +447,7 @@ class Term:
         weights: Array | None = None,
         gradient: Csr | None = None,
         jacobian: Csr | None = None,
-        hessian: Csr | None = None,
+        hessian: Stacked | Csr | None = None,
     ) -> None: ...
 
 class Outcome:

@@ -24,7 +24,7 @@ from robotraj.transcription.block import Block, Indices
 from robotraj.transcription.triplets import scaled
 
 if TYPE_CHECKING:
-    from robotraj.native import Csr
+    from robotraj.native import Csr, Stacked
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ class BlockProgram:
     shift : ndarray (n_v E,)
         g, what the gather adds.
     jacobian : Csr (nonzeros of the Jacobian, nonzeros of the places' Jacobians)
-    hessian : Csr (nonzeros of the Hessian, nonzeros of the places' Hessians)
+    hessian : Stacked (nonzeros of the Hessian, nonzeros of the places' Hessians)
     gradient : Csr (n_y, n_v E) or None
         None where the block has no cost.
     """
@@ -48,7 +48,7 @@ class BlockProgram:
     block: Block
     shift: Array
     jacobian: Csr
-    hessian: Csr
+    hessian: Stacked
     gradient: Csr | None
 
 

@@ -75,3 +75,21 @@ def test_empty_rows_leave_the_base(rows: int) -> None:
     base = np.arange(rows, dtype=float)
     np.testing.assert_array_equal(made.apply(np.ones(3), base), base)
     assert made.entries == 0
+
+
+@pytest.mark.parametrize("rows", [7, 40])
+def test_results_may_have_places_of_their_own(rows: int) -> None:
+    rng = np.random.default_rng(rows)
+    matrix = staircase(50, rows, 25, 12, rng)
+    # Every stage leaves a gap, its first two rows go nowhere, and one row goes elsewhere than those like it.
+    places = np.arange(matrix.shape[0]) + 3 * np.repeat(np.arange(50), rows)
+    places[np.arange(matrix.shape[0]) % rows < 2] = -1
+    places[31 * rows + 5] = 60 * rows
+    made = NATIVE.Combination(native(matrix), places.astype(np.int32))
+    x, expected = rng.standard_normal(matrix.shape[1]), rng.standard_normal(60 * rows + 200)
+    found = made.apply(x, expected)
+    np.add.at(expected, places[places >= 0], (matrix @ x)[places >= 0])
+    np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
+    assert made.entries < 0.2 * matrix.nnz
+    with pytest.raises(ValueError, match=f"places has 3 entries, expected {matrix.shape[0]}"):
+        NATIVE.Combination(native(matrix), np.zeros(3, dtype=np.int32))

@@ -162,6 +162,16 @@ def test_dependent_equalities_are_told_unless_they_are_damped() -> None:
     assert solver.solve(dx, np.full(2, 1e-3), none, f, g)[0] == "good"
 
 
+def test_derivatives_out_of_order_are_refused() -> None:
+    nu, nx, none = (np.array(each, dtype=np.int64) for each in ([1, 0], [1, 1], [0, 0]))
+    rows, columns, diagonal = np.array([0, 0, 0]), np.array([0, 1, 2]), np.arange(3)
+    for order in ([1, 0, 2], [0, 0, 2]):
+        with pytest.raises(ValueError, match="come by rows"):
+            NATIVE.StageSystem(nu, nx, none, none, rows, columns[order], diagonal, diagonal, "")
+        with pytest.raises(ValueError, match="come by rows"):
+            NATIVE.StageSystem(nu, nx, none, none, rows, columns, diagonal[order], diagonal[order], "")
+
+
 CASADI = """
 import casadi as ca
 x, u, y = (ca.SX.sym(name) for name in "xuy")

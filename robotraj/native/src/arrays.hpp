@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace robotraj::native {
@@ -17,6 +18,8 @@ namespace robotraj::native {
 using Doubles = nanobind::ndarray<const double, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
 /// A contiguous vector of indices, read only.
 using Indices = nanobind::ndarray<const std::int64_t, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
+/// The same of 32 bits.
+using Narrow = nanobind::ndarray<const std::int32_t, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
 /// What is handed to Python: NumPy owns the memory.
 using Result = nanobind::ndarray<nanobind::numpy, double, nanobind::ndim<1>>;
 
@@ -25,6 +28,11 @@ inline Result to_numpy(std::vector<double> values) {
   auto* kept = new std::vector<double>(std::move(values));
   nanobind::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
   return Result(kept->data(), {kept->size()}, owner);
+}
+
+template <typename Array>
+auto copied(const Array& array) {
+  return std::vector<std::remove_const_t<typename Array::Scalar>>(array.data(), array.data() + array.size());
 }
 
 /// Refuses a vector of the wrong length by name.

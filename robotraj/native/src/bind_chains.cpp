@@ -11,17 +11,16 @@ namespace robotraj::native {
 
 namespace {
 
-using Integers = nb::ndarray<nb::numpy, std::int64_t, nb::ndim<1>>;
+using Integers = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<1>>;
 
-std::vector<std::int64_t> copied(const Indices& array) { return {array.data(), array.data() + array.size()}; }
-
-Integers moved(std::vector<std::int64_t> values) {
-  auto* kept = new std::vector<std::int64_t>(std::move(values));
-  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<std::int64_t>*>(p); });
+Integers moved(std::vector<std::int32_t> values) {
+  auto* kept = new std::vector<std::int32_t>(std::move(values));
+  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<std::int32_t>*>(p); });
   return Integers(kept->data(), {kept->size()}, owner);
 }
 
-nb::tuple taken_apart(Combined combined) {
+template <typename Matrix>
+nb::tuple taken_apart(Combined<Matrix> combined) {
   return nb::make_tuple(nb::make_tuple(moved(std::move(combined.pattern.rows)), moved(std::move(combined.pattern.columns))),
                         to_numpy(std::move(combined.constant)), std::move(combined.parts));
 }
@@ -32,8 +31,8 @@ void bind_chains(nb::module_& m) {
   nb::class_<Chain>(m, "Chain")
       .def(
           "__init__",
-          [](Chain* self, std::size_t count, std::size_t inputs, std::size_t outputs, const Indices& jacobian_rows,
-             const Indices& jacobian_columns, const Indices& hessian_rows, const Indices& hessian_columns,
+          [](Chain* self, std::size_t count, std::size_t inputs, std::size_t outputs, const Narrow& jacobian_rows,
+             const Narrow& jacobian_columns, const Narrow& hessian_rows, const Narrow& hessian_columns,
              const Csr& scatter, const Csr& reads, const Csr& gather, const Indices& stages) {
             Chain chain{count,
                         inputs,
@@ -62,8 +61,7 @@ void bind_chains(nb::module_& m) {
   m.def(
       "hessian_chain",
       [](const std::vector<const Chain*>& chains, const Indices& starts) {
-        Combined combined = hessian_chain(chains, {copied(starts), {}});
-        return taken_apart(std::move(combined));
+        return taken_apart(hessian_chain(chains, {copied(starts), {}}));
       },
       nb::arg("chains"), nb::arg("starts"));
 }

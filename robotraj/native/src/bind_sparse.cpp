@@ -2,14 +2,17 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "combination.hpp"
+#include "stacked.hpp"
+
+#include <nanobind/stl/optional.h>
+
+#include <optional>
 
 namespace nb = nanobind;
 
 namespace robotraj::native {
 
 namespace {
-
-using Narrow = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 template <typename Integers>
 void make(Csr* self, std::size_t rows, std::size_t columns, const Integers& starts, const Integers& indices,
@@ -18,7 +21,8 @@ void make(Csr* self, std::size_t rows, std::size_t columns, const Integers& star
   new (self) Csr(rows, columns, starts.data(), starts.size(), indices.data(), data.data(), indices.size());
 }
 
-Result times(const Csr& self, const Doubles& x) {
+template <typename Matrix>
+Result times(const Matrix& self, const Doubles& x) {
   std::vector<double> y(self.rows());
   self.times(checked(x, self.columns(), "x"), y.data());
   return to_numpy(std::move(y));
@@ -46,7 +50,7 @@ void bind_sparse(nb::module_& m) {
                                checked(column, data.size(), "column"), data.data());
           },
           nb::arg("rows"), nb::arg("columns"), nb::arg("row"), nb::arg("column"), nb::arg("data"))
-      .def("__matmul__", times, nb::arg("x"))
+      .def("__matmul__", times<Csr>, nb::arg("x"))
       .def("__matmul__", nb::overload_cast<const Csr&>(&Csr::times, nb::const_), nb::arg("other"))
       .def(
           "resolved",
@@ -62,8 +66,21 @@ void bind_sparse(nb::module_& m) {
       .def_prop_ro("rows", &Csr::rows)
       .def_prop_ro("columns", &Csr::columns)
       .def_prop_ro("entries", &Csr::entries);
-  nb::class_<Combination>(m, "Combination")
+  nb::class_<Stacked>(m, "Stacked")
       .def(nb::init<const Csr&>(), nb::arg("matrix"))
+      .def("__matmul__", times<Stacked>, nb::arg("x"))
+      .def_prop_ro("rows", &Stacked::rows)
+      .def_prop_ro("columns", &Stacked::columns)
+      .def_prop_ro("entries", &Stacked::entries)
+      .def_prop_ro("kept", &Stacked::kept);
+  nb::implicitly_convertible<Csr, Stacked>();
+  nb::class_<Combination>(m, "Combination")
+      .def(
+          "__init__",
+          [](Combination* self, const Stacked& matrix, const std::optional<Narrow>& places) {
+            new (self) Combination(matrix, places ? checked(*places, matrix.rows(), "places") : nullptr);
+          },
+          nb::arg("matrix"), nb::arg("places") = nb::none())
       .def(
           "apply",
           [](const Combination& self, const Doubles& x, const Doubles& base, std::size_t threads) {

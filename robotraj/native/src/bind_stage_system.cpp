@@ -18,10 +18,6 @@ namespace {
 
 using Info = StageMatrices::Info;
 
-Pattern pattern(const Indices& rows, const Indices& columns) {
-  return {{rows.data(), rows.data() + rows.size()}, {columns.data(), columns.data() + columns.size()}};
-}
-
 /// A program's matrices and the solver of its systems; rows are [dynamics, equalities, inequalities].
 class StageSystem {
  public:
@@ -123,10 +119,11 @@ void bind_stage_system(nb::module_& m) {
       .def(
           "__init__",
           [](StageSystem* self, const Indices& controls, const Indices& states, const Indices& equalities,
-             const Indices& inequalities, const Indices& jacobian_rows, const Indices& jacobian_columns,
-             const Indices& hessian_rows, const Indices& hessian_columns, const std::string& processor) {
+             const Indices& inequalities, const Narrow& jacobian_rows, const Narrow& jacobian_columns,
+             const Narrow& hessian_rows, const Narrow& hessian_columns, const std::string& processor) {
             new (self) StageSystem(controls, states, equalities, inequalities,
-                                   pattern(jacobian_rows, jacobian_columns), pattern(hessian_rows, hessian_columns),
+                                   Pattern{copied(jacobian_rows), copied(jacobian_columns)},
+                                   Pattern{copied(hessian_rows), copied(hessian_columns)},
                                    processor);
           },
           nb::arg("controls"), nb::arg("states"), nb::arg("equalities"), nb::arg("inequalities"),

@@ -20,12 +20,6 @@ class Rows {
  public:
   explicit Rows(std::size_t columns) : columns_(columns) {}
 
-  /// Makes room for so many more entries.
-  void reserve(std::size_t entries) {
-    indices_.reserve(indices_.size() + entries);
-    data_.reserve(data_.size() + entries);
-  }
-
   /// Appends `many` rows made of products in any order; those of one row and source are added up.
   void append(const std::vector<Product>& products, std::size_t many) {
     next_.assign(many + 1, 0);
@@ -77,19 +71,6 @@ class Rows {
   std::vector<Product> sorted_;
 };
 
-std::vector<Rows> rows_of(const std::vector<const Chain*>& chains, bool second) {
-  std::vector<Rows> parts;
-  for (const Chain* chain : chains)
-    parts.emplace_back((second ? chain->hessian : chain->jacobian).size() * chain->count);
-  return parts;
-}
-
-Combined finished(Pattern pattern, Numbers constant, std::vector<Rows>& parts) {
-  Combined combined{std::move(pattern), std::move(constant), {}};
-  for (Rows& part : parts) combined.parts.push_back(part.matrix());
-  return combined;
-}
-
 [[noreturn]] void refuse(std::int64_t column) {
   throw std::invalid_argument("column " + std::to_string(column) + " is read outside its stage");
 }
@@ -114,9 +95,9 @@ void Chain::check() const {
   const auto need = [](bool fits, const char* what) {
     if (!fits) throw std::invalid_argument(std::string("a chain's ") + what + " do not fit its places");
   };
-  const auto within = [&](const std::vector<std::int64_t>& indices, std::size_t end) {
+  const auto within = [&](const std::vector<std::int32_t>& indices, std::size_t end) {
     return std::all_of(indices.begin(), indices.end(),
-                       [&](std::int64_t i) { return i >= 0 && static_cast<std::size_t>(i) < end; });
+                       [&](std::int32_t i) { return i >= 0 && static_cast<std::size_t>(i) < end; });
   };
   need(scatter.columns() == outputs * count, "scattered outputs");
   need(reads.rows() == inputs * count && gather.rows() == inputs * count, "gathered inputs");
@@ -126,14 +107,15 @@ void Chain::check() const {
   need(jacobian.rows.size() == jacobian.columns.size() && hessian.rows.size() == hessian.columns.size(), "patterns");
 }
 
-Combined jacobian_chain(const Csr& linear, const std::vector<const Chain*>& chains, const Slots& slots,
-                        const Runs& runs) {
+Combined<Csr> jacobian_chain(const Csr& linear, const std::vector<const Chain*>& chains, const Slots& slots,
+                             const Runs& runs) {
   for (const Chain* chain : chains)
     if (chain->scatter.rows() != linear.rows()) throw std::invalid_argument("a chain writes other rows");
   if (runs.rows.size() != linear.rows()) throw std::invalid_argument("every row needs its stage");
   std::vector<std::vector<std::vector<std::size_t>>> outputs;
   for (const Chain* chain : chains) outputs.push_back(by_output(*chain));
-  auto parts = rows_of(chains, false);
+  std::vector<Rows> parts;
+  for (const Chain* chain : chains) parts.emplace_back(chain->jacobian.size() * chain->count);
   Pattern pattern;
   Numbers constant;
   std::vector<std::vector<Product>> products(chains.size());
@@ -172,8 +154,8 @@ Combined jacobian_chain(const Csr& linear, const std::vector<const Chain*>& chai
     for (std::size_t at = 0; at < width; ++at) {
       if (!present[at]) continue;
       number[at] = many++;
-      pattern.rows.push_back(static_cast<std::int64_t>(row));
-      pattern.columns.push_back(first + static_cast<std::int64_t>(at));
+      pattern.rows.push_back(static_cast<std::int32_t>(row));
+      pattern.columns.push_back(static_cast<std::int32_t>(first + static_cast<std::int64_t>(at)));
     }
     const std::size_t begin = constant.size();
     constant.resize(begin + many, 0.0);
@@ -184,7 +166,9 @@ Combined jacobian_chain(const Csr& linear, const std::vector<const Chain*>& chai
       parts[b].append(products[b], many);
     }
   }
-  return finished(std::move(pattern), std::move(constant), parts);
+  Combined<Csr> combined{std::move(pattern), std::move(constant), {}};
+  for (Rows& part : parts) combined.parts.push_back(part.matrix());
+  return combined;
 }
 
 namespace {
@@ -195,19 +179,29 @@ struct Step {
   bool twice;
 };
 
-/// What the places of one block in one stage read, as positions in the stage.
-std::vector<std::int32_t> reading(const Chain& chain, const std::vector<std::size_t>& places, std::int64_t first,
-                                  std::size_t width) {
-  std::vector<std::int32_t> local{static_cast<std::int32_t>(places.size()), static_cast<std::int32_t>(width)};
-  const Csr& g = chain.gather;
-  for (const std::size_t place : places)
-    for (std::size_t input = place * chain.inputs; input < (place + 1) * chain.inputs; ++input) {
-      local.push_back(g.starts()[input + 1] - g.starts()[input]);
-      for (auto i = g.starts()[input]; i < g.starts()[input + 1]; ++i)
-        local.push_back(static_cast<std::int32_t>(inside(g.indices()[i], first, width)));
+/// What the places of one block in one stage read.
+struct Reading {
+  std::vector<std::int32_t> local;  // positions in the stage
+  Numbers factors;
+  std::vector<std::size_t> apart;  // places behind the first
+
+  void read(const Chain& chain, const std::vector<std::size_t>& places, std::int64_t first, std::size_t width) {
+    local.assign({static_cast<std::int32_t>(places.size()), static_cast<std::int32_t>(width)});
+    factors.clear();
+    apart.clear();
+    const Csr& g = chain.gather;
+    for (const std::size_t place : places) {
+      const std::size_t begin = place * chain.inputs, end = begin + chain.inputs;
+      for (std::size_t input = begin; input < end; ++input) {
+        local.push_back(g.starts()[input + 1] - g.starts()[input]);
+        for (auto i = g.starts()[input]; i < g.starts()[input + 1]; ++i)
+          local.push_back(static_cast<std::int32_t>(inside(g.indices()[i], first, width)));
+      }
+      factors.insert(factors.end(), g.data() + g.starts()[begin], g.data() + g.starts()[end]);
+      apart.push_back(place - places.front());
     }
-  return local;
-}
+  }
+};
 
 /// Products of one block in one stage, `at` being row * width + column; marks what is there.
 std::vector<Step> steps_of(const Chain& chain, const std::vector<std::size_t>& places, std::int64_t first,
@@ -238,7 +232,7 @@ std::vector<Step> steps_of(const Chain& chain, const std::vector<std::size_t>& p
 
 }  // namespace
 
-Combined hessian_chain(const std::vector<const Chain*>& chains, const Runs& runs) {
+Combined<Stacked> hessian_chain(const std::vector<const Chain*>& chains, const Runs& runs) {
   const std::size_t stages = runs.starts.size() - 1;
   // Places of every block by stage.
   std::vector<std::vector<std::vector<std::size_t>>> places(chains.size());
@@ -246,20 +240,25 @@ Combined hessian_chain(const std::vector<const Chain*>& chains, const Runs& runs
     places[b].resize(stages);
     for (std::size_t e = 0; e < chains[b]->count; ++e) places[b].at(chains[b]->stages[e]).push_back(e);
   }
-  auto parts = rows_of(chains, true);
+  std::vector<Stacking> parts;
+  for (const Chain* chain : chains) parts.emplace_back(chain->hessian.size() * chain->count);
   Pattern pattern;
   std::vector<std::int32_t> number;
-  // Most stages read like the one before: then the products are the same, in the same order, with other factors.
-  std::vector<std::vector<std::int32_t>> known(chains.size()), own(chains.size());
+  // Most stages read like the one before: then the products are the same, in the same order, and most often by the same
+  // factors.
+  std::vector<Reading> known(chains.size()), own(chains.size());
   std::vector<std::vector<Step>> steps(chains.size());
-  std::vector<std::pair<std::size_t, std::size_t>> entries;
+  std::vector<std::pair<std::int32_t, std::int32_t>> entries;
   std::vector<Product> products;
   for (std::size_t stage = 0; stage < stages; ++stage) {
     const std::int64_t first = runs.starts[stage];
     const auto width = static_cast<std::size_t>(runs.starts[stage + 1] - first);
-    for (std::size_t b = 0; b < chains.size(); ++b) own[b] = reading(*chains[b], places[b][stage], first, width);
-    if (own != known) {
-      known = own;
+    bool alike = stage > 0;
+    for (std::size_t b = 0; b < chains.size(); ++b) {
+      own[b].read(*chains[b], places[b][stage], first, width);
+      alike = alike && own[b].local == known[b].local;
+    }
+    if (!alike) {
       number.assign(width * width, -1);
       for (std::size_t b = 0; b < chains.size(); ++b)
         steps[b] = steps_of(*chains[b], places[b][stage], first, width, number);
@@ -273,29 +272,38 @@ Combined hessian_chain(const std::vector<const Chain*>& chains, const Runs& runs
       for (std::size_t b = 0; b < chains.size(); ++b) {
         for (Step& step : steps[b]) step.at = number[step.at];
         std::stable_sort(steps[b].begin(), steps[b].end(), [](const Step& x, const Step& y) { return x.at < y.at; });
-        // A second stage is like most others.
-        if (stage == 1) parts[b].reserve(steps[b].size() * (stages - 1));
       }
     }
     for (const auto& [row, column] : entries) {
-      pattern.rows.push_back(first + static_cast<std::int64_t>(row));
-      pattern.columns.push_back(first + static_cast<std::int64_t>(column));
+      pattern.rows.push_back(static_cast<std::int32_t>(first) + row);
+      pattern.columns.push_back(static_cast<std::int32_t>(first) + column);
     }
     for (std::size_t b = 0; b < chains.size(); ++b) {
       const Chain& chain = *chains[b];
+      const std::vector<std::size_t>& here = places[b][stage];
+      const std::size_t nonzeros = chain.hessian.size();
+      if (alike && own[b].factors == known[b].factors && own[b].apart == known[b].apart) {
+        const std::size_t moved = here.empty() ? 0 : here.front() - places[b][stage - 1].front();
+        if (parts[b].repeat(static_cast<std::ptrdiff_t>(moved * nonzeros))) continue;
+      }
       products.clear();
       products.reserve(steps[b].size());
       for (const Step& step : steps[b]) {
-        const std::size_t place = places[b][stage][step.place];
+        const std::size_t place = here[step.place];
         const double* g = chain.gather.data() + chain.gather.starts()[place * chain.inputs];
         const double factor = g[step.i] * g[step.j];
-        products.push_back({step.at, static_cast<std::int32_t>(place * chain.hessian.size()) + step.nonzero,
+        products.push_back({step.at, static_cast<std::int32_t>(place * nonzeros) + step.nonzero,
                             step.twice ? 2.0 * factor : factor});
       }
-      parts[b].append_sorted(products, entries.size());
+      Rows rows(nonzeros * chain.count);
+      rows.append_sorted(products, entries.size());
+      parts[b].append(rows.matrix());
     }
+    std::swap(known, own);
   }
-  return finished(std::move(pattern), {}, parts);
+  Combined<Stacked> combined{std::move(pattern), {}, {}};
+  for (Stacking& part : parts) combined.parts.push_back(part.stacked());
+  return combined;
 }
 
 }  // namespace robotraj::native

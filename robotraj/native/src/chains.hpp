@@ -13,6 +13,7 @@
 
 #include "program.hpp"
 #include "sparse.hpp"
+#include "stacked.hpp"
 
 namespace robotraj::native {
 
@@ -43,17 +44,18 @@ struct Runs {
 };
 
 /// Entries in row-major order, and what makes them up.
+template <typename Matrix>
 struct Combined {
   Pattern pattern;
   Numbers constant;
-  std::vector<Csr> parts;
+  std::vector<Matrix> parts;
 };
 
 /// j0 and M_b. A row reads places of other stages as its own stage sees their columns.
-Combined jacobian_chain(const Csr& linear, const std::vector<const Chain*>& chains, const Slots& slots,
-                        const Runs& runs);
+Combined<Csr> jacobian_chain(const Csr& linear, const std::vector<const Chain*>& chains, const Slots& slots,
+                             const Runs& runs);
 
-/// N_b.
-Combined hessian_chain(const std::vector<const Chain*>& chains, const Runs& runs);
+/// N_b. Stages that read alike have the same rows.
+Combined<Stacked> hessian_chain(const std::vector<const Chain*>& chains, const Runs& runs);
 
 }  // namespace robotraj::native

@@ -13,29 +13,42 @@ constexpr std::size_t kLeast = 16, kWorthwhile = 128, kMost = 1u << 13;
 
 }  // namespace
 
-/// A matrix with the places of its rows.
+/// A piece of the matrix with the places of its rows.
 struct Combination::Rows {
   const Csr& matrix;
   const std::int32_t* places;
-  std::ptrdiff_t place(std::size_t row) const { return places ? places[row] : static_cast<std::ptrdiff_t>(row); }
+  std::size_t first;          // row of the whole
+  std::ptrdiff_t behind = 0;  // how much further on x is read than its columns say
+  std::ptrdiff_t place(std::size_t row) const {
+    return places ? places[first + row] : static_cast<std::ptrdiff_t>(first + row);
+  }
+
+  /// Whether `count` places from row b on are those from a on, moved by the run's step, which is found at first.
+  bool same_places(std::size_t a, std::size_t b, std::size_t count, Run& run, bool& known) const {
+    for (std::size_t row = 0; row < count; ++row) {
+      const std::ptrdiff_t from = place(a + row), to = place(b + row);
+      if ((from < 0) != (to < 0)) return false;
+      if (from < 0) continue;
+      if (known && to - from != run.step) return false;
+      run.step = to - from;
+      known = true;
+    }
+    return true;
+  }
 
   /// Whether rows [a, a + count) are those from b on, moved by the run's shift and step, which are found at first.
   bool same(std::size_t a, std::size_t b, std::size_t count, Run& run, bool (&known)[2]) const {
     const std::int32_t *starts = matrix.starts(), *columns = matrix.indices();
     const double* values = matrix.data();
-    const auto fits = [](std::ptrdiff_t apart, std::ptrdiff_t& expected, bool& is_known) {
-      if (!is_known) expected = apart;
-      is_known = true;
-      return apart == expected;
-    };
     for (std::size_t row = 0; row < count; ++row) {
       const std::int32_t here = starts[a + row], there = starts[b + row], entries = starts[a + row + 1] - here;
-      if (starts[b + row + 1] - there != entries) return false;
-      const std::ptrdiff_t from = place(a + row), to = place(b + row);
-      if ((from < 0) != (to < 0) || (from >= 0 && !fits(to - from, run.step, known[1]))) return false;
-      for (std::int32_t e = 0; e < entries; ++e)
-        if (!fits(columns[there + e] - columns[here + e], run.shift, known[0]) || values[there + e] != values[here + e])
-          return false;
+      if (starts[b + row + 1] - there != entries || !same_places(a + row, b + row, 1, run, known[1])) return false;
+      for (std::int32_t e = 0; e < entries; ++e) {
+        const std::ptrdiff_t apart = columns[there + e] - columns[here + e];
+        if ((known[0] && apart != run.shift) || values[there + e] != values[here + e]) return false;
+        run.shift = apart;
+        known[0] = true;
+      }
     }
     return true;
   }
@@ -80,8 +93,15 @@ void sum_rows(std::size_t rows, const std::int32_t* row, const std::int32_t* pla
 
 }  // namespace
 
-Combination::Combination(const Csr& matrix, const std::int32_t* places) {
-  divide({matrix, places}, 0, matrix.rows());
+Combination::Combination(const Stacked& matrix, const std::int32_t* places) {
+  std::size_t first = 0;
+  for (const Stacked::Piece& piece : matrix.pieces()) {
+    if (piece.repeats > 1)
+      take(piece, places, first);
+    else
+      divide({piece.rows, places, first}, 0, piece.rows.rows());
+    first += piece.repeats * piece.rows.rows();
+  }
   for (std::size_t run = 0; run < runs_.size(); ++run) {
     std::size_t entries = 1;
     for (std::size_t g = runs_[run].groups_begin; g < runs_[run].groups_end; ++g)
@@ -89,6 +109,22 @@ Combination::Combination(const Csr& matrix, const std::int32_t* places) {
     const std::size_t step = kPiece / entries + 1;
     for (std::size_t begin = 0; begin < runs_[run].repeats; begin += step)
       pieces_.push_back({run, begin, std::min(begin + step, runs_[run].repeats)});
+  }
+}
+
+/// What repeats already, as far as its places do.
+void Combination::take(const Stacked::Piece& piece, const std::int32_t* places, std::size_t first) {
+  const std::size_t period = piece.rows.rows();
+  for (std::size_t begin = 0, end; begin < piece.repeats; begin = end) {
+    const Rows rows{piece.rows, places, first + begin * period, static_cast<std::ptrdiff_t>(begin) * piece.shift};
+    Run run{0, period, 1, piece.shift, 0, 0, 0};
+    bool known = false;
+    for (end = begin + 1; end < piece.repeats; ++end) {
+      const std::size_t row = (end - 1 - begin) * period;
+      if (!rows.same_places(row, row + period, period, run, known)) break;
+      ++run.repeats;
+    }
+    add(rows, run);
   }
 }
 
@@ -130,9 +166,10 @@ void Combination::add(const Rows& rows, const Run& run) {
     if (groups_.size() == added.groups_begin || groups_.back().count != entries)
       groups_.push_back({entries, 0, rows_.size(), values_.size()});
     ++groups_.back().rows;
-    rows_.push_back(static_cast<std::int32_t>(run.row) + row);
+    rows_.push_back(static_cast<std::int32_t>(rows.first + run.row) + row);
     places_.push_back(static_cast<std::int32_t>(rows.place(run.row + static_cast<std::size_t>(row))));
-    columns_.insert(columns_.end(), matrix.indices() + starts[row], matrix.indices() + starts[row + 1]);
+    for (std::int32_t e = starts[row]; e < starts[row + 1]; ++e)
+      columns_.push_back(matrix.indices()[e] + static_cast<std::int32_t>(rows.behind));
     values_.insert(values_.end(), matrix.data() + starts[row], matrix.data() + starts[row + 1]);
   }
   added.groups_end = groups_.size();

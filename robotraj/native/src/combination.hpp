@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sparse.hpp"
+#include "stacked.hpp"
 #include "thread_pool.hpp"
 
 namespace robotraj::native {
@@ -20,7 +21,9 @@ namespace robotraj::native {
 class Combination {
  public:
   Combination() : Combination(Csr()) {}
-  explicit Combination(const Csr& matrix, const std::int32_t* places = nullptr);
+  explicit Combination(const Csr& matrix, const std::int32_t* places = nullptr)
+      : Combination(Stacked(matrix), places) {}
+  explicit Combination(const Stacked& matrix, const std::int32_t* places = nullptr);
 
   /// y = base + A x, rows shared by the pool; base may be null for zeros, and y for what has its places.
   void apply(const double* x, const double* base, double* y, ThreadPool& pool) const;
@@ -46,6 +49,7 @@ class Combination {
 
   struct Rows;
   void divide(const Rows& matrix, std::size_t begin, std::size_t end);
+  void take(const Stacked::Piece& piece, const std::int32_t* places, std::size_t first);
   void add(const Rows& matrix, const Run& run);
   void block(const Run& run, std::size_t repeat, const double* x, const double* base, double* y) const;
 

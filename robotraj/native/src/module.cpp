@@ -5,6 +5,8 @@
 #include <pinocchio/config.hpp>
 
 NB_MODULE(_native, m) {
+  // What a script holds when the interpreter ends is no leak, and nothing that its user should have to read about.
+  nanobind::set_leak_warnings(false);
   m.attr("PINOCCHIO_VERSION") = PINOCCHIO_VERSION;
   m.attr("CASADI_VERSION") = CASADI_VERSION_STRING;
   robotraj::native::bind_point_block(m);

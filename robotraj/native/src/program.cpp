@@ -14,7 +14,8 @@ void need(std::size_t have, std::size_t want, const std::string& what) {
     throw std::invalid_argument(what + " is " + std::to_string(have) + ", expected " + std::to_string(want));
 }
 
-void need_shape(const Csr& matrix, std::size_t rows, std::size_t columns, const std::string& what) {
+template <typename Matrix>
+void need_shape(const Matrix& matrix, std::size_t rows, std::size_t columns, const std::string& what) {
   need(matrix.rows(), rows, what + ": number of rows");
   need(matrix.columns(), columns, what + ": number of columns");
 }
@@ -40,9 +41,7 @@ Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vect
       pool_(std::max<std::size_t>(1, threads)),
       point_(columns()),
       rows_(rows()),
-      gradient_(columns()),
-      jacobian_(jacobian_pattern_.size()),
-      hessian_(hessian_pattern_.size()) {
+      gradient_(columns()) {
   need_shape(linear_.rows, rows(), columns(), "linear part of the rows");
   need(linear_.jacobian.size(), jacobian_pattern_.size(), "constant Jacobian entries: their number");
   need_inside(jacobian_pattern_, rows(), columns(), "Jacobian");
@@ -181,6 +180,8 @@ void Program::prepare_in_order() {
     work_[i].jacobian_in_order = Combination(terms_[i].jacobian);
     work_[i].hessian_in_order = Combination(terms_[i].hessian);
   }
+  jacobian_.resize(jacobian_pattern_.size());
+  hessian_.resize(hessian_pattern_.size());
   in_order_ = true;
 }
 

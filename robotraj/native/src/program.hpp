@@ -13,6 +13,7 @@
 
 #include "point_block.hpp"
 #include "combination.hpp"
+#include "stacked.hpp"
 
 namespace robotraj::native {
 
@@ -28,13 +29,13 @@ struct Term {
   Numbers weights;        // (E,), empty where the block carries no cost
   Csr gradient;           // C (columns, n_v E)
   Csr jacobian;           // M (Jacobian entries, nonzeros E)
-  Csr hessian;            // N (Hessian entries, nonzeros E)
+  Stacked hessian;        // N (Hessian entries, nonzeros E)
 };
 
 /// Entries (row, column) of a sparse matrix.
 struct Pattern {
-  std::vector<std::int64_t> rows;
-  std::vector<std::int64_t> columns;
+  std::vector<std::int32_t> rows;
+  std::vector<std::int32_t> columns;
   std::size_t size() const { return rows.size(); }
 };
 

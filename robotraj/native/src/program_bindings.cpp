@@ -44,12 +44,6 @@ class Alone {
   std::atomic<bool>& busy_;
 };
 
-Numbers numbers(const Doubles& array) { return Numbers(array.data(), array.data() + array.size()); }
-
-Pattern pattern(const Indices& rows, const Indices& columns) {
-  return {{rows.data(), rows.data() + rows.size()}, {columns.data(), columns.data() + columns.size()}};
-}
-
 std::vector<fatrop::Index> sizes(const Indices& array, const char* name) {
   for (std::size_t i = 0; i < array.size(); ++i)
     if (array.data()[i] < 0) throw std::invalid_argument(std::string(name) + " has a negative size");
@@ -137,16 +131,16 @@ void bind_program(nb::module_& m) {
           "__init__",
           [](Term* self, std::shared_ptr<PointBlock> block, const Csr& gather, const Doubles& gather_offset,
              const Doubles& constants, std::optional<Csr> scatter, std::optional<Doubles> weights,
-             std::optional<Csr> gradient, std::optional<Csr> jacobian, std::optional<Csr> hessian) {
+             std::optional<Csr> gradient, std::optional<Csr> jacobian, std::optional<Stacked> hessian) {
             new (self) Term{std::move(block),
                             gather,
-                            numbers(gather_offset),
-                            numbers(constants),
+                            copied(gather_offset),
+                            copied(constants),
                             scatter.value_or(Csr()),
-                            weights ? numbers(*weights) : Numbers(),
+                            weights ? copied(*weights) : Numbers(),
                             gradient.value_or(Csr()),
                             jacobian.value_or(Csr()),
-                            hessian.value_or(Csr())};
+                            hessian.value_or(Stacked())};
           },
           nb::arg("block"), nb::arg("gather"), nb::arg("gather_offset"), nb::arg("constants"),
           nb::arg("scatter") = nb::none(), nb::arg("weights") = nb::none(), nb::arg("gradient") = nb::none(),
@@ -177,15 +171,15 @@ void bind_program(nb::module_& m) {
           "__init__",
           [](Solved* self, const Indices& controls, const Indices& states, const Indices& equalities,
              const Indices& inequalities, const Csr& linear, const Doubles& offset, const Doubles& cost,
-             double cost_offset, const Indices& jacobian_rows, const Indices& jacobian_columns,
-             const Doubles& jacobian_constants, const Indices& hessian_rows, const Indices& hessian_columns,
+             double cost_offset, const Narrow& jacobian_rows, const Narrow& jacobian_columns,
+             const Doubles& jacobian_constants, const Narrow& hessian_rows, const Narrow& hessian_columns,
              const std::vector<Term*>& terms, std::size_t threads) {
             std::vector<Term> copies;
             for (const Term* term : terms) copies.push_back(*term);
             auto program = std::make_shared<Program>(
-                LinearPart{linear, numbers(offset), numbers(cost), cost_offset, numbers(jacobian_constants)},
-                pattern(jacobian_rows, jacobian_columns), pattern(hessian_rows, hessian_columns), std::move(copies),
-                threads);
+                LinearPart{linear, copied(offset), copied(cost), cost_offset, copied(jacobian_constants)},
+                Pattern{copied(jacobian_rows), copied(jacobian_columns)},
+                Pattern{copied(hessian_rows), copied(hessian_columns)}, std::move(copies), threads);
             auto solver = std::make_unique<Solver>(
                 program, Stages{sizes(controls, "controls"), sizes(states, "states"), sizes(equalities, "equalities"),
                                 sizes(inequalities, "inequalities")});

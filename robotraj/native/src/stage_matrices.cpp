@@ -34,6 +34,15 @@ bool StageMatrices::Shape::operator==(const Shape& other) const {
 StageMatrices::StageMatrices(const Info& info, const Pattern& jacobian, const Pattern& hessian,
                              const RiccatiKernels& run)
     : info_(info), run_(run), jacobian_entries_(jacobian.size()), hessian_entries_(hessian.size()) {
+  const auto by_rows = [](const Pattern& pattern) {
+    for (std::size_t e = 1; e < pattern.size(); ++e)
+      if (pattern.rows[e] < pattern.rows[e - 1] ||
+          (pattern.rows[e] == pattern.rows[e - 1] && pattern.columns[e] <= pattern.columns[e - 1]))
+        return false;
+    return true;
+  };
+  if (!by_rows(jacobian) || !by_rows(hessian))
+    throw std::invalid_argument("derivatives of stages come by rows, each from the first column to the last");
   stages_.resize(static_cast<std::size_t>(info.dims.K));
   place_jacobian(jacobian);
   place_hessian(hessian);
@@ -90,34 +99,24 @@ StageMatrices::RowPattern StageMatrices::pattern_of(const std::vector<Entry>& en
 void StageMatrices::place_jacobian(const Pattern& pattern) {
   const auto& dims = info_.dims;
   const std::size_t count = stages_.size();
-  // Rows are [dynamics, equalities, inequalities], each stage after stage.
-  struct Place {
-    std::size_t stage;
-    std::int32_t index;
-    std::size_t kind;
-  };
-  std::vector<Place> places;
+  // Rows are [dynamics, equalities, inequalities], each stage after stage; where those of each kind and stage begin.
+  std::array<std::vector<std::int32_t>, 3> first_row;
+  std::int32_t row = 0;
   for (std::size_t kind = 0; kind < 3; ++kind)
     for (std::size_t k = 0; k < count; ++k) {
-      const auto rows = kind == 0 ? (k + 1 < count ? dims.number_of_states[k + 1] : 0)
-                        : kind == 1 ? dims.number_of_eq_constraints[k]
-                                    : dims.number_of_ineq_constraints[k];
-      for (std::int32_t i = 0; i < rows; ++i) places.push_back({k, i, kind});
+      first_row[kind].push_back(row);
+      row += kind == 0 ? (k + 1 < count ? dims.number_of_states[k + 1] : 0)
+             : kind == 1 ? dims.number_of_eq_constraints[k]
+                         : dims.number_of_ineq_constraints[k];
     }
-  std::vector<std::array<std::vector<Entry>, 3>> entries(count);
-  for (std::size_t e = 0; e < pattern.size(); ++e) {
-    const Place& place = places[static_cast<std::size_t>(pattern.rows[e])];
-    const auto first = info_.offsets_primal_u[place.stage];
-    const auto column = static_cast<std::int32_t>(pattern.columns[e] - first);
-    const auto n = dims.number_of_controls[place.stage] + dims.number_of_states[place.stage];
-    // What is left of the stage is the -1 of the next state, which the recursion knows by itself.
-    if (column < n) entries[place.stage][place.kind].push_back({place.index, column, static_cast<std::int32_t>(e)});
-  }
+  const auto begin_of = [&](std::int32_t first) {
+    return static_cast<std::size_t>(std::lower_bound(pattern.rows.begin(), pattern.rows.end(), first) -
+                                    pattern.rows.begin());
+  };
+  std::array<std::size_t, 3> next;
+  for (std::size_t kind = 0; kind < 3; ++kind) next[kind] = begin_of(first_row[kind].empty() ? row : first_row[kind][0]);
+  std::vector<Entry> entries;
   for (std::size_t k = 0; k < count; ++k) {
-    for (auto& each : entries[k])
-      std::sort(each.begin(), each.end(), [](const Entry& a, const Entry& b) {
-        return a.row != b.row ? a.row < b.row : a.column < b.column;
-      });
     Shape shape;
     shape.nu = dims.number_of_controls[k];
     shape.nx = dims.number_of_states[k];
@@ -125,12 +124,21 @@ void StageMatrices::place_jacobian(const Pattern& pattern) {
     shape.equality_count = dims.number_of_eq_constraints[k];
     shape.inequality_count = dims.number_of_ineq_constraints[k];
     const int n = shape.nu + shape.nx, ld = padded(n);
+    const auto first_column = static_cast<std::int32_t>(info_.offsets_primal_u[k]);
     stages_[k].jacobian = jacobian_size_;
     std::size_t at = jacobian_size_;
     RowPattern* const patterns[] = {&shape.dynamics, &shape.equalities, &shape.inequalities};
     const int rows[] = {shape.next, shape.equality_count, shape.inequality_count};
     for (std::size_t kind = 0; kind < 3; ++kind) {
-      *patterns[kind] = pattern_of(entries[k][kind], rows[kind], n, at);
+      entries.clear();
+      std::size_t& e = next[kind];
+      for (; e < pattern.size() && pattern.rows[e] < first_row[kind][k] + rows[kind]; ++e) {
+        const std::int32_t column = pattern.columns[e] - first_column;
+        // What is left of the stage is the -1 of the next state, which the recursion knows by itself.
+        if (column >= n) continue;
+        entries.push_back({pattern.rows[e] - first_row[kind][k], column, static_cast<std::int32_t>(e)});
+      }
+      *patterns[kind] = pattern_of(entries, rows[kind], n, at);
       at += static_cast<std::size_t>(size_of(*patterns[kind], ld));
     }
     jacobian_size_ = at;
@@ -144,26 +152,24 @@ void StageMatrices::place_jacobian(const Pattern& pattern) {
 }
 
 void StageMatrices::place_hessian(const Pattern& pattern) {
-  std::vector<std::vector<Entry>> entries(stages_.size());
-  std::size_t k = 0;
-  for (std::size_t e = 0; e < pattern.size(); ++e) {
-    const auto end = [&](std::size_t stage) {
-      return info_.offsets_primal_u[stage] + info_.number_of_stage_tangent_variables[stage];
-    };
-    while (pattern.rows[e] < info_.offsets_primal_u[k]) --k;
-    while (pattern.rows[e] >= end(k)) ++k;
-    const auto row = static_cast<std::int32_t>(pattern.rows[e] - info_.offsets_primal_u[k]);
-    const auto column = static_cast<std::int32_t>(pattern.columns[e] - info_.offsets_primal_u[k]);
-    entries[k].push_back({std::max(row, column), std::min(row, column), static_cast<std::int32_t>(e)});
-  }
-  for (k = 0; k < stages_.size(); ++k) {
+  std::vector<Entry> entries;
+  std::size_t e = 0;
+  for (std::size_t k = 0; k < stages_.size(); ++k) {
     const int n = info_.number_of_stage_tangent_variables[k], ld = padded(n);
-    stages_[k].hessian = hessian_size_;
-    std::sort(entries[k].begin(), entries[k].end(), [](const Entry& a, const Entry& b) {
+    const auto first = static_cast<std::int32_t>(info_.offsets_primal_u[k]);
+    entries.clear();
+    for (; e < pattern.size() && pattern.rows[e] < first + n; ++e) {
+      const std::int32_t row = pattern.rows[e] - first, column = pattern.columns[e] - first;
+      entries.push_back({std::max(row, column), std::min(row, column), static_cast<std::int32_t>(e)});
+    }
+    const auto before = [](const Entry& a, const Entry& b) {
       return a.column != b.column ? a.column < b.column : a.row < b.row;
-    });
-    for (const Entry& e : entries[k])
-      append(hessian_runs_, hessian_size_ + static_cast<std::size_t>(column_of(e.column, ld) + e.row), e.entry);
+    };
+    if (!std::is_sorted(entries.begin(), entries.end(), before)) std::sort(entries.begin(), entries.end(), before);
+    stages_[k].hessian = hessian_size_;
+    for (const Entry& entry : entries)
+      append(hessian_runs_, hessian_size_ + static_cast<std::size_t>(column_of(entry.column, ld) + entry.row),
+             entry.entry);
     hessian_size_ += static_cast<std::size_t>(trapezoid(n, ld));
   }
 }

@@ -21,7 +21,8 @@ class StageMatrices {
  public:
   using Info = fatrop::ProblemInfo<fatrop::OcpType>;
 
-  /// Of entries that lie within stages. Throws std::invalid_argument where there are more than 2^31 numbers.
+  /// Of entries that lie within stages, row by row. Throws std::invalid_argument where they come in another order or
+  /// there are more than 2^31 numbers.
   StageMatrices(const Info& info, const Pattern& jacobian, const Pattern& hessian,
                 const RiccatiKernels& run = riccati_kernels_of());
 

@@ -29,6 +29,8 @@ nb::bytes of_frame(const SymbolicModel& symbolic, std::size_t frame, Reference r
 }  // namespace
 
 NB_MODULE(_graphs, m) {
+  // What a script holds when the interpreter ends is no leak.
+  nanobind::set_leak_warnings(false);
   m.attr("PINOCCHIO_VERSION") = PINOCCHIO_VERSION;
   m.attr("CASADI_VERSION") = CASADI_VERSION_STRING;
 

@@ -1,0 +1,67 @@
+// A sparse matrix of blocks of rows, of which those that come again are kept once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sparse.hpp"
+
+namespace robotraj::native {
+
+/// Rows from interval to interval: the same numbers, each time `shift` columns further on.
+///
+/// A mesh of equal intervals writes one block of rows as often as it has intervals; as compressed rows they would be a
+/// good part of the memory that a plan takes.
+class Stacked {
+ public:
+  /// `repeats` times the same rows; columns are those of the first.
+  struct Piece {
+    Csr rows;
+    std::size_t repeats = 1;
+    std::ptrdiff_t shift = 0;
+  };
+
+  Stacked() : Stacked(Csr()) {}
+  explicit Stacked(const Csr& matrix);
+  Stacked(std::size_t columns, std::vector<Piece> pieces);
+
+  std::size_t rows() const { return rows_; }
+  std::size_t columns() const { return columns_; }
+  std::size_t entries() const { return entries_; }
+  /// Entries without those of repeats.
+  std::size_t kept() const;
+  const std::vector<Piece>& pieces() const { return pieces_; }
+
+  /// y = A x, once; Combination does it over and over.
+  void times(const double* x, double* y) const;
+
+ private:
+  std::size_t columns_, rows_ = 0, entries_ = 0;
+  std::vector<Piece> pieces_;
+};
+
+/// Stacks blocks one after the other.
+class Stacking {
+ public:
+  explicit Stacking(std::size_t columns) : columns_(columns) {}
+
+  void append(Csr block);
+  /// Appends the last block once more, `shift` columns behind the last time; false where that is another shift.
+  bool repeat(std::ptrdiff_t shift);
+  Stacked stacked();
+
+ private:
+  /// What repeats too seldom to be worth a piece of its own joins its neighbours.
+  void settle();
+  void close();
+
+  std::size_t columns_;
+  std::vector<Stacked::Piece> pieces_;
+  std::optional<Stacked::Piece> last_;
+  std::vector<std::int32_t> starts_{0}, indices_;
+  std::vector<double> data_;
+};
+
+}  // namespace robotraj::native
