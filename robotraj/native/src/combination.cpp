@@ -106,6 +106,7 @@ Combination::Combination(const Stacked& matrix, const std::int32_t* places) {
     std::size_t entries = 1;
     for (std::size_t g = runs_[run].groups_begin; g < runs_[run].groups_end; ++g)
       entries += groups_[g].rows * (groups_[g].count + 1);
+    work_ += entries * runs_[run].repeats;
     const std::size_t step = kPiece / entries + 1;
     for (std::size_t begin = 0; begin < runs_[run].repeats; begin += step)
       pieces_.push_back({run, begin, std::min(begin + step, runs_[run].repeats)});
@@ -209,7 +210,8 @@ void Combination::block(const Run& run, std::size_t repeat, const double* x, con
 }
 
 void Combination::apply(const double* x, const double* base, double* y, ThreadPool& pool) const {
-  pool.split(pieces_.size(), [=](std::size_t, std::size_t begin, std::size_t end) {
+  const std::size_t step = work_ < 2 * kPiece ? pieces_.size() : 1;
+  pool.split(pieces_.size(), step, [=](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t piece = begin; piece < end; ++piece)
       for (std::size_t k = pieces_[piece].begin; k < pieces_[piece].end; ++k)
         block(runs_[pieces_[piece].run], k, x, base, y);

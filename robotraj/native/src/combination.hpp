@@ -59,6 +59,7 @@ class Combination {
   std::vector<Group> groups_;
   std::vector<Run> runs_;
   std::vector<Piece> pieces_;
+  std::size_t work_ = 0;  // entries, and one for each row
 };
 
 }  // namespace robotraj::native

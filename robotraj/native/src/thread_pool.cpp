@@ -1,6 +1,7 @@
 #include "thread_pool.hpp"
 
 #include <algorithm>
+#include <system_error>
 
 namespace robotraj::native {
 
@@ -24,8 +25,14 @@ bool spin(Condition&& holds) {
 
 }  // namespace
 
-ThreadPool::ThreadPool(std::size_t threads) {
-  for (std::size_t thread = 1; thread < threads; ++thread) workers_.emplace_back([this, thread] { serve(thread); });
+void ThreadPool::make_workers() {
+  workers_.reserve(size_ - 1);
+  try {
+    while (workers_.size() + 1 < size_) workers_.emplace_back([this, thread = workers_.size() + 1] { serve(thread); });
+  } catch (const std::system_error&) {
+    // The machine has no more threads to give: those that are there do the work.
+  }
+  asked_ = true;
 }
 
 ThreadPool::~ThreadPool() {
@@ -38,10 +45,11 @@ ThreadPool::~ThreadPool() {
 }
 
 void ThreadPool::run(std::size_t count, std::size_t step, Call call, void* context) {
-  if (workers_.empty() || count <= step) {
+  if (size_ == 1 || count <= step) {
     if (count) call(context, 0, 0, count);
     return;
   }
+  if (!asked_) make_workers();
   const std::size_t steps = (count + step - 1) / step;
   const std::size_t steps_a_piece = (steps + size() * pieces_a_thread - 1) / (size() * pieces_a_thread);
   const std::size_t pieces = (steps + steps_a_piece - 1) / steps_a_piece;

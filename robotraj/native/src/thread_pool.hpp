@@ -20,13 +20,13 @@ namespace robotraj::native {
 /// nobody. Between calls the others spin for some microseconds before they sleep. One caller at a time.
 class ThreadPool {
  public:
-  /// A pool of `threads` in all; 1 makes no thread and runs everything in the caller.
-  explicit ThreadPool(std::size_t threads);
+  /// A pool of `threads` in all, the others made when there is something to share for the first time.
+  explicit ThreadPool(std::size_t threads) : size_(threads > 0 ? threads : 1) {}
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  std::size_t size() const { return workers_.size() + 1; }
+  std::size_t size() const { return size_; }
 
   /// Calls work(thread, begin, end) for pieces that cover [0, count) once, each beginning at a multiple of `step`.
   ///
@@ -48,10 +48,13 @@ class ThreadPool {
  private:
   using Call = void (*)(void* context, std::size_t thread, std::size_t begin, std::size_t end);
 
+  void make_workers();
   void run(std::size_t count, std::size_t step, Call call, void* context);
   void serve(std::size_t thread);
   void take_pieces(std::size_t thread);
 
+  const std::size_t size_;
+  bool asked_ = false;  // for the others
   std::vector<std::thread> workers_;
   std::mutex mutex_;
   std::condition_variable wake_;
