@@ -23,6 +23,7 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
+import pinocchio as pin
 from cases import cases
 from problems.case import TOLERANCE
 
@@ -171,13 +172,36 @@ def kind_of(problem: rt.Problem | rt.Phase) -> str:
     return ", ".join(sorted(kinds)) + (f", {len(phases)} phases" if len(phases) > 1 else "")
 
 
+def held() -> Iterator[Task]:
+    """Hold a tool at one height, from joint positions to others or to a point, by effort and by time."""
+    robot = rt.load("ur5")
+    first, last = np.array([0.3, -1.2, 1.4, -1.7, -1.57, 0.0]), np.array([-0.9, -1.2, 1.4, -1.7, -1.57, 0.0])
+    frame, data = robot.model.getFrameId("tool0"), robot.model.createData()
+    places = []
+    for q in (first, last):
+        pin.framesForwardKinematics(robot.model, data, q)
+        places.append(data.oMf[frame].translation.copy())
+    level = rt.FramePosition("tool0", {"z": places[0][2]})
+    start, there = rt.State(q=first, v=0), rt.State(q=last, v=0)
+    point = rt.AtEnd(rt.FramePosition("tool0", places[1]))
+    posed = {
+        "held at a height": rt.Phase(robot, 1.5, start, there, rt.Effort(), [level]),
+        "held at a height, minimum time": rt.Phase(robot, (0.3, 4.0), start, there, rt.Duration(), [level]),
+        "held at a height, to a point": rt.Phase(robot, 1.5, start, rt.State(v=0), rt.Effort(), [level, point]),
+        "to a point": rt.Phase(robot, 1.5, start, rt.State(v=0), rt.Effort(), [point]),
+    }
+    for name, phase in posed.items():
+        yield Task(f"ur5, {name}", "arm, tool held", phase, {"mesh": UNIFORM}, float("nan"))
+
+
 def tasks() -> Iterator[Task]:
-    """Every case to the tolerance and on a uniform mesh, then the examples' first problems."""
+    """Every case to the tolerance and on a uniform mesh, tools held at a height, then the examples' first problems."""
     for case in cases():
         kind = kind_of(case.problem)
         adaptive = {"guess": case.guess, "tolerance": TOLERANCE}
         yield Task(case.name, kind, case.problem, adaptive, case.exact)
         yield Task(f"{case.name}, uniform", kind, case.problem, {"guess": case.guess, "mesh": UNIFORM}, case.exact)
+    yield from held()
     for example in EXAMPLES:
         planned = first_plan(example)
         if planned is not None:

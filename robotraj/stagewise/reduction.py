@@ -22,6 +22,7 @@ from robotraj.stagewise.program import with_values as program_with_values
 from robotraj.stagewise.slots import Slots, make_slots
 from robotraj.stagewise.slots import with_values as slots_with_values
 from robotraj.stagewise.stretch import Stretch, stretch
+from robotraj.stagewise.surplus import leave_out_surplus
 
 if TYPE_CHECKING:
     from robotraj.transcription import Nlp
@@ -127,7 +128,7 @@ def _staged(nlp: Nlp) -> tuple[Form, Stretch | None, Order, Mask]:
         if isinstance(layout.scheme, OneStep):
             raise NotStagewise(f"phase {phase.name!r} is planned by {type(layout.scheme).__name__}")
     form, stretched = stretch(Form.of(nlp), nlp)
-    form = eliminate_controls(take_out_linear(form), nlp)
+    form = leave_out_surplus(eliminate_controls(take_out_linear(form), nlp))
     ends = [min(link.phases) for link in nlp.problem.bound_links]
     low, high, stages = homes(nlp.layouts, nlp.link_columns, ends, len(nlp.variables))
     known = (form.lower == form.upper) & ~form.gone

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from robotraj.problem import Phase
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
 
 
 class EndSymbols:
@@ -58,11 +59,19 @@ def mayer_block(phase: Phase, layout: PhaseLayout) -> Block | None:
         return None
     ends = EndSymbols(phase, layout)
     cost = weighted_sum([(w, as_rows(t.value(*ends.points), "Mayer expression")[0]) for w, t in phase.end_costs])
-    # Most terms read few of the unknowns; the others would widen all that is made of the block.
-    read = np.array(ca.which_depends(cost, ends.unknowns, 1, False), dtype=bool)
-    kept = np.flatnonzero(read) if read.any() else np.arange(read.size)
-    unknowns = ends.unknowns[kept.tolist()]
-    return single(unknowns, ends.constants, cost, ends.columns[kept], ends.values, np.array([], dtype=int), costed=0)
+    read = _read(cost, ends.unknowns)
+    unknowns, columns = ends.unknowns[read.tolist()], ends.columns[read]
+    return single(unknowns, ends.constants, cost, columns, ends.values, np.array([], dtype=int), costed=0)
+
+
+def _read(expression: Any, unknowns: Any) -> Indices:
+    """Numbers of the unknowns that an expression reads, of all where it reads none.
+
+    Most terms and constraints at an end read few. The others would widen all that is made of the block, and torques
+    that a block reads cannot be eliminated.
+    """
+    read = np.array(ca.which_depends(expression, unknowns, 1, False), dtype=bool)
+    return np.flatnonzero(read) if read.any() else np.arange(read.size)
 
 
 def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable) -> list[Block]:
@@ -91,7 +100,9 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
         shared = [scalar.column for scalar in phase_scalars(layout) if scalar.column is not None]
         columns = np.concatenate([state, interval.algebraic[node], controls, shared]).astype(int)
         fixed = [scalar.value for scalar in phase_scalars(layout) if scalar.column is None]
-        blocks.append(single(s.unknowns, s.constants, y, columns, np.array([fraction, *fixed]), added[0]))
+        read = _read(y, s.unknowns)
+        unknowns = s.unknowns[read.tolist()]
+        blocks.append(single(unknowns, s.constants, y, columns[read], np.array([fraction, *fixed]), added[0]))
     return blocks
 
 
