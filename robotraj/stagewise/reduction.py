@@ -128,7 +128,7 @@ def _staged(nlp: Nlp) -> tuple[Form, Stretch | None, Order, Mask]:
         if isinstance(layout.scheme, OneStep):
             raise NotStagewise(f"phase {phase.name!r} is planned by {type(layout.scheme).__name__}")
     form, stretched = stretch(Form.of(nlp), nlp)
-    form = leave_out_surplus(eliminate_controls(take_out_linear(form), nlp))
+    form = leave_out_surplus(eliminate_controls(take_out_linear(form), nlp), nlp)
     ends = [min(link.phases) for link in nlp.problem.bound_links]
     low, high, stages = homes(nlp.layouts, nlp.link_columns, ends, len(nlp.variables))
     known = (form.lower == form.upper) & ~form.gone

@@ -8,6 +8,7 @@ a stage without full rank: a solver that damps what depends creeps, through hund
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from numpy.typing import NDArray
 from robotraj.stagewise.form import Form, Mask
 from robotraj.stagewise.matrices import entries
 from robotraj.transcription.block import Block
+
+if TYPE_CHECKING:
+    from robotraj.transcription import Nlp
 
 Array = NDArray[np.float64]
 
@@ -24,11 +28,14 @@ SAME = 1e-9
 """Relative difference of rows' values at random points that are those of one row."""
 
 
-def leave_out_surplus(form: Form) -> Form:
+def leave_out_surplus(form: Form, nlp: Nlp) -> Form:
     """Take the bounds off rows that hold by themselves, and off those that others say already.
 
-    What contradicts fixed columns or another row stays, to be told by the solver.
+    What contradicts fixed columns or another row stays, to be told by the solver. Nothing is looked for where there
+    are no constraints, contacts or links, which alone write such equations.
     """
+    if not nlp.problem.bound_links and not any(phase.constraints or phase.contacts for phase in nlp.problem.phases):
+        return form
     fixed = (form.lower == form.upper) & ~form.gone
     return _leave_out_repeated(_leave_out_settled(form, fixed), fixed)
 
