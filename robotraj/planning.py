@@ -49,8 +49,9 @@ def plan(
     guess : Guess or Solution, optional
         A straight line by default; an earlier solution on any mesh and scheme warm starts.
     solver : Solver, optional
-        By default ``rt.Fatrop()`` for robots on fixed roots without contacts, and for an ``rt.System`` that has a
-        control for every second state; ``rt.Ipopt()`` for all else and with ``engine=rt.Compiled()``.
+        By default ``rt.Fatrop()`` for robots with a fixed root, without contacts, design parameters, continuous joints
+        or costs with variables of their own, and for an ``rt.System`` that has a control for every second state;
+        ``rt.Ipopt()`` for all else and with ``engine=rt.Compiled()``.
     engine : Engine, optional
         Evaluates the point functions: by default ``rt.Native()`` with ``rt.Fatrop()`` and for robots with a
         free-flyer, ``rt.VirtualMachine()`` with ``rt.Ipopt()`` for all else. The former is many times faster, the

@@ -1,9 +1,9 @@
 """Which solver plans a problem, and what evaluates its point functions, where the user does not say.
 
-Measured by benchmarks/solvers.py, each from the same guess: on robots that stand fast, with all motors or without some,
-and on systems with a control for every second state, fatrop finds the optima that IPOPT finds, in half of the time and
-less. On systems with fewer controls, which have many optima, the two may find different ones, and with contacts fatrop
-stalls more often. There IPOPT is the robust choice; for many optima there is ``rt.multistart``, with fatrop.
+Measured by benchmarks/solvers.py, each from the same guess: on robots with a fixed root, with all motors or without
+some, and on systems with a control for every second state, fatrop finds the optima that IPOPT finds, in half the time
+and less. On systems with fewer controls, which have many optima, the two may find different ones, and with contacts
+fatrop stalls more often. There IPOPT is the robust choice; for many optima there is ``rt.multistart``, with fatrop.
 
 Engines give the same numbers to rounding, but plans with many optima can take another turn for less. Robots with a
 free-flyer, legs above all, have the largest graphs, and the compiled module takes two thirds off a solve's evaluation
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def solver_for(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> Solver:
-    """Give ``Fatrop()`` for collocated robots that stand fast and systems with many controls, ``Ipopt()`` else."""
+    """Give ``Fatrop()`` for collocated fixed-root robots and systems with many controls, ``Ipopt()`` for all else."""
     meshes = [mesh] if isinstance(mesh, Mesh) else list(mesh)
     plain = not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.given)
     return Fatrop() if plain and all(_suits_fatrop(phase) for phase in problem.phases) else Ipopt()

@@ -22,7 +22,7 @@ def robot(name: str, **options: object) -> rt.Problem:
     return rt.Problem([rt.Phase(rt.load(name, **options), duration=1.0, objective=rt.Effort())])  # type: ignore[arg-type]
 
 
-def test_systems_with_a_control_for_every_second_state_and_robots_that_stand_fast_are_for_fatrop() -> None:
+def test_systems_with_a_control_for_every_second_state_and_fixed_root_robots_are_for_fatrop() -> None:
     assert isinstance(solver_for(chain(1, 1), rt.Mesh()), rt.Fatrop)
     assert isinstance(solver_for(chain(2, 1), rt.Mesh()), rt.Fatrop)
     assert isinstance(solver_for(chain(4, 2), rt.Mesh()), rt.Fatrop)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.native import Csr
+from robotraj.native import Csr, Stacked
 from robotraj.stagewise import Reduction, native_program, reduce, refresh
 from robotraj.transcription import Nlp, transcribe
 from tests.stagewise.problems import EVERY
@@ -33,6 +33,11 @@ def assert_same(found: object, wanted: object, name: str = "") -> None:
     if isinstance(wanted, Csr):
         for part in ("starts", "indices", "data"):
             np.testing.assert_array_equal(getattr(found, part), getattr(wanted, part), err_msg=f"{name}.{part}")
+    elif isinstance(wanted, Stacked):
+        x = np.random.default_rng(0).standard_normal(wanted.columns)
+        for part in ("rows", "columns", "entries", "kept"):
+            assert getattr(found, part) == getattr(wanted, part), f"{name}.{part}"
+        np.testing.assert_array_equal(found @ x, wanted @ x, err_msg=name)  # type: ignore[operator]
     elif isinstance(wanted, tuple):
         assert len(found) == len(wanted)  # type: ignore[arg-type]
         for number, (mine, its) in enumerate(zip(found, wanted, strict=True)):  # type: ignore[call-overload]

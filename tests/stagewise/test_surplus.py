@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 import robotraj as rt
 from robotraj.stagewise import reduce
 from robotraj.transcription import transcribe
+from robotraj.transcription.again import transcribed_again
 
 Array = NDArray[np.float64]
 HEIGHT = 0.3
@@ -89,8 +90,12 @@ def test_a_goal_at_another_height_stays_a_contradiction(robot: rt.Robot) -> None
     assert any("frame position" in violation.name for violation in solution.violations())
 
 
-def test_another_goal_of_the_same_plan_keeps_its_program(robot: rt.Robot) -> None:
-    """``refreshed`` compares which rows are open: those left out are the same for every goal that holds them."""
-    nlps = [transcribe(level(robot, rt.State(q=reaching(robot, 0.4, y), v=0)), MESH, None, None) for y in (-0.3, -0.25)]
-    reduction = reduce(nlps[0])
-    assert reduction.program.equalities[-1] == reduce(nlps[1]).program.equalities[-1] == 12
+def test_another_goal_that_holds_the_row_refreshes_the_program(robot: rt.Robot) -> None:
+    problem = level(robot, rt.State(q=reaching(robot, 0.4, -0.3), v=0))
+    first = transcribe(problem, MESH, None, None)
+    moved = problem.with_(end=rt.State(q=reaching(robot, 0.4, -0.25), v=0))
+    other = transcribed_again(first, moved, MESH, None, rt.Exchange(), first.guess)
+    assert other is not None
+    refreshed = reduce(first).refreshed(other)
+    assert refreshed is not None
+    assert refreshed.program.equalities[-1] == 12

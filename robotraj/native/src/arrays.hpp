@@ -21,15 +21,19 @@ using Indices = nanobind::ndarray<const std::int64_t, nanobind::ndim<1>, nanobin
 /// The same of 32 bits.
 using Narrow = nanobind::ndarray<const std::int32_t, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
 /// What is handed to Python: NumPy owns the memory.
-using Result = nanobind::ndarray<nanobind::numpy, double, nanobind::ndim<1>>;
+template <typename Number>
+using Owned = nanobind::ndarray<nanobind::numpy, Number, nanobind::ndim<1>>;
+using Result = Owned<double>;
 
 /// Moves a vector into a NumPy array without a copy.
-inline Result to_numpy(std::vector<double> values) {
-  auto* kept = new std::vector<double>(std::move(values));
-  nanobind::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
-  return Result(kept->data(), {kept->size()}, owner);
+template <typename Number>
+Owned<Number> to_numpy(std::vector<Number> values) {
+  auto* kept = new std::vector<Number>(std::move(values));
+  nanobind::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<Number>*>(p); });
+  return Owned<Number>(kept->data(), {kept->size()}, owner);
 }
 
+/// The numbers of an array from Python, as a vector.
 template <typename Array>
 auto copied(const Array& array) {
   return std::vector<std::remove_const_t<typename Array::Scalar>>(array.data(), array.data() + array.size());

@@ -11,17 +11,10 @@ namespace robotraj::native {
 
 namespace {
 
-using Integers = nb::ndarray<nb::numpy, std::int32_t, nb::ndim<1>>;
-
-Integers moved(std::vector<std::int32_t> values) {
-  auto* kept = new std::vector<std::int32_t>(std::move(values));
-  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<std::int32_t>*>(p); });
-  return Integers(kept->data(), {kept->size()}, owner);
-}
-
 template <typename Matrix>
 nb::tuple taken_apart(Combined<Matrix> combined) {
-  return nb::make_tuple(nb::make_tuple(moved(std::move(combined.pattern.rows)), moved(std::move(combined.pattern.columns))),
+  Pattern& pattern = combined.pattern;
+  return nb::make_tuple(nb::make_tuple(to_numpy(std::move(pattern.rows)), to_numpy(std::move(pattern.columns))),
                         to_numpy(std::move(combined.constant)), std::move(combined.parts));
 }
 

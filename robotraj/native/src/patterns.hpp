@@ -10,13 +10,7 @@
 
 namespace robotraj::native {
 
-using IndexResult = nanobind::ndarray<nanobind::numpy, std::int64_t, nanobind::ndim<1>>;
-
-inline IndexResult to_numpy(std::vector<std::int64_t> indices) {
-  auto* kept = new std::vector<std::int64_t>(std::move(indices));
-  nanobind::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<std::int64_t>*>(p); });
-  return IndexResult(kept->data(), {kept->size()}, owner);
-}
+using IndexResult = Owned<std::int64_t>;
 
 /// Rows and columns.
 inline auto to_arrays(const Pattern& pattern) {
