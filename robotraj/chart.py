@@ -10,14 +10,13 @@ Source: Sola, Deray and Atchuthan, A micro Lie theory for state estimation in ro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj.loading.root import QUATERNION
 from robotraj.tangent import PLACE, REST, TURN, conjugate, floats, product, rotated
+from robotraj.values import dataclass
 
 Array = npt.NDArray[np.float64]
 

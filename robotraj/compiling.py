@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from robotraj.engines import Compiled
@@ -11,6 +11,7 @@ from robotraj.errors import InputError
 from robotraj.problem import Phase, Problem
 from robotraj.schemes import Mesh
 from robotraj.transcription import transcribe
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from robotraj.problem import Phase
 from robotraj.robot import load
 from robotraj.schemes import ConstantControl, FifthDegree, HermiteSimpson, LinearControl, Mesh
 from robotraj.state import State
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True, eq=False)

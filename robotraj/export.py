@@ -6,7 +6,6 @@ import csv
 import json
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from robotraj.columns import values_of, variables_of
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.solution import Solution

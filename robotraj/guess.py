@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from robotraj.errors import InputError
 from robotraj.guesses.least_time import fastest_line
 from robotraj.loading.root import QUATERNION
 from robotraj.robot import Limits
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -24,6 +24,7 @@ from robotraj.robot import Limits
 from robotraj.schemes import Mesh
 from robotraj.solvers import Ipopt, Solver
 from robotraj.solving import solve
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,7 +6,6 @@ import threading
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -23,6 +22,7 @@ from robotraj.solution import Solution
 from robotraj.starts import Shared, Start
 from robotraj.status import Status
 from robotraj.sweep import attach, detach
+from robotraj.values import dataclass
 from robotraj.workers import run
 
 SAMPLES = 201

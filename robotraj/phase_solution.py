@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +18,7 @@ from robotraj.schemes import Mesh
 from robotraj.tangent import normalised
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.robot import Robot

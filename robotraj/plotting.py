@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from robotraj.columns import values_of, variables_of
 from robotraj.constraints import Where
 from robotraj.dynamics import Variable
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ from robotraj.objectives import Augmented, EndCost, Integral, Objective
 from robotraj.printing import phase_table
 from robotraj.robot import Limits, Robot
 from robotraj.state import State
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.design import Design, Quantity

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,7 @@ from robotraj.loading import (
 from robotraj.loading.configuration import unit_quaternion
 from robotraj.loading.root import QUATERNION, root_of
 from robotraj.loading.surgery import names_of
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.symbolic import SymbolicModel

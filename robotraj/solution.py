@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from robotraj.problem import Phase, Problem
 from robotraj.sample import Sample, join
 from robotraj.status import Status
 from robotraj.transcription.guards import Guard
+from robotraj.values import dataclass
 from robotraj.violations import Violation
 
 if TYPE_CHECKING:

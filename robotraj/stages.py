@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from typing import Any
 
@@ -17,6 +17,7 @@ from robotraj.solution import Solution
 from robotraj.solvers import Progress, Solver
 from robotraj.solving import solve
 from robotraj.transcription.between import Exchange
+from robotraj.values import dataclass
 
 
 class Same(Enum):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from robotraj.engines import Engine
@@ -13,6 +13,7 @@ from robotraj.solvers import Multipliers
 from robotraj.transcription import Nlp, transcribe
 from robotraj.transcription.again import started_at
 from robotraj.transcription.between import Exchange
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.links import BoundLink

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from robotraj.errors import InputError
 from robotraj.loading.configuration import unit_quaternion
 from robotraj.loading.root import QUATERNION
 from robotraj.objectives import body_of
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

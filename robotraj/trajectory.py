@@ -6,7 +6,6 @@ Each interval keeps its polynomial by values on its own sites, so that orders ma
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.polynomials import basis, differentiation
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ F(x) = P' (x - d), the one after F(F(x)), and so on. Points and forces follow th
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from robotraj.dynamics import Named
 from robotraj.errors import InputError
 from robotraj.links import Mirror, Periodic, Touchdown
 from robotraj.loading.root import QUATERNION
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

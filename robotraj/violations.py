@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.transcription import Nlp
 from robotraj.transcription.table import Scalars
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

@@ -24,6 +24,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
         "sparse",
         "tangent",
         "terrain",
+        "values",
     ),
     1: ("contacts", "design", "dynamics", "trajectory"),
     2: ("constraints", "objectives"),
@@ -106,7 +107,7 @@ def test_every_module_has_a_layer_and_imports_point_down(path: Path) -> None:
 
 @pytest.mark.parametrize("path", [p for p in MODULES if part_of(p) == "symbolic"], ids=identify)
 def test_symbolic_stands_alone(path: Path) -> None:
-    assert {part for part, _ in imported_parts(path)} <= {"errors", "symbolic"}
+    assert {part for part, _ in imported_parts(path)} <= {"errors", "symbolic", "values"}
 
 
 @pytest.mark.parametrize("folder", ["schemes", "solvers", "transcription"])

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.errors import InputError, unknown_name
+from robotraj.values import dataclass
 
 UNBOUNDED = 1e20
 """Numbers above this mean infinity, as URDF readers write 1.8e308 for a joint without limits."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from robotraj.constraints.heights import RequiredHeight, required_height
 from robotraj.constraints.spots import CollisionShapes, spots_of
 from robotraj.errors import InputError
 from robotraj.terrain import Flat, Ground, as_ground
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

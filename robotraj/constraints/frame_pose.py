@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from robotraj.constraints.base import BoundConstraint, Constraint, Row, robot_of
 from robotraj.constraints.between import as_bounds
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from robotraj.constraints.path import flat
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 
 class RequiredHeight(ABC):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from robotraj.constraints.base import BoundConstraint, Constraint, Row, symbols_of
 from robotraj.dynamics.system import as_rows
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robotraj.errors import InputError
 from robotraj.terrain import Ground
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.robot import Robot

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -33,6 +33,7 @@ from robotraj.contacts.vectors import add, cross, dot, scale
 from robotraj.dynamics.variable import Variable
 from robotraj.errors import InputError
 from robotraj.terrain import Flat, Ground, as_ground
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.robot import Robot

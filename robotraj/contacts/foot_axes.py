@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj.contacts.spot import Triple, vector_of
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

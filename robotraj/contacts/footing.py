@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -13,6 +12,7 @@ from robotraj.contacts.mobility import AXES
 from robotraj.contacts.vectors import dot
 from robotraj.dynamics.variable import Variable
 from robotraj.terrain import Ground
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True, eq=False)

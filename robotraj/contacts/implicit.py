@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from robotraj.contacts.vectors import dot
 from robotraj.dynamics.variable import Variable
 from robotraj.errors import InputError
 from robotraj.terrain import Flat, Ground, Slope, as_ground
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.robot import Robot

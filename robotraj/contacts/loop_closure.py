@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from robotraj.contacts.base import BoundContact, Contact, Wrench, checked_name, force_variables, held_rows, keep, spread
@@ -11,6 +10,7 @@ from robotraj.contacts.mobility import mobility, require_rank
 from robotraj.contacts.spot import Spot, Triple, offset_of
 from robotraj.contacts.vectors import add, cross, scale, subtract
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.robot import Robot

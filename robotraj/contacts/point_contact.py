@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from robotraj.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.contacts.spot import Spot, Triple, offset_of
 from robotraj.errors import InputError
 from robotraj.terrain import Flat, Ground, as_ground
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.robot import Robot

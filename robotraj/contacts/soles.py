@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import product
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 from robotraj.contacts.base import positive
 from robotraj.contacts.cones import FrictionCone, SecondOrder
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

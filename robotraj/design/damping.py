@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from robotraj.design.bodies import Bodies
 from robotraj.design.quantity import Quantity
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.robot import Robot

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -13,6 +12,7 @@ import numpy.typing as npt
 from robotraj.design.bodies import Bodies, Body
 from robotraj.design.quantity import Quantity
 from robotraj.errors import InputError, unknown_name
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.robot import Robot

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
 from robotraj.design.bodies import Bodies, Body
 from robotraj.design.quantity import Quantity, body_of_name
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.robot import Robot

@@ -7,7 +7,6 @@ one function of the root, its own leg, its forces and its foothold, and differen
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -17,6 +16,7 @@ from robotraj.dynamics.holding import Share, anchors, pinned, pull
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.memory import PerRobot
 from robotraj.native.addend import Added, Addend, where_in
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

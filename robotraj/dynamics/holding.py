@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
 from robotraj.dynamics.point import RobotPoint
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.contacts import BoundContact

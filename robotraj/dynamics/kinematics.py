@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -12,6 +11,7 @@ import casadi as ca
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody, refuse_contacts
 from robotraj.dynamics.variable import Named, Variable
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.contacts import BoundContact

@@ -10,7 +10,6 @@ Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5, 7 and 8
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +20,7 @@ from robotraj.dynamics.holding import correct, hold, pinned, share_of
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Named, Variable
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.contacts import BoundContact

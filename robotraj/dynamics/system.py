@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import casadi as ca
@@ -12,6 +12,7 @@ import casadi as ca
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Named, Variable
 from robotraj.errors import InputError, unknown_name
+from robotraj.values import dataclass
 
 Expression = Callable[[Any], Any]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ import pinocchio as pin
 from robotraj.dynamics.point import RobotPoint
 from robotraj.native.torque_chain import read_tree
 from robotraj.symbolic import SymbolicModel
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.native._native import RigidTree

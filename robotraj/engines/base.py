@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
 
 from robotraj.engines.blocks import casadi_block
 from robotraj.engines.blocks import wanted as wanted_of
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.native import PointBlock

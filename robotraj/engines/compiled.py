@@ -7,7 +7,6 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
-from dataclasses import dataclass
 from functools import cache as once
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -22,6 +21,7 @@ from robotraj.engines.cache import Cache, default_folder
 from robotraj.engines.compiler import Compiler, find_compiler, points_at_once
 from robotraj.engines.source import write_source
 from robotraj.errors import InputError, RobotrajError
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.native import PointBlock

@@ -9,12 +9,12 @@ import shutil
 import subprocess
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from robotraj.engines.source import Source
 from robotraj.errors import InputError, RobotrajError
+from robotraj.values import dataclass
 
 CANDIDATES = ("gcc", "clang", "cc")
 """Looked for in this order."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
@@ -11,6 +10,7 @@ import numpy as np
 
 from robotraj.engines.base import Engine, Mapped, StageMapped, VirtualMachine
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.native import PointBlock

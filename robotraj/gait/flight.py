@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from robotraj.errors import InputError
 from robotraj.problem import Phase
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj.objectives import Effort, Objective, Tracking
 from robotraj.robot import Robot
+from robotraj.values import dataclass
 
 SHARE = 0.2
 """Torque [as a share of weight times height of the centre of mass] that a radian away from the posture costs."""

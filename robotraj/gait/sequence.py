@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from robotraj.problem import Phase, Problem
 from robotraj.robot import Robot
 from robotraj.state import State
 from robotraj.terrain import Flat, Ground, as_ground
+from robotraj.values import dataclass
 
 TOUCH = 1e-4
 """How far below the ground [m] a foot may come where it leaves and lands: no row then says what another says."""

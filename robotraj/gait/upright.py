@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from robotraj.constraints import Constraint, PathConstraint, between
 from robotraj.errors import InputError
 from robotraj.robot import Robot
 from robotraj.terrain import Ground
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

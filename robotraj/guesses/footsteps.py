@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from robotraj.guesses.pendulum import Pendulum, heights
 from robotraj.guesses.schedule import Schedule, Stand
 from robotraj.guesses.stance import Stance, standing
 from robotraj.guesses.swing import Swing, swings
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Problem

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from robotraj.guesses.minimum_jerk import through
 from robotraj.loading.root import QUATERNION
 from robotraj.objectives.terminal_pose import target_of
 from robotraj.tangent import PLACE, REST
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

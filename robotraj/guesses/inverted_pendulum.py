@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ from robotraj.guesses.support import support
 from robotraj.links import BoundLink
 from robotraj.problem import Problem
 from robotraj.splines import through
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable

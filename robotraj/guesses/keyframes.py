@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from robotraj.chart import Chart
 from robotraj.errors import InputError
 from robotraj.guess import Curve, Guess, PhaseGuess, constant, default_parameters, guessed_duration, middle_of, turned
 from robotraj.state import State
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

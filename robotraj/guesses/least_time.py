@@ -15,7 +15,6 @@ of s'' along a path).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +22,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.constraints import Where
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from robotraj.chart import Chart
 from robotraj.guess import Guess, PhaseGuess, constant, default_parameters, ends_of, guessed_duration
 from robotraj.guesses.joint_motion import fractions_of, joint_motion, quintic, speeds_of
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

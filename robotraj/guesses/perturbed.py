@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,7 @@ from robotraj.constraints import Where
 from robotraj.guess import Guess, PhaseGuess
 from robotraj.loading.root import QUATERNION
 from robotraj.tangent import normalised
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable

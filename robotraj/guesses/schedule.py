@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from robotraj.constraints import as_bounds
 from robotraj.guess import guessed_duration
 from robotraj.links import Mirror, Periodic
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.contacts import BoundContact

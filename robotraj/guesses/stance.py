@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from robotraj.dynamics import InverseDynamics
 from robotraj.dynamics.holding import anchors
 from robotraj.loading.root import QUATERNION
 from robotraj.tangent import rate_matrix
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.contacts import BoundContact

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 
 import casadi as ca
@@ -14,6 +13,7 @@ from robotraj.constraints import Where
 from robotraj.errors import InputError
 from robotraj.indirect.costates import PhaseCostates
 from robotraj.problem import Phase
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,6 @@ Source: Bryson and Ho, Applied Optimal Control (1975), sections 2.7, 2.8 and 3.9
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -30,6 +29,7 @@ from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns
 from robotraj.links import BoundLink, Continuity, Link
 from robotraj.problem import Phase, Problem
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +15,7 @@ from robotraj.indirect.hamiltonian import Hamiltonian
 from robotraj.indirect.polished import Polished
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.problem import Phase
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

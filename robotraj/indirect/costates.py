@@ -6,7 +6,6 @@ l + lambda' f, dlambda/dt = -dH/dx).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from robotraj.dynamics import Named
 from robotraj.errors import InputError
 from robotraj.indirect.duals import PhaseDuals
 from robotraj.indirect.hamiltonian import Hamiltonian
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.phase_solution import PhaseSolution

@@ -6,7 +6,6 @@ Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

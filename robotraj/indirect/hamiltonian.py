@@ -8,7 +8,6 @@ a trajectory is taken without eta' h: where a row is active, it is measured from
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -21,6 +20,7 @@ from robotraj.dynamics import Dynamics
 from robotraj.dynamics.system import as_rows
 from robotraj.problem import Phase
 from robotraj.transcription.collocation import path_constraints, path_rows
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

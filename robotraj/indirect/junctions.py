@@ -12,7 +12,7 @@ Source: Bryson, Denham and Dreyfus, Optimal programming problems with inequality
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -25,6 +25,7 @@ from robotraj.guess import Guess, PhaseGuess
 from robotraj.links import Continuity, Linkage
 from robotraj.objectives import Duration, EndCost
 from robotraj.problem import Phase, Problem
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable

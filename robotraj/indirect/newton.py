@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
@@ -11,6 +9,7 @@ from scipy.sparse.linalg import splu
 
 from robotraj.transcription import Nlp
 from robotraj.transcription.triplets import scaled
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

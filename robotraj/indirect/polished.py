@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +19,7 @@ from robotraj.status import Status
 from robotraj.tangent import normalised
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.solution import Solution

@@ -11,7 +11,7 @@ the objective then read like any other. Source: Bryson and Ho, Applied Optimal C
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -24,6 +24,7 @@ from robotraj.dynamics.system import as_rows
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.hamiltonian import Hamiltonian
 from robotraj.problem import Phase
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

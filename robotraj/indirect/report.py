@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from robotraj.errors import ValidationFailed
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 from robotraj.constraints import Row, as_bounds
 from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

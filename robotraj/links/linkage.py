@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from robotraj.constraints import Row
@@ -12,6 +11,7 @@ from robotraj.constraints.path import flat, side
 from robotraj.dynamics.system import as_rows
 from robotraj.errors import InputError, unknown_name
 from robotraj.links.base import BoundLink, Ends, Link, normal, phase_at
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from robotraj.constraints import Row, as_bounds
 from robotraj.errors import InputError, unknown_name
 from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

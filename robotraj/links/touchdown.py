@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -16,6 +16,7 @@ from robotraj.errors import InputError
 from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
 from robotraj.links.continuity import Continuity
 from robotraj.links.periodic import Mirror, Periodic, Repeat, check_partners
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.contacts import BoundContact

@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 from xml.etree import ElementTree
@@ -20,6 +19,7 @@ import pinocchio as pin
 
 from robotraj.loading.packages import find_mesh, search_folders
 from robotraj.loading.urdf import read_xml
+from robotraj.values import dataclass
 
 Array = npt.NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ import pinocchio as pin
 from robotraj.errors import InputError, unknown_name
 from robotraj.loading.root import ROOTS, root_of
 from robotraj.loading.surgery import names_of
+from robotraj.values import dataclass
 
 Array = npt.NDArray[np.float64]
 

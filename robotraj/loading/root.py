@@ -9,7 +9,6 @@ damping.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +16,7 @@ import pinocchio as pin
 
 from robotraj.errors import InputError, unknown_name
 from robotraj.loading.surgery import flies, rebuilt
+from robotraj.values import dataclass
 
 Array = npt.NDArray[np.float64]
 

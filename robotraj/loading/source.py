@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from robotraj.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.loading.mimic import Mimic, read_mimics
 from robotraj.loading.surgery import names_of
 from robotraj.loading.urdf import read_model, read_xml
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

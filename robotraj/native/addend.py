@@ -8,7 +8,6 @@ its Jacobian and of the Hessian of l' s_k serve every stage; each says only wher
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
 from typing import TYPE_CHECKING
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 from robotraj.native.build import load_native
 from robotraj.native.tape import nonzeros, tape
 from robotraj.native.terms import Entries, Indices, Sums, copied
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

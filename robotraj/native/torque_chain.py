@@ -13,7 +13,6 @@ derivatives are ever built. Where every entry of x is one of v, the common case,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
 from typing import TYPE_CHECKING
@@ -24,6 +23,7 @@ from robotraj.native.addend import Calls
 from robotraj.native.build import load_native
 from robotraj.native.tapes import Pattern, Tapes, plain
 from robotraj.native.terms import Entries, Indices, Sums, Terms, copied, entries, flipped, joined, lower, matched
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

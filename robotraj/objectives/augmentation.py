@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any
 
@@ -25,6 +25,7 @@ import casadi as ca
 
 from robotraj.dynamics import Dynamics, InverseDynamics, Point, RigidBody, Variable
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

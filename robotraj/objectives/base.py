@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.constraints.base import BoundConstraint

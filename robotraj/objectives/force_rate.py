@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from robotraj.errors import InputError
 from robotraj.objectives.augmentation import Augmented, body_of, has
 from robotraj.objectives.base import Integral
 from robotraj.objectives.weights import weights_of
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from robotraj.constraints.base import ends_of
 from robotraj.dynamics.system import as_rows
 from robotraj.errors import InputError
 from robotraj.objectives.base import EndCost
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

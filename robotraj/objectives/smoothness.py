@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from robotraj.constraints.base import robot_of
 from robotraj.errors import InputError
 from robotraj.objectives.base import Integral
 from robotraj.objectives.weights import weights_of
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

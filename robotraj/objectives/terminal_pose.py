@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from robotraj.constraints.base import robot_of
 from robotraj.constraints.frame_pose import as_pose
 from robotraj.errors import InputError
 from robotraj.objectives.base import EndCost
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

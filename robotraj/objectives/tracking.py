@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -16,6 +16,7 @@ from robotraj.errors import InputError
 from robotraj.objectives.base import Integral
 from robotraj.objectives.reference import symbolic_states
 from robotraj.objectives.weights import weights_of
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from robotraj.errors import InputError
 from robotraj.objectives.augmentation import RunningIntegral, body_of, has
 from robotraj.objectives.base import EndCost, Integral
 from robotraj.objectives.work import MechanicalWork
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

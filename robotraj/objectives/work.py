@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -15,6 +14,7 @@ from robotraj.errors import InputError, unknown_name
 from robotraj.objectives.augmentation import Slacks, body_of, has
 from robotraj.objectives.base import Integral
 from robotraj.objectives.weights import weights_of
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

@@ -9,13 +9,14 @@ IEEE Transactions on Control Systems Technology 26 (2018).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from robotraj.errors import InputError
 from robotraj.refinement.strategy import Assessment, Refinement, SplitAndMerge, points_of
 from robotraj.schemes import Collocation, Mesh, OneStep, Scheme
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.errors import InputError
 from robotraj.schemes import Adaptive, Collocation, Mesh, OneStep, Scheme, Shooting
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

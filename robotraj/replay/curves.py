@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj.replay.footholds import footholds
 from robotraj.unrolled import Passage, Unrolled
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 SAME = {"rad": "rad", "m": "m", "": ""}

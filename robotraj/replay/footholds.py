@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -17,6 +16,7 @@ from robotraj.contacts.implicit import BoundImplicitContact
 from robotraj.contacts.loop_closure import BoundLoopClosure
 from robotraj.design import realised
 from robotraj.unrolled import Passage, Unrolled
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 SAMPLES = 120

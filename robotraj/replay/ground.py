@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj.replay.part import Part, weld
 from robotraj.terrain import Ground, as_ground
+from robotraj.values import dataclass
 
 SAMPLES = 49
 """A ground that is not level is drawn from so many samples a side, and where it bends."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import meshcat
@@ -26,6 +25,7 @@ from robotraj.replay.shapes import tube
 from robotraj.replay.visuals import Visual, visuals_of
 from robotraj.replay.window import PackedTrack, RecordingWindow, draw
 from robotraj.unrolled import Unrolled
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 GROUND_COLOR = (0.80, 0.82, 0.78, 1.0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from robotraj.replay.meshes import read_mesh
 from robotraj.replay.part import Color, Part
 from robotraj.replay.shapes import rod, shape_part
+from robotraj.values import dataclass
 
 DEFAULT_COLOR: Color = (0.75, 0.77, 0.80, 1.0)
 LINK_COLOR: Color = (0.36, 0.45, 0.56, 1.0)

@@ -12,7 +12,7 @@ Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from robotraj.polynomials import basis, integrals
 from robotraj.schemes.control import Control, PolynomialControl
 from robotraj.schemes.quadrature import OwnQuadrature, Quadrature
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

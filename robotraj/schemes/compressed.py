@@ -11,8 +11,6 @@ Source: Kelly, SIAM Review 59 (2017), section 4; Betts, Practical Methods for Op
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +18,7 @@ from numpy.typing import NDArray
 from robotraj.polynomials import integrals
 from robotraj.schemes.lobatto import legendre_lobatto
 from robotraj.schemes.onestep import OneStep
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

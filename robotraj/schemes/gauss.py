@@ -5,7 +5,7 @@ Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from robotraj.errors import InputError
 from robotraj.schemes.collocation import Collocation
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

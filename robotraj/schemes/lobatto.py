@@ -8,7 +8,6 @@ Herman and Conway, Journal of Guidance, Control, and Dynamics 19 (1996).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from robotraj.errors import InputError
 from robotraj.schemes.collocation import Collocation
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

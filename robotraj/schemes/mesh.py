@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from robotraj.errors import InputError
 from robotraj.polynomials import lobatto_sites
 from robotraj.schemes.collocation import Scheme
 from robotraj.schemes.lobatto import HermiteSimpson
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

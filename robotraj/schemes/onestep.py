@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj.polynomials import basis
 from robotraj.schemes.collocation import Scheme
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ Calculation of Gauss quadrature rules, Mathematics of Computation 23 (1969).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from robotraj.errors import InputError
 from robotraj.schemes.collocation import Collocation
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

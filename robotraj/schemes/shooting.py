@@ -12,7 +12,7 @@ World Congress (1984); Betts, Practical Methods for Optimal Control (2010), sect
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any
 
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from robotraj.schemes.control import ConstantControl, Control
 from robotraj.schemes.integrators import Integrator, RungeKutta4
 from robotraj.schemes.onestep import OneStep
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from robotraj.engines import Engine, VirtualMachine
 from robotraj.status import Status
 from robotraj.transcription.between import Exchange
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.transcription import Nlp

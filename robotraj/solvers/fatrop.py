@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from robotraj.solvers.ipopt import Ipopt
 from robotraj.stagewise import NotStagewise, Reduction, carried_over, native_program, recover, reduce, refresh
 from robotraj.status import Status
 from robotraj.transcription.between import ConvexHull, Exchange
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.transcription import Nlp

@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -20,6 +20,7 @@ from robotraj.errors import InputError
 from robotraj.native.build import load_native
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from robotraj.status import Status
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.transcription import Nlp

@@ -9,7 +9,7 @@ Columns keep their numbers; rows that a step uses up stay as well, marked by wha
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +19,7 @@ from robotraj.sparse import csr_array
 from robotraj.stagewise.matrices import below, native, same
 from robotraj.transcription.block import Block
 from robotraj.transcription.triplets import scaled
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.native import Csr

@@ -5,7 +5,7 @@ By inverse dynamics the rates (v, a) are: the defects of a fixed duration hold n
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,7 @@ from robotraj.stagewise.matrices import array, entries, native, summed
 from robotraj.transcription.block import Block
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.stage_parts import restricted
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.native import Csr

@@ -9,7 +9,6 @@ of their phase; rows that couple more, such as a periodic link, make their colum
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +18,7 @@ from robotraj.sparse import csr_array
 from robotraj.stagewise.form import Form
 from robotraj.stagewise.matrices import entries, summed
 from robotraj.transcription.layout import PhaseLayout
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.native import Csr

@@ -9,7 +9,7 @@ with derivatives by the chain rule, as sparse combinations of the nonzeros of th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from robotraj.stagewise.order import Order
 from robotraj.stagewise.slots import Slots
 from robotraj.transcription.block import Block, Indices
 from robotraj.transcription.triplets import scaled
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.native import Csr, Stacked

@@ -6,7 +6,6 @@ gives, is found again on the way back: columns from the expressions, multipliers
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +22,7 @@ from robotraj.stagewise.slots import Slots, make_slots
 from robotraj.stagewise.slots import with_values as slots_with_values
 from robotraj.stagewise.stretch import Stretch, stretch
 from robotraj.stagewise.surplus import leave_out_surplus
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.transcription import Nlp

@@ -8,7 +8,7 @@ it (a defect whose x_j is the column), an expression of the stage's variables; i
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from robotraj.stagewise.form import Form
 from robotraj.stagewise.matrices import entries_of, summed
 from robotraj.stagewise.order import Order
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.native import Csr

@@ -9,7 +9,7 @@ linear too. A defect of velocities is multiplied by s, which changes nothing whe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -25,6 +25,7 @@ from robotraj.stagewise.kept import Kept
 from robotraj.stagewise.matrices import entries_of, summed
 from robotraj.transcription.block import Block
 from robotraj.transcription.stage import Stage
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.transcription import Nlp

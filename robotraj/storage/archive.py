@@ -12,7 +12,6 @@ import os
 import warnings
 import zipfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,7 @@ from robotraj.errors import InputError, RobotrajError
 from robotraj.problem import Problem
 from robotraj.storage.codec import Packer, Unpacker
 from robotraj.storage.problems import check_fit, pack_problem, unpack_problem
+from robotraj.values import dataclass
 
 FORMAT = "robotraj solution"
 VERSION = 1

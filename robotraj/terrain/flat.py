@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -10,6 +9,7 @@ import numpy as np
 
 from robotraj.errors import InputError
 from robotraj.terrain.base import Ground
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 
 from robotraj.errors import InputError
 from robotraj.terrain.base import Ground
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

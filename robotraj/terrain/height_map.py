@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from robotraj.errors import InputError
 from robotraj.terrain.base import Array, Ground
+from robotraj.values import dataclass
 
 FEWEST = 4
 """Samples along a side that a cubic spline needs."""

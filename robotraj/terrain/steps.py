@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -11,6 +10,7 @@ import numpy as np
 
 from robotraj.errors import InputError
 from robotraj.terrain.base import Ground
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

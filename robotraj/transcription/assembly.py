@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from threading import Lock
 
 import casadi as ca
@@ -23,6 +22,7 @@ from robotraj.sparse import csr_array
 from robotraj.transcription.block import Array, Block, Chain, Indices
 from robotraj.transcription.callbacks import NlpFunction
 from robotraj.transcription.places import Places, stacked
+from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Com
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -21,6 +20,7 @@ import casadi as ca
 from robotraj.constraints.base import symbols_of
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

@@ -8,7 +8,7 @@ rows and s weighs the costed output in the objective.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from robotraj.sparse import csr_array, expand
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.triplets import scaled
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]

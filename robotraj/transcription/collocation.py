@@ -14,7 +14,6 @@ in the outputs with constant coefficients: the defect of node j on an interval o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import accumulate, count, pairwise
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
@@ -38,6 +37,7 @@ from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.table import Entry, ScalarTable
 from robotraj.transcription.triplets import Triplets
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from robotraj.polynomials import basis, integrals, lobatto_sites
 from robotraj.schemes import OneStep
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription.nlp import Nlp
+from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ semi-infinite programs). Source: Hettich and Kortanek, Semi-infinite programming
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -27,6 +27,7 @@ from robotraj.transcription.extract import PhaseTrajectory, correction_basis
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
 from robotraj.transcription.table import Entry, Indices, ScalarTable
 from robotraj.transcription.triplets import Triplets
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj.schemes import Mesh, MovingMesh
 from robotraj.transcription.table import Entry
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable

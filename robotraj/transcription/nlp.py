@@ -9,7 +9,7 @@ row_scale.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +24,7 @@ from robotraj.transcription.block import Block
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.table import Scalars
 from robotraj.transcription.triplets import scaled
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,6 @@ sites. Where the schemes on both sides of a knot have a node (or a control site)
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import accumulate, groupby
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from robotraj.errors import InputError
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.transcription.layout import Array, Indices, PhaseLayout, Run, Scalar, entries_of
 from robotraj.transcription.table import Entry, ScalarTable
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

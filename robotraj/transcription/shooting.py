@@ -10,7 +10,6 @@ more state. Path rows at knots read the knots' own unknowns and are a block of t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -34,6 +33,7 @@ from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.table import Entry, ScalarTable
 from robotraj.transcription.triplets import Triplets
+from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase

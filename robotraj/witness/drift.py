@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
+from robotraj.values import dataclass
 from robotraj.witness.integration import Motion
 from robotraj.witness.plant import Plant
 from robotraj.witness.protocols import Array

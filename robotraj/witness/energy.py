@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj.design import realised
+from robotraj.values import dataclass
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import stretches
 from robotraj.witness.stance import Stance, forces_in

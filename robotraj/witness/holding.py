@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from robotraj.constraints.base import Row
 from robotraj.design import realised
 from robotraj.terrain import as_ground
+from robotraj.values import dataclass
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
 from robotraj.witness.protocols import Array, PhaseSolutionLike

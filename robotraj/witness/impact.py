@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from robotraj.constraints.base import Row
 from robotraj.design import realised
+from robotraj.values import dataclass
 from robotraj.witness.constrained import mass_and_bias
 from robotraj.witness.holding import FORCE_NOISE, part_of, weight_of
 from robotraj.witness.numbers import as_numbers

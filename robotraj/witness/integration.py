@@ -7,12 +7,12 @@ Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from robotraj.values import dataclass
 from robotraj.witness.protocols import Array
 
 Rates = Callable[[float, Array, int], Array]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from robotraj.values import dataclass
 from robotraj.witness import drift as drifts
 from robotraj.witness.drift import Drift, DriftRow, drift_of
 from robotraj.witness.integration import Motion, integrate

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,6 +10,7 @@ import scipy
 
 from robotraj.design import realised
 from robotraj.tangent import PLACE, difference, floats, normalised
+from robotraj.values import dataclass
 from robotraj.witness.integration import Rates, Settle
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.point import system_point

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 
 from robotraj.errors import ValidationFailed, unknown_name
+from robotraj.values import dataclass
 from robotraj.witness.contact_complaints import contact_complaints
 from robotraj.witness.drift import Drift, DriftRow
 from robotraj.witness.energy import Energy

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -11,6 +10,7 @@ import pinocchio as pin
 
 from robotraj.design import realised
 from robotraj.tangent import velocities
+from robotraj.values import dataclass
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak, peaks
 from robotraj.witness.plant import RATE_UNITS, columns, plant_of

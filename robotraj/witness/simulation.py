@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from robotraj.loading.configuration import unit_quaternion
 from robotraj.loading.root import QUATERNION
 from robotraj.tangent import floats, normalised
 from robotraj.tangent import rates as rates_of
+from robotraj.values import dataclass
 from robotraj.witness.integration import Motion, Rates, integrate
 from robotraj.witness.protocols import Array, RobotLike
 

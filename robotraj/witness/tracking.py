@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ import pinocchio as pin
 from robotraj.design import realised
 from robotraj.errors import InputError
 from robotraj.tangent import difference
+from robotraj.values import dataclass
 from robotraj.witness import drift as drifts
 from robotraj.witness.drift import Drift, DriftRow, drift_of
 from robotraj.witness.integration import integrate

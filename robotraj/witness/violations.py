@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from robotraj.constraints.base import Row, Where
 from robotraj.design import realised
 from robotraj.errors import InputError
+from robotraj.values import dataclass
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.plant import RATE_UNITS, columns
 from robotraj.witness.point import NumericPoint, system_point

@@ -8,7 +8,7 @@ rolls by no more than r times its angle. Feet touch the ground only, each that o
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from robotraj.contacts.loop_closure import BoundLoopClosure
 from robotraj.contacts.point_contact import BoundPointContact
 from robotraj.errors import InputError
 from robotraj.terrain import Ground, as_ground
+from robotraj.values import dataclass
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.model import wxyz
 from robotraj.witness.mujoco.package import load_mujoco

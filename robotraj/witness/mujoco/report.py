@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from robotraj.values import dataclass
 from robotraj.witness.drift import Drift
 from robotraj.witness.mujoco.table import render
 from robotraj.witness.peak import Peak
