@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "repeated_rows.hpp"
 #include "sparse.hpp"
 #include "stacked.hpp"
 #include "thread_pool.hpp"
@@ -14,33 +15,33 @@ namespace robotraj::native {
 /// y = base + A x for one sparse A.
 ///
 /// Equal intervals make equal blocks of rows, each reading x a fixed distance further on. One of them stays in a cache
-/// near the processor, where the whole matrix of a long mesh has to come from memory each time. In a block, rows of
-/// equally many entries follow each other. Every row is summed as it stands, base first.
+/// near the processor, where the whole matrix of a long mesh has to come from memory each time, and is multiplied by for
+/// as many intervals at once as the processor has lanes. In a block, rows of equally many entries follow each other.
+/// Every row is summed as it stands, base first.
 ///
-/// Results may have places of their own: row i goes to y[places[i]], to nowhere where that is negative.
+/// Results may have places of their own: row i goes to y[places[i]], to nowhere where that is negative. A base that
+/// stays the same may be kept with the rows, once where they repeat.
 class Combination {
  public:
   Combination() : Combination(Csr()) {}
-  explicit Combination(const Csr& matrix, const std::int32_t* places = nullptr)
-      : Combination(Stacked(matrix), places) {}
-  explicit Combination(const Stacked& matrix, const std::int32_t* places = nullptr);
+  explicit Combination(const Csr& matrix, const std::int32_t* places = nullptr, const double* kept_base = nullptr)
+      : Combination(Stacked(matrix), places, kept_base) {}
+  explicit Combination(const Stacked& matrix, const std::int32_t* places = nullptr,
+                       const double* kept_base = nullptr);
 
-  /// y = base + A x, rows shared by the pool; base may be null for zeros, and y for what has its places.
+  /// y = base + A x, rows shared by the pool; base may be null, for what is kept or zeros, and y, to add to it.
   void apply(const double* x, const double* base, double* y, ThreadPool& pool) const;
 
   /// How many entries are kept.
   std::size_t entries() const { return values_.size(); }
 
  private:
-  /// Rows of a block with `count` entries each.
-  struct Group {
-    std::size_t count, rows, first_row, first_entry;
-  };
   /// `repeats` blocks, `period` rows apart, that read x `shift` numbers apart and write y `step` numbers apart.
   struct Run {
-    std::size_t row, period, repeats;
-    std::ptrdiff_t shift, step;
-    std::size_t groups_begin, groups_end;
+    std::size_t row = 0, period = 0, repeats = 0;
+    std::ptrdiff_t shift = 0, step = 0;
+    // Of its first block, in the arrays below.
+    std::size_t first_group = 0, groups = 0, first_row = 0, rows = 0, first_entry = 0, first_read = 0, reads = 0, first_order = 0;
   };
   /// Repeats [begin, end) of a run: a piece of work for a thread.
   struct Piece {
@@ -49,14 +50,18 @@ class Combination {
 
   struct Rows;
   void divide(const Rows& matrix, std::size_t begin, std::size_t end);
-  void take(const Stacked::Piece& piece, const std::int32_t* places, std::size_t first);
+  void take(const Rows& matrix, std::size_t repeats, std::ptrdiff_t shift);
   void add(const Rows& matrix, const Run& run);
-  void block(const Run& run, std::size_t repeat, const double* x, const double* base, double* y) const;
+  void number_reads(Run& run);
+  void order_rows(Run& run);
+  void once(const Run& run, const double* x, const double* base, double* y) const;
+  void repeated(const Run& run, std::size_t begin, std::size_t end, const double* x, const double* base,
+                double* y) const;
 
-  // Of the first block of each run.
-  std::vector<std::int32_t> rows_, places_, columns_;
-  std::vector<double> values_;
-  std::vector<Group> groups_;
+  // Of the first block of each run. Columns are those of x where it does not repeat, else numbers of what it reads.
+  std::vector<std::int32_t> rows_, places_, columns_, reads_, order_;
+  std::vector<double> values_, kept_base_;  // the latter as rows_, or empty
+  std::vector<RowGroup> groups_;
   std::vector<Run> runs_;
   std::vector<Piece> pieces_;
   std::size_t work_ = 0;  // entries, and one for each row

@@ -11,6 +11,7 @@
 #include "spatial.hpp"
 // The algorithms use what is above.
 #include "barrier_vectors.hpp"
+#include "combine_rows.hpp"
 #include "riccati_substitution.hpp"
 #include "rigid_kernel.hpp"
 
@@ -18,7 +19,7 @@ namespace robotraj::native {
 
 const Kernels ROBOTRAJ_KERNELS = {
     ROBOTRAJ_PROCESSOR, kLanes,          sizeof(JointState) / sizeof(Pack), run_tape, inverse_dynamics, multiply,
-    riccati_kernels,    vector_kernels,
+    combine_rows,       riccati_kernels, vector_kernels,
 };
 
 }  // namespace robotraj::native

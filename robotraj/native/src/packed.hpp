@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "repeated_rows.hpp"
 #include "riccati.hpp"
 #include "rigid_tree.hpp"
 #include "tape.hpp"
@@ -35,6 +36,10 @@ struct Kernels {
   void (*run)(const TapeCode& tape, const double* const* arguments, double* memory, double* result);
   void (*rigid)(const Tree& tree, const RigidArguments& arguments);
   void (*multiply)(const Product* terms, std::size_t count, const double* left, const double* right, double* out);
+  /// y = base + A x of `count` repeats, at most as many as a pack holds; base may be null. `memory` holds a pack for
+  /// each of what is read and of the rows.
+  void (*combine_rows)(const RepeatedRows& rows, const RepeatSteps& steps, const double* x, const double* base,
+                       double* y, std::size_t count, double* memory);
   RiccatiKernels riccati;
   VectorKernels vectors;
 };

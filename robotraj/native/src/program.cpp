@@ -176,9 +176,11 @@ const Numbers& Program::gradient() {
 
 void Program::prepare_in_order() {
   if (in_order_) return;
+  const double* base = linear_.jacobian.data();
   for (std::size_t i = 0; i < terms_.size(); ++i) {
-    work_[i].jacobian_in_order = Combination(terms_[i].jacobian);
+    work_[i].jacobian_in_order = Combination(terms_[i].jacobian, nullptr, base);
     work_[i].hessian_in_order = Combination(terms_[i].hessian);
+    if (terms_[i].jacobian.entries()) base = nullptr;
   }
   jacobian_.resize(jacobian_pattern_.size());
   hessian_.resize(hessian_pattern_.size());
@@ -188,8 +190,12 @@ void Program::prepare_in_order() {
 void Program::place(std::vector<std::int32_t> jacobian, std::vector<std::int32_t> hessian) {
   need(jacobian.size(), jacobian_pattern_.size(), "places of the Jacobian's entries: their number");
   need(hessian.size(), hessian_pattern_.size(), "places of the Hessian's entries: their number");
+  const double* base = linear_.jacobian.data();
   for (std::size_t i = 0; i < terms_.size(); ++i) {
-    if (terms_[i].jacobian.entries()) work_[i].jacobian_in_place = Combination(terms_[i].jacobian, jacobian.data());
+    if (terms_[i].jacobian.entries()) {
+      work_[i].jacobian_in_place = Combination(terms_[i].jacobian, jacobian.data(), base);
+      base = nullptr;
+    }
     if (terms_[i].hessian.entries()) work_[i].hessian_in_place = Combination(terms_[i].hessian, hessian.data());
   }
   jacobian_places_ = std::move(jacobian);
@@ -221,7 +227,7 @@ void Program::hessian_to(const double* lam, double lam_f, double* out) {
 }
 
 bool Program::combine_jacobians(Combination Work::*combination, double* out) {
-  const double* sum = linear_.jacobian.data();
+  const double* sum = nullptr;  // the first term's combination keeps the linear part
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const Term& term = terms_[i];
     if (!term.jacobian.entries()) continue;
@@ -231,7 +237,7 @@ bool Program::combine_jacobians(Combination Work::*combination, double* out) {
     timed(times.combinations, [&] { (work.*combination).apply(work.jacobian.data(), sum, out, pool_); });
     sum = out;
   }
-  return sum == out;
+  return sum != nullptr;
 }
 
 bool Program::combine_hessians(const double* lam, double lam_f, Combination Work::*combination, double* out) {

@@ -8,8 +8,10 @@ namespace robotraj::native {
 
 namespace {
 
-constexpr double kTolerance = 1e-8;
 constexpr int kRounds = 5;
+
+/// Residual that is small enough beside a right-hand side of size b.
+double tolerance(double b) { return std::max({1e-8, 1e-8 * b, 1e-6 * std::min(b, 1.0)}); }
 
 /// fatrop gives its vectors for reading alone; the step's are written here.
 double* writable(const fatrop::VecRealView& vector) { return const_cast<double*>(vector.data()); }
@@ -53,7 +55,7 @@ SlackSystem StageStep::slacks(const Iterate& iterate) const {
 void StageStep::prepare(Iterate& iterate) {
   side_ = {iterate.dual_infeasibility_x().data(), iterate.constr_viol().data(), iterate.dual_infeasibility_s().data(),
            iterate.relaxed_complementarity_l().data(), iterate.relaxed_complementarity_u().data()};
-  size_ = std::max({1.0, iterate.dual_infeasibility_x_inf(), iterate.constr_viol_inf(),
+  size_ = std::max({iterate.dual_infeasibility_x_inf(), iterate.constr_viol_inf(),
                     iterate.dual_infeasibility_s_inf(), run_.largest(side_.lower, slacks_),
                     run_.largest(side_.upper, slacks_)});
 }
@@ -126,7 +128,7 @@ fatrop::LinsolReturnFlag StageStep::solve(Iterate& iterate) {
       std::copy_n(found->lower, slacks_, step.lower);
       std::copy_n(found->upper, slacks_, step.upper);
     }
-    if (now < kTolerance * size_) return LinsolReturnFlag::SUCCESS;
+    if (now < tolerance(size_)) return LinsolReturnFlag::SUCCESS;
     if (round + 1 == kRounds) break;
     solve_again(iterate, of(residual_), correction_);
     add(step, correction_, better_);
