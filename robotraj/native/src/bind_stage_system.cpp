@@ -44,6 +44,7 @@ class StageSystem {
                                        ds.data(),
                                        checked(f, columns(), "f"),
                                        residuals.data(),
+                                       residuals.data() + info_.offset_g_eq_slack,
                                        z.data(),
                                        lam.data()};
     Pivots pivots = Pivots::good;
@@ -63,9 +64,10 @@ class StageSystem {
     Numbers gradient(columns()), left(rows());
     const double greatest = solver_.residual(jacobian_, hessian_,
                                              {checked(dx, columns(), "dx"), de ? de->data() : nullptr, nullptr,
-                                              checked(f, columns(), "f"), residuals.data(), step.data(),
+                                              checked(f, columns(), "f"), residuals.data(),
+                                              residuals.data() + info_.offset_g_eq_slack, step.data(),
                                               multipliers.data()},
-                                             gradient.data(), left.data());
+                                             0, matrices_.count(), gradient.data(), left.data());
     return nb::make_tuple(to_numpy(std::move(gradient)), to_numpy(reordered(left.data(), false)), greatest);
   }
 

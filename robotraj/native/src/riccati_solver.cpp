@@ -11,6 +11,9 @@ std::size_t factor_size(int nu, int nx) {
   return static_cast<std::size_t>(trapezoid(nu, ld) + 2 * padded(nu) + padded(nx) + trapezoid(nx, padded(nx)));
 }
 
+/// Stages that something goes along with at a time.
+constexpr std::size_t kAtATime = 16;
+
 }  // namespace
 
 RiccatiSolver::RiccatiSolver(const StageMatrices& matrices)
@@ -78,7 +81,7 @@ StageVectors RiccatiSolver::vectors(std::size_t k, const System& system) const {
   return {system.f + first,
           system.g + dynamics,
           system.g + equalities,
-          system.g + inequalities,
+          system.inequalities + info.offsets_slack[k],
           system.dx ? system.dx + first : nullptr,
           system.de ? system.de + (equalities - info.offset_g_eq_path) : nullptr,
           system.ds ? system.ds + info.offsets_slack[k] : nullptr,
@@ -89,8 +92,9 @@ StageVectors RiccatiSolver::vectors(std::size_t k, const System& system) const {
 }
 
 Pivots RiccatiSolver::factorise_and_solve(const StageValues& jacobian, const StageValues& hessian,
-                                          const System& system) {
+                                          const System& system, Along* along) {
   for (std::size_t k = matrices_.count(); k-- > 0;) {
+    if (along && (k + 1 == matrices_.count() || k % kAtATime == kAtATime - 1)) along->before(k - k % kAtATime, k + 1);
     const StageView stage = matrices_.view(k, &jacobian, &hessian);
     const StageVectors at = vectors(k, system);
     const StageFactor* after = next(k);
@@ -104,7 +108,7 @@ Pivots RiccatiSolver::factorise_and_solve(const StageValues& jacobian, const Sta
   const Pivots pivots = run_.factorise_start(first, options, memory_, start_);
   if (pivots != Pivots::good) return pivots;
   run_.backward_start(first, memory_, start_);
-  forward(jacobian, system);
+  forward(jacobian, system, along);
   return Pivots::good;
 }
 
@@ -112,15 +116,26 @@ void RiccatiSolver::solve(const StageValues& jacobian, const System& system) {
   for (std::size_t k = matrices_.count(); k-- > 0;)
     run_.backward_stage(matrices_.view(k, &jacobian, nullptr), vectors(k, system), next(k), memory_, factors_[k]);
   run_.backward_start(factors_.front(), memory_, start_);
-  forward(jacobian, system);
+  forward(jacobian, system, nullptr);
+}
+
+void RiccatiSolver::forward(const StageValues& jacobian, const System& system, Along* along) {
+  const auto& info = matrices_.info();
+  run_.forward_start(start_, system.z + info.offsets_primal_x[0], left_.data(), memory_);
+  for (std::size_t k = 0; k < matrices_.count(); ++k) {
+    double* next_state = next(k) ? system.z + info.offsets_primal_x[k + 1] : nullptr;
+    run_.forward_stage(matrices_.view(k, &jacobian, nullptr), vectors(k, system), factors_[k], next(k), next_state,
+                       left_.data(), memory_);
+    if (along && (k + 1 == matrices_.count() || k % kAtATime == kAtATime - 1)) along->after(k - k % kAtATime, k + 1);
+  }
 }
 
 double RiccatiSolver::residual(const StageValues& jacobian, const StageValues& hessian, const System& system,
-                               double* gradient, double* rows) {
+                               std::size_t begin, std::size_t end, double* gradient, double* rows) {
   const auto& info = matrices_.info();
   double most = 0.0;
-  const double* before = nullptr;
-  for (std::size_t k = 0; k < matrices_.count(); ++k) {
+  const double* before = begin > 0 ? vectors(begin - 1, system).lam_dynamics : nullptr;
+  for (std::size_t k = begin; k < end; ++k) {
     const StageVectors at = vectors(k, system);
     const auto dynamics = next(k) ? info.offsets_g_eq_dyn[k] : 0;
     const StageResidual left{gradient + info.offsets_primal_u[k], rows + dynamics, rows + info.offsets_g_eq_path[k],
@@ -131,16 +146,6 @@ double RiccatiSolver::residual(const StageValues& jacobian, const StageValues& h
     before = at.lam_dynamics;
   }
   return most;
-}
-
-void RiccatiSolver::forward(const StageValues& jacobian, const System& system) {
-  const auto& info = matrices_.info();
-  run_.forward_start(start_, system.z + info.offsets_primal_x[0], left_.data(), memory_);
-  for (std::size_t k = 0; k < matrices_.count(); ++k) {
-    double* next_state = next(k) ? system.z + info.offsets_primal_x[k + 1] : nullptr;
-    run_.forward_stage(matrices_.view(k, &jacobian, nullptr), vectors(k, system), factors_[k], next(k), next_state,
-                       left_.data(), memory_);
-  }
 }
 
 }  // namespace robotraj::native

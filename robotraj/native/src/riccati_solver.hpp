@@ -8,6 +8,16 @@
 
 namespace robotraj::native {
 
+/// What goes along with a solution, for some stages at a time, so that their numbers stay in the caches.
+class Along {
+ public:
+  virtual ~Along() = default;
+  /// Stages [begin, end) are about to be read, the last ones first.
+  virtual void before(std::size_t begin, std::size_t end) = 0;
+  /// Those are solved, and the states of stage `end`.
+  virtual void after(std::size_t begin, std::size_t end) = 0;
+};
+
 /// Solves, for the rows' weights D_e and D_s and the damping D_x,
 ///
 ///     [ H + D_x  A_e'   A_d'  A_i' ] [ z        ]     [ f   ]
@@ -25,25 +35,26 @@ class RiccatiSolver {
 
   RiccatiOptions options;
 
-  /// Diagonals and right-hand sides in fatrop's order; `de` may be null.
+  /// Diagonals and right-hand sides in fatrop's order, those of the inequalities by themselves; `de` may be null.
   struct System {
-    const double *dx, *de, *ds, *f, *g;
+    const double *dx, *de, *ds, *f, *g, *inequalities;
     double *z, *lam;
   };
-  Pivots factorise_and_solve(const StageValues& jacobian, const StageValues& hessian, const System& system);
+  Pivots factorise_and_solve(const StageValues& jacobian, const StageValues& hessian, const System& system,
+                             Along* along = nullptr);
   /// With the factors of the last call of the above.
   void solve(const StageValues& jacobian, const System& system);
-  /// What z and lam leave: gradient and rows, the latter without the -D_s lambda_i of the inequalities. Returns the
-  /// greatest of them, rows of inequalities left out.
-  double residual(const StageValues& jacobian, const StageValues& hessian, const System& system, double* gradient,
-                  double* rows);
+  /// What z and lam leave of stages [begin, end): gradient and rows, the latter without the -D_s lambda_i of the
+  /// inequalities. Returns the greatest of them, rows of inequalities left out.
+  double residual(const StageValues& jacobian, const StageValues& hessian, const System& system, std::size_t begin,
+                  std::size_t end, double* gradient, double* rows);
 
  private:
   StageVectors vectors(std::size_t stage, const System& system) const;
   StageFactor* next(std::size_t stage) { return stage + 1 < factors_.size() ? &factors_[stage + 1] : nullptr; }
   StageFactor make_factor(int nu, int nx, double*& at) const;
   void make_room(std::size_t index, StageFactor& factor, int most);
-  void forward(const StageValues& jacobian, const System& system);
+  void forward(const StageValues& jacobian, const System& system, Along* along);
 
   const StageMatrices& matrices_;
   const RiccatiKernels& run_;

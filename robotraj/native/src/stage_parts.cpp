@@ -140,19 +140,21 @@ void StageParts::set_zero(Hessian& hessian) {
 
 int StageParts::solve(const Jacobian& jacobian, Hessian& hessian, const Vector& d_x, const Vector* d_e,
                       const Vector& d_s, const Vector& f, const Vector& g, Vector& x, Vector& multipliers) {
-  return solve(jacobian, hessian, {d_x.data(), d_e ? d_e->data() : nullptr, d_s.data(), f.data(), g.data(), x.data(),
-                                   multipliers.data()});
+  return solve(jacobian, hessian,
+               {d_x.data(), d_e ? d_e->data() : nullptr, d_s.data(), f.data(), g.data(),
+                g.data() + info().offset_g_eq_slack, x.data(), multipliers.data()},
+               nullptr);
 }
 
 int StageParts::solve_again(const Jacobian& jacobian, const Vector* d_e, const Vector& d_s, const Vector& f,
                             const Vector& g, Vector& x, Vector& multipliers) {
-  solve_again(jacobian, {nullptr, d_e ? d_e->data() : nullptr, d_s.data(), f.data(), g.data(), x.data(),
-                         multipliers.data()});
+  solve_again(jacobian, {nullptr, d_e ? d_e->data() : nullptr, d_s.data(), f.data(), g.data(),
+                         g.data() + info().offset_g_eq_slack, x.data(), multipliers.data()});
   return fatrop::LinsolReturnFlag::SUCCESS;
 }
 
-int StageParts::solve(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system) {
-  return flag_of(solver_.factorise_and_solve(*find(jacobians_, &jacobian), values(hessian), system));
+int StageParts::solve(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system, Along* along) {
+  return flag_of(solver_.factorise_and_solve(*find(jacobians_, &jacobian), values(hessian), system, along));
 }
 
 void StageParts::solve_again(const Jacobian& jacobian, const RiccatiSolver::System& system) {
@@ -160,8 +162,8 @@ void StageParts::solve_again(const Jacobian& jacobian, const RiccatiSolver::Syst
 }
 
 double StageParts::residual(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system,
-                          double* gradient, double* rows) {
-  return solver_.residual(*find(jacobians_, &jacobian), values(hessian), system, gradient, rows);
+                            std::size_t begin, std::size_t end, double* gradient, double* rows) {
+  return solver_.residual(*find(jacobians_, &jacobian), values(hessian), system, begin, end, gradient, rows);
 }
 
 }  // namespace robotraj::native

@@ -52,12 +52,12 @@ class StageParts final : public FatropParts {
 
   const Info& info() const { return matrices_.info(); }
   /// The augmented system; a LinsolReturnFlag.
-  int solve(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system);
+  int solve(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system, Along* along);
   /// With the factors of the last one.
   void solve_again(const Jacobian& jacobian, const RiccatiSolver::System& system);
   /// What z and lam leave of it: see RiccatiSolver::residual.
-  double residual(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system, double* gradient,
-                double* rows);
+  double residual(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system, std::size_t begin,
+                  std::size_t end, double* gradient, double* rows);
 
   /// While it lives, fatrop's calls from this thread arrive at these parts; null for fatrop's own.
   class Lent {

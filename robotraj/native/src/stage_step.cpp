@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace robotraj::native {
 
@@ -18,7 +17,7 @@ double* writable(const fatrop::VecRealView& vector) { return const_cast<double*>
 
 }  // namespace
 
-StageStep::StageStep(StageParts& parts) : parts_(parts), run_(parts.vectors()) {
+StageStep::StageStep(StageParts& parts) : parts_(parts), run_(parts.vectors()), stages_(parts.matrices().count()) {
   const StageMatrices::Info& info = parts.info();
   columns_ = info.number_of_primal_variables;
   rows_ = info.number_of_eq_constraints;
@@ -26,12 +25,12 @@ StageStep::StageStep(StageParts& parts) : parts_(parts), run_(parts.vectors()) {
   first_slack_row_ = info.offset_g_eq_slack;
   first_path_row_ = info.offset_g_eq_path;
   const auto part = [](int n) { return static_cast<std::size_t>(padded(n)); };
-  memory_.resize(3 * (part(columns_) + part(rows_) + 3 * part(slacks_)) + 3 * part(slacks_) + part(rows_));
+  memory_.resize(3 * (part(columns_) + part(rows_) + 3 * part(slacks_)) + 4 * part(slacks_));
   double* at = memory_.data();
   residual_ = take(at);
   correction_ = take(at);
   better_ = take(at);
-  for (double** each : {&inverse_, &gradient_, &weights_, &rows_reduced_}) {
+  for (double** each : {&inverse_, &gradient_, &weights_, &slack_rows_}) {
     *each = at;
     at += padded(slacks_);
   }
@@ -46,10 +45,23 @@ StageStep::Step StageStep::take(double*& at) const {
   return {part(columns_), part(rows_), part(slacks_), part(slacks_), part(slacks_)};
 }
 
-SlackSystem StageStep::slacks(const Iterate& iterate) const {
+int StageStep::first_slack(std::size_t stage) const {
+  return stage < stages_ ? parts_.info().offsets_slack[stage] : slacks_;
+}
+
+RiccatiSolver::System StageStep::system(Iterate& iterate, const Side& side, const double* weights,
+                                        const Step& step) const {
+  const double* relaxation = iterate.De_is_zero() ? nullptr : iterate.De().data() + first_path_row_;
+  // Where slacks are eliminated, rows of inequalities are no longer the side's.
+  return {iterate.Dx().data(), relaxation, weights, side.x, side.rows,
+          weights ? slack_rows_ : side.rows + first_slack_row_, step.x, step.rows};
+}
+
+SlackSystem StageStep::slacks(const Iterate& iterate, int first) const {
   Iterate& known = const_cast<Iterate&>(iterate);  // evaluated already
-  return {known.delta_lower().data(),     known.delta_upper().data(),      iterate.dual_bounds_l().data(),
-          iterate.dual_bounds_u().data(), iterate.Dx().data() + columns_, iterate.De().data() + first_slack_row_};
+  return {known.delta_lower().data() + first,     known.delta_upper().data() + first,
+          iterate.dual_bounds_l().data() + first, iterate.dual_bounds_u().data() + first,
+          iterate.Dx().data() + columns_ + first, iterate.De().data() + first_slack_row_ + first};
 }
 
 void StageStep::prepare(Iterate& iterate) {
@@ -60,35 +72,42 @@ void StageStep::prepare(Iterate& iterate) {
                     run_.largest(side_.upper, slacks_)});
 }
 
-void StageStep::reduce(const Iterate& iterate, const Side& side) {
-  std::copy_n(side.rows, rows_, rows_reduced_);
-  run_.reduce(slacks(iterate), {side.s, side.lower, side.upper, side.rows + first_slack_row_}, slacks_, inverse_,
-              gradient_, weights_, rows_reduced_ + first_slack_row_);
+void StageStep::reduce(const Iterate& iterate, const Side& side, std::size_t begin, std::size_t end) {
+  const int first = first_slack(begin);
+  run_.reduce(slacks(iterate, first),
+              {side.s + first, side.lower + first, side.upper + first, side.rows + first_slack_row_ + first},
+              first_slack(end) - first, inverse_ + first, gradient_ + first, weights_ + first, slack_rows_ + first);
 }
 
-void StageStep::recover(const Iterate& iterate, const Side& side, const Step& step) const {
-  run_.recover(slacks(iterate), {side.s, side.lower, side.upper, nullptr}, inverse_, gradient_,
-               step.rows + first_slack_row_, slacks_, {step.s, step.lower, step.upper});
+void StageStep::recover(const Iterate& iterate, const Side& side, const Step& step, std::size_t begin,
+                        std::size_t end) const {
+  const int first = first_slack(begin);
+  run_.recover(slacks(iterate, first), {side.s + first, side.lower + first, side.upper + first, nullptr},
+               inverse_ + first, gradient_ + first, step.rows + first_slack_row_ + first, first_slack(end) - first,
+               {step.s + first, step.lower + first, step.upper + first});
+}
+
+double StageStep::residual(Iterate& iterate, const Step& step, std::size_t begin, std::size_t end) {
+  const int first = first_slack(begin), count = first_slack(end) - first;
+  double* rows = residual_.rows + first_slack_row_ + first;
+  const double of_stages = parts_.residual(iterate.jacobian(), iterate.hessian(), system(iterate, side_, nullptr, step),
+                                           begin, end, residual_.x, residual_.rows);
+  const double of_slacks = run_.slack_residual(
+      slacks(iterate, first), {side_.s + first, side_.lower + first, side_.upper + first, nullptr},
+      {step.s + first, step.lower + first, step.upper + first}, step.rows + first_slack_row_ + first, count,
+      {residual_.s + first, residual_.lower + first, residual_.upper + first}, rows);
+  return std::max({of_stages, of_slacks, run_.largest(rows, count)});
+}
+
+void StageStep::after(std::size_t begin, std::size_t end) {
+  recover(*solved_, side_, step_, begin, end);
+  left_ = std::max(left_, residual(*solved_, step_, begin, end));
 }
 
 void StageStep::solve_again(Iterate& iterate, const Side& side, const Step& step) {
-  reduce(iterate, side);
-  const double* relaxation = iterate.De_is_zero() ? nullptr : iterate.De().data() + first_path_row_;
-  parts_.solve_again(iterate.jacobian(), {nullptr, relaxation, weights_, side.x, rows_reduced_, step.x, step.rows});
-  recover(iterate, side, step);
-}
-
-double StageStep::residual(Iterate& iterate, const Step& step) {
-  const double* relaxation = iterate.De_is_zero() ? nullptr : iterate.De().data() + first_path_row_;
-  const double of_stages = parts_.residual(iterate.jacobian(), iterate.hessian(),
-                                           {iterate.Dx().data(), relaxation, nullptr, side_.x, side_.rows, step.x,
-                                            step.rows},
-                                           residual_.x, residual_.rows);
-  const double of_slacks = run_.slack_residual(
-      slacks(iterate), {side_.s, side_.lower, side_.upper, nullptr}, {step.s, step.lower, step.upper},
-      step.rows + first_slack_row_, slacks_, {residual_.s, residual_.lower, residual_.upper},
-      residual_.rows + first_slack_row_);
-  return std::max({of_stages, of_slacks, run_.largest(residual_.rows + first_slack_row_, slacks_)});
+  reduce(iterate, side, 0, stages_);
+  parts_.solve_again(iterate.jacobian(), system(iterate, side, weights_, step));
+  recover(iterate, side, step, 0, stages_);
 }
 
 bool StageStep::finite(const Step& step) const {
@@ -106,36 +125,28 @@ void StageStep::add(const Step& first, const Step& second, const Step& sum) cons
 
 fatrop::LinsolReturnFlag StageStep::solve(Iterate& iterate) {
   using fatrop::LinsolReturnFlag;
-  const Step step{writable(iterate.delta_primal_x()), writable(iterate.delta_dual_eq()),
-                  writable(iterate.delta_primal_s()), writable(iterate.delta_dual_bounds_l()),
-                  writable(iterate.delta_dual_bounds_u())};
-  reduce(iterate, side_);
-  const double* relaxation = iterate.De_is_zero() ? nullptr : iterate.De().data() + first_path_row_;
-  const int flag = parts_.solve(iterate.jacobian(), iterate.hessian(),
-                                {iterate.Dx().data(), relaxation, weights_, side_.x, rows_reduced_, step.x, step.rows});
+  solved_ = &iterate;
+  step_ = {writable(iterate.delta_primal_x()), writable(iterate.delta_dual_eq()), writable(iterate.delta_primal_s()),
+           writable(iterate.delta_dual_bounds_l()), writable(iterate.delta_dual_bounds_u())};
+  left_ = 0.0;
+  const int flag = parts_.solve(iterate.jacobian(), iterate.hessian(), system(iterate, side_, weights_, step_), this);
   if (flag != LinsolReturnFlag::SUCCESS) return static_cast<LinsolReturnFlag>(flag);
-  recover(iterate, side_, step);
-  double before = std::numeric_limits<double>::max();
-  const Step* found = &step;
-  for (int round = 0; round < kRounds; ++round) {
-    if (!finite(*found)) return LinsolReturnFlag::NAN_SOLUTION;
-    const double now = residual(iterate, *found);
-    if (now >= before) return LinsolReturnFlag::ITREF_INCREASE;
-    if (found != &step) {
-      std::copy_n(found->x, columns_, step.x);
-      std::copy_n(found->rows, rows_, step.rows);
-      std::copy_n(found->s, slacks_, step.s);
-      std::copy_n(found->lower, slacks_, step.lower);
-      std::copy_n(found->upper, slacks_, step.upper);
-    }
-    if (now < tolerance(size_)) return LinsolReturnFlag::SUCCESS;
-    if (round + 1 == kRounds) break;
+  if (!finite(step_)) return LinsolReturnFlag::NAN_SOLUTION;
+  for (int round = 1; left_ >= tolerance(size_); ++round) {
+    if (round == kRounds) return LinsolReturnFlag::ITREF_MAX_ITER;
     solve_again(iterate, of(residual_), correction_);
-    add(step, correction_, better_);
-    found = &better_;
-    before = now;
+    add(step_, correction_, better_);
+    if (!finite(better_)) return LinsolReturnFlag::NAN_SOLUTION;
+    const double left = residual(iterate, better_, 0, stages_);
+    if (left >= left_) return LinsolReturnFlag::ITREF_INCREASE;
+    left_ = left;
+    std::copy_n(better_.x, columns_, step_.x);
+    std::copy_n(better_.rows, rows_, step_.rows);
+    std::copy_n(better_.s, slacks_, step_.s);
+    std::copy_n(better_.lower, slacks_, step_.lower);
+    std::copy_n(better_.upper, slacks_, step_.upper);
   }
-  return LinsolReturnFlag::ITREF_MAX_ITER;
+  return LinsolReturnFlag::SUCCESS;
 }
 
 void StageStep::accept(Iterate& iterate) {

@@ -19,7 +19,7 @@ namespace robotraj::native {
 /// The multipliers of the bounds and the slacks are eliminated, stages solved, and the solution refined as long as the
 /// residual falls and is not below 1e-8, 1e-8 |b| or 1e-6 min(1, |b|), b the right-hand side: Newton's method converges
 /// as fast with steps that leave a small part of b (Dembo, Eisenstat and Steihaug, SIAM J. Numer. Anal. 19, 1982).
-class StageStep {
+class StageStep : private Along {
  public:
   using Iterate = fatrop::IpIterate<fatrop::OcpType>;
 
@@ -41,22 +41,35 @@ class StageStep {
 
   static Side of(const Step& step) { return {step.x, step.rows, step.s, step.lower, step.upper}; }
   Step take(double*& at) const;
-  SlackSystem slacks(const Iterate& iterate) const;
-  void reduce(const Iterate& iterate, const Side& side);
-  void recover(const Iterate& iterate, const Side& side, const Step& step) const;
+  /// The first slack of a stage, and the end of all of them behind the last one.
+  int first_slack(std::size_t stage) const;
+  RiccatiSolver::System system(Iterate& iterate, const Side& side, const double* weights, const Step& step) const;
+  /// From slack number `first` on.
+  SlackSystem slacks(const Iterate& iterate, int first) const;
+  // All of them for stages [begin, end).
+  void reduce(const Iterate& iterate, const Side& side, std::size_t begin, std::size_t end);
+  void recover(const Iterate& iterate, const Side& side, const Step& step, std::size_t begin, std::size_t end) const;
+  double residual(Iterate& iterate, const Step& step, std::size_t begin, std::size_t end);
+  void before(std::size_t begin, std::size_t end) override { reduce(*solved_, side_, begin, end); }
+  void after(std::size_t begin, std::size_t end) override;
+
   void solve_again(Iterate& iterate, const Side& side, const Step& step);
-  double residual(Iterate& iterate, const Step& step);
   bool finite(const Step& step) const;
   void add(const Step& first, const Step& second, const Step& sum) const;
 
   StageParts& parts_;
   const VectorKernels& run_;
+  std::size_t stages_;
   int columns_, rows_, slacks_, first_slack_row_, first_path_row_;
   Packs memory_;
-  double *inverse_, *gradient_, *weights_, *rows_reduced_;
+  double *inverse_, *gradient_, *weights_, *slack_rows_;
   Step residual_, correction_, better_;
   Side side_{};
   double size_ = 0.0;
+  // Of what is solved now.
+  Iterate* solved_ = nullptr;
+  Step step_{};
+  double left_ = 0.0;
 };
 
 }  // namespace robotraj::native
