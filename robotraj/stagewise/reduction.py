@@ -97,7 +97,7 @@ class Reduction:
             None where it differs in more: other bounds are finite, other columns are fixed, the mesh or the scales are
             others, or a bound stands as a coefficient (speed limits at a free duration).
         """
-        form, stretched, order_, known = _staged(nlp)
+        form, stretched, order_, known = _staged(nlp, self.stretched)
         if not (self.form.alike(form) and self.order.alike(order_) and np.array_equal(self.known, known)):
             return None
         values = np.where(known, form.lower, 0.0)
@@ -122,12 +122,12 @@ def reduce(nlp: Nlp) -> Reduction:
     return Reduction(nlp, form, order_, slots, build(form, order_, slots, known, values), known, values, stretched)
 
 
-def _staged(nlp: Nlp) -> tuple[Form, Stretch | None, Order, Mask]:
+def _staged(nlp: Nlp, before: Stretch | None = None) -> tuple[Form, Stretch | None, Order, Mask]:
     """Give the form, its stages, and which of its columns are numbers."""
     for layout, phase in zip(nlp.layouts, nlp.problem.phases, strict=True):
         if isinstance(layout.scheme, OneStep):
             raise NotStagewise(f"phase {phase.name!r} is planned by {type(layout.scheme).__name__}")
-    form, stretched = stretch(Form.of(nlp), nlp)
+    form, stretched = stretch(Form.of(nlp), nlp, before)
     form = leave_out_surplus(eliminate_controls(take_out_linear(form), nlp), nlp)
     ends = [min(link.phases) for link in nlp.problem.bound_links]
     low, high, stages = homes(nlp.layouts, nlp.link_columns, ends, len(nlp.variables))

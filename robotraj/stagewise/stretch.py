@@ -73,7 +73,7 @@ class Stretch:
         return np.where(clock >= 0, w[clock] * self.unit[clock], 1.0)
 
 
-def stretch(form: Form, nlp: Nlp) -> tuple[Form, Stretch | None]:
+def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, Stretch | None]:
     """Rewrite the phases of free duration whose rates are plain velocities and accelerations.
 
     Parameters
@@ -81,6 +81,8 @@ def stretch(form: Form, nlp: Nlp) -> tuple[Form, Stretch | None]:
     form : Form
         As ``Form.of(nlp)`` gave it.
     nlp : Nlp
+    before : Stretch, optional
+        Of a like NLP: its T_0 stay where they are within a factor of 2 of the guess, so that numbers made of them do.
     """
     n_w, n_rows = len(form.lower), len(form.row_lower)
     power, clock, unit = np.zeros(n_w, dtype=int), np.full(n_w, -1), np.ones(n_w)
@@ -100,6 +102,8 @@ def stretch(form: Form, nlp: Nlp) -> tuple[Form, Stretch | None]:
             every = np.flatnonzero(np.bincount(np.concatenate(columns)))
             power[every], clock[every] = k, column
         unit[column] = nlp.scale[column] / max(nlp.guess[column], 1e-3)
+        if before is not None and 0.5 <= before.unit[column] / unit[column] <= 2:
+            unit[column] = before.unit[column]
     if not phases or np.isfinite(form.lower[power == 2]).any() or np.isfinite(form.upper[power == 2]).any():
         return form, None
     rows, row_clock = np.zeros(n_rows, dtype=int), np.full(n_rows, -1)

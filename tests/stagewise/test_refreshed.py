@@ -154,3 +154,45 @@ def test_speed_limits_of_a_free_duration_are_coefficients() -> None:
     assert reduce(nlp).refreshed(moved(nlp)) is None
     same = reduce(nlp).refreshed(replace(nlp, guess=nlp.guess.copy()))
     assert same is not None
+
+
+def another_goal(nlp: Nlp, duration: float) -> Nlp:
+    """Other fixed positions, velocities still zero, and a guess of ``duration`` times its own."""
+    fixed = (nlp.variables.lower == nlp.variables.upper) & (nlp.variables.lower != 0)
+    variables = replace(
+        nlp.variables, lower=nlp.variables.lower + 0.01 * fixed, upper=nlp.variables.upper + 0.01 * fixed
+    )
+    guess = nlp.guess.copy()
+    guess[nlp.layouts[0].duration.column] *= duration
+    return replace(nlp, variables=variables, guess=guess)
+
+
+@pytest.mark.parametrize("problem", ["hurried arm", "acrobot"])
+def test_a_free_duration_keeps_its_unit_near_the_first_guess(problem: str) -> None:
+    """A plan to another goal begins at the last one, whose duration is not the first guess's."""
+    nlp = transcribe(EVERY[problem](), MESH, None, None)
+    first, other = reduce(nlp), another_goal(nlp, 0.8)
+    refreshed, anew = first.refreshed(other), reduce(other)
+    assert refreshed is not None
+    w = np.abs(other.guess) + 0.01 * np.random.default_rng(2).random(len(other.guess))
+    values = []
+    for reduction in (refreshed, anew):
+        program = native_program(reduction.program, other.engine, 1)
+        y = reduction.start(w)
+        found = reduction.columns(y)
+        values.append((found, program.objective(y)))
+    np.testing.assert_allclose(values[0][0], values[1][0], rtol=1e-9, atol=1e-9)
+    assert values[0][1] == pytest.approx(values[1][1], rel=1e-9)
+    assert first.refreshed(another_goal(nlp, 3.0)) is None
+
+
+def test_a_minimum_time_plan_to_another_goal_shares_what_was_made() -> None:
+    (phase,) = EVERY["hurried arm"]().phases
+    problem, solver, mesh = rt.Problem([phase]), rt.Fatrop(threads=1), rt.Mesh(10)
+    first = rt.plan(problem, mesh, solver=solver, check=False)
+    goal = np.asarray(phase.end.q) - 0.05
+    moved_goal = problem.with_(end=rt.State(q=goal, v=0))
+    again = rt.plan(moved_goal, mesh, first, solver=solver, check=False)
+    anew = rt.plan(moved_goal, mesh, solver=solver, check=False)
+    assert again.objective == pytest.approx(anew.objective, rel=1e-6)
+    assert again.iterations < anew.iterations
