@@ -114,6 +114,49 @@ def test_torques_and_first_derivatives_are_pinocchios(name: str, processor: str)
         np.testing.assert_allclose(moved, by_q, rtol=0, atol=100 * scale)
 
 
+def bar(lever: Array) -> pin.Model:
+    """A mass of 1 kg on a bar that turns about x, under 1 m/s^2: its torque is a sine or a cosine."""
+    model = pin.Model()
+    model.gravity.linear = np.array([0.0, 0.0, -1.0])
+    joint = model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "joint")
+    model.appendBodyToJoint(joint, pin.Inertia(1.0, lever, np.zeros((3, 3))), pin.SE3.Identity())
+    return model
+
+
+@pytest.mark.parametrize("processor", processors())
+def test_sines_are_those_of_the_c_library(processor: str) -> None:
+    rng = np.random.default_rng(0)
+    quarters = np.pi / 2 * rng.integers(-600_000, 600_000, 500)
+    angles = np.concatenate(
+        [
+            rng.uniform(-4, 4, 1000),
+            rng.uniform(-1e6, 1e6, 500),
+            quarters,
+            quarters + rng.uniform(-1e-8, 1e-8, 500),
+            np.pi / 2 * rng.integers(-8, 9, 200) + 10.0 ** rng.uniform(-300, -9, 200),
+            rng.uniform(1e6, 1e15, 296),
+            [0.0, -0.0, 1e6, -1e6],
+        ]
+    ).reshape(-1, COUNT)
+    sine, cosine = (
+        Dynamics(bar(np.array([0.0, 0.0, -1.0])), processor),
+        Dynamics(bar(np.array([0.0, 1.0, 0.0])), processor),
+    )
+    for q in angles:
+        x = np.column_stack([q, np.zeros((COUNT, 2))])
+        np.testing.assert_allclose(sine.torques(x)[:, 0], np.sin(q), rtol=0, atol=4e-16)
+        np.testing.assert_allclose(cosine.torques(x)[:, 0], np.cos(q), rtol=0, atol=4e-16)
+
+
+@pytest.mark.parametrize("processor", processors())
+def test_what_is_no_angle_gives_no_torque(processor: str) -> None:
+    x = np.zeros((COUNT, 3))
+    x[:3, 0] = np.nan, np.inf, -np.inf
+    torques = Dynamics(bar(np.array([0.0, 0.0, -1.0])), processor).torques(x)[:, 0]
+    assert np.isnan(torques[:3]).all()
+    np.testing.assert_array_equal(torques[3:], 0.0)
+
+
 def tangent(model: pin.Model, q: Array) -> Array:
     """Derivative of q (+) dv at dv = 0, (nq, nv)."""
     moved = np.zeros((model.nq, model.nv))

@@ -12,13 +12,8 @@ namespace {
 template <std::size_t half, std::size_t... lane>
 ROBOTRAJ_INLINE void exchange(Pack& low, Pack& high, std::index_sequence<lane...>) {
   const Pack first = low, second = high;
-#if defined(__clang__)
-  low = __builtin_shufflevector(first, second, (lane & half ? kLanes + lane - half : lane)...);
-  high = __builtin_shufflevector(first, second, (lane & half ? kLanes + lane : lane + half)...);
-#else
   low = __builtin_shuffle(first, second, Bits{(lane & half ? kLanes + lane - half : lane)...});
   high = __builtin_shuffle(first, second, Bits{(lane & half ? kLanes + lane : lane + half)...});
-#endif
 }
 
 /// Rows of a square become its columns.

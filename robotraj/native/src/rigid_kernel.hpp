@@ -24,9 +24,8 @@
 #pragma once
 
 #include "rigid_flyer.hpp"
+#include "sines.hpp"
 #include "spatial.hpp"
-
-#include <math.h>
 
 namespace robotraj::native {
 namespace {
@@ -70,10 +69,7 @@ ROBOTRAJ_INLINE void place(const Joint& joint, const JointState* above, const Pa
   const Vector3 z = column(r, 2);
   if (joint.turns) {
     Pack s, c;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      s[lane] = ::sin(q[lane]);
-      c[lane] = ::cos(q[lane]);
-    }
+    sines(q, s, c);
     for (int row = 0; row < 3; ++row) {
       const Pack x = r[3 * row], y = r[3 * row + 1];
       r[3 * row] = c * x + s * y;
