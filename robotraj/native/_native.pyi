@@ -342,11 +342,21 @@ class Stacked:
 class Combination:
     """y = base + A x, over and over: rows that repeat, each time reading x a fixed distance on, are kept once.
 
-    With ``places``, row i goes to y[places[i]], to nowhere where that is negative. ``entries`` is how many are kept.
+    With ``places``, row i goes to y[places[i]], to nowhere where that is negative. ``kept_base`` is the base of a call
+    without one. ``entries`` is how many are kept. Repeats are done a pack at a time, for a processor of ``processors``.
     """
 
-    def __init__(self, matrix: Csr | Stacked, places: Narrow | None = None) -> None: ...
-    def apply(self, x: Array, base: Array, threads: int = 1) -> Array: ...
+    def __init__(
+        self,
+        matrix: Csr | Stacked,
+        places: Narrow | None = None,
+        kept_base: Array | None = None,
+        processor: str = "",
+    ) -> None: ...
+    def apply(self, x: Array, base: Array, threads: int = 1) -> Array:
+        """Give y = base + A x; with places, what they leave out of base stays."""
+    def apply_kept(self, x: Array, size: int, threads: int = 1) -> Array:
+        """Give the ``size`` numbers y = kept_base + A x."""
     @property
     def entries(self) -> int: ...
 

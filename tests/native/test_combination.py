@@ -13,6 +13,7 @@ from robotraj.native.build import load_native
 
 Array = NDArray[np.float64]
 NATIVE: Any = load_native()
+each_processor = pytest.mark.parametrize("processor", NATIVE.processors())
 
 
 def native(matrix: Any) -> Any:
@@ -35,12 +36,13 @@ def random_rows(count: int, columns: int, rng: np.random.Generator) -> sp.csr_ma
     return sp.random(count, columns, 0.1, random_state=rng, data_rvs=rng.standard_normal).tocsr()
 
 
+@each_processor
 @pytest.mark.parametrize("threads", [1, 2])
-@pytest.mark.parametrize("stages", [1, 4, 30, 400])
-def test_blocks_that_repeat_are_kept_once(stages: int, threads: int) -> None:
+@pytest.mark.parametrize("stages", [1, 4, 8, 30, 400])
+def test_blocks_that_repeat_are_kept_once(stages: int, threads: int, processor: str) -> None:
     rng = np.random.default_rng(stages)
     matrix = staircase(stages, 40, 25, 12, rng)
-    made = NATIVE.Combination(native(matrix))
+    made = NATIVE.Combination(native(matrix), processor=processor)
     x, base = rng.standard_normal(matrix.shape[1]), rng.standard_normal(matrix.shape[0])
     np.testing.assert_allclose(made.apply(x, base, threads), base + matrix @ x, rtol=1e-13, atol=1e-13)
     assert made.entries == (matrix.nnz if stages < 4 else matrix.nnz // stages)
@@ -77,15 +79,16 @@ def test_empty_rows_leave_the_base(rows: int) -> None:
     assert made.entries == 0
 
 
+@each_processor
 @pytest.mark.parametrize("rows", [7, 40])
-def test_results_may_have_places_of_their_own(rows: int) -> None:
+def test_results_may_have_places_of_their_own(rows: int, processor: str) -> None:
     rng = np.random.default_rng(rows)
     matrix = staircase(50, rows, 25, 12, rng)
     # Every stage leaves a gap, its first two rows go nowhere, and one row goes elsewhere than those like it.
     places = np.arange(matrix.shape[0]) + 3 * np.repeat(np.arange(50), rows)
     places[np.arange(matrix.shape[0]) % rows < 2] = -1
     places[31 * rows + 5] = 60 * rows
-    made = NATIVE.Combination(native(matrix), places.astype(np.int32))
+    made = NATIVE.Combination(native(matrix), places.astype(np.int32), processor=processor)
     x, expected = rng.standard_normal(matrix.shape[1]), rng.standard_normal(60 * rows + 200)
     found = made.apply(x, expected)
     np.add.at(expected, places[places >= 0], (matrix @ x)[places >= 0])
@@ -93,3 +96,25 @@ def test_results_may_have_places_of_their_own(rows: int) -> None:
     assert made.entries < 0.2 * matrix.nnz
     with pytest.raises(ValueError, match=f"places has 3 entries, expected {matrix.shape[0]}"):
         NATIVE.Combination(native(matrix), np.zeros(3, dtype=np.int32))
+
+
+@each_processor
+@pytest.mark.parametrize("stages", [3, 50])
+def test_a_base_that_stays_is_kept_with_the_rows(stages: int, processor: str) -> None:
+    rng = np.random.default_rng(stages)
+    matrix = staircase(stages, 40, 25, 12, rng)
+    x, base = rng.standard_normal(matrix.shape[1]), np.tile(rng.standard_normal(40), stages)
+    for stage in range(0, stages, 20):  # a number that differs is not taken for the others
+        base[40 * stage + 7] += 1.0
+    other = rng.standard_normal(matrix.shape[0])
+    for order in (np.arange(matrix.shape[0]), np.arange(matrix.shape[0])[::-1]):
+        made = NATIVE.Combination(native(matrix), order.astype(np.int32), base, processor)
+        product = (matrix @ x)[order]
+        np.testing.assert_allclose(made.apply_kept(x, len(base)), base[order] + product, rtol=1e-13, atol=1e-13)
+        np.testing.assert_allclose(made.apply(x, other), other + product, rtol=1e-13, atol=1e-13)
+        assert made.entries < matrix.nnz / 2 or stages == 3
+
+
+def test_another_processor_is_refused() -> None:
+    with pytest.raises(ValueError, match="does not run what was compiled for 'abacus'"):
+        NATIVE.Combination(native(sp.csr_matrix((3, 3))), processor="abacus")

@@ -5,8 +5,10 @@
 #include "stacked.hpp"
 
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
 
 #include <optional>
+#include <string>
 
 namespace nb = nanobind;
 
@@ -77,10 +79,13 @@ void bind_sparse(nb::module_& m) {
   nb::class_<Combination>(m, "Combination")
       .def(
           "__init__",
-          [](Combination* self, const Stacked& matrix, const std::optional<Narrow>& places) {
-            new (self) Combination(matrix, places ? checked(*places, matrix.rows(), "places") : nullptr);
+          [](Combination* self, const Stacked& matrix, const std::optional<Narrow>& places,
+             const std::optional<Doubles>& kept_base, const std::string& processor) {
+            new (self) Combination(matrix, places ? checked(*places, matrix.rows(), "places") : nullptr,
+                                   kept_base ? checked(*kept_base, matrix.rows(), "kept_base") : nullptr, processor);
           },
-          nb::arg("matrix"), nb::arg("places") = nb::none())
+          nb::arg("matrix"), nb::arg("places") = nb::none(), nb::arg("kept_base") = nb::none(),
+          nb::arg("processor") = "")
       .def(
           "apply",
           [](const Combination& self, const Doubles& x, const Doubles& base, std::size_t threads) {
@@ -90,6 +95,15 @@ void bind_sparse(nb::module_& m) {
             return to_numpy(std::move(y));
           },
           nb::arg("x"), nb::arg("base"), nb::arg("threads") = 1)
+      .def(
+          "apply_kept",
+          [](const Combination& self, const Doubles& x, std::size_t size, std::size_t threads) {
+            ThreadPool pool(threads);
+            std::vector<double> y(size);
+            self.apply(x.data(), nullptr, y.data(), pool);
+            return to_numpy(std::move(y));
+          },
+          nb::arg("x"), nb::arg("size"), nb::arg("threads") = 1)
       .def_prop_ro("entries", &Combination::entries);
 }
 

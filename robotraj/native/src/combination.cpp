@@ -102,7 +102,9 @@ void sum_rows(const RowGroup& group, const std::int32_t* row, const std::int32_t
 
 }  // namespace
 
-Combination::Combination(const Stacked& matrix, const std::int32_t* places, const double* kept_base) {
+Combination::Combination(const Stacked& matrix, const std::int32_t* places, const double* kept_base,
+                         const std::string& processor)
+    : kernels_(&kernels_of(processor)) {
   std::size_t first = 0;
   for (const Stacked::Piece& piece : matrix.pieces()) {
     const Rows rows{piece.rows, places, kept_base, first};
@@ -254,9 +256,8 @@ void Combination::once(const Run& run, const double* x, const double* base, doub
 /// Repeats [begin, end), a pack of them at once.
 void Combination::repeated(const Run& run, std::size_t begin, std::size_t end, const double* x, const double* base,
                            double* y) const {
-  static const Kernels& kernels = kernels_of("");
   static thread_local Packs memory;
-  const std::size_t needed = (run.reads + run.rows) * kernels.lanes;
+  const std::size_t lanes = kernels_->lanes, needed = (run.reads + run.rows) * lanes;
   if (memory.size() < needed) memory.resize(needed);
   const bool adds = base == y;
   const std::int32_t* places = places_.data() + run.first_row;
@@ -272,10 +273,10 @@ void Combination::repeated(const Run& run, std::size_t begin, std::size_t end, c
                           kept_base_.empty() ? nullptr : kept_base_.data() + run.first_row,
                           run.rows};
   const RepeatSteps steps{run.shift, adds ? run.step : static_cast<std::ptrdiff_t>(run.period), run.step};
-  for (std::size_t k = begin; k < end; k += kernels.lanes) {
+  for (std::size_t k = begin; k < end; k += lanes) {
     const auto at = static_cast<std::ptrdiff_t>(k);
-    kernels.combine_rows(rows, steps, x + at * steps.x, base ? base + at * steps.base : nullptr, y + at * steps.y,
-                         std::min(kernels.lanes, end - k), memory.data());
+    kernels_->combine_rows(rows, steps, x + at * steps.x, base ? base + at * steps.base : nullptr, y + at * steps.y,
+                           std::min(lanes, end - k), memory.data());
   }
 }
 

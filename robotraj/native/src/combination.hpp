@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "repeated_rows.hpp"
@@ -11,6 +12,8 @@
 #include "thread_pool.hpp"
 
 namespace robotraj::native {
+
+struct Kernels;
 
 /// y = base + A x for one sparse A.
 ///
@@ -26,8 +29,9 @@ class Combination {
   Combination() : Combination(Csr()) {}
   explicit Combination(const Csr& matrix, const std::int32_t* places = nullptr, const double* kept_base = nullptr)
       : Combination(Stacked(matrix), places, kept_base) {}
-  explicit Combination(const Stacked& matrix, const std::int32_t* places = nullptr,
-                       const double* kept_base = nullptr);
+  /// For the fastest processor that this one runs or, with a name, for that one: see kernels_of.
+  explicit Combination(const Stacked& matrix, const std::int32_t* places = nullptr, const double* kept_base = nullptr,
+                       const std::string& processor = "");
 
   /// y = base + A x, rows shared by the pool; base may be null, for what is kept or zeros, and y, to add to it.
   void apply(const double* x, const double* base, double* y, ThreadPool& pool) const;
@@ -58,6 +62,7 @@ class Combination {
   void repeated(const Run& run, std::size_t begin, std::size_t end, const double* x, const double* base,
                 double* y) const;
 
+  const Kernels* kernels_;
   // Of the first block of each run. Columns are those of x where it does not repeat, else numbers of what it reads.
   std::vector<std::int32_t> rows_, places_, columns_, reads_, order_;
   std::vector<double> values_, kept_base_;  // the latter as rows_, or empty
