@@ -10,7 +10,7 @@ namespace {
 constexpr int kRounds = 5;
 
 /// Residual that is small enough beside a right-hand side of size b.
-double tolerance(double b) { return std::max({1e-8, 1e-8 * b, 1e-6 * std::min(b, 1.0)}); }
+double tolerance(double b) { return std::max({1e-8, 1e-8 * b, 1e-7 * std::min(b, 1.0)}); }
 
 /// fatrop gives its vectors for reading alone; the step's are written here.
 double* writable(const fatrop::VecRealView& vector) { return const_cast<double*>(vector.data()); }

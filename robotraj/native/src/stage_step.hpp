@@ -17,7 +17,7 @@ namespace robotraj::native {
 /// Finds the step of an iterate in the iterate's own vectors, from its own residuals: nothing is copied.
 ///
 /// The multipliers of the bounds and the slacks are eliminated, stages solved, and the solution refined as long as the
-/// residual falls and is not below 1e-8, 1e-8 |b| or 1e-6 min(1, |b|), b the right-hand side: Newton's method converges
+/// residual falls and is not below 1e-8, 1e-8 |b| or 1e-7 min(1, |b|), b the right-hand side: Newton's method converges
 /// as fast with steps that leave a small part of b (Dembo, Eisenstat and Steihaug, SIAM J. Numer. Anal. 19, 1982).
 class StageStep : private Along {
  public:
