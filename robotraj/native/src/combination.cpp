@@ -193,7 +193,10 @@ void Combination::add(const Rows& rows, const Run& run) {
     values_.insert(values_.end(), matrix.data() + starts[row], matrix.data() + starts[row + 1]);
   }
   added.groups = groups_.size() - added.first_group;
-  if (added.repeats > 1) number_reads(added);
+  if (added.repeats > 1) {
+    number_reads(added);
+    order_rows(added);
+  }
   runs_.push_back(added);
 }
 
@@ -208,10 +211,9 @@ void Combination::number_reads(Run& run) {
   run.first_read = reads_.size();
   run.reads = reads.size();
   reads_.insert(reads_.end(), reads.begin(), reads.end());
-  order_rows(run);
 }
 
-/// Has results go to y in the order of their places.
+/// Has the last block's results go to y in the order of their places; its groups stay as they are.
 void Combination::order_rows(Run& run) {
   const auto rows = rows_.begin() + static_cast<std::ptrdiff_t>(run.first_row);
   const auto places = places_.begin() + static_cast<std::ptrdiff_t>(run.first_row);

@@ -45,7 +45,8 @@ class Combination {
     std::size_t row = 0, period = 0, repeats = 0;
     std::ptrdiff_t shift = 0, step = 0;
     // Of its first block, in the arrays below.
-    std::size_t first_group = 0, groups = 0, first_row = 0, rows = 0, first_entry = 0, first_read = 0, reads = 0, first_order = 0;
+    std::size_t first_group = 0, groups = 0, first_row = 0, rows = 0, first_entry = 0;
+    std::size_t first_read = 0, reads = 0, first_order = 0;  // where it repeats
   };
   /// Repeats [begin, end) of a run: a piece of work for a thread.
   struct Piece {
