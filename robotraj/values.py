@@ -1,4 +1,4 @@
-"""``dataclass`` as the standard library has it, made in a quarter of the time.
+"""``dataclass`` as the standard library has it, made in less than half of the time.
 
 The standard one writes six methods as text and compiles each: 0.5 ms a class, of which a plan imports over a hundred.
 Here only ``__init__`` is compiled; the others are functions that all classes share. ``fields``, ``replace``,
@@ -57,7 +57,8 @@ def _freezing(cls: type, names: frozenset[str]) -> dict[str, Callable[..., None]
     """Fields may be set once, by ``__init__``; nothing is deleted."""
 
     def __setattr__(self: Any, name: str, value: Any) -> None:
-        if name in self.__dict__ if name in names else type(self) is cls:
+        known = name in names
+        if (known and name in self.__dict__) or (not known and type(self) is cls):
             raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
         object.__setattr__(self, name, value)
 
