@@ -12,7 +12,7 @@ namespace robotraj::native {
 class Along {
  public:
   virtual ~Along() = default;
-  /// Stages [begin, end) are about to be read, the last ones first.
+  /// Stages [begin, end) are about to be factorised, the last ones first; where that fails, `after` is not called.
   virtual void before(std::size_t begin, std::size_t end) = 0;
   /// Those are solved, and the states of stage `end`.
   virtual void after(std::size_t begin, std::size_t end) = 0;
