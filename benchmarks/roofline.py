@@ -21,6 +21,7 @@ import numpy as np
 
 import robotraj as rt
 from robotraj.solvers.fatrop import BARRIERS
+from robotraj.solvers.objective_scale import of_program
 from robotraj.stagewise import native_program, reduce
 
 RUNS = 9
@@ -61,9 +62,10 @@ def iterations(solver: rt.Fatrop, nlp: rt.Nlp, runs: int) -> Iterator[float]:
     reduction = reduce(nlp)
     program = native_program(reduction.program, nlp.engine, threads=1)
     start, lower, upper = reduction.start(nlp.guess), reduction.program.lower, reduction.program.upper
+    scale = of_program(program, start, reduction.program, solver.initial_barrier)
     for _ in range(runs):
         began = time.process_time()
-        found = program.solve(start, lower, upper, solver._options(BARRIERS[0]))
+        found = program.solve(start, lower, upper, solver._options(BARRIERS[0]), objective_scale=scale)
         yield (time.process_time() - began) / found.iterations
 
 

@@ -20,6 +20,7 @@ from robotraj.engines import Engine, Native
 from robotraj.errors import InputError
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from robotraj.solvers.ipopt import Ipopt
+from robotraj.solvers.objective_scale import of_program
 from robotraj.stagewise import NotStagewise, Reduction, carried_over, native_program, recover, reduce, refresh
 from robotraj.status import Status
 from robotraj.transcription.between import ConvexHull, Exchange
@@ -152,14 +153,17 @@ class Fatrop(Solver):
     ) -> Outcome:
         nlp, program = reduction.nlp, reduction.program
         ready = time.perf_counter()
+        start = reduction.start(nlp.guess)
+        scale = of_program(native, start, program, self.initial_barrier)
         tried = []
         for factor in BARRIERS:
             left = np.inf if self.time_limit is None else ready + self.time_limit - time.perf_counter()
             found = native.solve(
-                reduction.start(nlp.guess),
+                start,
                 program.lower,
                 program.upper,
                 self._options(factor),
+                objective_scale=scale,
                 callback=_report(progress),
                 time_limit=left,
                 **_warm(multipliers, reduction),

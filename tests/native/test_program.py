@@ -111,6 +111,32 @@ def test_active_bounds_have_the_multipliers_of_the_closed_form(shooting: Any) ->
     np.testing.assert_allclose(residual(written, program, outcome), 0.0, atol=1e-8)
 
 
+@pytest.mark.parametrize("scale", [1e-2, 30.0])
+def test_multipliers_and_the_log_are_of_the_objective_as_it_is(pendulum: Any, scale: float) -> None:
+    written = pendulum.write()
+    program = written.build()
+    start = np.zeros(written.linear.shape[1])
+    plain = program.solve(start, -BOUND, BOUND, {"tolerance": 1e-10})
+    objectives = []
+    scaled = program.solve(
+        start,
+        -BOUND,
+        BOUND,
+        {"tolerance": 1e-10 * scale},
+        objective_scale=scale,
+        callback=lambda number, objective, infeasibility: objectives.append(objective),
+    )
+    assert scaled.status == "solved"
+    assert scaled.objective == pytest.approx(plain.objective, rel=1e-8)
+    assert objectives[-1] == pytest.approx(plain.objective, rel=1e-4)
+    assert scaled.trace[-1][0] == pytest.approx(plain.objective, rel=1e-8)
+    for name in ("lam", "lower_duals", "upper_duals"):
+        np.testing.assert_allclose(getattr(scaled, name), getattr(plain, name), atol=1e-5)
+    again = program.solve(scaled.y, -BOUND, BOUND, lam=scaled.lam, mu=scaled.mu, objective_scale=scale)
+    assert again.iterations <= 2
+    np.testing.assert_allclose(residual(written, program, scaled), 0.0, atol=1e-7)
+
+
 def test_a_swing_up_agrees_with_ipopt(pendulum: Any) -> None:
     written = pendulum.write()
     program = written.build()

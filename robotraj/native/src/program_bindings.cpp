@@ -98,7 +98,7 @@ const double* given(const Optional& array, std::size_t length, const char* name)
 
 Outcome solve(Solved& self, const Doubles& y, const Doubles& lower, const Doubles& upper, const Options& options,
               const Optional& lam, const Optional& lower_duals, const Optional& upper_duals, double mu,
-              nb::object callback, double time_limit) {
+              double objective_scale, nb::object callback, double time_limit) {
   const std::size_t slacks = self.solver->nlp().lower.size();
   Start start;
   start.y = checked(y, self.program->columns(), "y");
@@ -108,6 +108,7 @@ Outcome solve(Solved& self, const Doubles& y, const Doubles& lower, const Double
   start.lower_duals = given(lower_duals, slacks, "lower_duals");
   start.upper_duals = given(upper_duals, slacks, "upper_duals");
   start.mu = mu;
+  start.objective_scale = objective_scale;
   const Alone alone(self.busy);
   Check check(std::move(callback), time_limit);
   Outcome outcome;
@@ -193,7 +194,8 @@ void bind_program(nb::module_& m) {
       .def_prop_ro("threads", [](const Solved& self) { return self.program->threads(); })
       .def("solve", solve, nb::arg("y"), nb::arg("lower"), nb::arg("upper"), nb::arg("options") = Options(),
            nb::kw_only(), nb::arg("lam") = nb::none(), nb::arg("lower_duals") = nb::none(),
-           nb::arg("upper_duals") = nb::none(), nb::arg("mu") = 0.0, nb::arg("callback") = nb::none(),
+           nb::arg("upper_duals") = nb::none(), nb::arg("mu") = 0.0, nb::arg("objective_scale") = 1.0,
+           nb::arg("callback") = nb::none(),
            nb::arg("time_limit") = std::numeric_limits<double>::infinity())
       .def(
           "set_offsets",

@@ -194,6 +194,7 @@ Outcome Solver::solve(const Start& start, const Options& options,
   Options wanted = options;
   if (start.mu > 0.0) wanted["mu_init"] = start.mu;
   set_options(wanted);
+  nlp_->objective_scale = start.objective_scale;
   std::copy_n(start.y, program_->columns(), nlp_->start.data());
   std::copy_n(start.lower, nlp_->lower.size(), nlp_->lower.data());
   std::copy_n(start.upper, nlp_->upper.size(), nlp_->upper.data());
@@ -238,6 +239,8 @@ void Solver::collect(Outcome& outcome) {
     outcome.lower_duals.assign(iterate.dual_bounds_l().data(), iterate.dual_bounds_l().data() + slacks);
     outcome.upper_duals.assign(iterate.dual_bounds_u().data(), iterate.dual_bounds_u().data() + slacks);
   }
+  for (Numbers* multipliers : {&outcome.lam, &outcome.lower_duals, &outcome.upper_duals})
+    for (double& each : *multipliers) each /= nlp_->objective_scale;
   program_->set_point(outcome.y.data());
   outcome.objective = program_->objective();
   const Numbers& values = program_->row_values();

@@ -27,6 +27,7 @@ struct Start {
   const double* lower_duals = nullptr;   // of the inequality rows' bounds, both non-negative;
   const double* upper_duals = nullptr;   //   without them they are the negative and the positive part of lam
   double mu = 0.0;                       // barrier parameter, 0 for fatrop's option mu_init
+  double objective_scale = 1.0;          // what the solver multiplies the objective by; multipliers are of it as it is
 };
 
 /// One line of the iteration log: objective, largest violated equality, largest dual infeasibility, barrier parameter.
@@ -41,7 +42,7 @@ struct Outcome {
   int iterations = 0;
   double objective = 0.0;
   double violation = 0.0;  // largest violated row, bounds of inequality rows included
-  double mu = 0.0;
+  double mu = 0.0;  // of the scaled objective
   double functions = 0.0, combinations = 0.0, linear_algebra = 0.0, total = 0.0;  // seconds
   std::vector<Iteration> trace;
 };

@@ -182,15 +182,15 @@ void StageNlp::rows_to_fatrop(const double* program, double* fatrop) const {
   std::copy_n(program + n_dynamics_ + n_path_, n_slack_, fatrop + info_.offset_g_eq_slack);
 }
 
-Index StageNlp::eval_lag_hess(const Info&, Scalar objective_scale, const Vector& primal_x, const Vector&,
+Index StageNlp::eval_lag_hess(const Info&, Scalar factor, const Vector& primal_x, const Vector&,
                               const Vector& lam, Hessian& hess) {
   program_->set_point(primal_x.data());
   rows_from_fatrop(lam.data(), lam_.data());
   if (parts_) {
-    program_->hessian_to(lam_.data(), objective_scale, parts_->values(hess).data());
+    program_->hessian_to(lam_.data(), factor * objective_scale, parts_->values(hess).data());
     return 0;
   }
-  const Numbers& entries = program_->hessian(lam_.data(), objective_scale);
+  const Numbers& entries = program_->hessian(lam_.data(), factor * objective_scale);
   for (std::size_t k = 0; k < hessian_.size(); ++k) fill(hess.RSQrqt[k], hessian_[k], entries);
   return 0;
 }
@@ -219,20 +219,21 @@ Index StageNlp::eval_constraint_violation(const Info&, const Vector& primal_x, c
   return 0;
 }
 
-Index StageNlp::eval_objective_gradient(const Info&, Scalar objective_scale, const Vector& primal_x, const Vector&,
+Index StageNlp::eval_objective_gradient(const Info&, Scalar factor, const Vector& primal_x, const Vector&,
                                         Vector& grad_x, Vector& grad_s) {
   program_->set_point(primal_x.data());
   const Numbers& gradient = program_->gradient();
   double* out = grad_x.data();
-  for (std::size_t i = 0; i < gradient.size(); ++i) out[i] = objective_scale * gradient[i];
+  const double scale = factor * objective_scale;
+  for (std::size_t i = 0; i < gradient.size(); ++i) out[i] = scale * gradient[i];
   if (n_slack_) std::fill_n(grad_s.data(), n_slack_, 0.0);
   return 0;
 }
 
-Index StageNlp::eval_objective(const Info&, Scalar objective_scale, const Vector& primal_x, const Vector&,
+Index StageNlp::eval_objective(const Info&, Scalar factor, const Vector& primal_x, const Vector&,
                                Scalar& res) {
   program_->set_point(primal_x.data());
-  res = objective_scale * program_->objective();
+  res = factor * objective_scale * program_->objective();
   return 0;
 }
 

@@ -41,6 +41,8 @@ class StageNlp : public fatrop::Nlp<fatrop::OcpType> {
 
   /// What the next solve starts from and its bounds of the inequality rows.
   Numbers start, lower, upper;
+  /// What fatrop's objective, and so its multipliers, are multiples of.
+  double objective_scale = 1.0;
   /// Set before every iteration of the main algorithm.
   bool iterating = false;
 
@@ -50,16 +52,16 @@ class StageNlp : public fatrop::Nlp<fatrop::OcpType> {
 
   const fatrop::NlpDims& nlp_dims() const override { return nlp_dims_; }
   const fatrop::ProblemDims<fatrop::OcpType>& problem_dims() const override { return info_.dims; }
-  fatrop::Index eval_lag_hess(const Info& info, fatrop::Scalar objective_scale, const Vector& primal_x,
+  fatrop::Index eval_lag_hess(const Info& info, fatrop::Scalar factor, const Vector& primal_x,
                               const Vector& primal_s, const Vector& lam,
                               fatrop::Hessian<fatrop::OcpType>& hess) override;
   fatrop::Index eval_constr_jac(const Info& info, const Vector& primal_x, const Vector& primal_s,
                                 fatrop::Jacobian<fatrop::OcpType>& jac) override;
   fatrop::Index eval_constraint_violation(const Info& info, const Vector& primal_x, const Vector& primal_s,
                                           Vector& res) override;
-  fatrop::Index eval_objective_gradient(const Info& info, fatrop::Scalar objective_scale, const Vector& primal_x,
+  fatrop::Index eval_objective_gradient(const Info& info, fatrop::Scalar factor, const Vector& primal_x,
                                         const Vector& primal_s, Vector& grad_x, Vector& grad_s) override;
-  fatrop::Index eval_objective(const Info& info, fatrop::Scalar objective_scale, const Vector& primal_x,
+  fatrop::Index eval_objective(const Info& info, fatrop::Scalar factor, const Vector& primal_x,
                                const Vector& primal_s, fatrop::Scalar& res) override;
   fatrop::Index get_bounds(const Info& info, Vector& lower_bounds, Vector& upper_bounds) override;
   fatrop::Index get_initial_primal(const Info& info, Vector& primal_x) override;

@@ -43,7 +43,9 @@ void Initializer::initialize() {
   auto& iterate = data_->current_iterate();
   std::copy_n(start.y, program_->columns(), y_.data());
   iterate.set_primal_x(y_);
+  const double scale = nlp_->objective_scale;
   if (program_->rows()) nlp_->rows_to_fatrop(start.lam, lam_.data());
+  for (fatrop::Index i = 0; i < lam_.m(); ++i) lam_(i) *= scale;
   iterate.set_dual_eq(lam_);
 
   const std::size_t count = nlp_->lower.size();
@@ -54,8 +56,8 @@ void Initializer::initialize() {
   for (std::size_t i = 0; i < count; ++i) {
     const auto k = static_cast<fatrop::Index>(i);
     const double lower = iterate.lower_bounds()(k), upper = iterate.upper_bounds()(k);
-    double z_lower = start.lower_duals ? start.lower_duals[i] : std::max(0.0, -lam[i]);
-    double z_upper = start.upper_duals ? start.upper_duals[i] : std::max(0.0, lam[i]);
+    double z_lower = scale * (start.lower_duals ? start.lower_duals[i] : std::max(0.0, -lam[i]));
+    double z_upper = scale * (start.upper_duals ? start.upper_duals[i] : std::max(0.0, lam[i]));
     double slack = rows[i];
     const bool has_lower = std::isfinite(lower), has_upper = std::isfinite(upper);
     const double room = has_lower && has_upper ? 0.5 * (upper - lower) : std::numeric_limits<double>::infinity();

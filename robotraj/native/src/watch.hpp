@@ -28,7 +28,7 @@ class Watch : public fatrop::IpIterationOutputBase {
   void output_current_iteration() override {
     auto& iterate = stage_->current_iterate();
     auto& original = data_->current_iterate();
-    trace_.push_back({original.obj_value(), original.constr_viol_inf(),
+    trace_.push_back({original.obj_value() / nlp_.objective_scale, original.constr_viol_inf(),
                       std::max(iterate.dual_infeasibility_x_inf(), iterate.dual_infeasibility_s_inf()), iterate.mu()});
     // fatrop also writes the line after the last iteration, without the call that precedes the others.
     const bool going_on = nlp_.iterating || stage_ != data_;

@@ -1,0 +1,53 @@
+"""What an interior-point method multiplies the objective by."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from robotraj.stagewise.program import Program
+
+Array = NDArray[np.float64]
+
+SHARE = 0.05
+"""Share of the objective at the guess that the first barrier leaves open."""
+LEAST = 1e-4
+FINE = 100
+"""Stages from which on an objective may be enlarged, in proportion."""
+
+
+def objective_scale(objective: float, bounds: int, stages: int, barrier: float) -> float:
+    """Make the objective at the guess outweigh the first barrier alike, in any unit and on any mesh.
+
+    At the minimum of a barrier problem of parameter mu the gap between objective and optimum is about m mu, for m
+    bounds: here it is to be ``SHARE`` of the objective f_0 at the guess,
+
+        s = m mu / (SHARE |f_0|),    1e-4 <= s <= max(1, stages / 100).
+
+    The number of bounds grows with the mesh, the integral does not: without s the same barrier weighs more on finer
+    meshes. 1 where f_0 is zero or not finite, and where there are no bounds.
+
+    Parameters
+    ----------
+    objective : float
+        f_0.
+    bounds : int
+        Finite bounds of the inequalities, m.
+    barrier : float
+        The first barrier parameter, mu.
+
+    Source: Nocedal and Wright, Numerical Optimization (2006), section 19.1; the unit of the objective is one of the
+    scalings of Waechter and Biegler, Mathematical Programming 106 (2006), section 3.8.
+    """
+    if objective == 0.0 or not np.isfinite(objective) or bounds == 0:
+        return 1.0
+    return float(np.clip(bounds * barrier / (SHARE * abs(objective)), LEAST, max(1.0, stages / FINE)))
+
+
+def of_program(native: Any, start: Array, program: Program, barrier: float) -> float:
+    """``objective_scale`` of a compiled program in stages that starts from ``start``."""
+    bounds = int(np.isfinite(program.lower).sum() + np.isfinite(program.upper).sum())
+    return objective_scale(native.objective(start), bounds, len(program.nu), barrier)
