@@ -8,14 +8,13 @@ objective in other units. A scale of 1 leaves the objective as the problem gives
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
-from unittest import mock
 
 import numpy as np
 from linearity import ARM, arm
 
 import robotraj as rt
-from robotraj.solvers import fatrop
 
 ROBOTS, MOTIONS, SEED = ("ur5", "panda", "ur10", "kinova", "ur3"), 4, 31
 INTERVALS, SLOWER, UNITS = (25, 50, 150), (1.15, 1.5, 3.0), (1e-3, 1.0, 1e3)
@@ -26,13 +25,11 @@ EQUAL = 1e-4
 
 def planned(phase: rt.Phase, intervals: int) -> dict[bool, rt.Solution]:
     """Plan with the scale and without."""
-
-    def plan() -> rt.Solution:
-        return rt.plan(phase, rt.Mesh(intervals), solver=SOLVER, check=False, progress=False)
-
-    with mock.patch.object(fatrop, "of_program", lambda *_: 1.0):
-        plain = plan()
-    return {True: plan(), False: plain}
+    solvers = {True: SOLVER, False: replace(SOLVER, objective_scale=1.0)}
+    return {
+        scaled: rt.plan(phase, rt.Mesh(intervals), solver=solver, check=False, progress=False)
+        for scaled, solver in solvers.items()
+    }
 
 
 def motions() -> Iterator[rt.Phase]:

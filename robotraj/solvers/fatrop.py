@@ -66,6 +66,10 @@ class Fatrop(Solver):
         Wall-clock seconds.
     initial_barrier : float
         fatrop's ``mu_init``.
+    objective_scale : float, optional
+        What the objective is multiplied by; by default a number that makes the first barrier weigh alike in any unit of
+        the objective and on any mesh, see ``robotraj.solvers.objective_scale``. Multipliers are those of the objective
+        as it is.
     threads : int, optional
         That evaluate points side by side; as many as the process has processors by default. The answers are the same,
         bit by bit, for any number.
@@ -81,6 +85,7 @@ class Fatrop(Solver):
     max_iterations: int = 1000
     time_limit: float | None = None
     initial_barrier: float = 1e-2
+    objective_scale: float | None = None
     threads: int | None = None
     fallback: Solver | None = field(default_factory=Ipopt)
     options: Mapping[str, Any] = field(default_factory=dict)
@@ -92,6 +97,10 @@ class Fatrop(Solver):
             raise InputError(f"Fatrop(max_iterations) must be at least 1, got {self.max_iterations}.")
         if self.time_limit is not None and not self.time_limit > 0:
             raise InputError(f"Fatrop(time_limit) must be above 0 s, got {self.time_limit}.")
+        if self.objective_scale is not None and not 0 < self.objective_scale < np.inf:
+            raise InputError(
+                f"Fatrop(objective_scale) must be above 0 and finite, or None to be chosen, got {self.objective_scale}."
+            )
         if self.threads is not None and self.threads < 1:
             raise InputError(f"Fatrop(threads) must be at least 1, got {self.threads}.")
 
@@ -154,7 +163,7 @@ class Fatrop(Solver):
         nlp, program = reduction.nlp, reduction.program
         ready = time.perf_counter()
         start = reduction.start(nlp.guess)
-        scale = of_program(native, start, program, self.initial_barrier)
+        scale = self.objective_scale or of_program(native, start, program, self.initial_barrier)
         tried = []
         for factor in BARRIERS:
             left = np.inf if self.time_limit is None else ready + self.time_limit - time.perf_counter()

@@ -61,3 +61,15 @@ def test_a_solve_starts_from_multipliers_of_another_scale() -> None:
     warm = rt.plan(problem, rt.Mesh(20), guess=cold, solver=FATROP, check=False, progress=False)
     assert warm.iterations < cold.iterations / 2
     assert warm.objective == pytest.approx(cold.objective, rel=1e-7)
+
+
+def test_a_scale_that_is_given_is_taken_and_nonsense_refused() -> None:
+    plain = rt.Fatrop(fallback=None, threads=1, objective_scale=1.0)
+    chosen, given = (
+        rt.plan(reach(1e3), rt.Mesh(20), solver=solver, check=False, progress=False) for solver in (FATROP, plain)
+    )
+    assert given.iterations > 1.5 * chosen.iterations
+    assert given.objective == pytest.approx(chosen.objective, rel=1e-7)
+    for scale in (0.0, -1.0, np.inf, np.nan):
+        with pytest.raises(rt.InputError, match="objective_scale"):
+            rt.Fatrop(objective_scale=scale)
