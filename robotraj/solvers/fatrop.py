@@ -66,10 +66,6 @@ class Fatrop(Solver):
         Wall-clock seconds.
     initial_barrier : float
         fatrop's ``mu_init``.
-    objective_scale : float, optional
-        What the objective is multiplied by; by default a number that makes the first barrier weigh alike in any unit of
-        the objective and on any mesh, see ``robotraj.solvers.objective_scale``. Multipliers are those of the objective
-        as it is.
     threads : int, optional
         That evaluate points side by side; as many as the process has processors by default. The answers are the same,
         bit by bit, for any number.
@@ -79,16 +75,20 @@ class Fatrop(Solver):
     options : mapping
         Any further options of fatrop by its own names; they win over the fields above. With a ``barrier_tol_factor``
         among them, a solve that stalls is not begun again with a smaller one.
+    objective_scale : float, optional
+        What the objective is multiplied by; by default a number that makes the first barrier weigh alike in any unit of
+        the objective and on any mesh, see ``robotraj.solvers.objective_scale``. Multipliers are those of the objective
+        as it is.
     """
 
     tolerance: float = 1e-8
     max_iterations: int = 1000
     time_limit: float | None = None
     initial_barrier: float = 1e-2
-    objective_scale: float | None = None
     threads: int | None = None
     fallback: Solver | None = field(default_factory=Ipopt)
     options: Mapping[str, Any] = field(default_factory=dict)
+    objective_scale: float | None = None
 
     def __post_init__(self) -> None:
         if not self.tolerance > 0:

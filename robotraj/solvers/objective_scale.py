@@ -28,7 +28,8 @@ def objective_scale(objective: float, bounds: int, stages: int, barrier: float) 
         s = m mu / (SHARE |f_0|),    1e-4 <= s <= max(1, stages / 100).
 
     The number of bounds grows with the mesh, the integral does not: without s the same barrier weighs more on finer
-    meshes. 1 where f_0 is zero or not finite, and where there are no bounds.
+    meshes. A solve whose last barrier is mu_n leaves SHARE |f_0| mu_n / mu, some 1e-8 |f_0|. 1 where f_0 is zero or not
+    finite, and where there are no bounds.
 
     Parameters
     ----------
