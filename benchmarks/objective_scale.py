@@ -68,11 +68,10 @@ def meshes() -> None:
     (phase,) = arm().phases
     print(f"\n| T4, intervals | {' | '.join(map(str, ARM))} |\n|{'---|' * (len(ARM) + 1)}")
     for unit in UNITS:
+        found = [planned(phase.with_(objective=unit * rt.Effort()), count) for count in ARM]
         for scaled in (False, True):
-            scaled_phase = phase.with_(objective=unit * rt.Effort())
-            counts = [planned(scaled_phase, count)[scaled].iterations for count in ARM]
             name = f"{unit:g} effort, {'with' if scaled else 'without'}"
-            print(f"| {name} | {' | '.join(map(str, counts))} |", flush=True)
+            print(f"| {name} | {' | '.join(str(each[scaled].iterations) for each in found)} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -76,9 +76,9 @@ class Fatrop(Solver):
         Any further options of fatrop by its own names; they win over the fields above. With a ``barrier_tol_factor``
         among them, a solve that stalls is not begun again with a smaller one.
     objective_scale : float, optional
-        What the objective is multiplied by; by default a number that makes the first barrier weigh alike in any unit of
-        the objective and on any mesh, see ``robotraj.solvers.objective_scale``. Multipliers are those of the objective
-        as it is.
+        What the objective is multiplied by; by default a number that makes the first barrier weigh alike whatever the
+        mesh and, but for small objectives on coarse meshes, the unit: see ``robotraj.solvers.objective_scale``.
+        Multipliers are those of the objective as it is.
     """
 
     tolerance: float = 1e-8

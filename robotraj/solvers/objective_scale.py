@@ -15,12 +15,13 @@ Array = NDArray[np.float64]
 SHARE = 0.05
 """Share of the objective at the guess that the first barrier leaves open."""
 LEAST = 1e-4
+"""Smallest scale: an absurd objective at the guess, of a singular posture say, is not to make the optimum vanish."""
 FINE = 100
 """Stages from which on an objective may be enlarged, in proportion."""
 
 
 def objective_scale(objective: float, bounds: int, stages: int, barrier: float) -> float:
-    """Make the objective at the guess outweigh the first barrier alike, in any unit and on any mesh.
+    """Make the objective at the guess outweigh the first barrier alike, in other units and on other meshes.
 
     At the minimum of a barrier problem of parameter mu the gap between objective and optimum is about m mu, for m
     bounds: here it is to be ``SHARE`` of the objective f_0 at the guess,
@@ -28,8 +29,9 @@ def objective_scale(objective: float, bounds: int, stages: int, barrier: float) 
         s = m mu / (SHARE |f_0|),    1e-4 <= s <= max(1, stages / 100).
 
     The number of bounds grows with the mesh, the integral does not: without s the same barrier weighs more on finer
-    meshes. A solve whose last barrier is mu_n leaves SHARE |f_0| mu_n / mu, some 1e-8 |f_0|. 1 where f_0 is zero or not
-    finite, and where there are no bounds.
+    meshes. An objective is enlarged on those alone: on coarse ones minimum times would creep. A solve whose last
+    barrier is mu_n leaves SHARE |f_0| mu_n / mu, some 1e-8 |f_0|. The scale is 1 where f_0 is zero or not finite, and
+    where there are no bounds.
 
     Parameters
     ----------
