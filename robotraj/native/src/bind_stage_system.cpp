@@ -67,7 +67,10 @@ class StageSystem {
                                               checked(f, columns(), "f"), residuals.data(),
                                               residuals.data() + info_.offset_g_eq_slack, step.data(),
                                               multipliers.data()},
-                                             0, matrices_.count(), gradient.data(), left.data());
+                                             0, matrices_.count(),
+                                             {gradient.data(), left.data() + info_.offset_g_eq_dyn,
+                                              left.data() + info_.offset_g_eq_path,
+                                              left.data() + info_.offset_g_eq_slack});
     return nb::make_tuple(to_numpy(std::move(gradient)), to_numpy(reordered(left.data(), false)), greatest);
   }
 

@@ -11,9 +11,6 @@ std::size_t factor_size(int nu, int nx) {
   return static_cast<std::size_t>(trapezoid(nu, ld) + 2 * padded(nu) + padded(nx) + trapezoid(nx, padded(nx)));
 }
 
-/// Stages that something goes along with at a time.
-constexpr std::size_t kAtATime = 16;
-
 }  // namespace
 
 RiccatiSolver::RiccatiSolver(const StageMatrices& matrices)
@@ -94,7 +91,7 @@ StageVectors RiccatiSolver::vectors(std::size_t k, const System& system) const {
 Pivots RiccatiSolver::factorise_and_solve(const StageValues& jacobian, const StageValues& hessian,
                                           const System& system, Along* along) {
   for (std::size_t k = matrices_.count(); k-- > 0;) {
-    if (along && (k + 1 == matrices_.count() || k % kAtATime == kAtATime - 1)) along->before(k - k % kAtATime, k + 1);
+    if (along && ends_part(k)) along->before(k - k % Along::at_a_time, k + 1);
     const StageView stage = matrices_.view(k, &jacobian, &hessian);
     const StageVectors at = vectors(k, system);
     const StageFactor* after = next(k);
@@ -126,24 +123,25 @@ void RiccatiSolver::forward(const StageValues& jacobian, const System& system, A
     double* next_state = next(k) ? system.z + info.offsets_primal_x[k + 1] : nullptr;
     run_.forward_stage(matrices_.view(k, &jacobian, nullptr), vectors(k, system), factors_[k], next(k), next_state,
                        left_.data(), memory_);
-    if (along && (k + 1 == matrices_.count() || k % kAtATime == kAtATime - 1)) along->after(k - k % kAtATime, k + 1);
+    if (along && ends_part(k)) along->after(k - k % Along::at_a_time, k + 1);
   }
 }
 
 double RiccatiSolver::residual(const StageValues& jacobian, const StageValues& hessian, const System& system,
-                               std::size_t begin, std::size_t end, double* gradient, double* rows) {
+                               std::size_t begin, std::size_t end, StageResidual left) {
   const auto& info = matrices_.info();
   double most = 0.0;
   const double* before = begin > 0 ? vectors(begin - 1, system).lam_dynamics : nullptr;
   for (std::size_t k = begin; k < end; ++k) {
     const StageVectors at = vectors(k, system);
-    const auto dynamics = next(k) ? info.offsets_g_eq_dyn[k] : 0;
-    const StageResidual left{gradient + info.offsets_primal_u[k], rows + dynamics, rows + info.offsets_g_eq_path[k],
-                             rows + info.offsets_g_eq_slack[k]};
+    const StageView stage = matrices_.view(k, &jacobian, &hessian);
     const double* next_state = next(k) ? system.z + info.offsets_primal_x[k + 1] : nullptr;
-    most = std::max(most, run_.residual_stage(matrices_.view(k, &jacobian, &hessian), at, before, next_state, left,
-                                              memory_));
+    most = std::max(most, run_.residual_stage(stage, at, before, next_state, left, memory_));
     before = at.lam_dynamics;
+    left.gradient += stage.nu + stage.nx;
+    left.dynamics += stage.next;
+    left.equalities += stage.equality_count;
+    left.inequalities += stage.inequality_count;
   }
   return most;
 }

@@ -11,6 +11,9 @@ namespace robotraj::native {
 /// What goes along with a solution, for some stages at a time, so that their numbers stay in the caches.
 class Along {
  public:
+  /// Stages from a multiple of it on, or fewer at the end.
+  static constexpr std::size_t at_a_time = 16;
+
   virtual ~Along() = default;
   /// Stages [begin, end) are about to be factorised, the last ones first; where that fails, `after` is not called.
   virtual void before(std::size_t begin, std::size_t end) = 0;
@@ -44,13 +47,16 @@ class RiccatiSolver {
                              Along* along = nullptr);
   /// With the factors of the last call of the above.
   void solve(const StageValues& jacobian, const System& system);
-  /// What z and lam leave of stages [begin, end): gradient and rows, the latter without the -D_s lambda_i of the
-  /// inequalities. Returns the greatest of them, rows of inequalities left out.
+  /// What z and lam leave of stages [begin, end), one after the other in `left`, without the -D_s lambda_i of the
+  /// inequalities. Returns the greatest of it, rows of inequalities left out.
   double residual(const StageValues& jacobian, const StageValues& hessian, const System& system, std::size_t begin,
-                  std::size_t end, double* gradient, double* rows);
+                  std::size_t end, StageResidual left);
 
  private:
   StageVectors vectors(std::size_t stage, const System& system) const;
+  bool ends_part(std::size_t stage) const {
+    return stage + 1 == matrices_.count() || (stage + 1) % Along::at_a_time == 0;
+  }
   StageFactor* next(std::size_t stage) { return stage + 1 < factors_.size() ? &factors_[stage + 1] : nullptr; }
   StageFactor make_factor(int nu, int nx, double*& at) const;
   void make_room(std::size_t index, StageFactor& factor, int most);

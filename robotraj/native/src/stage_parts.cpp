@@ -162,8 +162,8 @@ void StageParts::solve_again(const Jacobian& jacobian, const RiccatiSolver::Syst
 }
 
 double StageParts::residual(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system,
-                            std::size_t begin, std::size_t end, double* gradient, double* rows) {
-  return solver_.residual(*find(jacobians_, &jacobian), values(hessian), system, begin, end, gradient, rows);
+                            std::size_t begin, std::size_t end, const StageResidual& left) {
+  return solver_.residual(*find(jacobians_, &jacobian), values(hessian), system, begin, end, left);
 }
 
 }  // namespace robotraj::native

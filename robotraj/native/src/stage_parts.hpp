@@ -57,7 +57,7 @@ class StageParts final : public FatropParts {
   void solve_again(const Jacobian& jacobian, const RiccatiSolver::System& system);
   /// What z and lam leave of it: see RiccatiSolver::residual.
   double residual(const Jacobian& jacobian, Hessian& hessian, const RiccatiSolver::System& system, std::size_t begin,
-                  std::size_t end, double* gradient, double* rows);
+                  std::size_t end, const StageResidual& left);
 
   /// While it lives, fatrop's calls from this thread arrive at these parts; null for fatrop's own.
   class Lent {

@@ -17,8 +17,9 @@ namespace robotraj::native {
 /// Finds the step of an iterate in the iterate's own vectors, from its own residuals: nothing is copied.
 ///
 /// The multipliers of the bounds and the slacks are eliminated, stages solved, and the solution refined as long as the
-/// residual falls and is not below 1e-8, 1e-8 |b| or 1e-7 min(1, |b|), b the right-hand side: Newton's method converges
-/// as fast with steps that leave a small part of b (Dembo, Eisenstat and Steihaug, SIAM J. Numer. Anal. 19, 1982).
+/// residual falls and is above 1e-8 and a small part of the right-hand side b: 1e-6 of a large one, 1e-7 below 1.
+/// Newton's method converges as fast with steps that leave a small part of b (Dembo, Eisenstat and Steihaug, SIAM J.
+/// Numer. Anal. 19, 1982). Residuals are measured some stages at a time and kept where a solution is to be refined.
 class StageStep : private Along {
  public:
   using Iterate = fatrop::IpIterate<fatrop::OcpType>;
@@ -38,9 +39,17 @@ class StageStep : private Along {
   struct Side {
     const double *x, *rows, *s, *lower, *upper;
   };
+  /// What a solution leaves of some stages, one after the other.
+  struct Left {
+    StageResidual stages;
+    SlackStep slacks;
+  };
 
   static Side of(const Step& step) { return {step.x, step.rows, step.s, step.lower, step.upper}; }
   Step take(double*& at) const;
+  Left whole(const Step& step) const;
+  void make_part();
+  void make_refinement();
   /// The first slack of a stage, and the end of all of them behind the last one.
   int first_slack(std::size_t stage) const;
   RiccatiSolver::System system(Iterate& iterate, const Side& side, const double* weights, const Step& step) const;
@@ -49,10 +58,11 @@ class StageStep : private Along {
   // All of them for stages [begin, end).
   void reduce(const Iterate& iterate, const Side& side, std::size_t begin, std::size_t end);
   void recover(const Iterate& iterate, const Side& side, const Step& step, std::size_t begin, std::size_t end) const;
-  double residual(Iterate& iterate, const Step& step, std::size_t begin, std::size_t end);
+  double residual(Iterate& iterate, const Step& step, std::size_t begin, std::size_t end, const Left& left);
   void before(std::size_t begin, std::size_t end) override { reduce(*solved_, side_, begin, end); }
   void after(std::size_t begin, std::size_t end) override;
 
+  fatrop::LinsolReturnFlag refine(Iterate& iterate);
   void solve_again(Iterate& iterate, const Side& side, const Step& step);
   bool finite(const Step& step) const;
   void add(const Step& first, const Step& second, const Step& sum) const;
@@ -63,7 +73,9 @@ class StageStep : private Along {
   int columns_, rows_, slacks_, first_slack_row_, first_path_row_;
   Packs memory_;
   double *inverse_, *gradient_, *weights_, *slack_rows_;
-  Step residual_, correction_, better_;
+  Packs part_memory_, refinement_memory_;  // the latter when it is first needed
+  Left part_{};
+  Step residual_{}, correction_{}, better_{};
   Side side_{};
   double size_ = 0.0;
   // Of what is solved now.
