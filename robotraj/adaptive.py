@@ -11,7 +11,7 @@ from robotraj.engines import Engine
 from robotraj.guess import Guess
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Problem
-from robotraj.records import MeshStep
+from robotraj.records import MeshStep, added_times
 from robotraj.refinement import Assessment, Refinement, assess
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.solution import Solution
@@ -43,8 +43,9 @@ def adapt(
 ) -> Solution:
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
-    Each mesh starts from the solution on the one before. A solution whose tolerance was not reached says so in its
-    status.
+    Each mesh starts from the solution on the one before. Rows are imposed between the collocation points from the first
+    mesh on that is fine enough without, or no better than one before it: what holds them on a coarse mesh is of no use to
+    the next one, and costs as many solves. A solution whose tolerance was not reached says so in its status.
     """
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     steps: list[MeshStep] = []
@@ -53,15 +54,28 @@ def adapt(
     between = replace(between, tolerance=min(between.tolerance, max(1e-7, 0.1 * tolerance)))
     total: dict[str, float] = {}
     known: Guess | Solution | None = guess
-    while True:
-        solution = solve(problem, meshes, known, solver, progress, between, engine)
+    holding = False
+
+    def seen(solution: Solution) -> tuple[list[Assessment], float, bool]:
+        """Give the errors of all intervals, the largest, and whether the objective has settled."""
         before = steps[-1].objective if steps else np.inf
         # Where each mesh halves the distance to the optimum, what is left is as large as the last change.
         settled = abs(solution.objective - before) <= 0.5 * tolerance * max(abs(solution.objective), SMALL)
         assessments = [
             assess(part.phase, part.trajectory, settled, isinstance(part.mesh, MovingMesh)) for part in solution.phases
         ]
-        worst = max(float(a.errors.max()) for a in assessments)
+        return assessments, max(float(a.errors.max()) for a in assessments), settled
+
+    def hold(solution: Solution) -> bool:
+        nonlocal holding
+        if not holding and solution.success:
+            _, worst, settled = seen(solution)
+            holding = (worst <= tolerance and settled) or worst >= min((step.error for step in steps), default=np.inf)
+        return holding
+
+    while True:
+        solution = solve(problem, meshes, known, solver, progress, between, engine, hold)
+        assessments, worst, settled = seen(solution)
         steps.append(
             MeshStep(
                 sum(m.count for m in meshes),
@@ -72,16 +86,16 @@ def adapt(
                 solution.seconds,
             )
         )
-        total = {key: total.get(key, 0.0) + seconds for key, seconds in solution.times.items()}
+        total = added_times(total, solution.times)
         solution = replace(solution, refinement=tuple(steps), times=total)
-        if not solution.success or (worst <= tolerance and settled):
+        if not solution.success or (holding and worst <= tolerance and settled):
             return solution
         if len(steps) == MOST_MESHES:
             return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
         # Errors that hold while the objective still moves are too large for the objective.
         goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
         pairs = zip(solution.phases, assessments, strict=True)
-        meshes = [_next(part, seen, refinement, tolerance if _stepped(part) else goal) for part, seen in pairs]
+        meshes = [_next(part, own, refinement, tolerance if _stepped(part) else goal) for part, own in pairs]
         if sum(m.count for m in meshes) > MOST_INTERVALS:
             return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
         known = solution

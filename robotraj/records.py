@@ -1,6 +1,8 @@
-"""What led to a solution: the meshes of a refinement and the stages before the last."""
+"""What led to a solution: the meshes of a refinement, the stages before the last, and their times."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 from robotraj.status import Status
 from robotraj.values import dataclass
@@ -47,3 +49,8 @@ class StageRecord:
     objective: float
     iterations: int
     seconds: float
+
+
+def added_times(first: Mapping[str, float], second: Mapping[str, float]) -> dict[str, float]:
+    """Add the seconds of two solves, part by part: where one solver took over from another their parts differ."""
+    return {part: first.get(part, 0.0) + second.get(part, 0.0) for part in dict.fromkeys([*first, *second])}

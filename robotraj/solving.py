@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -15,6 +15,7 @@ from robotraj.guess import Guess, as_guess
 from robotraj.indirect.duals import LateDuals, PhaseDuals
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
+from robotraj.records import added_times
 from robotraj.schemes import Mesh, MovingMesh
 from robotraj.solution import Solution
 from robotraj.solvers import Multipliers, Progress, Solver
@@ -43,11 +44,13 @@ def solve(
     progress: Progress | None = None,
     between: Exchange | None = None,
     engine: Engine | None = None,
+    hold: Callable[[Solution], bool] | None = None,
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
     Where a row on states turns out broken between collocation points, it is imposed there too, as ``between`` says,
-    and the problem solved again, from the last answer. A guess on the same mesh brings its guards along.
+    and the problem solved again, from the last answer; only if ``hold``, where given, says of the first answer that
+    it is worth it. A guess on the same mesh brings its guards along.
     """
     began = time.perf_counter()
     between = between or Exchange()
@@ -58,7 +61,7 @@ def solve(
     solution, w = _solve(nlp, guess, solver, progress, bool(guards), began)
     bulges = _bulges(solution, between.tolerance)
     moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
-    for _ in range(between.rounds):
+    for _ in range(between.rounds if hold is None or hold(solution) else 0):
         held, rows_held = set(guards), {_row_of(guard) for guard in guards}
         wanted = (guard for bulge in bulges for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
         new = list(dict.fromkeys(guard for guard in wanted if guard not in held))
@@ -73,7 +76,7 @@ def solve(
             nlp = guarded(nlp, new, w)
         again, w = _solve(nlp, solution, solver, progress, True, began)
         guards += new
-        total = {key: again.times[key] + solution.times[key] for key in again.times}
+        total = added_times(solution.times, again.times)
         solution = replace(again, times=total, iterations=again.iterations + solution.iterations)
         bulges = _bulges(solution, between.tolerance)
     left = sorted((_violation(solution, bulge) for bulge in bulges), key=lambda v: -v.relative)

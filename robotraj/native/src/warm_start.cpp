@@ -12,11 +12,11 @@ namespace {
 
 /// Moves a distance and its multiplier onto distance * multiplier >= mu, at most `room` from the bound.
 void onto_path(double& distance, double& multiplier, double mu, double room) {
-  const double floor = std::sqrt(mu);
-  if (distance <= 0.0) distance = mu / std::max(multiplier, floor);
-  if (distance * multiplier < mu) {
-    if (multiplier > distance) distance = mu / multiplier;
-    else multiplier = mu / distance;
+  const double root = std::sqrt(mu);
+  if (distance * multiplier < mu || distance <= 0.0) {
+    if (multiplier >= root && multiplier > distance) distance = mu / multiplier;
+    else if (distance >= root) multiplier = mu / distance;
+    else distance = multiplier = root;
   }
   if (distance > room) distance = room;
 }
