@@ -44,8 +44,8 @@ def adapt(
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
     Each mesh starts from the solution on the one before. Rows are imposed between the collocation points from the first
-    mesh on that is fine enough without, or no better than one before it: what holds them on a coarse mesh is of no use to
-    the next one, and costs as many solves. A solution whose tolerance was not reached says so in its status.
+    mesh on that is fine enough without, or no better than one before it: what holds them on a coarse mesh is of no use
+    to the next one, and costs as many solves. A solution whose tolerance was not reached says so in its status.
     """
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     steps: list[MeshStep] = []

@@ -289,6 +289,29 @@ def test_a_warm_start_from_the_solution_needs_next_to_no_iterations(pendulum: An
     assert near.iterations < far.iterations / 2
 
 
+def test_a_warm_start_moves_a_bound_that_hardly_pushes_by_the_root_of_the_barrier_at_most(shooting: Any) -> None:
+    """The control's bound is where its optimum is without: at the solution both its slack and its multiplier vanish."""
+    written = shooting(
+        lambda x, u: A @ x + B @ u,
+        2,
+        1,
+        21,
+        lambda x, u: x.T @ x + 0.1 * u.T @ u,
+        [1.0, 0.0],
+        inequality=lambda x, u: u,
+    ).write()
+    program = written.build()
+    far = np.full(20, 100.0)
+    free = program.solve(np.zeros(written.linear.shape[1]), -far, far)
+    bound = np.full(20, float(np.abs(program.rows(free.y)[-20:]).max()))
+    touching = program.solve(free.y, -bound, bound)
+    assert touching.status == "solved" and np.abs(touching.lam[-20:]).max() < 1e-3
+    again = program.solve(touching.y, -bound, bound, lam=touching.lam, mu=1e-4)
+    assert again.status == "solved"
+    assert again.trace[0][1] <= 1.01 * np.sqrt(1e-4)
+    assert again.objective == pytest.approx(free.objective, rel=1e-6)
+
+
 def test_a_callback_stops_a_solve_and_the_iterate_stays(pendulum: Any) -> None:
     written = pendulum.write()
     program = written.build()

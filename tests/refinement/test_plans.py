@@ -200,14 +200,43 @@ def test_more_intervals_than_help_are_not_made(monkeypatch: pytest.MonkeyPatch) 
     assert solution.refinement[-1].intervals <= 40
 
 
-def test_rows_are_held_between_the_knots_of_every_mesh() -> None:
-    """Bryson and Denham's limit is touched along an arc; no sample between the points lies above it."""
+def limited(limit: float = 1 / 9) -> rt.Phase:
+    """Bryson and Denham's block, which touches its limit along an arc."""
     block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
     effort = rt.Lagrange(lambda point: 0.5 * point.u["u"] ** 2)
-    limit = 1 / 9
-    phase = rt.Phase(block, 1.0, rt.State([0, 1]), rt.State([0, -1]), effort, states={"x": rt.between(None, limit)})
-    solution = rt.plan(phase, tolerance=1e-6)
+    return rt.Phase(block, 1.0, rt.State([0, 1]), rt.State([0, -1]), effort, states={"x": rt.between(None, limit)})
+
+
+def test_rows_are_held_between_the_knots() -> None:
+    """No sample between the points lies above the limit."""
+    solution = rt.plan(limited(), tolerance=1e-6)
     assert solution.objective == pytest.approx(4, rel=1e-6)
-    assert solution.at(np.linspace(0, 1, 5001)).x["x"].max() <= limit + 1e-6
-    free = rt.plan(phase, rt.Mesh(6, rt.RadauIIA(3)))
-    assert free.at(np.linspace(0, 1, 5001)).x["x"].max() <= limit + 1e-3
+    assert solution.at(np.linspace(0, 1, 5001)).x["x"].max() <= 1 / 9 + 1e-6
+    free = rt.plan(limited(), rt.Mesh(6, rt.RadauIIA(3)))
+    assert free.at(np.linspace(0, 1, 5001)).x["x"].max() <= 1 / 9 + 1e-3
+
+
+@pytest.mark.parametrize("solver", [rt.Fatrop(fallback=None), rt.Ipopt()], ids=lambda s: type(s).__name__)
+def test_rows_are_held_between_the_knots_once_a_mesh_is_fine_enough_or_no_better(
+    solver: rt.Fatrop | rt.Ipopt, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solved: list[rt.Solution] = []
+
+    def watched(*arguments: Any) -> rt.Solution:
+        solved.append(solve(*arguments))
+        return solved[-1]
+
+    solve = adaptive.solve
+    monkeypatch.setattr(adaptive, "solve", watched)
+    states = {"x": rt.between(0, 4), "v": rt.between(-2, 2), "a": rt.between(-4, 4)}
+    carriage = rt.System(["x", "v", "a"], ["j"], lambda point: [point.x["v"], point.x["a"], point.u["j"]])
+    limits = {"states": states, "controls": {"j": rt.between(-40, 40)}}
+    phase = rt.Phase(carriage, (0.1, 10), rt.State([0, 0, 0]), rt.State([4, 0, 0]), rt.Duration(), **limits)
+    solution = rt.plan(phase, tolerance=1e-6, solver=solver)
+    held = [bool(each.guards) for each in solved]
+    assert not held[0] and held[-1]
+    assert held == sorted(held), "held from one mesh on"
+    errors = [step.error for step in solution.refinement[: held.index(True)]]
+    assert errors == sorted(errors, reverse=True), "every mesh before it is better than the last"
+    assert not solution.between
+    assert solution.objective == pytest.approx(2.6, rel=1e-6)
