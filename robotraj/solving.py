@@ -181,13 +181,18 @@ def _conclude(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
         times | outcome.times,
         broken,
         outcome.multipliers,
-        # A copy of the NLP is without the functions that it has made.
-        duals=LateDuals(partial(_duals, replace(nlp), outcome)) if status is Status.SOLVED else (),
+        duals=_late_duals(nlp, outcome) if status is Status.SOLVED else (),
         impulses=tuple(
             {unknown.name: float(value) for unknown, value in zip(link.unknowns, outcome.w[columns], strict=True)}
             for link, columns in zip(nlp.problem.bound_links, nlp.link_columns, strict=True)
         ),
     )
+
+
+def _late_duals(nlp: Nlp, outcome: Outcome) -> LateDuals:
+    # Costates are not unique where invariants are held. A copy of the NLP is without the functions that it has made.
+    held = any(phase.dae.invariants for phase in nlp.problem.phases)
+    return LateDuals(partial(_duals, replace(nlp), outcome), 0 if held else len(nlp.layouts))
 
 
 def _duals(nlp: Nlp, outcome: Outcome) -> tuple[PhaseDuals, ...]:

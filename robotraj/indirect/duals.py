@@ -40,11 +40,14 @@ class LateDuals(Sequence[PhaseDuals]):
     ----------
     find : callable
         Gives them.
+    count : int
+        How many there will be.
     """
 
-    def __init__(self, find: Callable[[], tuple[PhaseDuals, ...]]) -> None:
+    def __init__(self, find: Callable[[], tuple[PhaseDuals, ...]], count: int) -> None:
         self._find: Callable[[], tuple[PhaseDuals, ...]] | None = find
         self._found: tuple[PhaseDuals, ...] = ()
+        self._count = count
 
     def _all(self) -> tuple[PhaseDuals, ...]:
         if self._find is not None:
@@ -60,7 +63,7 @@ class LateDuals(Sequence[PhaseDuals]):
         return self._all()[index]
 
     def __len__(self) -> int:
-        return len(self._all())
+        return self._count
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy, or a solution that comes back from another process, holds the duals themselves.

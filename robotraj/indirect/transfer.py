@@ -13,6 +13,7 @@ Source: the mapping of ``indirect.covector``, read from right to left.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from robotraj.indirect.duals import PhaseDuals
 from robotraj.schemes import Collocation
 from robotraj.solvers import Multipliers
+from robotraj.solvers.base import LateMultipliers
 from robotraj.transcription import Nlp
 from robotraj.transcription.layout import PhaseLayout
 
@@ -27,13 +29,19 @@ Array = NDArray[np.float64]
 
 
 def transfer(duals: Sequence[PhaseDuals], nlp: Nlp) -> Multipliers | None:
-    """Estimate the multipliers of an NLP of the same problem, None where its schemes or sizes do not allow it."""
-    if len(duals) != len(nlp.layouts):
+    """Estimate the multipliers of an NLP of the same problem, None where its schemes or sizes do not allow it.
+
+    They are found when they are first read: not every solver starts from them.
+    """
+    schemes = (interval.scheme for layout in nlp.layouts for interval in layout.intervals)
+    if len(duals) != len(nlp.layouts) or not all(isinstance(scheme, Collocation) for scheme in schemes):
         return None
+    return LateMultipliers(partial(_transferred, duals, nlp), (len(nlp.rows), len(nlp.variables)))
+
+
+def _transferred(duals: Sequence[PhaseDuals], nlp: Nlp) -> Multipliers:
     rows, bounds = np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables))
     for i, (known, layout) in enumerate(zip(duals, nlp.layouts, strict=True)):
-        if not all(isinstance(interval.scheme, Collocation) for interval in layout.intervals):
-            return None
         breaks = layout.breaks(nlp.guess)
         _defects(nlp, i, known, layout, breaks, rows)
         _places(nlp, i, known, layout, breaks, rows)
