@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -50,15 +50,19 @@ def solve(
 
     Where a row on states turns out broken between collocation points, it is imposed there too, as ``between`` says,
     and the problem solved again, from the last answer; only if ``hold``, where given, says of the first answer that
-    it is worth it. A guess on the same mesh brings its guards along.
+    it is worth it. A guess brings its guards along, on the intervals that its mesh has as well.
     """
     began = time.perf_counter()
     between = between or Exchange()
     nlp = _again(problem, mesh, guess, engine, between) or transcribe(problem, mesh, as_guess(guess), engine, between)
-    guards = _known_guards(problem, mesh, guess)
+    guards, same = _known_guards(problem, mesh, guess)
+    plain = nlp
     if guards:
         nlp = guarded(nlp, guards, nlp.guess)
-    solution, w = _solve(nlp, guess, solver, progress, bool(guards), began)
+    multipliers = _multipliers(guess, nlp, True) if guards and same else _multipliers(guess, plain, False)
+    if guards and not same and multipliers is not None:
+        multipliers = _lengthened(multipliers, nlp)
+    solution, w = _solve(nlp, guess, multipliers, solver, progress, began)
     bulges = _bulges(solution, between.tolerance)
     moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
     for _ in range(between.rounds if hold is None or hold(solution) else 0):
@@ -74,7 +78,7 @@ def solve(
             nlp = guarded(nlp, [*guards, *new], nlp.guess)
         else:
             nlp = guarded(nlp, new, w)
-        again, w = _solve(nlp, solution, solver, progress, True, began)
+        again, w = _solve(nlp, solution, _multipliers(solution, nlp, True), solver, progress, began)
         guards += new
         total = added_times(solution.times, again.times)
         solution = replace(again, times=total, iterations=again.iterations + solution.iterations)
@@ -119,32 +123,52 @@ def _violation(solution: Solution, bulge: Bulge) -> Violation:
     return Violation(phase.name, row.label, bulge.time, bulge.amount, row.unit, bulge.amount / (1.0 + bound))
 
 
-def _known_guards(problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | Solution | None) -> list[Guard]:
-    """Guards of an earlier solution on the same meshes, of rows that this problem has as well."""
+def _known_guards(
+    problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | Solution | None
+) -> tuple[list[Guard], bool]:
+    """Guards of an earlier solution, of rows that this problem has as well; and whether the meshes are the same.
+
+    Where they are not, guards come along on the intervals that begin and end as before, whatever their schemes.
+    """
     if not isinstance(guess, Solution) or len(guess.phases) != len(problem.phases):
-        return []
+        return [], False
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
 
     def rows(phase: Phase) -> list[tuple[str, str | None]]:
         return [(row.name, row.joint) for bound in phase.bound_constraints for row in bound.rows]
 
-    same = all(
-        part.mesh == here and rows(part.phase) == rows(phase)
-        for part, here, phase in zip(guess.phases, meshes, problem.phases, strict=True)
-    )
-    return list(guess.guards) if same else []
+    pairs = list(zip(guess.phases, problem.phases, strict=True))
+    if not all(rows(part.phase) == rows(phase) for part, phase in pairs):
+        return [], False
+    if all(part.mesh == here for part, here in zip(guess.phases, meshes, strict=True)):
+        return list(guess.guards), True
+    kept = [_kept_intervals(part.mesh, here) for part, here in zip(guess.phases, meshes, strict=True)]
+    carried = (replace(g, interval=kept[g.phase][g.interval]) for g in guess.guards if g.interval in kept[g.phase])
+    return list(carried), False
+
+
+def _kept_intervals(before: Mesh, after: Mesh) -> dict[int, int]:
+    """Intervals of a mesh that another one has as well, by their numbers there; none where knots move."""
+    if isinstance(before, MovingMesh) or isinstance(after, MovingMesh):
+        return {}
+    numbers = {ends: k for k, ends in enumerate(_ends(after))}
+    return {k: numbers[ends] for k, ends in enumerate(_ends(before)) if ends in numbers}
+
+
+def _ends(mesh: Mesh) -> Iterator[tuple[float, float]]:
+    knots = [round(float(knot), 12) for knot in mesh.knots]
+    return zip(knots[:-1], knots[1:], strict=True)
 
 
 def _solve(
     nlp: Nlp,
     guess: Guess | Solution | None,
+    multipliers: Multipliers | None,
     solver: Solver,
     progress: Progress | None,
-    guards: bool,
     began: float,
 ) -> tuple[Solution, np.ndarray]:
     """Solve a transcribed problem; also give the decision vector. It is being built since ``began``."""
-    multipliers = _multipliers(guess, nlp, guards)
     shared = guess.shared if isinstance(guess, Start) else None
     known = guess.multipliers if isinstance(guess, Solution) else shared.known if shared else None
     if known is not None and known.origin is not None:
@@ -221,13 +245,17 @@ def _multipliers(guess: Any, nlp: Nlp, guarded: bool) -> Multipliers | None:
     known, sizes = guess.multipliers, (len(nlp.rows), len(nlp.variables))
     more = sizes[0] - known.sizes[0], sizes[1] - known.sizes[1]
     if min(more) >= 0 and (guarded or more == (0, 0)):
-        # Not every solver reads them, and finding them may take a further solve.
-        return LateMultipliers(partial(_extended, known, nlp), sizes, known.origin)
+        return _lengthened(known, nlp)
     if not same:
         return None
     from robotraj.indirect.transfer import transfer
 
     return transfer(guess.duals, nlp)
+
+
+def _lengthened(known: Multipliers, nlp: Nlp) -> Multipliers:
+    # Not every solver reads them, and finding them may take a further solve.
+    return LateMultipliers(partial(_extended, known, nlp), (len(nlp.rows), len(nlp.variables)), known.origin)
 
 
 def _extended(known: Multipliers, nlp: Nlp) -> Multipliers:

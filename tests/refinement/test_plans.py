@@ -207,6 +207,14 @@ def limited(limit: float = 1 / 9) -> rt.Phase:
     return rt.Phase(block, 1.0, rt.State([0, 1]), rt.State([0, -1]), effort, states={"x": rt.between(None, limit)})
 
 
+def s_curve() -> rt.Phase:
+    """4 m in least time under limits of speed, acceleration and jerk: 2.6 s."""
+    states = {"x": rt.between(0, 4), "v": rt.between(-2, 2), "a": rt.between(-4, 4)}
+    carriage = rt.System(["x", "v", "a"], ["j"], lambda point: [point.x["v"], point.x["a"], point.u["j"]])
+    limits = {"states": states, "controls": {"j": rt.between(-40, 40)}}
+    return rt.Phase(carriage, (0.1, 10), rt.State([0, 0, 0]), rt.State([4, 0, 0]), rt.Duration(), **limits)
+
+
 def test_rows_are_held_between_the_knots() -> None:
     """No sample between the points lies above the limit."""
     solution = rt.plan(limited(), tolerance=1e-6)
@@ -228,11 +236,7 @@ def test_rows_are_held_between_the_knots_once_a_mesh_is_fine_enough_or_no_better
 
     solve = adaptive.solve
     monkeypatch.setattr(adaptive, "solve", watched)
-    states = {"x": rt.between(0, 4), "v": rt.between(-2, 2), "a": rt.between(-4, 4)}
-    carriage = rt.System(["x", "v", "a"], ["j"], lambda point: [point.x["v"], point.x["a"], point.u["j"]])
-    limits = {"states": states, "controls": {"j": rt.between(-40, 40)}}
-    phase = rt.Phase(carriage, (0.1, 10), rt.State([0, 0, 0]), rt.State([4, 0, 0]), rt.Duration(), **limits)
-    solution = rt.plan(phase, tolerance=1e-6, solver=solver)
+    solution = rt.plan(s_curve(), tolerance=1e-6, solver=solver)
     held = [bool(each.guards) for each in solved]
     assert not held[0] and held[-1]
     assert held == sorted(held), "held from one mesh on"
@@ -240,3 +244,22 @@ def test_rows_are_held_between_the_knots_once_a_mesh_is_fine_enough_or_no_better
     assert errors == sorted(errors, reverse=True), "every mesh before it is better than the last"
     assert not solution.between
     assert solution.objective == pytest.approx(2.6, rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", [rt.Fatrop(fallback=None), rt.Ipopt()], ids=lambda s: type(s).__name__)
+def test_guards_come_along_on_the_intervals_that_a_mesh_keeps(solver: rt.Fatrop | rt.Ipopt) -> None:
+    phase, scheme = s_curve(), rt.RadauIIA(3)
+    before = rt.plan(phase, rt.Mesh(12, scheme), solver=solver, between=rt.Exchange(1e-5))
+    first = min(guard.interval for guard in before.guards)
+    assert first < 11
+    knots = np.linspace(0, 1, 13)
+    # The last interval is cut, and another one before the first guard: that one's number grows by one.
+    cuts = [0.5 * knots[1], 0.5 * (knots[-2] + 1)] if first > 0 else [0.5 * (knots[-2] + 1)]
+    mesh = rt.Mesh(tuple(sorted([*knots, *cuts])), scheme)
+    look = rt.Exchange(1e-5, rounds=0)
+    after = rt.plan(phase, mesh, before, solver, between=look, check=False)
+    kept = [guard for guard in before.guards if guard.interval not in ({0, 11} if first > 0 else {11})]
+    moved = [guard.interval + (first > 0) for guard in kept]
+    assert kept and [guard.interval for guard in after.guards] == moved
+    assert [(g.constraint, g.row, g.tau) for g in after.guards] == [(g.constraint, g.row, g.tau) for g in kept]
+    assert after.success and not rt.plan(phase, mesh, solver=solver, between=look).guards
