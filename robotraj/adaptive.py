@@ -90,15 +90,17 @@ def adapt(
         solution = replace(solution, refinement=tuple(steps), times=total)
         if not solution.success or (holding and worst <= tolerance and settled):
             return solution
-        if len(steps) == MOST_MESHES:
-            return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
         # Errors that hold while the objective still moves are too large for the objective.
         goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
         pairs = zip(solution.phases, assessments, strict=True)
-        meshes = [_next(part, own, refinement, tolerance if _stepped(part) else goal) for part, own in pairs]
-        if sum(m.count for m in meshes) > MOST_INTERVALS:
+        finer = [_next(part, own, refinement, tolerance if _stepped(part) else goal) for part, own in pairs]
+        if len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
+            if not holding:
+                held = solve(problem, meshes, solution, solver, progress, between, engine)
+                if held.success:
+                    solution = replace(held, refinement=tuple(steps), times=added_times(total, held.times))
             return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
-        known = solution
+        meshes, known = finer, solution
 
 
 def _stepped(part: PhaseSolution) -> bool:

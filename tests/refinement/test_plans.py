@@ -246,6 +246,17 @@ def test_rows_are_held_between_the_knots_once_a_mesh_is_fine_enough_or_no_better
     assert solution.objective == pytest.approx(2.6, rel=1e-6)
 
 
+@pytest.mark.parametrize("most", ["MOST_MESHES", "MOST_INTERVALS"])
+def test_rows_are_held_between_the_knots_where_the_tolerance_is_not_reached(
+    most: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(adaptive, most, {"MOST_MESHES": 2, "MOST_INTERVALS": 60}[most])
+    solution = rt.plan(s_curve(), tolerance=1e-6, check=False)
+    assert solution.status is rt.Status.TOLERANCE_NOT_REACHED
+    assert solution.guards and not solution.between
+    assert [step.intervals for step in solution.refinement] == [20, solution.phases[0].mesh.count]
+
+
 @pytest.mark.parametrize("solver", [rt.Fatrop(fallback=None), rt.Ipopt()], ids=lambda s: type(s).__name__)
 def test_guards_come_along_on_the_intervals_that_a_mesh_keeps(solver: rt.Fatrop | rt.Ipopt) -> None:
     phase, scheme = s_curve(), rt.RadauIIA(3)
