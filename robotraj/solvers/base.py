@@ -175,6 +175,10 @@ class Solver(ABC):
         """
         return self.solve(nlp, progress, multipliers)
 
+    def within(self, seconds: float) -> Solver:
+        """Give the same solver with at most so many wall-clock seconds a solve; one without a clock gives itself."""
+        return self
+
     @abstractmethod
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
         """Solve from ``nlp.guess``; keep the last iterate whatever happens.

@@ -49,6 +49,8 @@ The first takes a quarter fewer iterations; where its line search fails, the sec
 guess."""
 WIDEST = 10_000
 """Variables times equalities of a stage from which on fatrop's fully pivoted elimination takes longer than IPOPT."""
+SHORTEST = 1e-3
+"""Seconds that a fallback is given at least."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
 """Ends that another solver may turn into better ones; limits that the user set are not among them."""
 
@@ -63,7 +65,7 @@ class Fatrop(Solver):
         Optimality tolerance on the scaled problem.
     max_iterations : int
     time_limit : float or None
-        Wall-clock seconds.
+        Wall-clock seconds of one solve, those of the ``fallback`` included; finer meshes are further solves.
     initial_barrier : float
         fatrop's ``mu_init``.
     threads : int, optional
@@ -104,6 +106,10 @@ class Fatrop(Solver):
         if self.threads is not None and self.threads < 1:
             raise InputError(f"Fatrop(threads) must be at least 1, got {self.threads}.")
 
+    def within(self, seconds: float) -> Fatrop:
+        """Give the same solver with at most so many wall-clock seconds a solve."""
+        return replace(self, time_limit=min(seconds, self.time_limit or seconds))
+
     def default_engine(self) -> Engine:
         """Machine code that needs no compiler."""
         return Native()
@@ -118,7 +124,7 @@ class Fatrop(Solver):
         try:
             reduction = reduce(nlp)
         except NotStagewise as reason:
-            return self._fall_back(nlp, progress, multipliers, str(reason))
+            return self._fall_back(nlp, progress, multipliers, str(reason), began)
         program = reduction.program
         widths = (program.nu + program.nx) * program.equalities
         stage = int(np.argmax(widths))
@@ -129,6 +135,7 @@ class Fatrop(Solver):
                 multipliers,
                 f"a stage has {program.nu[stage] + program.nx[stage]} variables and {program.equalities[stage]} "
                 "equalities, which fatrop eliminates slowly",
+                began,
             )
         native = native_program(program, nlp.engine, self._threads)
         return self._run(reduction, native, began, progress, multipliers)
@@ -184,7 +191,7 @@ class Fatrop(Solver):
         spent = time.perf_counter() - ready
         iterations = sum(each.iterations for each in tried)
         if status in UNSOLVED and self.fallback is not None:
-            outcome = self._fall_back(nlp, progress, multipliers, f"fatrop ended with {found.status!r}")
+            outcome = self._fall_back(nlp, progress, multipliers, f"fatrop ended with {found.status!r}", ready)
             times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent, "solve: fatrop": spent}
             return replace(outcome, iterations=iterations + outcome.iterations, times=times)
         parts = {f"solve: {name}": sum(each.times[name] for each in tried) for name in found.times if name != "total"}
@@ -219,10 +226,13 @@ class Fatrop(Solver):
             **self.options,
         }
 
-    def _fall_back(self, nlp: Nlp, progress: Progress | None, multipliers: Any, reason: str) -> Outcome:
+    def _fall_back(self, nlp: Nlp, progress: Progress | None, multipliers: Any, reason: str, began: float) -> Outcome:
         if self.fallback is None:
             raise InputError(f"Fatrop takes problems in stages, but {reason}; use rt.Ipopt().")
-        outcome = self.fallback.solve(nlp, progress, multipliers)
+        fallback = self.fallback
+        if self.time_limit is not None:
+            fallback = fallback.within(max(SHORTEST, began + self.time_limit - time.perf_counter()))
+        outcome = fallback.solve(nlp, progress, multipliers)
         by = type(self.fallback).__name__
         return Outcome(
             outcome.status,

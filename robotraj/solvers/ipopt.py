@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import field
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -59,7 +59,7 @@ class Ipopt(Solver):
         Optimality tolerance on the scaled problem (``tol``).
     max_iterations : int
     time_limit : float or None
-        Wall-clock seconds.
+        Wall-clock seconds of one solve; finer meshes and rows between the points are further solves.
     barrier : str
         ``mu_strategy``: "monotone" stays with the local optimum next to the guess, "adaptive" often takes fewer
         iterations and may leave for another one.
@@ -105,6 +105,10 @@ class Ipopt(Solver):
                 f'Ipopt(linear_solver="{self.linear_solver}") is in a library of your own: give its path as '
                 f'options={{"{library}": ...}}, or take one of {", ".join(LINEAR_SOLVERS)}.'
             )
+
+    def within(self, seconds: float) -> Ipopt:
+        """Give the same solver with at most so many wall-clock seconds a solve."""
+        return replace(self, time_limit=min(seconds, self.time_limit or seconds))
 
     def _options(self, warm: bool) -> dict[str, Any]:
         options: dict[str, Any] = {

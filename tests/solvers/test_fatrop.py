@@ -98,6 +98,20 @@ def test_an_impossible_plan_is_said_to_be_by_the_other_solver() -> None:
     assert solution.violations()
 
 
+def test_another_solver_gets_the_time_that_is_left() -> None:
+    def plan(time_limit: float | None) -> rt.Solution:
+        solver = rt.Fatrop(time_limit=time_limit, fallback=rt.Ipopt(time_limit=50.0))
+        mesh = rt.Mesh(100, rt.MultipleShooting())
+        return rt.plan(EVERY["pendulum"](), mesh, solver=solver, check=False, progress=False)
+
+    assert plan(None).success
+    cut = plan(1e-4)
+    assert cut.status is rt.Status.TIME_LIMIT
+    assert "by Ipopt" in cut.message
+    assert rt.Ipopt(time_limit=2.0).within(3.0).time_limit == 2.0
+    assert rt.Fatrop().within(3.0).time_limit == 3.0
+
+
 def test_limits_of_iterations_and_time_keep_the_last_iterate() -> None:
     few = rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(max_iterations=3), check=False, progress=False)
     assert few.status is rt.Status.ITERATION_LIMIT
