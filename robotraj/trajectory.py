@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.polynomials import basis, differentiation
+from robotraj.polynomials import basis, basis_at, differentiation
 from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
@@ -66,9 +66,9 @@ class PiecewisePolynomial:
             position,
         )
 
-    def locate(self, t: Array) -> NDArray[np.int_]:
+    def locate(self, t: Array | float) -> NDArray[np.int_]:
         """Interval of each time; a knot belongs to the interval on its right, the last knot to the last interval."""
-        return np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self._lengths) - 1)
+        return np.clip(self.breaks.searchsorted(t, side="right") - 1, 0, len(self._lengths) - 1)
 
     def __call__(self, t: Any, interval: int | None = None) -> Array:
         """Evaluate at times.
@@ -84,7 +84,9 @@ class PiecewisePolynomial:
         -------
         ndarray (n,) or (m, n)
         """
-        times = np.atleast_1d(np.asarray(t, dtype=float))
+        if np.ndim(t) == 0:
+            return self._at(float(t), interval)
+        times = np.asarray(t, dtype=float)
         out = np.empty((len(times), self.size))
         where = self.locate(times) if interval is None else np.full(len(times), interval)
         lengths = self._lengths[where]
@@ -96,7 +98,14 @@ class PiecewisePolynomial:
             if chosen.any():
                 weights = basis(sites, tau[chosen])
                 out[chosen] = (weights[:, None, :] @ values[position[where[chosen]]])[:, 0]
-        return out[0] if np.ndim(t) == 0 else out
+        return out
+
+    def _at(self, t: float, interval: int | None) -> Array:
+        """Evaluate at one time; simulations do so thousands of times."""
+        k = int(self.locate(t)) if interval is None else interval
+        length = self._lengths[k]
+        sites = self.sites[k]
+        return basis_at(sites, (t - self.breaks[k]) / length if length > 0 else 0.0) @ self.values[k]
 
     def inside(self, tau: Array) -> Array:
         """Evaluate every interval at the same places tau in [0, 1], (m,) -> (K, m, n)."""

@@ -1,11 +1,17 @@
 """Initial value problems whose right-hand side is smooth between knots only.
 
-DOP853 is restarted at every knot: its error estimate never looks across a corner of the planned control.
-Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.10.
+DOP853 is restarted at every knot: its error estimate never looks across a corner of the planned control. Friction of
+light wrists makes robots stiff, and an explicit method then takes steps as short as its stability wants them; from the
+first interval on where it takes too many, LSODA goes on, which turns to backward differences where that is cheaper.
+Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.10; Petzold, Automatic
+selection of methods for solving stiff and nonstiff systems of ordinary differential equations, SIAM J. Sci. Stat.
+Comput. 4 (1983).
 """
 
 from __future__ import annotations
 
+import threading
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -23,6 +29,18 @@ Settle = Callable[[Array], Array]
 MOST_EVALUATIONS = 200_000
 """Evaluations of the rates one interval may take before the motion counts as too stiff or divergent."""
 
+MOST_EXPLICIT = 2_000
+"""Evaluations by DOP853 in one interval from which on LSODA is asked; an interval of a smooth motion takes about 50."""
+
+SHARPER = 0.1
+"""LSODA's tolerances over DOP853's, with which its errors over an interval are as small."""
+
+FINEST = 1e-13
+"""Smallest relative tolerance that LSODA is given: below, it refuses."""
+
+_LSODA = threading.Lock()
+"""ODEPACK keeps its state in one place for all threads."""
+
 
 class _Stopped(Exception):
     """The integration cannot go on; carries the time and the reason."""
@@ -31,6 +49,10 @@ class _Stopped(Exception):
         super().__init__(reason)
         self.time = time
         self.reason = reason
+
+
+class _TooMany(_Stopped):
+    """It took more evaluations than it may."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +70,8 @@ class Motion:
         Why the integration stopped early, None if it reached the end.
     stopped : float
         Time reached [s].
+    stiff : float or None
+        Time [s] from which on LSODA integrated, None if DOP853 did all of it.
     """
 
     times: Array
@@ -55,6 +79,7 @@ class Motion:
     intervals: NDArray[np.int_]
     failure: str | None
     stopped: float
+    stiff: float | None = None
 
 
 def integrate(
@@ -67,7 +92,7 @@ def integrate(
     samples_per_interval: int = 20,
     settle: Settle | None = None,
 ) -> Motion:
-    """Integrate xdot = rates(t, x, k) over the intervals k between knots.
+    """Integrate xdot = rates(t, x, k) over the intervals k between knots, by DOP853 or, where it is stiff, LSODA.
 
     A state or rate that is not finite, a step below round-off and more than ``MOST_EVALUATIONS`` evaluations
     in one interval end the motion early; they are reported in ``failure``, not raised.
@@ -90,13 +115,23 @@ def integrate(
     states: list[Array] = []
     intervals: list[int] = []
     x = np.array(x0, dtype=float)
-    failure, stopped = None, float(knots[0])
+    failure, stopped, stiff = None, float(knots[0]), None
     for k, (begin, end) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
         if end <= begin:
             continue
         sampled = np.linspace(begin, end, samples_per_interval + 1)
         try:
-            kept, x_kept, x, failure = _interval(rates, x, sampled, k, rtol, atol)
+            if stiff is None:
+                try:
+                    kept, x_kept, x, failure = _interval(rates, x, sampled, k, "DOP853", rtol, atol, MOST_EXPLICIT)
+                except _TooMany:
+                    stiff = float(begin)
+            if stiff is not None:
+                finer = max(SHARPER * rtol, FINEST), SHARPER * atol
+                with _LSODA, warnings.catch_warnings():
+                    # What it warns of ends the motion early, and is told there.
+                    warnings.simplefilter("ignore")
+                    kept, x_kept, x, failure = _interval(rates, x, sampled, k, "LSODA", *finer, MOST_EVALUATIONS)
         except _Stopped as stop:
             failure, stopped = stop.reason, stop.time
             break
@@ -114,11 +149,11 @@ def integrate(
         intervals.append(max(len(knots) - 2, 0))
     flat_times = np.concatenate(times) if times else np.array([stopped])
     flat_states = np.concatenate(states) if states else x[None, :]
-    return Motion(flat_times, flat_states, np.array(intervals or [0]), failure, stopped)
+    return Motion(flat_times, flat_states, np.array(intervals or [0]), failure, stopped, stiff)
 
 
 def _interval(
-    rates: Rates, x: Array, sampled: Array, k: int, rtol: float, atol: float
+    rates: Rates, x: Array, sampled: Array, k: int, method: str, rtol: float, atol: float, most: int
 ) -> tuple[Array, Array, Array, str | None]:
     """Return the samples of one interval but its end, the state there, and why it stopped early if it did."""
     begin, end = float(sampled[0]), float(sampled[-1])
@@ -127,9 +162,8 @@ def _interval(
     def counted(t: float, state: Array) -> Array:
         nonlocal count
         count += 1
-        if count > MOST_EVALUATIONS:
-            reason = f"more than {MOST_EVALUATIONS} evaluations in one interval: too stiff or divergent"
-            raise _Stopped(t, reason)
+        if count > most:
+            raise _TooMany(t, f"more than {most} evaluations in one interval: too stiff or divergent")
         # The search for a first step may look beyond the interval, where its polynomials mean nothing.
         return rates(min(t, end), state, k)
 
@@ -137,12 +171,12 @@ def _interval(
         # A first step chosen from NaN would never end; later ones only shrink it until it underflows.
         if not np.isfinite(x).all() or not np.isfinite(rates(begin, x, k)).all():
             raise _Stopped(begin, "the state or its rates are not finite")
-        done = scipy.integrate.solve_ivp(
-            counted, (begin, end), x, method="DOP853", t_eval=sampled, rtol=rtol, atol=atol
-        )
+        done = scipy.integrate.solve_ivp(counted, (begin, end), x, method=method, t_eval=sampled, rtol=rtol, atol=atol)
     found = done.y.T
-    if not done.success:
-        reached = max(len(found), 1)
-        start = found if len(found) else x[None, :]
+    # LSODA goes on through numbers that are none.
+    whole = int(np.isfinite(found).all(axis=1).cumprod().sum())
+    if not done.success or whole < len(found):
+        reached = max(whole, 1)
+        start = found[:whole] if whole else x[None, :]
         return sampled[:reached], start, start[-1], "the step size fell below round-off: the motion diverges"
     return sampled[:-1], found[:-1], found[-1], None

@@ -28,12 +28,15 @@ class OpenLoop:
         Why and when the simulation stopped before the end.
     landings : tuple of Landing
         Where the simulation through all phases set its contacts down.
+    stiff : float or None
+        Time [s] of the first interval that was too stiff for DOP853.
     """
 
     drift: Drift
     restarted: Drift | None
     failure: str | None
     landings: tuple[Landing, ...]
+    stiff: float | None
 
 
 def open_loop(solution: SolutionLike, rtol: float, atol: float, samples: int) -> OpenLoop:
@@ -48,6 +51,7 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, samples: int) ->
     restarted: list[tuple[DriftRow, ...]] = []
     landings: list[Landing] = []
     failure: str | None = None
+    stiff: list[float] = []
     before: tuple[Plant, Array, Array] | None = None
     in_contact = any(p.phase.robot is not None and p.phase.bound_contacts for p in solution.phases)
     for i, planned in enumerate(solution.phases):
@@ -56,9 +60,11 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, samples: int) ->
         own = plant.states(knots[:1], 0)[0]
 
         def run(x: Array, plant: Plant = plant, knots: Array = knots) -> Motion:
-            return integrate(
+            motion = integrate(
                 plant.rates, x, knots, rtol=rtol, atol=atol, samples_per_interval=samples, settle=plant.settle
             )
+            stiff.extend([] if motion.stiff is None else [motion.stiff])
+            return motion
 
         if failure is None:
             x, landed = plant.begin(_handed_on(solution, i, plant, own, before))
@@ -71,7 +77,8 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, samples: int) ->
         if in_contact:
             alone = through[0] if i == 0 else drift_of(plant, run(plant.begin(own)[0]), planned.phase.name)
             restarted.append(alone)
-    return OpenLoop(drifts.merge(through), drifts.merge(restarted) if in_contact else None, failure, tuple(landings))
+    alone_too = drifts.merge(restarted) if in_contact else None
+    return OpenLoop(drifts.merge(through), alone_too, failure, tuple(landings), min(stiff, default=None))
 
 
 def _handed_on(

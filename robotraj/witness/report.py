@@ -86,6 +86,8 @@ class Report:
     holdings : tuple of Holding
         How every contact of every phase holds: slip, sink, forces.
     impacts : tuple of Impact
+    stiff : float or None
+        Time [s] from which on LSODA integrated, since DOP853 took too many steps there.
     """
 
     drift: Drift
@@ -104,6 +106,7 @@ class Report:
     landings: tuple[Landing, ...] = ()
     holdings: tuple[Holding, ...] = ()
     impacts: tuple[Impact, ...] = ()
+    stiff: float | None = None
 
     @property
     def passed(self) -> bool:

@@ -99,7 +99,7 @@ def simulate(
     atol: float = 1e-12,
     samples_per_interval: int = 20,
 ) -> Simulation:
-    """Integrate M(q) a + h(q, v) = B tau - d(v) with DOP853, restarted at every knot.
+    """Integrate M(q) a + h(q, v) = B tau - d(v) with DOP853, where it is stiff with LSODA, restarted at every knot.
 
     Parameters
     ----------

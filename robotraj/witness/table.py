@@ -23,10 +23,11 @@ def render(report: Report) -> str:
     console = Console(file=stream, width=WIDTH, color_system=None, highlight=False, markup=False)
     verdict = "PASSED" if report.passed else "FAILED"
     phases = ", ".join(repr(name) for name in report.phases)
+    method = "DOP853" if report.stiff is None else f"DOP853; LSODA from t = {report.stiff:.4g} s on, where it is stiff"
     console.print(
         f"Forward simulation of {phases}: {verdict}\n"
         f"  {report.duration:.6g} s, {report.intervals} intervals, open loop under the planned controls "
-        f"(DOP853, rtol {report.rtol:.0e}, restarted at knots)"
+        f"({method}, rtol {report.rtol:.0e}, restarted at knots)"
     )
     for complaint in report.complaints(report.tolerances):
         console.print(textwrap.fill(complaint, WIDTH, initial_indent="  ! ", subsequent_indent="    "))

@@ -34,7 +34,8 @@ def validate(
 
     A robot moves by plain double-precision Pinocchio, M(q) a + h(q, v) = B tau(t) - d(v), a System by its own
     equations on numbers (algebraic variables solved for at every evaluation), from the plan's first state
-    through all phases, under the planned controls alone. DOP853 integrates, restarted at every knot.
+    through all phases, under the planned controls alone. DOP853 integrates, restarted at every knot; LSODA
+    from the first interval on that is too stiff for it, as the friction of light wrists makes it.
 
     Where contacts hold, M a + h = B tau - d + J' f and J a + (dJ/dt) v = 0 move the robot, the state is put back on the
     held rows at every knot, and where the plan switches to contacts that touch down, M (v+ - v-) = J' L, J v+ = 0 bring
@@ -92,4 +93,5 @@ def validate(
         landings=simulated.landings,
         holdings=tuple(h for p in robots for h in holding_of(p, samples_per_interval)),
         impacts=impacts_of(solution),
+        stiff=simulated.stiff,
     )
