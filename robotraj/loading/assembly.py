@@ -15,7 +15,7 @@ from robotraj.loading.geometry import Geometry, GivenGeometry
 from robotraj.loading.limits import Limits
 from robotraj.loading.mimic import lock_mimics
 from robotraj.loading.neutral import inside, outside, reference
-from robotraj.loading.notes import dissipation_note, locked_note, mimic_note, neutral_note, twin_note
+from robotraj.loading.notes import dissipation_note, friction_note, locked_note, mimic_note, neutral_note, twin_note
 from robotraj.loading.root import carried, root_of, rooted
 from robotraj.loading.rotor import with_rotors
 from robotraj.loading.source import Description
@@ -68,11 +68,14 @@ def assemble(
     wanted = own if limits is None else own.override(limits)
     kept = np.append(q[:start], [value for joint, value in zip(names, q[start:], strict=True) if joint not in held])
     _check_dissipation(model, own.joints)
+    motors = _actuated(actuated, about.actuated, own.joints[own.free :])
+    friction = np.array(model.upperDryFrictionLimit)
     notes = (
         mimic_note(about.mimics, held, locked or {}),
         twin_note(twins),
         armature_note,
         dissipation_note(model),
+        friction_note(friction, wanted, units(model, root), motors),
         locked_note(outside(at, every, partial(units, whole, root)), held),
         neutral_note(outside(kept, wanted, partial(units, model, root)), reference_name),
     )
@@ -80,9 +83,9 @@ def assemble(
         "name": about.name,
         "model": model,
         "limits": wanted,
-        "actuated": _actuated(actuated, about.actuated, own.joints[own.free :]),
+        "actuated": motors,
         "damping": np.array(model.damping),
-        "friction": np.array(model.upperDryFrictionLimit),
+        "friction": friction,
         "neutral": inside(kept, wanted),
         "geometry": _geometry(about, whole, ids, at),
         "origin": about.origin,

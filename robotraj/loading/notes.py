@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
+from robotraj.loading.limits import Limits
 from robotraj.loading.mimic import Mimic
+
+Array = NDArray[np.float64]
 
 
 def mimic_note(mimics: Sequence[Mimic], held: Mapping[str, float], asked: Mapping[str, float]) -> str:
@@ -36,6 +40,21 @@ def dissipation_note(model: pin.Model) -> str:
     return (
         "Damping and friction are the model's (a URDF's <dynamics>); Pinocchio's own dynamics leave "
         "them out, robotraj adds them."
+    )
+
+
+def friction_note(friction: Array, limits: Limits, units: Sequence[str], actuated: Collection[str]) -> str:
+    """Say which joints' friction is as large as all that their motors may do."""
+    stuck = [
+        f"{joint} ({friction[i]:.4g} of {limits.effort[i]:.4g} {'N' if units[i] == 'm' else 'N m'})"
+        for i, joint in enumerate(limits.joints)
+        if joint in actuated and friction[i] > 0 and friction[i] >= limits.effort[i]
+    ]
+    if not stuck:
+        return ""
+    return (
+        f"Friction takes all of the effort limit: {', '.join(stuck)}. By themselves such joints only creep; lock them "
+        "with locked={joint: value}, or raise limits={'effort': {joint: value}}."
     )
 
 

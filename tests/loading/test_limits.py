@@ -173,3 +173,17 @@ def test_zero_limits_of_a_real_robot_are_counted():
     complaints = robot.limits.complaints()
     for i in zero:
         assert any(f"Joint {robot.joint_names[i]!r} " in complaint for complaint in complaints)
+
+
+def test_a_joint_whose_friction_takes_all_of_its_effort_is_noted(urdf):
+    rough = '<limit lower="-1" upper="2" velocity="3" effort="4"/><dynamics friction="4"/>'
+    path = urdf.chain(("turn", "revolute", "0 1 0", rough), ("slide", "prismatic", "0 0 1", rough))
+
+    def noted(**options):
+        return [note for note in rt.load(path, **options).notes if "Friction takes all" in note]
+
+    (note,) = noted()
+    assert "turn (4 of 4 N m), slide (4 of 4 N)" in note
+    assert "slide" not in noted(actuated=["turn"])[0]
+    assert "turn" not in noted(limits={"effort": {"turn": 5.0}})[0]
+    assert not noted(limits={"effort": 5.0})
