@@ -1,6 +1,6 @@
 """Dynamics as semi-explicit DAEs: user systems and rigid bodies."""
 
-from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.dae import Dynamics, TimeOrders
 from robotraj.dynamics.point import Point, RobotPoint
 from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics, RigidBody
 from robotraj.dynamics.system import System, SystemDynamics
@@ -16,5 +16,6 @@ __all__ = [
     "RobotPoint",
     "System",
     "SystemDynamics",
+    "TimeOrders",
     "Variable",
 ]

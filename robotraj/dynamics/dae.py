@@ -19,12 +19,26 @@ Kuindersma and Tedrake, Optimization and stabilization of trajectories for const
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import casadi as ca
 
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Variable
+
+
+class TimeOrders(NamedTuple):
+    """How often each variable is divided by time: a motion that takes s times as long has w / s^k in its place.
+
+    Attributes
+    ----------
+    states, algebraic, controls : tuple of int
+        k of every entry of x, z and u: 1 for a velocity, 2 for an acceleration, 0 for a torque, 1 for its rate.
+    """
+
+    states: tuple[int, ...]
+    algebraic: tuple[int, ...]
+    controls: tuple[int, ...]
 
 
 class Dynamics(Protocol):

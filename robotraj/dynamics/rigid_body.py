@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.holding import correct, hold, pinned, share_of
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Named, Variable
@@ -70,6 +71,11 @@ class RigidBody:
             for row in places
         ]
         return (*quaternion, *places, *rates)
+
+    @property
+    def time_orders(self) -> TimeOrders | None:
+        """How often each variable is divided by time; None where a motion cannot be stretched like that."""
+        return None
 
     @property
     def _has_quaternion(self) -> bool:
@@ -191,6 +197,14 @@ class InverseRigidBody(RigidBody):
     def algebraic(self) -> tuple[Variable, ...]:
         """Accelerations ``a.<velocity>``, then contact forces ``force.<contact>.<axis>``."""
         return self._accelerations + self._forces
+
+    @property
+    def time_orders(self) -> TimeOrders | None:
+        """0 for positions, 1 for velocities, 2 for accelerations; None where a state is held or no angle or place."""
+        n, states = self.robot.nv, self.states
+        if self.invariants or len(states) != 2 * n:
+            return None
+        return TimeOrders((0,) * n + (1,) * n, (2,) * n + (0,) * len(self._forces), (0,) * len(self.controls))
 
     @cached_property
     def residuals(self) -> tuple[Variable, ...]:

@@ -19,20 +19,27 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 
-from robotraj.dynamics import Dynamics, InverseDynamics, Point, RigidBody, Variable
+from robotraj.dynamics import Dynamics, InverseDynamics, Point, RigidBody, TimeOrders, Variable
 from robotraj.errors import InputError
 from robotraj.values import dataclass
 
 
 @dataclass(frozen=True)
 class Augmented(ABC):
-    """Dynamics around other dynamics; new variables come after the inner ones."""
+    """Dynamics around other dynamics; new variables come after the inner ones.
+
+    Attributes
+    ----------
+    smooth : bool
+        Whether costs on what is new have no corners, so that a problem keeps the kind of optima that it has without.
+    """
 
     inner: Dynamics
+    smooth: ClassVar[bool] = False
 
     @property
     def states(self) -> tuple[Variable, ...]:
@@ -58,6 +65,16 @@ class Augmented(ABC):
     def invariants(self) -> tuple[Variable, ...]:
         """The inner invariants."""
         return self.inner.invariants
+
+    @property
+    def time_orders(self) -> TimeOrders | None:
+        """How often each variable is divided by time; None where that is not known."""
+        return None
+
+    @property
+    def _inner_orders(self) -> TimeOrders | None:
+        inner = self.inner
+        return inner.time_orders if isinstance(inner, Augmented | RigidBody) else None
 
     @property
     def start(self) -> Mapping[str, float]:
@@ -103,6 +120,8 @@ def has(dynamics: Dynamics, names: Sequence[str]) -> bool:
 class ControlRates(Augmented):
     """The body's controls become states and their rates r the controls, udot = r."""
 
+    smooth: ClassVar[bool] = True
+
     @cached_property
     def _moved(self) -> tuple[Variable, ...]:
         return body_of(self.inner).controls
@@ -120,6 +139,15 @@ class ControlRates(Augmented):
             for c in self._moved
         )
         return rates + self.inner.controls[len(rates) :]
+
+    @property
+    def time_orders(self) -> TimeOrders | None:
+        """A rate is divided by time once more than what it is the rate of."""
+        known = self._inner_orders
+        if known is None:
+            return None
+        moved, others = known.controls[: len(self._moved)], known.controls[len(self._moved) :]
+        return TimeOrders(known.states + moved, known.algebraic, tuple(k + 1 for k in moved) + others)
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Hand the states that were controls back as controls."""
@@ -146,6 +174,12 @@ class Slacks(Augmented):
         """Inner controls, then the slacks."""
         return self.inner.controls + self.slacks
 
+    @property
+    def time_orders(self) -> TimeOrders | None:
+        """Slacks stay as they are: their rows say what they are."""
+        known = self._inner_orders
+        return known and known._replace(controls=known.controls + (0,) * len(self.slacks))
+
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Put the slacks into ``point.extra``."""
         nu = len(self.inner.controls)
@@ -162,6 +196,8 @@ class Jerks(Augmented):
     0 = d/dt [RNEA(q, v, a) + d(v) - B tau] along (v, a, j, taudot), linear in j with the mass matrix in
     front.
     """
+
+    smooth: ClassVar[bool] = True
 
     @cached_property
     def jerks(self) -> tuple[Variable, ...]:
@@ -183,6 +219,12 @@ class Jerks(Augmented):
             *self.inner.residuals,
             *(Variable(f"rate.{r.name}", f"{r.unit}/s", f"{r.quantity} rate", r.joint) for r in rows),
         )
+
+    @property
+    def time_orders(self) -> TimeOrders | None:
+        """3 for jerks."""
+        known = self._inner_orders
+        return known and known._replace(algebraic=known.algebraic + (3,) * len(self.jerks))
 
     def _balance_rate(self, names: Sequence[str]) -> ca.Function:
         robot = _robot(self.inner)

@@ -19,6 +19,7 @@ from robotraj.constraints import IntegralConstraint
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.system import SystemDynamics
 from robotraj.engines import Engine, Native
+from robotraj.objectives import Augmented
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.solvers.base import Solver
 from robotraj.solvers.fatrop import Fatrop
@@ -42,9 +43,11 @@ def engine_for(problem: Problem, solver: Solver) -> Engine:
 
 
 def _suits_fatrop(phase: Phase) -> bool:
-    body = phase.body
-    # Costs with variables of their own, such as absolute power, have corners and many optima.
-    if phase.dae is not body or body.invariants:
+    body, dae = phase.body, phase.dae
+    # Some costs with variables of their own, absolute power above all, have corners and many optima.
+    while isinstance(dae, Augmented) and dae.smooth:
+        dae = dae.inner
+    if dae is not body or body.invariants:
         return False
     if isinstance(body, InverseRigidBody):
         return body.robot.root == "fixed" and body.design is None and body.robot.nv == body.robot.nq

@@ -1,9 +1,10 @@
 """Free durations: velocities and accelerations of the same motion at a duration that is fixed.
 
 With s = T / T_0, the plan x(t) of duration T is the plan of duration T_0 with velocities v' = s v and accelerations
-a' = s^2 a. In these variables dq/dt = v and dv/dt = a are linear in all unknowns, although the duration is one of
-them; it is left in the torque balance, RNEA(q, v' / s, a' / s^2), and in the speed limits, v' <= s v_max, which are
-linear too. A defect of velocities is multiplied by s, which changes nothing where it is zero.
+a' = s^2 a, and so are rates of torques r' = s r and jerks j' = s^3 j, where an objective reads these. In these
+variables dq/dt = v, dv/dt = a and dtau/dt = r are linear in all unknowns, although the duration is one of them; it is
+left in the torque balance, RNEA(q, v' / s, a' / s^2), and in the speed limits, v' <= s v_max, which are linear too. A
+defect of velocities is multiplied by s, which changes nothing where it is zero.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.dynamics import RigidBody, TimeOrders
+from robotraj.objectives import Augmented
 from robotraj.schemes import MovingMesh
 from robotraj.sparse import csr_array, vstack
 from robotraj.stagewise.form import Form, taller, with_rows
@@ -43,7 +45,7 @@ class Stretch:
     Attributes
     ----------
     power : ndarray of int (n_w,)
-        k of w = w' / s^k: 1 for velocities, 2 for accelerations, 0 for all others.
+        k of w = w' / s^k: 1 for velocities, 2 for accelerations, 0 for positions; see ``TimeOrders``.
     clock : ndarray of int (n_w,)
         The duration's column, -1 where the power is 0.
     unit : ndarray (n_w,)
@@ -86,55 +88,50 @@ def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, 
     """
     n_w, n_rows = len(form.lower), len(form.row_lower)
     power, clock, unit = np.zeros(n_w, dtype=int), np.full(n_w, -1), np.ones(n_w)
-    phases = [i for i in range(len(nlp.layouts)) if _can(nlp, i)]
-    for i in phases:
-        layout, robot = nlp.layouts[i], nlp.problem.phases[i].robot
-        assert robot is not None
+    every = ((i, _orders(nlp, i)) for i in range(len(nlp.layouts)))
+    phases = {i: orders for i, orders in every if orders is not None}
+    for i, orders in phases.items():
+        layout = nlp.layouts[i]
         column = layout.duration.column
         assert column is not None
-        n = robot.nv
-        velocities = [layout.knots[:, n : 2 * n].ravel()]
-        accelerations = []
+        parts = [(layout.knots, orders.states)]
         for run in layout.runs:
-            velocities.append(run.states[..., n : 2 * n].ravel())
-            accelerations.append(run.algebraic[..., :n].ravel())
-        for columns, k in ((velocities, 1), (accelerations, 2)):
-            every = np.flatnonzero(np.bincount(np.concatenate(columns)))
-            power[every], clock[every] = k, column
+            kinds = (run.states, orders.states), (run.algebraic, orders.algebraic), (run.controls, orders.controls)
+            parts += [(columns, own) for columns, own in kinds if columns.size]
+        for columns, own in parts:
+            flat, k = columns.reshape(-1, len(own)), np.array(own)
+            power[flat] = k
+            clock[flat[:, k > 0]] = column
         unit[column] = nlp.scale[column] / max(nlp.guess[column], 1e-3)
         if before is not None and 0.5 <= before.unit[column] / unit[column] <= 2:
             unit[column] = before.unit[column]
-    if not phases or np.isfinite(form.lower[power == 2]).any() or np.isfinite(form.upper[power == 2]).any():
+    if not phases or np.isfinite(form.lower[power >= 2]).any() or np.isfinite(form.upper[power >= 2]).any():
         return form, None
     rows, row_clock = np.zeros(n_rows, dtype=int), np.full(n_rows, -1)
     blocks = []
     for index, block in enumerate(form.blocks):
-        point = index if index in phases else None
-        changed = _block(block, power, clock, unit, nlp, point)
-        blocks.append(changed)
-        if point is not None:
-            n = nlp.problem.phases[point].robot.nv  # type: ignore[union-attr]
-            outputs = (np.arange(block.count)[:, None] * block.stage.outputs + n + np.arange(n)).ravel()
+        of_points = phases.get(index)
+        blocks.append(_block(block, power, clock, unit, nlp, of_points))
+        if of_points is not None:
+            speeds = np.flatnonzero(np.array(of_points.states) == 1)
+            outputs = (np.arange(block.count)[:, None] * block.stage.outputs + speeds).ravel()
             touched = np.flatnonzero(np.bincount(block.scatter.tocsc()[:, outputs].indices))
-            rows[touched], row_clock[touched] = 1, nlp.layouts[point].duration.column
+            rows[touched], row_clock[touched] = 1, nlp.layouts[index].duration.column
     known = Stretch(power, clock, unit, rows, row_clock)
     form = replace(form, blocks=tuple(blocks))
     return _limits(_limits(form, known, of_rows=True), known, of_rows=False), known
 
 
-def _can(nlp: Nlp, index: int) -> bool:
-    layout, dae = nlp.layouts[index], nlp.problem.phases[index].body
-    return (
-        layout.duration.column is not None
-        and isinstance(dae, InverseRigidBody)
-        and not dae.invariants
-        and len(nlp.problem.phases[index].dae.states) == 2 * dae.robot.nv
-        and not isinstance(layout.mesh, MovingMesh)
-    )
+def _orders(nlp: Nlp, index: int) -> TimeOrders | None:
+    """Give the orders of a phase's variables; None where its duration is fixed or its motion cannot be stretched."""
+    layout, dae = nlp.layouts[index], nlp.problem.phases[index].dae
+    if layout.duration.column is None or isinstance(layout.mesh, MovingMesh):
+        return None
+    return dae.time_orders if isinstance(dae, RigidBody | Augmented) else None
 
 
-def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, point: int | None) -> Block:
-    """Put v' / s and a' / s^2 into a block that reads velocities or accelerations."""
+def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, orders: TimeOrders | None) -> Block:
+    """Put w' / s^k into a block that reads such columns; ``orders`` are those of a phase's points, None elsewhere."""
     stage, count = block.stage, block.count
     first = block.gather.indptr[:-1].reshape(count, -1)
     filled = np.diff(block.gather.indptr).reshape(count, -1) > 0
@@ -147,10 +144,9 @@ def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, 
     clocks = np.where(powers > 0, clock[column], -1).max(axis=1)
     degrees = tuple((int(i), int(powers[:, i].max())) for i in inputs)
     rates = None
-    if point is not None:
-        robot = nlp.problem.phases[point].robot
-        assert robot is not None
-        rates = robot.nv, float(nlp.scale[clocks[0]] / unit[clocks[0]])
+    if orders is not None:
+        variables = sum(map(len, orders))
+        rates = _rates(stage, len(orders.states), variables), float(nlp.scale[clocks[0]] / unit[clocks[0]])
     changed = _STRETCHED.get(stage, (degrees, rates), partial(_stage, stage, degrees, rates))
     gather = block.gather
     width = stage.inputs
@@ -167,14 +163,21 @@ def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, 
     return replace(block, stage=changed, gather=gather)
 
 
-def _stage(stage: Stage, degrees: Sequence[tuple[int, int]], rates: tuple[int, float] | None) -> Stage:
+def _rates(stage: Stage, states: int, variables: int) -> tuple[int, ...]:
+    """Find the input, one of the first ``variables``, that is the rate of each state: T times it is the output."""
+    number = {symbol.element_hash(): i for i, symbol in enumerate(ca.vertsplit(stage.v[:variables]))}
+    read = [[number.get(symbol.element_hash(), -1) for symbol in ca.symvar(y)] for y in ca.vertsplit(stage.y[:states])]
+    return tuple(max(each) for each in read)
+
+
+def _stage(stage: Stage, degrees: Sequence[tuple[int, int]], rates: tuple[tuple[int, ...], float] | None) -> Stage:
     """Give the stage that reads w' and s in the place of w = w' / s^k.
 
     Parameters
     ----------
     degrees : sequence of (input, k)
-    rates : (number of velocities, T_0) or None
-        Where the first outputs are T v and T a: they become T_0 v' and, multiplied by s, T_0 a'.
+    rates : (inputs, T_0) or None
+        Where the first outputs are T times these inputs: they become T_0 v' and, multiplied by s, T_0 a'.
     """
     s, v = ca.SX.sym("s"), stage.v
     inputs, powers = zip(*degrees, strict=True)
@@ -182,8 +185,8 @@ def _stage(stage: Stage, degrees: Sequence[tuple[int, int]], rates: tuple[int, f
     new = old / s ** ca.DM(powers)
     y = ca.substitute(stage.y, old, new)
     if rates is not None:
-        n, span = rates
-        y = ca.vertcat(span * v[n : 2 * n], span * v[2 * n : 3 * n], y[2 * n :])
+        read, span = rates
+        y = ca.vertcat(span * v[list(read)], y[len(read) :])
     torques = stage.torques and stage.torques.substituted(old, new)
     return Stage(ca.vertcat(v, s), stage.c, y, stage.costed, torques, as_tapes=stage.as_tapes)
 

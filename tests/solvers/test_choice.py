@@ -6,6 +6,8 @@ import casadi as ca
 import pytest
 
 import robotraj as rt
+from robotraj.objectives import Objective
+from robotraj.solvers.base import Solver
 from robotraj.solvers.choice import engine_for, solver_for
 
 
@@ -29,6 +31,18 @@ def test_systems_with_a_control_for_every_second_state_and_fixed_root_robots_are
     assert isinstance(solver_for(chain(3, 1), rt.Mesh()), rt.Ipopt)
     assert isinstance(solver_for(robot("ur5"), rt.Mesh()), rt.Fatrop)
     assert isinstance(solver_for(robot("cartpole"), rt.Mesh()), rt.Fatrop)
+
+
+def test_rates_of_torques_and_jerks_leave_an_arm_to_fatrop_and_corners_do_not() -> None:
+    arm = rt.load("cartpole")
+
+    def chosen(objective: Objective) -> Solver:
+        return solver_for(rt.Problem([rt.Phase(arm, 1.0, objective=objective)]), rt.Mesh())
+
+    assert isinstance(chosen(rt.TorqueRate() + rt.Effort()), rt.Fatrop)
+    assert isinstance(chosen(rt.Jerk()), rt.Fatrop)
+    assert isinstance(chosen(rt.AbsolutePower()), rt.Ipopt)
+    assert isinstance(chosen(rt.AbsolutePower() + rt.TorqueRate()), rt.Ipopt)
 
 
 def test_every_phase_has_a_say() -> None:

@@ -37,6 +37,19 @@ def hurried_arm() -> rt.Problem:
     return rt.Problem([replace(phase, duration=(0.4, 5.0), objective=rt.Duration())])
 
 
+def smooth_arm() -> rt.Problem:
+    """The ur5 at its leisure: torques are states, their rates the controls."""
+    (phase,) = arm().phases
+    objective = rt.Duration() + 1e-6 * rt.TorqueRate()
+    return rt.Problem([replace(phase, duration=(0.4, 5.0), objective=objective)])
+
+
+def jerky_arm() -> rt.Problem:
+    """Jerks of the ur5 beside its accelerations, the duration free."""
+    (phase,) = arm().phases
+    return rt.Problem([replace(phase, duration=(0.4, 5.0), objective=rt.Duration() + 1e-6 * rt.Jerk())])
+
+
 def acrobot() -> rt.Problem:
     """One motor for two joints: a torque balance stays an equality."""
     robot = rt.load("acrobot")
@@ -148,6 +161,8 @@ def step() -> rt.Problem:
 EVERY: dict[str, Callable[[], rt.Problem]] = {
     "arm": arm,
     "hurried arm": hurried_arm,
+    "smooth arm": smooth_arm,
+    "jerky arm": jerky_arm,
     "block": block,
     "linear": linear,
     "pendulum": pendulum,

@@ -157,8 +157,8 @@ def test_derivatives_by_differences(problem: str, mesh: str, between: rt.Exchang
     np.testing.assert_allclose(jacobian @ direction, slope, rtol=1e-6, atol=1e-6 * max(1.0, abs(slope).max()))
 
     curve, h = numbers.hessian(y, multipliers), 1e-3
-    values = [numbers.lagrangian(y + k * h * direction, multipliers) for k in (-1, 0, 1)]
-    second = (values[0] - 2 * values[1] + values[2]) / h**2
+    values = [numbers.lagrangian(y + k * h * direction, multipliers) for k in range(-2, 3)]
+    second = float(np.dot([-1, 16, -30, 16, -1], values)) / (12 * h**2)
     assert direction @ curve @ direction == pytest.approx(second, rel=1e-4, abs=1e-4 * max(1.0, abs(curve).max()))
 
 
@@ -186,6 +186,17 @@ def test_free_duration_keeps_defects_linear() -> None:
     # One more state, the duration.
     assert reduction.program.nx[1:].tolist() == [19, 19, 19]
     assert reduction.program.equalities.tolist() == [0, 0, 0, 12]
+
+
+@pytest.mark.parametrize(("problem", "jerks"), [("smooth arm", 0), ("jerky arm", 1)])
+def test_rates_of_torques_keep_defects_linear_at_a_free_duration(problem: str, jerks: int) -> None:
+    reduction = reduced(problem, "HermiteSimpson")
+    assert reduction.stretched is not None
+    # States (q, v, tau, a, r) and the duration; a, r and j in the middle and at the next knot are controls, and what
+    # is left as equations are the torque balances and their rates, where there are jerks.
+    assert reduction.program.nx[1:-1].tolist() == [31, 31]
+    assert reduction.program.nu[1:-1].tolist() == [24 + 12 * jerks] * 2
+    assert reduction.program.equalities[1:-1].tolist() == [12 + 12 * jerks] * 2
 
 
 @pytest.mark.parametrize("mesh", MESHES)
