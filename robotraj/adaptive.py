@@ -97,6 +97,8 @@ def adapt(
         if len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
             if not holding:
                 held = solve(problem, meshes, solution, solver, progress, between, engine)
+                if held.status is Status.INTERRUPTED:
+                    return replace(solution, status=Status.INTERRUPTED)
                 if held.success:
                     solution = replace(held, refinement=tuple(steps), times=added_times(total, held.times))
             return replace(solution, status=Status.TOLERANCE_NOT_REACHED)

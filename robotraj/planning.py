@@ -16,7 +16,7 @@ from robotraj.solution import Solution
 from robotraj.solvers import Ipopt, Solver
 from robotraj.solvers.choice import engine_for, solver_for
 from robotraj.solving import solve
-from robotraj.transcription.between import Exchange
+from robotraj.transcription.between import ConvexHull, Exchange
 
 if TYPE_CHECKING:
     from robotraj.records import StageRecord
@@ -69,9 +69,10 @@ def plan(
         objectives. The last stage, the problem itself, is understood.
     between : Exchange, optional
         What holds rows on states and controls between the collocation points: ``rt.Exchange()`` imposes those on states
-        where a solution breaks them and solves again, the default with a tolerance, with ``rt.Ipopt()`` and for
-        systems; ``rt.ConvexHull()`` holds limits of speeds everywhere in one solve, and asks a little more than they
-        do, the default for robots with ``rt.Fatrop()``; ``rt.ConvexHull(controls=True)`` holds torques so too.
+        where a solution breaks them and solves again, the default with ``rt.Ipopt()`` and for systems;
+        ``rt.ConvexHull()`` holds limits of speeds everywhere in one solve, and asks a little more than they do, the
+        default for robots with ``rt.Fatrop()``; ``rt.ConvexHull(controls=True)`` holds torques so too, the default for
+        these with a tolerance. What is broken nevertheless is told: ``solution.between``.
     check : bool
         Raise where no solution was found; else return it with its status.
     progress : bool, optional
@@ -105,10 +106,13 @@ def plan(
     if tolerance is not None and not 0 < tolerance < 1:
         raise InputError(f"tolerance= is a relative error between 0 and 1, such as 1e-6; got {tolerance}.")
     if between is None:
-        # A tolerance asks for the optimum itself, and so do equations of one's own, which have no motors to spare: what
-        # a hull asks for beyond the limits would take finer meshes.
+        # Equations of one's own have no motors to spare: a hull asks for more than their limits.
         robots = all(phase.robot is not None for phase in problem.phases)
-        between = solver.default_between() if tolerance is None and robots else Exchange()
+        between = solver.default_between() if robots else Exchange()
+        if tolerance is not None and isinstance(between, ConvexHull):
+            # On meshes that are refined a hull takes nothing from the optimum in the end; without it, torques that
+            # switch would bulge to twice their limits between the points of short intervals.
+            between = replace(between, controls=True)
     if not isinstance(between, Exchange):
         raise InputError(f"between= must be rt.Exchange() or rt.ConvexHull(); got {between!r}.")
     with watching(solver, progress) as show:

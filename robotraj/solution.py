@@ -60,6 +60,9 @@ class Solution:
         Rows that were imposed between collocation points as well.
     between : tuple of Violation
         Rows on states that are still broken between collocation points, worst first; empty where they all hold there.
+    controls_between : tuple of Violation
+        Bounds of controls that are exceeded by more than 1 % there, worst first: polynomials of controls bulge where
+        they switch, unless ``rt.ConvexHull(controls=True)`` holds them.
     impulses : tuple of mapping
         For every link of the problem, the impulses of its impact by name, ``"impulse.left_foot.z"`` [N s, N m s]; empty
         for links without one.
@@ -79,6 +82,7 @@ class Solution:
     stages: tuple[StageRecord, ...] = ()
     guards: tuple[Guard, ...] = ()
     between: tuple[Violation, ...] = ()
+    controls_between: tuple[Violation, ...] = ()
     impulses: tuple[Mapping[str, float], ...] = ()
 
     @property
@@ -211,6 +215,9 @@ class Solution:
             lines.append(f"error between knots {error:.1e} (plan with tolerance= to refine until it holds)")
         if self.between:
             lines.append(f"between collocation points: {self.between[0]}; a finer mesh would help")
+        if self.controls_between:
+            worst = self.controls_between[0]
+            lines.append(f"between collocation points: {worst}; between=rt.ConvexHull(controls=True) would hold it")
         if not self.success:
             lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]
             several = len(self.phases) > 1

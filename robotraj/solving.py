@@ -27,7 +27,7 @@ from robotraj.transcription.again import transcribed_again
 from robotraj.transcription.between import Exchange
 from robotraj.transcription.extract import extract
 from robotraj.transcription.guarded import guarded
-from robotraj.transcription.guards import Bulge, Guard, find_bulges
+from robotraj.transcription.guards import Bulge, Guard, find_bulges, find_control_bulges, guardable
 from robotraj.violations import Violation, violations
 
 ROW_TOLERANCE = 1e-6
@@ -50,7 +50,8 @@ def solve(
 
     Where a row on states turns out broken between collocation points, it is imposed there too, as ``between`` says,
     and the problem solved again, from the last answer; only if ``hold``, where given, says of the first answer that
-    it is worth it. A guess brings its guards along, on the intervals that its mesh has as well.
+    it is worth it. A guess brings its guards along, on the intervals that its mesh has as well. Where the problem with
+    further rows cannot be solved, the solution without them stays, and ``between`` lists what is broken.
     """
     began = time.perf_counter()
     between = between or Exchange()
@@ -66,7 +67,7 @@ def solve(
     bulges = _bulges(solution, between.tolerance)
     moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
     for _ in range(between.rounds if hold is None or hold(solution) else 0):
-        held, rows_held = set(guards), {_row_of(guard) for guard in guards}
+        held, rows_held = set(guards), {_row_of(guard) for guard in guards if not _is_equation(problem, guard)}
         wanted = (guard for bulge in bulges for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
         new = list(dict.fromkeys(guard for guard in wanted if guard not in held))
         if not new or not solution.success:
@@ -79,12 +80,21 @@ def solve(
         else:
             nlp = guarded(nlp, new, w)
         again, w = _solve(nlp, solution, _multipliers(solution, nlp, True), solver, progress, began)
+        times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
+        failed = not again.success and again.status is not Status.INTERRUPTED
+        solution = replace(solution if failed else again, times=times, iterations=iterations)
+        if failed:
+            break
         guards += new
-        total = added_times(solution.times, again.times)
-        solution = replace(again, times=total, iterations=again.iterations + solution.iterations)
         bulges = _bulges(solution, between.tolerance)
-    left = sorted((_violation(solution, bulge) for bulge in bulges), key=lambda v: -v.relative)
-    return replace(solution, guards=tuple(guards), between=tuple(left))
+    of_controls = [
+        bulge for i, part in enumerate(solution.phases) for bulge in find_control_bulges(part.phase, i, part.trajectory)
+    ]
+    left, controls = (
+        tuple(sorted((_violation(solution, bulge) for bulge in found), key=lambda v: -v.relative))
+        for found in (bulges, of_controls)
+    )
+    return replace(solution, guards=tuple(guards), between=left, controls_between=controls)
 
 
 def _again(
@@ -116,6 +126,12 @@ def _row_of(guard: Guard) -> tuple[int, int, int, int]:
     return guard.phase, guard.interval, guard.constraint, guard.row
 
 
+def _is_equation(problem: Problem, guard: Guard) -> bool:
+    """Whether a row is an equation: more of it between the points soon leaves a motion nothing to choose."""
+    row = problem.phases[guard.phase].bound_constraints[guard.constraint].rows[guard.row]
+    return row.lower == row.upper
+
+
 def _violation(solution: Solution, bulge: Bulge) -> Violation:
     phase = solution.phases[bulge.guard.phase].phase
     row = phase.bound_constraints[bulge.guard.constraint].rows[bulge.guard.row]
@@ -126,11 +142,11 @@ def _violation(solution: Solution, bulge: Bulge) -> Violation:
 def _known_guards(
     problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | Solution | None
 ) -> tuple[list[Guard], bool]:
-    """Guards of an earlier solution, of rows that this problem has as well; and whether the meshes are the same.
+    """Guards of an earlier solution, of rows that this problem has as well; and whether they are all on the same mesh.
 
     Where they are not, guards come along on the intervals that begin and end as before, whatever their schemes.
     """
-    if not isinstance(guess, Solution) or len(guess.phases) != len(problem.phases):
+    if not isinstance(guess, Solution) or not guess.guards or len(guess.phases) != len(problem.phases):
         return [], False
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
 
@@ -140,10 +156,13 @@ def _known_guards(
     pairs = list(zip(guess.phases, problem.phases, strict=True))
     if not all(rows(part.phase) == rows(phase) for part, phase in pairs):
         return [], False
+    # A row of the same name may be held elsewhere, or read what is not known between the points.
+    held = [{(c, r) for c, r, *_ in guardable(phase)} for phase in problem.phases]
+    guards = [g for g in guess.guards if (g.constraint, g.row) in held[g.phase]]
     if all(part.mesh == here for part, here in zip(guess.phases, meshes, strict=True)):
-        return list(guess.guards), True
+        return guards, len(guards) == len(guess.guards)
     kept = [_kept_intervals(part.mesh, here) for part, here in zip(guess.phases, meshes, strict=True)]
-    carried = (replace(g, interval=kept[g.phase][g.interval]) for g in guess.guards if g.interval in kept[g.phase])
+    carried = (replace(g, interval=kept[g.phase][g.interval]) for g in guards if g.interval in kept[g.phase])
     return list(carried), False
 
 

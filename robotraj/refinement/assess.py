@@ -14,12 +14,15 @@ from robotraj.polynomials import basis
 from robotraj.refinement.error import interval_errors
 from robotraj.refinement.strategy import Assessment
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.guards import SAMPLES, guardable
+from robotraj.transcription.guards import guardable
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
 
 Array = NDArray[np.float64]
+
+SAMPLES = 48
+"""Places looked at inside an interval."""
 
 
 def assess(phase: Phase, trajectory: PhaseTrajectory, settled: bool, moving: bool = False) -> Assessment:

@@ -39,7 +39,7 @@ class Exchange:
     """
 
     tolerance: float = 5e-4
-    rounds: int = 6
+    rounds: int = 12
 
     def __post_init__(self) -> None:
         if not self.tolerance > 0:

@@ -8,7 +8,7 @@ semi-infinite programs). Source: Hettich and Kortanek, Semi-infinite programming
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -31,9 +31,12 @@ from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
+    from robotraj.trajectory import PiecewisePolynomial
 
-SAMPLES = 48
-"""Places looked at inside an interval."""
+PLACES = np.linspace(0.0, 1.0, 49)
+"""Places looked at in an interval, its ends among them: at Radau's first knot and at Gauss's none is collocated."""
+SHARE = 1e-2
+"""Share of its limit by which a control may exceed it between collocation points before that is told."""
 SPREAD = 0.5 * (1.0 - np.cos(np.pi * (np.arange(6) + 0.5) / 6))
 """Places guarded inside an interval where a single one did not do."""
 
@@ -99,27 +102,83 @@ class Bulge:
     amount: float
 
     def guards(self, again: bool) -> list[Guard]:
-        """Guards to set: one at the worst place or, where one did not do, at Chebyshev points all over the interval."""
+        """Guards to set: one at the worst place, and with ``again`` at Chebyshev points all over the interval."""
         return [self.guard, *(replace(self.guard, tau=float(tau)) for tau in SPREAD)] if again else [self.guard]
 
 
 def find_bulges(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float) -> list[Bulge]:
-    """Worst place of every row in every interval where it is broken by more than ``allowed`` [its SI unit]."""
+    """Worst place of every row on states in every interval where it is broken by more than ``allowed`` [SI unit]."""
     rows = guardable(phase)
     if not rows:
         return []
-    breaks = trajectory.x.breaks
-    tau = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    times = (breaks[:-1, None] + np.diff(breaks)[:, None] * tau).ravel()
-    x = trajectory.x.inside(tau).reshape(len(times), -1)
-    values = _values(phase, rows, times, x, np.array(list(trajectory.parameters.values())))
+    parameters = np.array(list(trajectory.parameters.values()))
+
+    def values(times: np.ndarray, x: np.ndarray) -> np.ndarray:
+        return _values(phase, rows, times, x, parameters)
+
+    return _peaks(index, rows, trajectory.x, values, np.full(len(rows), allowed))
+
+
+def find_control_bulges(phase: Phase, index: int, trajectory: PhaseTrajectory) -> list[Bulge]:
+    """Worst place of every bound on a control in every interval where the control exceeds it by 1 % and more."""
+    names = [u.name for u in phase.dae.controls]
+    rows = [
+        (c, r, constraint, row)
+        for c, constraint in enumerate(phase.bound_constraints)
+        for r, row in enumerate(constraint.rows)
+        if constraint.where is Where.THROUGHOUT and row.variable in names
+    ]
+    if not rows:
+        return []
+    limits = [max((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0) for *_, row in rows]
+    columns = [names.index(str(row.variable)) for *_, row in rows]
+    return _peaks(index, rows, trajectory.u, lambda _, u: u[:, columns], SHARE * np.array(limits))
+
+
+def _peaks(
+    phase: int,
+    rows: list[tuple[int, int, BoundConstraint, Row]],
+    curve: PiecewisePolynomial,
+    values: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    allowed: np.ndarray,
+) -> list[Bulge]:
+    """Find where rows rise above their bounds: at the places, and where parabolas through three of them peak.
+
+    ``values`` gives (m, rows) at times (m,) and points (m, n) of the curve.
+    """
     lower, upper = (np.array([getattr(row, side) for *_, row in rows]) for side in ("lower", "upper"))
-    broken = np.maximum(lower - values, values - upper).reshape(-1, SAMPLES, len(rows))
+
+    def over(times: np.ndarray, points: np.ndarray) -> np.ndarray:
+        found = values(times, points)
+        return np.maximum(lower - found, found - upper)
+
+    times = curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * PLACES
+    seen = over(times.ravel(), curve.inside(PLACES).reshape(times.size, -1)).reshape(*times.shape, len(rows))
+    worst = seen.argmax(axis=1)
+    amount, place = np.take_along_axis(seen, worst[:, None], axis=1)[:, 0], PLACES[worst]
+    inner = np.clip(worst, 1, len(PLACES) - 2)
+    before, here, after = (np.take_along_axis(seen, (inner + i)[:, None], axis=1)[:, 0] for i in (-1, 0, 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bend = before - 2 * here + after
+        aside = 0.5 * (before - after) / bend
+        peak = here - 0.25 * (before - after) * aside
+        high = (bend < 0) & (np.abs(aside) <= 1) & (peak > np.maximum(amount, allowed))
+    k, r = np.nonzero(high)
+    if k.size:
+        tau = PLACES[inner[k, r]] + aside[k, r] * PLACES[1]
+        at = times[k, 0] + (times[k, -1] - times[k, 0]) * tau
+        points = np.array([curve(t, interval) for t, interval in zip(at.tolist(), k.tolist(), strict=True)])
+        exact = over(at, points)[np.arange(k.size), r]
+        better = exact > amount[k, r]
+        k, r = k[better], r[better]
+        amount[k, r], place[k, r] = exact[better], tau[better]
+    # A knot is looked at once, as the beginning of the interval on its right.
+    amount[:-1][place[:-1] == 1.0] = -np.inf
     bulges = []
-    for k, r in np.argwhere(broken.max(axis=1) > allowed):
-        worst = int(broken[k, :, r].argmax())
-        guard = Guard(index, int(k), rows[r][0], rows[r][1], float(tau[worst]))
-        bulges.append(Bulge(guard, float(times[k * SAMPLES + worst]), float(broken[k, worst, r])))
+    for k_, r_ in np.argwhere(amount > allowed).tolist():
+        guard = Guard(phase, k_, rows[r_][0], rows[r_][1], float(place[k_, r_]))
+        time = float(times[k_, 0] + (times[k_, -1] - times[k_, 0]) * guard.tau)
+        bulges.append(Bulge(guard, time, float(amount[k_, r_])))
     return bulges
 
 
