@@ -9,6 +9,7 @@ trajectory optimization and control, IROS 2023.
 from __future__ import annotations
 
 import os
+import threading
 import time
 from collections.abc import Mapping
 from dataclasses import field, replace
@@ -126,19 +127,28 @@ class Fatrop(Solver):
         except NotStagewise as reason:
             return self._fall_back(nlp, progress, multipliers, str(reason), began)
         program = reduction.program
-        widths = (program.nu + program.nx) * program.equalities
+        unknowns = program.nu + program.nx
+        stage = int(np.argmax(program.equalities - unknowns))
+        if program.equalities[stage] > unknowns[stage]:
+            why = f"a stage has {program.equalities[stage]} equations for {unknowns[stage]} unknowns"
+            if self.fallback is None:
+                zeros = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
+                return Outcome(Status.OVERDETERMINED, f"fatrop: {why}", nlp.guess, zeros, 0)
+            return self._fall_back(nlp, progress, multipliers, why, began)
+        widths = unknowns * program.equalities
         stage = int(np.argmax(widths))
         if widths[stage] > WIDEST and self.fallback is not None:
             return self._fall_back(
                 nlp,
                 progress,
                 multipliers,
-                f"a stage has {program.nu[stage] + program.nx[stage]} variables and {program.equalities[stage]} "
+                f"a stage has {unknowns[stage]} variables and {program.equalities[stage]} "
                 "equalities, which fatrop eliminates slowly",
                 began,
             )
-        native = native_program(program, nlp.engine, self._threads)
-        return self._run(reduction, native, began, progress, multipliers)
+        compiled = _Compiled(native_program(program, nlp.engine, self._threads), self._threads)
+        with compiled.alone:
+            return self._run(reduction, compiled, began, progress, multipliers)
 
     def resolve(
         self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
@@ -147,13 +157,18 @@ class Fatrop(Solver):
         began = time.perf_counter()
         origin = known.origin
         # An NLP with guards, or of another transcription, has other blocks: nothing of the earlier program fits it.
-        if not isinstance(origin, _Origin) or origin.nlp.blocks is not nlp.blocks or origin.threads != self._threads:
+        if not isinstance(origin, _Origin) or origin.nlp.blocks is not nlp.blocks:
             return self.solve(nlp, progress, multipliers)
-        reduction = origin.reduction.refreshed(nlp)
-        if reduction is None:
+        compiled = origin.compiled
+        reduction = origin.reduction.refreshed(nlp) if compiled.threads == self._threads else None
+        # Plans in other threads may start from the same solution: the first one has its program.
+        if reduction is None or not compiled.alone.acquire(blocking=False):
             return self.solve(nlp, progress, multipliers)
-        refresh(origin.native, reduction.program)
-        return self._run(reduction, origin.native, began, progress, multipliers)
+        try:
+            refresh(compiled.native, reduction.program)
+            return self._run(reduction, compiled, began, progress, multipliers)
+        finally:
+            compiled.alone.release()
 
     @property
     def _threads(self) -> int:
@@ -162,15 +177,16 @@ class Fatrop(Solver):
     def _run(
         self,
         reduction: Reduction,
-        native: Any,
+        compiled: _Compiled,
         began: float,
         progress: Progress | None,
         multipliers: Multipliers | None,
     ) -> Outcome:
-        nlp, program = reduction.nlp, reduction.program
+        nlp, program, native = reduction.nlp, reduction.program, compiled.native
         ready = time.perf_counter()
         start = reduction.start(nlp.guess)
-        scale = self.objective_scale or of_program(native, start, program, self.initial_barrier)
+        barrier = self.options.get("mu_init", self.initial_barrier)
+        scale = self.objective_scale or of_program(native, start, program, barrier)
         tried = []
         for factor in BARRIERS:
             left = np.inf if self.time_limit is None else ready + self.time_limit - time.perf_counter()
@@ -200,7 +216,7 @@ class Fatrop(Solver):
         y, lam = found.y, found.lam
         sizes = len(nlp.rows), len(nlp.variables)
         w = reduction.columns(y)
-        origin = _Origin(nlp, w, reduction, lam, native, self._threads)
+        origin = _Origin(nlp, w, reduction, lam, compiled)
         return Outcome(
             status,
             f"fatrop: {found.status}" + (f" ({found.message})" if found.message else ""),
@@ -245,13 +261,21 @@ class Fatrop(Solver):
 
 
 @dataclass(frozen=True, eq=False)
+class _Compiled:
+    """A program in C++, that one solve at a time writes its numbers to."""
+
+    native: Any
+    threads: int
+    alone: threading.Lock = field(default_factory=threading.Lock)
+
+
+@dataclass(frozen=True, eq=False)
 class _Origin(Origin):
     """What fatrop keeps: a program, the multipliers of its rows, and its compiled form."""
 
     reduction: Reduction
     lam: np.ndarray
-    native: Any
-    threads: int
+    compiled: _Compiled
 
 
 def _warm(multipliers: Multipliers | None, reduction: Reduction) -> dict[str, Any]:

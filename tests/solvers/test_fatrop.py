@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -96,6 +98,39 @@ def test_an_impossible_plan_is_said_to_be_by_the_other_solver() -> None:
     assert not solution.success
     assert "by Ipopt, since fatrop ended with" in solution.message
     assert solution.violations()
+
+
+def overdetermined() -> rt.Phase:
+    block = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
+    rows = [
+        rt.PathConstraint(lambda p: p.x["x"] + p.x["v"] ** 2, lower=1, upper=1),
+        rt.PathConstraint(lambda p: p.x["v"] + p.u["u"], lower=1, upper=1),
+        rt.PathConstraint(lambda p: p.x["x"] * p.u["u"] + p.x["v"] ** 3, lower=1, upper=1),
+    ]
+    return rt.Phase(block, 1.0, constraints=rows)
+
+
+@pytest.mark.parametrize("fallback", [None, rt.Ipopt()], ids=["alone", "with ipopt"])
+def test_more_equations_than_unknowns_are_told_by_the_status(fallback: rt.Ipopt | None) -> None:
+    solution = rt.plan(overdetermined(), rt.Mesh(5), solver=rt.Fatrop(fallback=fallback), check=False)
+    assert solution.status is rt.Status.OVERDETERMINED
+    assert "equations for" in solution.message
+
+
+def test_plans_in_threads_may_start_from_the_same_solution() -> None:
+    (phase,) = EVERY["arm"]().phases
+    known = rt.plan(phase, MESH, solver=rt.Fatrop(threads=1), progress=False)
+    ends = [rt.State(q=np.add(phase.end.q, 0.02 * i), v=0) for i in range(12)]
+
+    def plan(end: rt.State) -> float:
+        solver = rt.Fatrop(threads=1, fallback=None)
+        return rt.plan(phase.with_(end=end), MESH, guess=known, solver=solver, progress=False).objective
+
+    alone = [plan(end) for end in ends]
+    for _ in range(4):
+        with ThreadPoolExecutor(4) as threads:
+            together = list(threads.map(plan, ends))
+        np.testing.assert_allclose(together, alone, rtol=1e-6)
 
 
 def test_another_solver_gets_the_time_that_is_left() -> None:
