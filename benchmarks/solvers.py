@@ -38,6 +38,8 @@ LARGEST = 6000
 LIMIT = 60.0
 """Seconds that a solver has for one mesh."""
 MANY_OPTIMA = ("cartpole", "acrobot", "cartpole, URDF", "acrobot, URDF")
+SMOOTH = ("ur3", "ur5_limited", "ur10_limited", "panda", "kinova")
+"""Arms that are moved by rates of torques and by jerks."""
 STARTS = 20
 DURATIONS, INTERVALS = (1.6, 1.8, 2.0, 2.2, 2.5, 3.0), (25, 30, 40, 50, 60)
 """Of the acrobot's swing-ups."""
@@ -194,14 +196,35 @@ def held() -> Iterator[Task]:
         yield Task(f"ur5, {name}", "arm, tool held", phase, {"mesh": UNIFORM}, float("nan"))
 
 
+def smooth() -> Iterator[Task]:
+    """Move arms by rates of torques or by jerks, in a given time and in a free one."""
+    posed = {
+        "torque rates": (False, 1e-3 * rt.Effort() + 1e-4 * rt.TorqueRate()),
+        "jerks": (False, 1e-3 * rt.Effort() + 1e-4 * rt.Jerk()),
+        "time and torque rates": (True, rt.Duration() + 1e-6 * rt.TorqueRate()),
+        "time and jerks": (True, rt.Duration() + 1e-6 * rt.Jerk()),
+    }
+    for number, name in enumerate(SMOOTH):
+        robot, rng = rt.load(name), np.random.default_rng(number)
+        lower = np.maximum(robot.limits.position_lower, -3.0)
+        upper = np.minimum(robot.limits.position_upper, 3.0)
+        first, last = (0.5 * (lower + upper) + 0.35 * (upper - lower) * rng.uniform(-1, 1, robot.nq) for _ in range(2))
+        seconds = max(1.0, 2.0 * float(np.max(np.abs(last - first) / np.minimum(robot.limits.velocity, 10.0))))
+        for title, (free, objective) in posed.items():
+            duration = (seconds / 3, 3 * seconds) if free else seconds
+            phase = rt.Phase(robot, duration, rt.State(q=first, v=0), rt.State(q=last, v=0), objective)
+            yield Task(f"{name}, {title}", "arm, rates of torques", phase, {"mesh": UNIFORM}, float("nan"))
+
+
 def tasks() -> Iterator[Task]:
-    """Every case to the tolerance and on a uniform mesh, tools held at a height, then the examples' first problems."""
+    """Every case to the tolerance and on a uniform mesh, held tools, smooth motions, first problems of examples."""
     for case in cases():
         kind = kind_of(case.problem)
         adaptive = {"guess": case.guess, "tolerance": TOLERANCE}
         yield Task(case.name, kind, case.problem, adaptive, case.exact)
         yield Task(f"{case.name}, uniform", kind, case.problem, {"guess": case.guess, "mesh": UNIFORM}, case.exact)
     yield from held()
+    yield from smooth()
     for example in EXAMPLES:
         planned = first_plan(example)
         if planned is not None:
