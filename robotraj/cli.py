@@ -15,7 +15,7 @@ from typer.core import TyperGroup
 from robotraj import demos
 from robotraj.arguments import Minimise, configuration_of, limits_of, rest_to_rest
 from robotraj.cli_engines import cache_command, compile_command, profile_command
-from robotraj.engines import Compiled, VirtualMachine
+from robotraj.engines import Compiled
 from robotraj.errors import InputError, RobotrajError
 from robotraj.loading import catalogue
 from robotraj.planning import plan
@@ -166,7 +166,7 @@ def plan_command(
     mesh = None
     if intervals is not None or tolerance is None:
         mesh = Mesh(40 if intervals is None else intervals, HermiteSimpson(control=control))
-    engine = Compiled() if compiled else VirtualMachine()
+    engine = Compiled() if compiled else None
     _conclude(plan(phase, mesh, tolerance=tolerance, engine=engine), html, save, plot)
 
 
