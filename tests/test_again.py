@@ -43,10 +43,10 @@ def test_fatrop_keeps_its_compiled_program() -> None:
     problem = arm()
     first = rt.plan(problem, MESH, **FATROP)
     again = rt.plan(problem.with_(end=OTHER), MESH, guess=first, **FATROP)
-    assert origin(again).native is origin(first).native  # type: ignore[attr-defined]
+    assert origin(again).compiled.native is origin(first).compiled.native  # type: ignore[attr-defined]
     third = rt.plan(problem.with_(start=rt.State(q=np.add(START, 0.1), v=0)), MESH, guess=again, **FATROP)
     assert third.success
-    assert origin(third).native is origin(first).native  # type: ignore[attr-defined]
+    assert origin(third).compiled.native is origin(first).compiled.native  # type: ignore[attr-defined]
     # What an earlier solution says does not change when its program solves another problem.
     np.testing.assert_allclose(first.at(first.duration).q, GOAL, atol=1e-9)
     assert np.abs(first.multipliers.rows).max() > 0  # type: ignore[union-attr]
