@@ -5,7 +5,7 @@ Each message is one clear sentence that names what was wrong, lists the valid ch
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 
@@ -19,6 +19,10 @@ class InputError(RobotrajError, ValueError):
 
 class UnknownName(InputError):
     """A joint, frame, robot, state or parameter of that name does not exist."""
+
+
+class FailedExpression(InputError):
+    """A function that the user gave raised an error of its own, which is this error's cause."""
 
 
 class BuildMismatch(RobotrajError, ImportError):
@@ -81,3 +85,51 @@ def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = ""
     guess = f" Did you mean {' or '.join(repr(n) for n in near)}?" if near else ""
     end = f" {advice}" if advice else ""
     return UnknownName(f"There is no {kind} named {name!r}.{guess} Valid names: {shown or 'none'}.{end}")
+
+
+def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call a function that the user gave; where it fails, say whose it is and what to do.
+
+    Parameters
+    ----------
+    what : str
+        Whose function it is, for messages: ``"expression of constraint 'effort'"``.
+    function : callable
+    *arguments
+        Points, or whatever of symbols the function takes.
+
+    Raises
+    ------
+    FailedExpression
+        The function raised anything but an error of robotraj.
+    """
+    try:
+        return function(*arguments)
+    except RobotrajError:
+        raise
+    except Exception as error:  # whatever the user's function raises on symbols
+        raise FailedExpression(
+            f"The {what} failed: {type(error).__name__}: {_one_line(error)} {_advice(error, len(arguments))}"
+        ) from error
+
+
+def _one_line(error: Exception) -> str:
+    """Message of an error without CasADi's source lines and lists of prototypes."""
+    from re import sub
+
+    text = " ".join(str(error).partition("Possible prototypes")[0].split())
+    text = sub(r"^\S+\.[ch]pp:\d+: (Assertion \".*?\" failed: )?", "", text)
+    return text if text.endswith(".") else f"{text}."
+
+
+def _advice(error: Exception, count: int) -> str:
+    """Say how to write what failed."""
+    if "truth value" in str(error):
+        return (
+            "Symbols are neither true nor false: write casadi.if_else(condition, a, b) for `if`, casadi.fmax and "
+            "casadi.fmin for `max` and `min`, casadi.logic_and and casadi.logic_or for `and` and `or`."
+        )
+    return (
+        f"It is called with {count} argument{'' if count == 1 else 's'} and reads CasADi symbols: write it with "
+        "operators and CasADi's functions, of entries that exist."
+    )

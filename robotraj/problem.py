@@ -15,7 +15,7 @@ from robotraj.constraints.base import BoundConstraint
 from robotraj.constraints.contact_limits import contact_limits
 from robotraj.contacts import BoundContact, Contact
 from robotraj.dynamics import Dynamics, ForwardDynamics, InverseDynamics, System, SystemDynamics
-from robotraj.errors import InputError, unknown_name
+from robotraj.errors import FailedExpression, InputError, unknown_name
 from robotraj.feasibility import check_phase
 from robotraj.links import BoundLink, Link
 from robotraj.objectives import Augmented, EndCost, Integral, Objective
@@ -111,9 +111,12 @@ class Phase:
             raise InputError(f"The objective of phase {self.name!r} must be an objective such as rt.Effort().")
         if self.bound_design is not None:
             self.bound_design.check(self.parameter_names, self.parameter_bounds.lower)
-        for _, term in self.objective.terms if self.objective else ():
-            term.check(self.body, self.parameter_names)
-        check_phase(self)
+        try:
+            for _, term in self.objective.terms if self.objective else ():
+                term.check(self.body, self.parameter_names)
+            check_phase(self)
+        except FailedExpression as error:
+            raise FailedExpression(f"Phase {self.name!r}: {error}") from error.__cause__
 
     def _checked_constraints(self) -> Sequence[Constraint]:
         # A class is asked for its subclasses the first time that it sees a type: plain lists are told apart before.

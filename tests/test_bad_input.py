@@ -295,12 +295,12 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
     "expression that returns text": (
         path(lambda point: "fast"),
         rt.InputError,
-        ["expression of 'power'", "CasADi", "str"],
+        ["expression of constraint 'power'", "CasADi", "str"],
     ),
     "expression that returns nothing": (
         path(lambda point: None),
         rt.InputError,
-        ["expression of 'power'", "NoneType"],
+        ["expression of constraint 'power'", "NoneType"],
     ),
     "expression that reads an unknown state": (
         path(lambda point: point.x["w"]),
@@ -311,6 +311,42 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         path(lambda point: point.p["m"]),
         rt.UnknownName,
         ["parameter", "'m'"],
+    ),
+    "expression that indexes a joint that is not there": (
+        lambda: arm(constraints=[rt.PathConstraint(lambda point: point.q[9], lower=0, name="power")]),
+        rt.InputError,
+        ["Phase 'phase'", "constraint 'power'", "out of bounds with supplied length of 2", "1 argument"],
+    ),
+    "expression with max": (
+        path(lambda point: max(point.u["u"], 0)),
+        rt.InputError,
+        ["Phase 'phase'", "constraint 'power'", "truth value", "casadi.fmax"],
+    ),
+    "expression with if": (
+        path(lambda point: 1 if point.u["u"] > 0 else 0),
+        rt.InputError,
+        ["Phase 'phase'", "constraint 'power'", "truth value", "casadi.if_else"],
+    ),
+    "expression that is no function": (path(3.0), rt.InputError, ["constraint 'power'", "'float'", "not callable"]),
+    "expression at one end that fails": (
+        lambda: block(constraints=[rt.AtEnd(rt.PathConstraint(lambda point: point.w, upper=1, name="power"))]),
+        rt.InputError,
+        ["Phase 'phase'", "constraint 'power'", "AttributeError", "'w'"],
+    ),
+    "expression of an integral that fails": (
+        lambda: block(constraints=[rt.IntegralConstraint(lambda point: min(point.u["u"], 0), upper=1, name="work")]),
+        rt.InputError,
+        ["Phase 'phase'", "constraint 'work'", "casadi.fmin"],
+    ),
+    "clearance function that fails": (
+        lambda: cartpole(constraints=[rt.GroundClearance("tip", lambda point: max(point.q[0], 0))]),
+        rt.InputError,
+        ["Phase 'phase'", "height function", "casadi.fmax"],
+    ),
+    "foothold of a swing that fails": (
+        lambda: cartpole(constraints=[rt.GroundClearance("tip", rt.SwingApex(0.1, 0.0, lambda point: point.q[9]))]),
+        rt.InputError,
+        ["Phase 'phase'", "rt.SwingApex", "out of bounds"],
     ),
     "path constraint that bounds nothing": (
         path(good, upper=None),
@@ -339,6 +375,21 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         lambda: block(objective=rt.Duration),
         rt.InputError,
         ["objective of phase 'phase'", "rt.Effort()"],
+    ),
+    "Lagrange expression that fails": (
+        lambda: cartpole(objective=rt.Lagrange(lambda point: point.q[9])),
+        rt.InputError,
+        ["Phase 'phase'", "Lagrange expression of the objective", "out of bounds"],
+    ),
+    "Mayer expression of one point": (
+        lambda: block(objective=rt.Duration() + rt.Mayer(lambda end: end.x["v"])),
+        rt.InputError,
+        ["Phase 'phase'", "Mayer expression of the objective", "TypeError", "2 arguments"],
+    ),
+    "reference that fails": (
+        lambda: block(objective=rt.Tracking(lambda t: {"x": max(t, 1), "v": 0})),
+        rt.InputError,
+        ["Phase 'phase'", "reference of Tracking", "casadi.fmax"],
     ),
     "objective times a word": (lambda: rt.Duration() * "two", rt.InputError, ["finite number", "'two'"]),
     "effort with too many weights": (
@@ -383,6 +434,16 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         rt.InputError,
         ["dynamics of 'block'", "str"],
     ),
+    "dynamics that fail": (
+        system_of(lambda point: [point.x["v"], max(point.u["u"], 0)]),
+        rt.InputError,
+        ["Phase 'phase'", "dynamics of 'block'", "casadi.fmax"],
+    ),
+    "residual that fails": (
+        system_of(good, algebraic=["z"], residual=lambda point: [point.z["z"] + [0.0][1]]),
+        rt.InputError,
+        ["Phase 'phase'", "residual of 'block'", "IndexError"],
+    ),
     "missing residual": (system_of(good, algebraic=["z"]), rt.InputError, ["'block'", "residual", "missing"]),
     "residual of the wrong number": (
         system_of(good, algebraic=["z"], residual=lambda point: [point.z["z"], 0]),
@@ -412,6 +473,11 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         lambda: rt.Problem([block(), cartpole()], [rt.Continuity(0, 1)]),
         rt.InputError,
         ["Continuity(0, 1)", "'x'", "'q.slider'", "same"],
+    ),
+    "link whose expression takes one phase too few": (
+        lambda: rt.Problem([block(), block()], [rt.Linkage((0, 1), lambda a: a.end.x["v"], name="hand over")]),
+        rt.InputError,
+        ["link 'hand over'", "TypeError", "2 arguments"],
     ),
     "link that is none": (
         lambda: rt.Problem([block()], ["continuity"]),

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from robotraj.constraints.path import flat
-from robotraj.errors import InputError
+from robotraj.errors import InputError, called
 from robotraj.values import dataclass
 
 
@@ -74,7 +74,7 @@ class HeightOf(RequiredHeight):
 
     def heights(self, point: Any, position: Sequence[Any]) -> dict[str, Any]:
         """Evaluate the function."""
-        values = flat(self.function(point))
+        values = flat(called("height function of the ground clearance", self.function, point))
         names = ["ground clearance"] if len(values) == 1 else [f"ground clearance[{i}]" for i in range(len(values))]
         return dict(zip(names, values, strict=True))
 
@@ -112,4 +112,4 @@ def _entries(place: Any, name: str) -> tuple[Any, ...]:
 def _read(value: Any, point: Any) -> Any:
     if isinstance(value, str):
         return point.p[value]
-    return value(point) if callable(value) else value
+    return called("foothold of rt.SwingApex", value, point) if callable(value) else value

@@ -9,7 +9,7 @@ import numpy as np
 
 from robotraj.constraints.base import BoundConstraint, Constraint, Row, symbols_of
 from robotraj.dynamics.system import as_rows
-from robotraj.errors import InputError
+from robotraj.errors import InputError, called
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
@@ -43,8 +43,8 @@ class PathConstraint(Constraint):
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Try the expression on symbols, count its rows and pair them with bounds."""
-        what = f"expression of {self.name!r}"
-        count = len(as_rows(self.expression(symbols_of(dynamics, parameters)), what))
+        what = f"expression of constraint {self.name!r}"
+        count = len(as_rows(called(what, self.expression, symbols_of(dynamics, parameters)), what))
         lower = side(self.lower, -np.inf, count, self.name)
         upper = side(self.upper, np.inf, count, self.name)
         for i in range(count):

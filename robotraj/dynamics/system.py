@@ -11,7 +11,7 @@ import casadi as ca
 
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Named, Variable
-from robotraj.errors import InputError, unknown_name
+from robotraj.errors import InputError, called, unknown_name
 from robotraj.values import dataclass
 
 Expression = Callable[[Any], Any]
@@ -137,18 +137,16 @@ class SystemDynamics:
 
     def rates(self, point: Any) -> ca.SX:
         """Evaluate the state rates f."""
-        return _column(
-            self.system.dynamics(point), len(self.system.states), f"dynamics of {self.system.name!r}", "state"
-        )
+        system = self.system
+        return _column(system.dynamics, point, len(system.states), f"dynamics of {system.name!r}", "state")
 
     def residual(self, point: Any) -> ca.SX:
         """Evaluate the algebraic rows g."""
         rows = self.system.residual
         if rows is None:
             return ca.SX(0, 1)
-        return _column(
-            rows(point), len(self.system.algebraic), f"residual of {self.system.name!r}", "algebraic variable"
-        )
+        count = len(self.system.algebraic)
+        return _column(rows, point, count, f"residual of {self.system.name!r}", "algebraic variable")
 
     def invariant(self, point: Any) -> ca.SX:
         """No invariants."""
@@ -159,9 +157,9 @@ class SystemDynamics:
         return ca.SX.zeros(len(self.states))
 
 
-def _column(values: Any, length: int, what: str, per: str) -> ca.SX:
-    """Turn what a user returned into an SX column of the right length, or say what is wrong."""
-    rows = as_rows(values, what)
+def _column(function: Expression, point: Any, length: int, what: str, per: str) -> ca.SX:
+    """Turn what a user's function returns into an SX column of the right length, or say what is wrong."""
+    rows = as_rows(called(what, function, point), what)
     if len(rows) != length:
         raise InputError(f"The {what} returned {len(rows)} values; it must return {length}, one per {per}.")
     return ca.vertcat(*rows) if rows else ca.SX(0, 1)

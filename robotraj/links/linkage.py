@@ -9,7 +9,7 @@ from robotraj.constraints import Row
 from robotraj.constraints.base import ends_of
 from robotraj.constraints.path import flat, side
 from robotraj.dynamics.system import as_rows
-from robotraj.errors import InputError, unknown_name
+from robotraj.errors import InputError, called, unknown_name
 from robotraj.links.base import BoundLink, Ends, Link, normal, phase_at
 from robotraj.values import dataclass
 
@@ -44,7 +44,8 @@ class Linkage(Link):
         """Try the expression on symbols and pair its rows with bounds."""
         chosen = [phase_at(phases, i, f"linkage {self.name!r}") for i in self.phases]
         symbols = [Ends(*ends_of(phase.dae, phase.parameter_names)) for phase in chosen]
-        count = len(as_rows(self.expression(*symbols), f"expression of {self.name!r}"))
+        what = f"expression of link {self.name!r}"
+        count = len(as_rows(called(what, self.expression, *symbols), what))
         lower, upper = (
             side(self.lower, -float("inf"), count, self.name),
             side(self.upper, float("inf"), count, self.name),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from robotraj.constraints.base import symbols_of
 from robotraj.dynamics.system import as_rows
-from robotraj.errors import InputError
+from robotraj.errors import InputError, called
 from robotraj.objectives.base import Integral
 from robotraj.values import dataclass
 
@@ -27,6 +27,7 @@ class Lagrange(Integral):
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Try the expression on symbols."""
-        rows = as_rows(self.expression(symbols_of(dynamics, parameters)), "Lagrange expression")
+        what = "Lagrange expression of the objective"
+        rows = as_rows(called(what, self.expression, symbols_of(dynamics, parameters)), what)
         if len(rows) != 1:
             raise InputError(f"A Lagrange expression must return one scalar; it returned {len(rows)}.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from robotraj.constraints.base import ends_of
 from robotraj.dynamics.system import as_rows
-from robotraj.errors import InputError
+from robotraj.errors import InputError, called
 from robotraj.objectives.base import EndCost
 from robotraj.values import dataclass
 
@@ -30,7 +30,7 @@ class Mayer(EndCost):
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Try the expression on symbols."""
-        start, end = ends_of(dynamics, parameters)
-        rows = as_rows(self.expression(start, end), "Mayer expression")
+        what = "Mayer expression of the objective"
+        rows = as_rows(called(what, self.expression, *ends_of(dynamics, parameters)), what)
         if len(rows) != 1:
             raise InputError(f"A Mayer expression must return one scalar; it returned {len(rows)}.")

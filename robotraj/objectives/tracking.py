@@ -12,7 +12,7 @@ import numpy as np
 from robotraj.constraints.base import symbols_of
 from robotraj.dynamics import RigidBody
 from robotraj.dynamics.system import as_rows
-from robotraj.errors import InputError
+from robotraj.errors import InputError, called
 from robotraj.objectives.base import Integral
 from robotraj.objectives.reference import symbolic_states
 from robotraj.objectives.weights import weights_of
@@ -99,7 +99,7 @@ class Tracking(Integral):
 
     def _at(self, t: Any, names: Sequence[str], robot: Any) -> Mapping[str, Any]:
         if callable(self.reference):
-            given = self.reference(t)
+            given = called("reference of Tracking", self.reference, t)
             if not isinstance(given, Mapping):
                 raise InputError(
                     f"Tracking: the reference must return a mapping such as {{'q': [...]}}; got {type(given).__name__}."

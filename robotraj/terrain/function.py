@@ -7,7 +7,7 @@ from typing import Any
 
 import casadi as ca
 
-from robotraj.errors import InputError
+from robotraj.errors import InputError, called
 from robotraj.terrain.base import Ground
 from robotraj.values import dataclass
 
@@ -31,13 +31,9 @@ class HeightFunction(Ground):
 
     def surface(self, x: ca.SX, y: ca.SX) -> Any:
         """Height [m]."""
-        advice = "Write it with CasADi's functions, without `if` on x or y."
-        try:
-            height = ca.SX(self.function(x, y))
-        except Exception as error:  # whatever the user's function raises on symbols
-            raise InputError(f"The ground's height function failed on CasADi symbols: {error} {advice}") from error
+        height = called("height function of the ground", lambda *place: ca.SX(self.function(*place)), x, y)
         if height.numel() != 1:
-            raise InputError(f"The ground's height function gave {height.numel()} values for one place. {advice}")
+            raise InputError(f"The height function of the ground gave {height.numel()} values for one place.")
         return height
 
 
