@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from robotraj.engines import Engine
 from robotraj.errors import InputError, NoSolutionFound
 from robotraj.guess import Guess
@@ -103,8 +105,8 @@ def plan(
         engine = engine_for(problem, solver)
     if not isinstance(engine, Engine):
         raise InputError(f"engine= must be rt.VirtualMachine(), rt.Native() or rt.Compiled(); got {engine!r}.")
-    if tolerance is not None and not 0 < tolerance < 1:
-        raise InputError(f"tolerance= is a relative error between 0 and 1, such as 1e-6; got {tolerance}.")
+    if tolerance is not None and not (isinstance(tolerance, float | int | np.number) and 0 < tolerance < 1):
+        raise InputError(f"tolerance= is a relative error between 0 and 1, such as 1e-6; got {tolerance!r}.")
     if between is None:
         # Equations of one's own have no motors to spare: a hull asks for more than their limits.
         robots = all(phase.robot is not None for phase in problem.phases)

@@ -6,11 +6,12 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import field, fields, replace
 from functools import cached_property
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robotraj.constraints import Bounds, Constraint, VariableBounds, as_bounds, between, own_limits
+from robotraj.constraints import Between, Bounds, Constraint, VariableBounds, as_bounds, between, own_limits
 from robotraj.constraints.base import BoundConstraint
 from robotraj.constraints.contact_limits import contact_limits
 from robotraj.contacts import BoundContact, Contact
@@ -212,19 +213,20 @@ class Phase:
     @cached_property
     def duration_bounds(self) -> tuple[float, float]:
         """Least and greatest duration [s]."""
-        value = self.duration
-        single = isinstance(value, int | float | str)
-        if not single and isinstance(value, tuple | Sequence | np.ndarray) and len(value) == 2:
+        value, advice = self.duration, "give seconds above 0, or (least, greatest)."
+        single = isinstance(value, float | int | Between | Real) and not isinstance(value, bool)
+        if not single:
+            several = isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim == 1)
+            if not several or len(value) != 2:
+                raise InputError(f"The duration of phase {self.name!r} is {value!r}; {advice}")
             try:
                 value = between(*value)
             except InputError as error:
                 raise InputError(f"The duration of phase {self.name!r} is {self.duration!r}: {error}") from error
         bounds = as_bounds(value, ["duration"], f"duration of phase {self.name!r}", "value")
         low, high = float(bounds.lower[0]), float(bounds.upper[0])
-        if value is None or high <= 0 or -np.inf < low < 0:
-            raise InputError(
-                f"The duration of phase {self.name!r} is {self.duration!r}; give seconds above 0, or (least, greatest)."
-            )
+        if high <= 0 or -np.inf < low < 0:
+            raise InputError(f"The duration of phase {self.name!r} is {self.duration!r}; {advice}")
         return max(low, 0.0), high
 
     @cached_property

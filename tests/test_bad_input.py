@@ -138,10 +138,16 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         rt.InputError,
         ["start state of state 'x'", "'far'"],
     ),
+    "text that looks like a number": (
+        lambda: block(start=rt.State({"x": "0"})),
+        rt.InputError,
+        ["start state of state 'x'", "must be a number", "'0'"],
+    ),
     # bounds
     "crossed bounds": (lambda: rt.between(2, 1), rt.InputError, ["between(2, 1)", "swap"]),
     "NaN bound": (lambda: rt.between(NAN, 1), rt.InputError, ["between(nan, 1)", "NaN"]),
     "a word for a bound": (lambda: rt.between("low", 1), rt.InputError, ["between('low', 1)", "numbers"]),
+    "text that looks like a bound": (lambda: rt.between("1", 2), rt.InputError, ["between('1', 2)", "numbers"]),
     "bounds of an unknown control": (
         lambda: block(controls={"F": 1}),
         rt.UnknownName,
@@ -176,6 +182,29 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
     ),
     "NaN duration": (lambda: block(duration=NAN), rt.InputError, ["duration", "NaN"]),
     "a word for a duration": (lambda: block(duration="long"), rt.InputError, ["duration", "'long'"]),
+    "text that looks like a duration": (
+        lambda: block(duration="1"),
+        rt.InputError,
+        ["duration of phase 'phase'", "'1'", "seconds above 0", "(least, greatest)"],
+    ),
+    "text that looks like durations": (
+        lambda: block(duration=("1", "2")),
+        rt.InputError,
+        ["duration of phase 'phase'", "('1', '2')", "numbers"],
+    ),
+    "a truth value for a duration": (lambda: block(duration=True), rt.InputError, ["duration", "True", "seconds"]),
+    "a mapping for a duration": (
+        lambda: block(duration={"duration": 1.0}),
+        rt.InputError,
+        ["duration of phase 'phase'", "{'duration': 1.0}", "seconds"],
+    ),
+    "three durations": (lambda: block(duration=[1, 2, 3]), rt.InputError, ["duration", "[1, 2, 3]", "(least"]),
+    "one duration in a list": (lambda: block(duration=[1.0]), rt.InputError, ["duration", "[1.0]", "seconds"]),
+    "an array of no dimension for a duration": (
+        lambda: block(duration=np.array(1.0)),
+        rt.InputError,
+        ["duration", "array(1.)", "seconds"],
+    ),
     "impossible duration": (
         lambda: cartpole(limits=rt.load("cartpole").limits.with_(velocity={"pole": 1.0})),
         rt.InputError,
@@ -558,6 +587,12 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         rt.InputError,
         ["solver=", "rt.Ipopt()"],
     ),
+    "tolerance that is text": (
+        lambda: rt.plan(block(), tolerance="1e-3"),  # type: ignore[arg-type]
+        rt.InputError,
+        ["tolerance=", "between 0 and 1", "'1e-3'"],
+    ),
+    "tolerance of one": (lambda: rt.plan(block(), tolerance=1.0), rt.InputError, ["tolerance=", "got 1.0"]),
     "unknown option of the solver": (
         lambda: rt.plan(block(), solver=rt.Ipopt(options={"tool": 1})),
         rt.InputError,

@@ -37,8 +37,7 @@ def between(lower: Any, upper: Any) -> Between:
         A bound is NaN, or a lower bound lies above its upper bound.
     """
     try:
-        low = np.asarray(-np.inf if lower is None else lower, dtype=float)
-        high = np.asarray(np.inf if upper is None else upper, dtype=float)
+        low, high = _numbers(-np.inf if lower is None else lower), _numbers(np.inf if upper is None else upper)
     except (TypeError, ValueError) as error:
         raise InputError(f"between({lower!r}, {upper!r}): bounds are numbers, or None for an open side.") from error
     if np.isnan(low).any() or np.isnan(high).any():
@@ -154,10 +153,17 @@ def _pair(value: Any, what: str) -> tuple[Any, Any]:
             np.asarray(high) > UNBOUNDED, np.inf, high
         )
     try:
-        number = np.asarray(value, dtype=float)
+        number = _numbers(value)
     except (TypeError, ValueError) as error:
         raise InputError(f"The {what} must be a number, None or rt.between(lower, upper); got {value!r}.") from error
     if number.size == 1 and not np.isfinite(number).all():
         wrong = "NaN" if np.isnan(number).any() else "infinite"
         raise InputError(f"The {what} is {wrong}; give a number, or None to leave it free.")
     return number, number
+
+
+def _numbers(value: Any) -> NDArray[np.float64]:
+    """Read numbers; NumPy would also take text that looks like some."""
+    if np.asarray(value).dtype.kind in "SU":
+        raise TypeError(f"{value!r} is text")
+    return np.asarray(value, dtype=float)
