@@ -20,6 +20,7 @@ from robotraj.errors import InputError, RobotrajError
 from robotraj.loading import catalogue
 from robotraj.planning import plan
 from robotraj.replay import replay
+from robotraj.replay.write import html_path
 from robotraj.robot import load
 from robotraj.schemes import HermiteSimpson, LinearControl, Mesh, PolynomialControl
 from robotraj.solution import Solution, load_solution
@@ -81,7 +82,14 @@ def main(
     """
 
 
-HtmlOption = Annotated[Path | None, typer.Option("--html", help="Where to write the replay.", dir_okay=False)]
+def _html(path: Path | None) -> Path | None:
+    """Refuse where no replay can be written before anything is planned."""
+    return None if path is None else html_path(path)
+
+
+HtmlOption = Annotated[
+    Path | None, typer.Option("--html", callback=_html, help="Where to write the replay.", dir_okay=False)
+]
 SaveOption = Annotated[Path | None, typer.Option("--save", help="Also save the solution, as .npz.")]
 PlotOption = Annotated[Path | None, typer.Option("--plot", help="Also draw the curves, as .png, .svg or .pdf.")]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE.npz", help="A file that solution.save wrote.")]

@@ -163,6 +163,7 @@ def test_show_prints_joints_limits_and_frames() -> None:
         (["plan", "block", "--to", "1", "--intervals", "0"], "at least 1 interval"),
         (["plan", "double_pendulum", "--to", "1,1"], "Joint 'joint1' cannot be planned"),
         (["demo", "block", "--html", "a.txt"], "let it end in .html"),
+        (["demo", "block", "--html", "absent/a.html"], "does not exist"),
         (["demo", "block", "--plot", "a.xyz"], "Cannot draw 'a.xyz'"),
         (["demo", "block", "--save", "absent/a"], "does not exist"),
     ],
@@ -170,6 +171,18 @@ def test_show_prints_joints_limits_and_frames() -> None:
 )
 def test_errors_are_one_line(here: Path, arguments: list[str], message: str) -> None:
     assert message in fail(*arguments)
+
+
+@pytest.mark.parametrize("words", [["demo"], ["plan", "block", "--to=1"]], ids=["demo", "plan"])
+@pytest.mark.parametrize(("name", "message"), [("a.txt", "let it end in .html"), ("absent/a.html", "does not exist")])
+def test_where_no_replay_can_be_written_nothing_is_planned(
+    here: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], name: str, message: str
+) -> None:
+    def planned(*_: Any, **__: Any) -> None:
+        raise AssertionError("planned")
+
+    monkeypatch.setattr("robotraj.cli.plan", planned)
+    assert message in fail(*words, "--html", name)
 
 
 def test_a_plan_that_is_not_found_says_why(here: Path) -> None:

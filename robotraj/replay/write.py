@@ -82,7 +82,7 @@ def replay(
         different robots, ``traces`` for a system, several periods of a plan that ends elsewhere. An
         unknown frame raises UnknownName.
     """
-    target = _checked_path(path)
+    target = html_path(path)
     if not (_is_number(speed) and np.isfinite(speed) and speed > 0.0):
         raise InputError(f"replay: speed is {speed!r}; give a factor above 0, such as 0.5 for half speed.")
     if not (_is_number(fps) and 1 <= fps <= 240 and int(fps) == fps):
@@ -117,7 +117,14 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
-def _checked_path(path: str | os.PathLike[str]) -> Path:
+def html_path(path: str | os.PathLike[str]) -> Path:
+    """Give the absolute path of a page to be written.
+
+    Raises
+    ------
+    InputError
+        A suffix other than ``.html``, a missing directory, or a directory.
+    """
     target = Path(path).expanduser().absolute()
     if target.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"replay writes HTML, but the path is {str(path)!r}; let it end in .html.")
