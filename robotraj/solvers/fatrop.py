@@ -65,6 +65,7 @@ class Fatrop(Solver):
     tolerance : float
         Optimality tolerance on the scaled problem.
     max_iterations : int
+        Of fatrop in one solve, never more; with a limit of 1 it takes none. The ``fallback`` has its own.
     time_limit : float or None
         Wall-clock seconds of one solve, those of the ``fallback`` included; finer meshes are further solves.
     initial_barrier : float
@@ -188,24 +189,27 @@ class Fatrop(Solver):
         barrier = self.options.get("mu_init", self.initial_barrier)
         scale = self.objective_scale or of_program(native, start, program, barrier)
         tried = []
+        iterations = 0
         for factor in BARRIERS:
             left = np.inf if self.time_limit is None else ready + self.time_limit - time.perf_counter()
             found = native.solve(
                 start,
                 program.lower,
                 program.upper,
-                self._options(factor),
+                self._options(factor, self.max_iterations - iterations),
                 objective_scale=scale,
                 callback=_report(progress),
                 time_limit=left,
                 **_warm(multipliers, reduction),
             )
             tried.append(found)
+            iterations += found.iterations
             status = STATUSES.get(found.status, Status.SOLVER_ERROR)
             if status is not Status.STALLED or "barrier_tol_factor" in self.options:
                 break
+            if iterations + 1 >= self.max_iterations:
+                break
         spent = time.perf_counter() - ready
-        iterations = sum(each.iterations for each in tried)
         if status in UNSOLVED and self.fallback is not None:
             outcome = self._fall_back(nlp, progress, multipliers, f"fatrop ended with {found.status!r}", ready)
             times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent, "solve: fatrop": spent}
@@ -226,10 +230,11 @@ class Fatrop(Solver):
             {"setup": ready - began, "solve": spent, **parts},
         )
 
-    def _options(self, barrier_tol_factor: float) -> dict[str, Any]:
+    def _options(self, barrier_tol_factor: float, iterations: int) -> dict[str, Any]:
         return {
             "tolerance": self.tolerance,
-            "max_iter": self.max_iterations,
+            # fatrop asks before it counts: it takes one step more than this, but none at 0.
+            "max_iter": iterations - 1,
             "mu_init": self.initial_barrier,
             # Pivots of a last interval that must reach the goal are of the order of its length squared: with fatrop's
             # own threshold (1e-5) they pass for zeros.

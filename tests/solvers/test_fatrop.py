@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
+from typing import Any
 
 import casadi as ca
 import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.solvers import fatrop as module
 from tests.stagewise.problems import EVERY
 
 MESH = rt.Mesh(8)
@@ -158,10 +161,52 @@ def test_another_solver_gets_the_time_that_is_left() -> None:
 
 def test_limits_of_iterations_and_time_keep_the_last_iterate() -> None:
     few = rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(max_iterations=3), check=False, progress=False)
-    assert few.status is rt.Status.ITERATION_LIMIT
+    assert few.status is rt.Status.ITERATION_LIMIT and few.iterations == 3
     assert np.all(np.isfinite(few.at(0.5).q))
     none = rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(time_limit=1e-6), check=False, progress=False)
     assert none.status is rt.Status.TIME_LIMIT
+
+
+def test_as_many_iterations_as_a_solve_takes_are_enough() -> None:
+    def plan(iterations: int) -> rt.Solution:
+        solver = rt.Fatrop(max_iterations=iterations, fallback=None)
+        return rt.plan(EVERY["arm"](), MESH, solver=solver, between=rt.Exchange(rounds=0), check=False, progress=False)
+
+    needed = plan(1000)
+    assert needed.success
+    assert (again := plan(needed.iterations)).success and again.iterations == needed.iterations
+    short = plan(needed.iterations - 1)
+    assert short.status is rt.Status.ITERATION_LIMIT and short.iterations == needed.iterations - 1
+    assert plan(1).status is rt.Status.ITERATION_LIMIT and plan(1).iterations <= 1
+
+
+def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    class Stalls:
+        """Stops at its seventh iteration, or at its limit."""
+
+        def __init__(self, native: Any) -> None:
+            self.native = native
+
+        def solve(self, start: Any, lower: Any, upper: Any, options: Any, **more: Any) -> Any:
+            asked.append(options["max_iter"] + 1)
+            found = self.native.solve(start, lower, upper, options | {"max_iter": min(6, options["max_iter"])}, **more)
+            return SimpleNamespace(
+                **{name: getattr(found, name) for name in ("iterations", "times", "y", "lam", "message")},
+                status="line search failed" if found.iterations == 7 else found.status,
+            )
+
+    make = module.native_program
+    monkeypatch.setattr(module, "native_program", lambda *given: Stalls(make(*given)))
+    monkeypatch.setattr(module, "of_program", lambda *given: 1.0)
+    few, more = (
+        rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(max_iterations=n, fallback=None), check=False, progress=False)
+        for n in (7, 10)
+    )
+    assert few.iterations == 7 and few.status is rt.Status.STALLED
+    assert more.iterations == 10 and more.status is rt.Status.ITERATION_LIMIT
+    assert asked == [7, 10, 3]
 
 
 @pytest.mark.parametrize(
