@@ -53,7 +53,10 @@ WIDEST = 10_000
 SHORTEST = 1e-3
 """Seconds that a fallback is given at least."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
-"""Ends that another solver may turn into better ones; limits that the user set are not among them."""
+"""Ends that another solver may turn into better ones; limits that the user set are not among them, nor problems whose
+variables run off, as they would with any solver."""
+RUN_OFF = 1e12
+"""Scaled variables beyond this, where fatrop ends unsolved, have run off to infinity."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +77,8 @@ class Fatrop(Solver):
         That evaluate points side by side; as many as the process has processors by default. The answers are the same,
         bit by bit, for any number.
     fallback : Solver or None
-        Solves what has no form in stages, such as shooting, and what fatrop gives up; the message says why. None
-        refuses the former and leaves the latter.
+        Solves what has no form in stages, such as shooting, and what fatrop gives up, unless its variables ran off; the
+        message says why. None refuses the former and leaves the latter.
     options : mapping
         Any further options of fatrop by its own names; they win over the fields above. With a ``barrier_tol_factor``
         among them, a solve that stalls is not begun again with a smaller one.
@@ -209,6 +212,8 @@ class Fatrop(Solver):
                 break
             if iterations + 1 >= self.max_iterations:
                 break
+        if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:
+            status = Status.DIVERGED
         spent = time.perf_counter() - ready
         if status in UNSOLVED and self.fallback is not None:
             outcome = self._fall_back(nlp, progress, multipliers, f"fatrop ended with {found.status!r}", ready)

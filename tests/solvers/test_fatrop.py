@@ -217,6 +217,24 @@ def test_bad_fields_are_named(field: str, value: float) -> None:
         rt.Fatrop(**{field: value})
 
 
+@pytest.mark.parametrize(
+    "objective",
+    [
+        rt.Mayer(lambda start, end: -end.x["v"]),
+        1e-3 * rt.Mayer(lambda start, end: -end.x["v"]),
+        rt.Lagrange(lambda point: -(point.u["u"] ** 2)),
+    ],
+    ids=["stalls", "meets the limit", "stalls at a square"],
+)
+def test_what_runs_off_is_diverged_and_is_not_handed_on(objective: rt.Objective) -> None:
+    push = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
+    phase = rt.Phase(push, 1.0, rt.State([0, 0]), rt.State([1, None]), objective)
+    solution = rt.plan(phase, solver=rt.Fatrop(), check=False, progress=False)
+    assert solution.status is rt.Status.DIVERGED
+    assert "Ipopt" not in solution.message and "Bound the states and controls" in str(solution)
+    assert np.all(np.isfinite(solution.at(0.5).x["v"]))
+
+
 def test_multipliers_converge_where_steps_are_near_rounding() -> None:
     system = rt.System(["q", "w"], ["u"], lambda p: [p.x["w"], p.u["u"] - 9.81 * ca.sin(p.x["q"])])
     phase = rt.Phase(system, 1.5, rt.State([0, 0]), rt.State([np.pi, 0]), rt.Effort())
