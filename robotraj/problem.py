@@ -19,6 +19,7 @@ from robotraj.dynamics import Dynamics, ForwardDynamics, InverseDynamics, System
 from robotraj.errors import FailedExpression, InputError, unknown_name
 from robotraj.feasibility import check_phase
 from robotraj.links import BoundLink, Link
+from robotraj.links.continuity import running_on
 from robotraj.objectives import Augmented, EndCost, Integral, Objective
 from robotraj.printing import phase_table
 from robotraj.robot import Limits, Robot
@@ -309,7 +310,8 @@ class Problem:
     ----------
     phases : Phase or sequence of Phase
     links : sequence of Link
-        ``rt.Continuity(0, 1)`` joins the end of phase 0 to the start of phase 1.
+        ``rt.Continuity(0, 1)`` joins the end of phase 0 to the start of phase 1. Where no link says when a phase
+        starts, it starts when the one before ends; states run on only where a link says so.
     missing : sequence of str
         What a file could not keep of the problem, as ``load_solution`` found; empty for problems written in Python.
     """
@@ -335,11 +337,12 @@ class Problem:
 
     @cached_property
     def bound_links(self) -> tuple[BoundLink, ...]:
-        """Every link bound to the phases it joins."""
+        """Every link bound to the phases it joins, and time that runs on where none of them says how."""
         for link in self.links:
             if not isinstance(link, Link):
                 raise InputError(f"{link!r} in the links of the problem is not a link such as rt.Continuity(0, 1).")
-        return tuple(link.bind(self.phases) for link in self.links)
+        bound = tuple(link.bind(self.phases) for link in self.links)
+        return bound + running_on(self.phases, bound)
 
     def with_(self, **changes: Any) -> Problem:
         """Give the problem with another start, end or other field of its phase.

@@ -6,12 +6,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
+import casadi as ca
+import numpy as np
+
 from robotraj.constraints import Row, as_bounds
+from robotraj.constraints.base import ends_of
+from robotraj.dynamics import Named
+from robotraj.dynamics.system import as_rows
 from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
+
+
+TIME = Row("continuity", "s", 0.0, 0.0, "time")
+"""That time runs on."""
+SLOPE = 1e-9
+"""Change of a row with a time below which the row does not read it."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +70,7 @@ def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str
     bounds = as_bounds({name: 0.0 for name in names} | dict(jumps), names, f"jumps of {who}", "state")
     kept = [i for i, (low, high) in enumerate(zip(*bounds, strict=True)) if not (low == -float("inf") and high == -low)]
     what = {i: "jump" if names[i] in jumps else "continuity" for i in kept}
-    rows = (Row("continuity", "s", 0.0, 0.0, "time"),) + tuple(
+    rows = (TIME,) + tuple(
         Row(what[i], before.body.states[i].unit, float(bounds.lower[i]), float(bounds.upper[i]), names[i]) for i in kept
     )
 
@@ -69,3 +81,33 @@ def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str
     pair = normal(phases, first), normal(phases, second)
     carries = () if jumps else (Carry(*pair, STATE),)
     return BoundLink(who, pair, rows, expression, carries=carries)
+
+
+def running_on(phases: Sequence[Phase], links: Sequence[BoundLink]) -> tuple[BoundLink, ...]:
+    """Let time run on from the phase before into every phase of whose start time no link says anything.
+
+    Without a row of it, a start time could be any: the phases would overlap, or leave gaps between them.
+    """
+    return tuple(_time(i) for i in range(1, len(phases)) if not any(_times(link, i, phases) for link in links))
+
+
+def _time(second: int) -> BoundLink:
+    pair = second - 1, second
+    return BoundLink(f"time{pair}", pair, (TIME,), lambda ends, _: [ends[1].start.t - ends[0].end.t])
+
+
+def _times(link: BoundLink, index: int, phases: Sequence[Phase]) -> bool:
+    """Whether a link says when a phase starts: it reads the time of its start, and not its duration alone."""
+    if index not in link.phases:
+        return False
+    if TIME in link.rows:
+        return link.phases[-1] == index
+    ends = [Ends(*ends_of(phases[i].dae, phases[i].parameter_names)) for i in link.phases]
+    own = Named("unknown of the link", [v.name for v in link.unknowns], ca.SX.sym("own", len(link.unknowns)))
+    y = ca.vertcat(*as_rows(link.expression(ends, own), f"expression of {link.name}"))
+    here = ends[link.phases.index(index)]
+    by_start, by_end = (ca.jacobian(y, point.t) for point in here)
+    slopes = ca.horzcat(by_start, by_start + by_end)
+    free = ca.vertcat(*ca.symvar(slopes), ca.SX(0, 1))
+    values = ca.Function("slopes", [free], [slopes])(np.random.default_rng(0).uniform(0.5, 1.5, free.numel())).full()
+    return bool(np.all(np.abs(values).max(axis=0, initial=0.0) > SLOPE))

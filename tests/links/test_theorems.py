@@ -177,3 +177,41 @@ def test_an_integral_holds_in_its_own_phase_alone(push: Any) -> None:
     solution = push.plan(phases, [rt.Continuity(0, 1)])
     assert solution.objective == pytest.approx(spent + push.cost(1 - w, -w), rel=1e-7)
     assert solution.phases[0].at(1.0).x["v"] == pytest.approx(w, abs=1e-7)
+
+
+def test_time_runs_on_where_no_link_says_when_a_phase_starts(push: Any) -> None:
+    phases = [push.phase(1.0, [0, 0], [1, 0]), push.phase(1.0, [1, 0], [0, 0]), push.phase(0.5, [0, 0], [1, 0])]
+    solution = push.plan(phases, [])
+    assert [part.t0 for part in solution.phases] == pytest.approx([0, 1, 2], abs=1e-9)
+    assert solution.duration == pytest.approx(2.5, abs=1e-9)
+    assert solution.objective == pytest.approx(12 + 12 + 12 / 0.5**3, **CLOSE)
+    assert np.all(np.isfinite(solution.at(np.linspace(0, 2.5, 2501)).x["x"]))
+    assert "link time(1, 2): continuity, time in [0, 0] s" in str(solution.problem)
+
+
+@pytest.mark.parametrize(
+    "link",
+    [
+        rt.EqualDuration(0, 1),
+        rt.Linkage((0, 1), lambda a, b: (b.end.t - b.start.t) ** 2 - (a.end.t - a.start.t) ** 2),
+        rt.Linkage((0, 1), lambda a, b: b.end.t - a.start.t, 3.0, 3.0),
+        rt.Linkage((0, 1), lambda a, b: b.end.x["x"] - a.end.x["x"], 1.0, 1.0),
+        rt.SameParameter("p"),
+    ],
+    ids=["equal duration", "durations", "total", "place", "parameter"],
+)
+def test_a_link_that_says_nothing_of_a_start_time_leaves_time_running_on(push: Any, link: rt.Link) -> None:
+    known = {"parameters": {"p": rt.between(0, 1)}}
+    phases = [push.phase((1.5, 3), [0, 0], [1, 0], **known), push.phase((1.5, 3), [1, 0], [2, 0], **known)]
+    problem = rt.Problem(phases, [link])
+    assert [bound.name for bound in problem.bound_links][1:] == ["time(0, 1)"]
+    first, second = push.plan(phases, [link]).phases
+    assert second.t0 == pytest.approx(first.duration, abs=1e-8)
+
+
+def test_a_link_that_says_when_a_phase_starts_has_its_way(push: Any) -> None:
+    phases = [push.phase(1.0, [0, 0], [1, 0]), push.phase(1.0, [1, 0], [0, 0]), push.phase(1.0, [1, 0], [2, 0])]
+    pause = rt.Linkage((0, 1), lambda a, b: b.start.t - a.end.t, 0.5, 0.5, name="pause")
+    solution = push.plan(phases, [pause, rt.Jump(0, 2, {"x": None, "v": None})])
+    assert len(solution.problem.bound_links) == 2
+    assert [part.t0 for part in solution.phases] == pytest.approx([0, 1.5, 1], abs=1e-9)
