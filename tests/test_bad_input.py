@@ -592,7 +592,6 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         rt.InputError,
         ["tolerance=", "between 0 and 1", "'1e-3'"],
     ),
-    "tolerance of one": (lambda: rt.plan(block(), tolerance=1.0), rt.InputError, ["tolerance=", "got 1.0"]),
     "unknown option of the solver": (
         lambda: rt.plan(block(), solver=rt.Ipopt(options={"tool": 1})),
         rt.InputError,

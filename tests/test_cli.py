@@ -163,7 +163,6 @@ def test_show_prints_joints_limits_and_frames() -> None:
         (["plan", "block", "--to", "1", "--intervals", "0"], "at least 1 interval"),
         (["plan", "double_pendulum", "--to", "1,1"], "Joint 'joint1' cannot be planned"),
         (["demo", "block", "--html", "a.txt"], "let it end in .html"),
-        (["demo", "block", "--html", "absent/a.html"], "does not exist"),
         (["demo", "block", "--plot", "a.xyz"], "Cannot draw 'a.xyz'"),
         (["demo", "block", "--save", "absent/a"], "does not exist"),
     ],
