@@ -32,7 +32,7 @@ from robotraj.contacts import (
 from robotraj.design import BodyMass, JointDamping, LinkLength, Payload
 from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
 from robotraj.engines import Compiled, Native, VirtualMachine
-from robotraj.errors import InputError, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
+from robotraj.errors import InputError, Interrupted, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
 from robotraj.gait import Flight, Upright
 from robotraj.guess import FromSolution, StraightLine
 from robotraj.guesses import InverseKinematics, InvertedPendulum, Keyframes, MinimumJerk, Perturbed
@@ -155,6 +155,7 @@ __all__ = [
     "HermiteSimpson",
     "ImplicitContact",
     "InputError",
+    "Interrupted",
     "IntegralConstraint",
     "InverseDynamics",
     "InverseKinematics",

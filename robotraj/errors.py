@@ -63,6 +63,24 @@ class ValidationFailed(RobotrajError):
         return type(self), (str(self), self.report)
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C ended work on many problems; ``found`` keeps what was done by then.
+
+    Attributes
+    ----------
+    found : dict of int to robotraj.Solution
+        Results by the number of their problem.
+    """
+
+    def __init__(self, found: dict[int, Any], count: int) -> None:
+        super().__init__(f"Interrupted with {len(found)} of {count} done; they are in this error's `found`.")
+        self.found = found
+        self.count = count
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.found, self.count)
+
+
 def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = "") -> UnknownName:
     """Build the error for a name that does not exist, with the nearest valid names first.
 

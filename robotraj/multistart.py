@@ -12,7 +12,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.errors import InputError
+from robotraj.errors import InputError, Interrupted
 from robotraj.guess import Guess, as_guess
 from robotraj.guesses import Perturbed, default_guess
 from robotraj.phase_solution import PhaseSolution
@@ -66,6 +66,8 @@ class Multistart:
         That were made.
     iterations : int
         Of all starts.
+    left : int
+        Starts that Ctrl-C left out.
     objective_tolerance, trajectory_tolerance : float
         Within which two solutions count as one.
     """
@@ -76,6 +78,7 @@ class Multistart:
     iterations: int
     objective_tolerance: float
     trajectory_tolerance: float
+    left: int = 0
 
     @property
     def best(self) -> Solution:
@@ -96,7 +99,8 @@ class Multistart:
         plural = "um" if count == 1 else "a"
         lines = [
             f"{self.starts} starts, {self.iterations} iterations: "
-            f"{count} distinct local optim{plural}, {failed} failed",
+            f"{count} distinct local optim{plural}, {failed} failed"
+            + (f"; interrupted with {self.left} starts to go" if self.left else ""),
             "        objective  duration [s]  starts  iterations  first start",
         ]
         lines += [
@@ -159,7 +163,8 @@ def multistart(
     Returns
     -------
     Multistart
-        Print it for the table of optima and failures.
+        Print it for the table of optima and failures. After Ctrl-C it has what was found by then, and ``left`` is the
+        number of starts that were not made.
 
     Raises
     ------
@@ -178,10 +183,15 @@ def multistart(
             raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
     first = as_guess(guess) or default_guess(problem)
     guesses = [first, *(Perturbed(first, (seed, i), spread) for i in range(1, starts))]
-    found: Sequence[Solution] = run(
-        _plan, _Search(problem, first, options), guesses, executor, _out_of(patience, objective_tolerance)
-    )
-    solved = sorted((s.objective, i) for i, s in enumerate(found) if s.success)
+    left = 0
+    try:
+        every: Sequence[Solution] = run(
+            _plan, _Search(problem, first, options), guesses, executor, _out_of(patience, objective_tolerance)
+        )
+        found = dict(enumerate(every))
+    except Interrupted as stopped:
+        found, left = stopped.found, starts - len(stopped.found)
+    solved = sorted((s.objective, i) for i, s in found.items() if s.success)
     groups: list[list[int]] = []
     for _, i in solved:
         for group in groups:
@@ -190,14 +200,15 @@ def multistart(
                 break
         else:
             groups.append([i])
-    failures = Counter(s.status for s in found if not s.success)
+    failures = Counter(s.status for s in found.values() if not s.success)
     return Multistart(
         tuple(Optimum(attach(found[group[0]], problem), tuple(sorted(group))) for group in groups),
         dict(sorted(failures.items(), key=lambda entry: entry[0].value)),
         len(found),
-        sum(s.iterations for s in found),
+        sum(s.iterations for s in found.values()),
         objective_tolerance,
         trajectory_tolerance,
+        left,
     )
 
 

@@ -120,11 +120,14 @@ def plan(
     with watching(solver, progress) as show:
         # What few plans ask for is imported when it is asked for.
         records: tuple[StageRecord, ...] = ()
+        interrupted = None
         if stages:
             from robotraj.stages import run_stages
 
-            guess, records = run_stages(problem, stages, mesh, guess, solver, show, between, engine)
-        if tolerance is None:
+            guess, records, interrupted = run_stages(problem, stages, mesh, guess, solver, show, between, engine)
+        if interrupted is not None:
+            solution = interrupted
+        elif tolerance is None:
             solution = solve(problem, mesh, guess, solver, show, between, engine)
         else:
             from robotraj.adaptive import adapt

@@ -16,6 +16,7 @@ from robotraj.schemes import Mesh
 from robotraj.solution import Solution
 from robotraj.solvers import Progress, Solver
 from robotraj.solving import solve
+from robotraj.status import Status
 from robotraj.transcription.between import Exchange
 from robotraj.values import dataclass
 
@@ -125,10 +126,11 @@ def run_stages(
     progress: Progress | None = None,
     between: Exchange | None = None,
     engine: Engine | None = None,
-) -> tuple[Guess | Solution | None, tuple[StageRecord, ...]]:
+) -> tuple[Guess | Solution | None, tuple[StageRecord, ...], Solution | None]:
     """Solve the stages in order; return the guess they leave for the problem itself, and what each did.
 
-    A stage that fails is recorded, and the next one starts from where the failed one had started.
+    A stage that fails is recorded, and the next one starts from where the failed one had started. One that is
+    interrupted is the last; its solution comes third, None where all went on.
 
     Parameters
     ----------
@@ -153,6 +155,8 @@ def run_stages(
                 solution.seconds,
             )
         )
+        if solution.status is Status.INTERRUPTED:
+            return guess, tuple(records), solution
         if solution.success:
             guess = solution
-    return guess, tuple(records)
+    return guess, tuple(records), None

@@ -7,10 +7,11 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from typing import Any
 
-from robotraj.errors import InputError
+from robotraj.errors import InputError, Interrupted
 from robotraj.planning import plan
 from robotraj.problem import Phase, Problem
 from robotraj.solution import Solution
+from robotraj.transcription.shooting_problem import explicit
 from robotraj.workers import run
 
 
@@ -37,6 +38,8 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
     ------
     InputError
         A problem cannot be posed or pickled.
+    Interrupted
+        Ctrl-C; its ``found`` has the solutions that were there by then, by the numbers of their problems.
 
     Examples
     --------
@@ -60,7 +63,11 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
     for i, problem in enumerate(posed):
         if not isinstance(problem, Problem):
             raise InputError(f"rt.sweep takes problems or phases; number {i} is a {type(problem).__name__}.")
-    found = run(_plan, options, posed, executor)
+    try:
+        found = run(_plan, options, posed, executor)
+    except Interrupted as stopped:
+        kept = {i: attach(solution, posed[i]) for i, solution in stopped.found.items()}
+        raise Interrupted(kept, len(posed)) from stopped
     return [attach(solution, problem) for solution, problem in zip(found, posed, strict=True)]
 
 
@@ -75,6 +82,7 @@ def detach(solution: Solution) -> Solution:
 
 
 def attach(solution: Solution, problem: Problem) -> Solution:
-    """Give a detached solution its problem back."""
+    """Give a detached solution its problem back, as its meshes could transcribe it."""
+    problem = explicit(problem, [part.mesh for part in solution.phases])
     pairs = zip(solution.phases, problem.phases, strict=True)
     return replace(solution, problem=problem, phases=tuple(replace(part, phase=phase) for part, phase in pairs))

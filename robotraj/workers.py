@@ -18,7 +18,7 @@ from typing import Any
 
 import cloudpickle
 
-from robotraj.errors import InputError, RobotrajError
+from robotraj.errors import InputError, Interrupted, RobotrajError
 
 
 def run(
@@ -48,13 +48,23 @@ def run(
         Something cannot be pickled, ``executor`` is none, or a task was refused; the message says which.
     RobotrajError
         A worker process died.
+    Interrupted
+        Ctrl-C, with what was done by then; tasks that nobody has begun are not computed.
     """
     if executor is None:
         if not tasks:
             return []
         workers = min(len(tasks), os.cpu_count() or 1)
-        with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as own:
+        own = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
+        waiting = True
+        try:
             return run(work, shared, tasks, own, enough)
+        except KeyboardInterrupt:
+            # What is being computed is of no use any more.
+            waiting = False
+            raise
+        finally:
+            own.shutdown(wait=waiting, cancel_futures=True)
     if not hasattr(executor, "submit"):
         raise InputError(f"executor= must be a concurrent.futures executor; got {type(executor).__name__}.")
     if isinstance(executor, ThreadPoolExecutor):
@@ -86,6 +96,9 @@ def _first(
             results.append(unpacked(future.result()))
             if enough is not None and enough(results):
                 break
+    except KeyboardInterrupt as pressed:
+        done = {i: f for i, f in enumerate(futures) if f.done() and not f.cancelled() and f.exception() is None}
+        raise Interrupted({i: unpacked(future.result()) for i, future in done.items()}, len(futures)) from pressed
     finally:
         for future in futures[len(results) :]:
             future.cancel()

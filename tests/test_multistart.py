@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -178,3 +181,30 @@ def test_cartpole_has_two_optima_and_the_straight_line_leads_to_the_dearer_one()
     assert best.solution.at(times).q[:, 0].min() == pytest.approx(-0.1035, abs=1e-3)
     assert known.solution.at(times).q[:, 0].max() == pytest.approx(1.1792, abs=1e-3)
     assert "57.945" in str(found) and "58.807" in str(found)
+
+
+class PressesCtrlC(rt.Ipopt):
+    """Sends the signal at its fourth solve, from the thread that solves."""
+
+    def solve(self, nlp: Any, progress: Any = None, multipliers: Any = None) -> Any:
+        solved.append(nlp)
+        if len(solved) == 4:
+            os.kill(os.getpid(), signal.SIGINT)
+        return super().solve(nlp, progress, multipliers)
+
+
+solved: list[Any] = []
+
+
+def test_ctrl_c_keeps_the_optima_that_were_found() -> None:
+    solved.clear()
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        found = search(two_ways(), solver=PressesCtrlC(), starts=30)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert 1 <= found.starts < 30
+    assert found.left == 30 - found.starts
+    assert found.best.success
+    assert f"interrupted with {found.left} starts to go" in str(found)
+    assert not search(two_ways(), starts=2).left

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -100,3 +103,16 @@ def test_stages_lead_to_a_tolerance(arm: rt.Robot) -> None:
 def test_what_is_no_stage_is_refused(arm: rt.Robot) -> None:
     with pytest.raises(InputError, match="number 0 is a Mesh"):
         rt.plan(reach(arm), stages=[rt.Mesh(5)])
+
+
+def test_an_interrupted_stage_ends_the_plan(arm: rt.Robot) -> None:
+    class Interrupts(rt.Ipopt):
+        def solve(self, nlp: Any, progress: Any = None, multipliers: Any = None) -> Any:
+            outcome = super().solve(nlp, progress, multipliers)
+            return replace(outcome, status=rt.Status.INTERRUPTED)
+
+    stages = [rt.Stage(mesh=rt.Mesh(5), name="first"), rt.Stage(solver=Interrupts()), rt.Stage(name="third")]
+    solution = rt.plan(reach(arm), rt.Mesh(8), stages=stages, check=False, progress=False)
+    assert solution.status is rt.Status.INTERRUPTED
+    assert [record.status for record in solution.stages] == [rt.Status.SOLVED, rt.Status.INTERRUPTED]
+    assert np.isfinite(solution.at(1.0).q).all()

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import operator
+import os
+import signal
 import subprocess
 import sys
 import threading
+import time
+from collections.abc import Callable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -176,3 +181,65 @@ def test_threads_hand_over_the_answer_itself() -> None:
         (solution,) = rt.sweep(moves()[:1], executor=executor, mesh=MESH, solver=rt.Fatrop())
     assert solution.multipliers is not None
     assert solution.multipliers.origin is not None, "multipliers are found when they are read"
+
+
+class Pressed(Future[bytes]):
+    """Where the one who waits presses Ctrl-C."""
+
+    def result(self, timeout: float | None = None) -> bytes:
+        raise KeyboardInterrupt
+
+
+class PressedAt(Executor):
+    """Computes at once, but for one task that is waited for in vain."""
+
+    def __init__(self, number: int) -> None:
+        self.number, self.count = number, 0
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any, **more: Any) -> Future[Any]:
+        self.count += 1
+        if self.count == self.number:
+            return Pressed()
+        done: Future[Any] = Future()
+        done.set_result(function(*arguments, **more))
+        return done
+
+
+def test_ctrl_c_keeps_the_solutions_that_were_there() -> None:
+    with pytest.raises(rt.Interrupted, match="3 of 4 done") as stopped:
+        rt.sweep(moves(), executor=PressedAt(3), mesh=MESH)
+    found = stopped.value.found
+    assert sorted(found) == [0, 1, 3]
+    assert found[0].objective == pytest.approx(12.0, rel=1e-3)
+    assert found[0].at(0.5).x["x"] == pytest.approx(0.5, abs=1e-3)
+    assert isinstance(stopped.value, KeyboardInterrupt)
+
+
+def test_ctrl_c_does_not_wait_for_fresh_processes() -> None:
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    pressed = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
+    pressed.start()
+    began = time.monotonic()
+    try:
+        with pytest.raises(rt.Interrupted):
+            run(_slow, None, [20.0] * 6, None)
+    finally:
+        pressed.cancel()
+        signal.signal(signal.SIGINT, before)
+    assert time.monotonic() - began < 10.0
+
+
+def _slow(shared: None, seconds: float) -> None:
+    time.sleep(seconds)
+
+
+def test_a_robot_that_was_shot_keeps_the_dynamics_of_its_plan() -> None:
+    pendulum = rt.load("pendulum")
+    phase = rt.Phase(pendulum, 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
+    shooting = rt.Mesh(8, rt.MultipleShooting())
+    alone = rt.plan(phase, shooting)
+    with ThreadPoolExecutor(1) as here:
+        (swept,) = rt.sweep([phase], executor=here, mesh=shooting)
+    assert swept.error == pytest.approx(alone.error)
+    assert swept.phases[0].phase.dynamics == alone.phases[0].phase.dynamics
+    assert rt.plan(phase, rt.Mesh(8), guess=swept).success

@@ -212,7 +212,8 @@ class Ipopt(Solver):
             message.replace("_", " "),
             point * nlp.scale,
             _multipliers(nlp, point * nlp.scale, lam_g, lam_x),
-            int(stats["iter_count"]),
+            # Where there are more equations than unknowns IPOPT does not begin, nor set its count.
+            0 if status is Status.OVERDETERMINED else int(stats["iter_count"]),
             {"setup": ready - began, "solve": ended - ready, **parts},
         )
 

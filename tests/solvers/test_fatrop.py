@@ -118,6 +118,7 @@ def test_more_equations_than_unknowns_are_told_by_the_status(fallback: rt.Ipopt 
     solution = rt.plan(overdetermined(), rt.Mesh(5), solver=rt.Fatrop(fallback=fallback), check=False)
     assert solution.status is rt.Status.OVERDETERMINED
     assert "equations for" in solution.message
+    assert solution.iterations == 0
 
 
 def test_plans_in_threads_may_start_from_the_same_solution() -> None:
