@@ -135,12 +135,18 @@ class FromSolution(Guess):
         Raises
         ------
         InputError
-            The earlier solution has no such phase.
+            The earlier solution has no such phase, or none of its states.
         """
         known = self.solution.phases
         if index >= len(known):
             raise InputError(f"The guess is a solution of {len(known)} phases; phase {phase.name!r} is number {index}.")
         source = known[index]
+        given, wanted = ([v.name for v in each.dae.states] for each in (source.phase, phase))
+        if not set(given) & set(wanted):
+            raise InputError(
+                f"The guess has none of the states of phase {phase.name!r}: it is a motion of {', '.join(given)}, not of "
+                f"{', '.join(wanted)}. Start from a solution of the same robot or system, or from rt.StraightLine()."
+            )
         low, high = phase.duration_bounds
         fallback = default_parameters(phase)
         return PhaseGuess(

@@ -99,3 +99,10 @@ def test_a_phase_used_twice_is_guessed_by_its_place() -> None:
 
     rt.transcribe(rt.Problem([hop, other, hop]), rt.Mesh(2), Spy())
     assert seen == [0, 1, 2]
+
+
+def test_a_solution_of_something_else_is_refused() -> None:
+    solution = rt.plan(rt.Phase(BLOCK, 1.0, rt.State([0, 0]), rt.State([1, 0]), rt.Effort()), rt.Mesh(4))
+    pendulum = rt.Phase(rt.load("pendulum"), 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
+    with pytest.raises(rt.InputError, match="none of the states of phase 'phase': it is a motion of x, v, not of q"):
+        rt.plan(pendulum, rt.Mesh(4), guess=solution)

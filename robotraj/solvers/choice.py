@@ -1,9 +1,10 @@
 """Which solver plans a problem, and what evaluates its point functions, where the user does not say.
 
 Measured by benchmarks/solvers.py, each from the same guess: on robots with a fixed root, with all motors or without
-some, and on systems with a control for every second state, fatrop finds the optima that IPOPT finds, in half the time
-and less. On systems with fewer controls, which have many optima, the two may find different ones, and with contacts
-fatrop stalls more often. There IPOPT is the robust choice; for many optima there is ``rt.multistart``, with fatrop.
+some, by rates of torques and jerks too, and on systems with a control for every second state, fatrop finds the optima
+that IPOPT finds, in half the time and less. On systems with fewer controls, which have many optima, the two may find
+different ones, and with contacts fatrop stalls more often. There IPOPT is the robust choice; for many optima there is
+``rt.multistart``, with fatrop.
 
 Engines give the same numbers to rounding, but plans with many optima can take another turn for less. Robots with a
 free-flyer, legs above all, have the largest graphs, and the compiled module takes two thirds off a solve's evaluation

@@ -63,7 +63,8 @@ class ConvexHull(Exchange):
     tolerance, rounds
         See ``Exchange``.
     controls : bool
-        Impose bounds of controls so too. Off, they hold at the sites of the scheme, as its published optima have them.
+        Impose bounds of controls so too, as ``rt.plan`` does where it refines with fatrop. Off, they hold at the sites
+        of the scheme, as its published optima have them.
 
     Notes
     -----
