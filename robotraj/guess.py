@@ -144,8 +144,8 @@ class FromSolution(Guess):
         given, wanted = ([v.name for v in each.dae.states] for each in (source.phase, phase))
         if not set(given) & set(wanted):
             raise InputError(
-                f"The guess has none of the states of phase {phase.name!r}: it is a motion of {', '.join(given)}, not of "
-                f"{', '.join(wanted)}. Start from a solution of the same robot or system, or from rt.StraightLine()."
+                f"The guess has none of the states of phase {phase.name!r}: it is a motion of {', '.join(given)}, "
+                f"not of {', '.join(wanted)}. Start from a solution of the same robot or system, or from rt.StraightLine()."
             )
         low, high = phase.duration_bounds
         fallback = default_parameters(phase)
