@@ -145,7 +145,8 @@ class FromSolution(Guess):
         if not set(given) & set(wanted):
             raise InputError(
                 f"The guess has none of the states of phase {phase.name!r}: it is a motion of {', '.join(given)}, "
-                f"not of {', '.join(wanted)}. Start from a solution of the same robot or system, or from rt.StraightLine()."
+                f"not of {', '.join(wanted)}. Start from a solution of the same robot or system, or from "
+                "rt.StraightLine()."
             )
         low, high = phase.duration_bounds
         fallback = default_parameters(phase)
