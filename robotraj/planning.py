@@ -74,7 +74,8 @@ def plan(
         where a solution breaks them and solves again, the default with ``rt.Ipopt()`` and for systems;
         ``rt.ConvexHull()`` holds limits of speeds everywhere in one solve, and asks a little more than they do, the
         default for robots with ``rt.Fatrop()``; ``rt.ConvexHull(controls=True)`` holds torques so too, the default for
-        these with a tolerance. What is broken nevertheless is told: ``solution.between``.
+        these with a tolerance (``states=False`` where durations are fixed). What is broken nevertheless is told:
+        ``solution.between``, ``solution.controls_between``.
     check : bool
         Raise where no solution was found; else return it with its status.
     progress : bool, optional
@@ -112,9 +113,11 @@ def plan(
         robots = all(phase.robot is not None for phase in problem.phases)
         between = solver.default_between() if robots else Exchange()
         if tolerance is not None and isinstance(between, ConvexHull):
-            # On meshes that are refined a hull takes nothing from the optimum in the end; without it, torques that
-            # switch would bulge to twice their limits between the points of short intervals.
-            between = replace(between, controls=True)
+            # Torques that switch would bulge to twice their limits between the points of short intervals. What a hull
+            # of speeds asks for beyond their limits is more than the tolerance at a fixed duration; at a free one it
+            # goes with the mesh, and the meshes are fewer.
+            free = any(low < high for low, high in (phase.duration_bounds for phase in problem.phases))
+            between = replace(between, controls=True, states=free)
     if not isinstance(between, Exchange):
         raise InputError(f"between= must be rt.Exchange() or rt.ConvexHull(); got {between!r}.")
     with watching(solver, progress) as show:

@@ -129,6 +129,12 @@ def test_torques_of_refined_plans_are_held_between_the_points() -> None:
     assert solution.objective == pytest.approx(0.72573, rel=3e-4)
 
 
+def test_a_refined_effort_is_that_of_the_limits_themselves() -> None:
+    """A hull of the speeds would ask for 4e-6 more."""
+    phase = hurried().with_(duration=1.0, objective=rt.Effort())
+    assert rt.plan(phase, tolerance=1e-6).objective == pytest.approx(1071.8077, rel=1e-6)
+
+
 def test_an_interrupted_last_solve_of_a_refinement_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     states = {"x": rt.between(0, 4), "v": rt.between(-2, 2), "a": rt.between(-4, 4)}
     carriage = rt.System(["x", "v", "a"], ["j"], lambda p: [p.x["v"], p.x["a"], p.u["j"]])

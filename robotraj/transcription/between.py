@@ -65,6 +65,8 @@ class ConvexHull(Exchange):
     controls : bool
         Impose bounds of controls so too, as ``rt.plan`` does where it refines with fatrop. Off, they hold at the sites
         of the scheme, as its published optima have them.
+    states : bool
+        Impose bounds of states so. Off, they are dealt with as in ``Exchange``, which takes nothing from the optimum.
 
     Notes
     -----
@@ -80,12 +82,14 @@ class ConvexHull(Exchange):
     """
 
     controls: bool = False
+    states: bool = True
 
     def covers(self, phase: Phase) -> frozenset[str]:
         """Give controls where asked for and, in phases without invariants, states whose rates read z or u directly."""
-        driven = _DRIVEN.get(phase)
-        if driven is None:
-            driven = _DRIVEN[phase] = _driven(phase)
+        driven: frozenset[str] = frozenset()
+        if self.states:
+            known = _DRIVEN.get(phase)
+            driven = _DRIVEN[phase] = _driven(phase) if known is None else known
         return driven | {u.name for u in phase.dae.controls} if self.controls else driven
 
 
