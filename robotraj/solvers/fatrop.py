@@ -20,6 +20,7 @@ import numpy as np
 from robotraj.engines import Engine, Native
 from robotraj.errors import InputError
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
+from robotraj.solvers.checks import above_zero, counted
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
 from robotraj.stagewise import NotStagewise, Reduction, carried_over, native_program, recover, reduce, refresh
@@ -35,6 +36,7 @@ WARM_BARRIER = 1e-4
 STATUSES = {
     "solved": Status.SOLVED,
     "acceptable": Status.SOLVED,
+    "invalid number": Status.INVALID_NUMBER,
     "iteration limit": Status.ITERATION_LIMIT,
     "infeasible": Status.INFEASIBLE,
     "line search failed": Status.STALLED,
@@ -98,18 +100,17 @@ class Fatrop(Solver):
     objective_scale: float | None = None
 
     def __post_init__(self) -> None:
-        if not self.tolerance > 0:
-            raise InputError(f"Fatrop(tolerance) must be above 0, got {self.tolerance}.")
-        if self.max_iterations < 1:
-            raise InputError(f"Fatrop(max_iterations) must be at least 1, got {self.max_iterations}.")
-        if self.time_limit is not None and not self.time_limit > 0:
-            raise InputError(f"Fatrop(time_limit) must be above 0 s, got {self.time_limit}.")
+        above_zero("Fatrop(tolerance)", self.tolerance)
+        counted("Fatrop(max_iterations)", self.max_iterations)
+        if self.time_limit is not None:
+            above_zero("Fatrop(time_limit)", self.time_limit, "s")
+        above_zero("Fatrop(initial_barrier)", self.initial_barrier)
         if self.objective_scale is not None and not 0 < self.objective_scale < np.inf:
             raise InputError(
                 f"Fatrop(objective_scale) must be above 0 and finite, or None to be chosen, got {self.objective_scale}."
             )
-        if self.threads is not None and self.threads < 1:
-            raise InputError(f"Fatrop(threads) must be at least 1, got {self.threads}.")
+        if self.threads is not None:
+            counted("Fatrop(threads)", self.threads)
 
     def within(self, seconds: float) -> Fatrop:
         """Give the same solver with at most so many wall-clock seconds a solve."""

@@ -19,6 +19,7 @@ import numpy as np
 from robotraj.errors import InputError
 from robotraj.native.build import load_native
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
+from robotraj.solvers.checks import above_zero, counted
 from robotraj.status import Status
 from robotraj.values import dataclass
 
@@ -76,8 +77,8 @@ class Ipopt(Solver):
     Raises
     ------
     InputError
-        A tolerance, a number of iterations or a time that is not above 0; a linear solver that is not there, or whose
-        library ``options`` do not name.
+        A tolerance, a number of iterations, a time or a barrier that is no number above 0; a linear solver that is not
+        there, or whose library ``options`` do not name.
     """
 
     tolerance: float = 1e-8
@@ -89,12 +90,11 @@ class Ipopt(Solver):
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not self.tolerance > 0:
-            raise InputError(f"Ipopt(tolerance) must be above 0, got {self.tolerance}.")
-        if self.max_iterations < 1:
-            raise InputError(f"Ipopt(max_iterations) must be at least 1, got {self.max_iterations}.")
-        if self.time_limit is not None and not self.time_limit > 0:
-            raise InputError(f"Ipopt(time_limit) must be above 0 s, got {self.time_limit}.")
+        above_zero("Ipopt(tolerance)", self.tolerance)
+        counted("Ipopt(max_iterations)", self.max_iterations)
+        if self.time_limit is not None:
+            above_zero("Ipopt(time_limit)", self.time_limit, "s")
+        above_zero("Ipopt(initial_barrier)", self.initial_barrier)
         if self.linear_solver not in (*LINEAR_SOLVERS, *LOADED):
             raise InputError(
                 f"Ipopt(linear_solver) is one of {', '.join((*LINEAR_SOLVERS, *LOADED))}; got {self.linear_solver!r}."

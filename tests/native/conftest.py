@@ -213,3 +213,18 @@ class Shooting:
 @pytest.fixture
 def shooting() -> type[Shooting]:
     return Shooting
+
+
+@pytest.fixture
+def pendulum(shooting: Any) -> Any:
+    """Swing-up in 3 s with |u| <= 5, explicit Euler of 60 steps, the integral of u^2."""
+    return shooting(
+        lambda x, u: ca.vertcat(x[0] + 0.05 * x[1], x[1] + 0.05 * (-9.81 * ca.sin(x[0]) + u)),
+        2,
+        1,
+        61,
+        lambda x, u: 0.05 * u.T @ u,
+        [0.0, 0.0],
+        [np.pi, 0.0],
+        inequality=lambda x, u: u,
+    )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -41,6 +43,29 @@ def test_every_point_gets_its_own_answer(functions: dict[str, ca.Function], batc
         result = getattr(block, name)(*(each.ravel(order="F") for each in given), threads=threads)
         expected = np.array(function.map(COUNT)(*given))
         np.testing.assert_array_equal(result, expected.ravel(order="F"))
+
+
+def test_a_block_serves_several_threads_one_after_another() -> None:
+    """Plans in threads share the stages of a phase: what one works in must not reach the other."""
+    v, c = ca.SX.sym("v", 6), ca.SX.sym("c", 0)
+    y, count = ca.vertcat(*(ca.sin(v[i]) * ca.exp(-v[i - 1]) for i in range(6))), 500
+    values = ca.Function("values", [v, c], [y])
+    block = CasadiBlock(count, 6, 0, 6, {"values": (values.map(4).serialize().encode("latin-1"), 4)})
+    rng = np.random.default_rng(0)
+    given = [rng.standard_normal(6 * count) for _ in range(4)]
+    alone = [block.values(each, np.zeros(0)) for each in given]
+
+    def differing(k: int) -> int:
+        return sum(not np.array_equal(block.values(given[k], np.zeros(0)), alone[k]) for _ in range(300))
+
+    with ThreadPoolExecutor(4) as threads:
+        assert list(threads.map(differing, range(4))) == [0, 0, 0, 0]
+
+
+def test_a_block_takes_one_thread_at_least(functions: dict[str, ca.Function]) -> None:
+    v, c = np.zeros(3 * COUNT), np.zeros(2 * COUNT)
+    block = made(functions, 1)
+    np.testing.assert_array_equal(block.values(v, c, threads=0), block.values(v, c))
 
 
 def test_functions_of_the_wrong_shape_are_refused(functions: dict[str, ca.Function]) -> None:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import threading
 from typing import Any
 
 import casadi as ca
@@ -25,21 +22,6 @@ NONE = np.zeros(0)
 def regulator(shooting: Any) -> Any:
     """Double integrator from 1 m at rest, 20 steps of 0.1 s, x'x + 0.1 u'u."""
     return shooting(lambda x, u: A @ x + B @ u, 2, 1, 21, lambda x, u: x.T @ x + 0.1 * u.T @ u, [1.0, 0.0])
-
-
-@pytest.fixture
-def pendulum(shooting: Any) -> Any:
-    """Swing-up in 3 s with |u| <= 5, explicit Euler of 60 steps, the integral of u^2."""
-    return shooting(
-        lambda x, u: ca.vertcat(x[0] + 0.05 * x[1], x[1] + 0.05 * (-9.81 * ca.sin(x[0]) + u)),
-        2,
-        1,
-        61,
-        lambda x, u: 0.05 * u.T @ u,
-        [0.0, 0.0],
-        [np.pi, 0.0],
-        inequality=lambda x, u: u,
-    )
 
 
 BOUND = np.full(60, 5.0)
@@ -333,71 +315,13 @@ def test_a_callback_stops_a_solve_and_the_iterate_stays(pendulum: Any) -> None:
     assert program.solve(start, -BOUND, BOUND).status == "solved"
 
 
-def test_what_a_callback_raises_is_raised_and_ctrl_c_keeps_the_iterate(pendulum: Any) -> None:
-    written = pendulum.write()
-    program = written.build()
-    start = np.zeros(written.linear.shape[1])
-
-    def fail(*_: float) -> bool:
-        raise LookupError("asked too much")
-
-    def interrupt(iteration: int, *_: float) -> bool:
-        if iteration == 3:
-            raise KeyboardInterrupt
-        return False
-
-    with pytest.raises(LookupError, match="asked too much"):
-        program.solve(start, -BOUND, BOUND, callback=fail)
-    outcome = program.solve(start, -BOUND, BOUND, callback=interrupt)
-    assert outcome.status == "interrupted"
-    assert outcome.iterations == 3
-    assert np.all(np.isfinite(outcome.y))
-
-
-def test_a_program_is_solved_once_at_a_time(pendulum: Any) -> None:
-    written = pendulum.write()
-    program = written.build()
-    start = np.zeros(written.linear.shape[1])
-
-    def again(*_: float) -> bool:
-        program.solve(start, -BOUND, BOUND)
-        return False
-
-    with pytest.raises(RuntimeError, match="being solved already"):
-        program.solve(start, -BOUND, BOUND, callback=again)
-    assert program.solve(start, -BOUND, BOUND).status == "solved"
-
-
-def test_ctrl_c_ends_a_solve_that_calls_no_python(pendulum: Any) -> None:
-    written = pendulum.write()
-    # A barrier's problem that is never solved well enough for the next: without it, steps end where rounding begins.
-    never = {"mu_init": 1e3, "barrier_tol_factor": 1e-14}
-    endless = {"tolerance": -1.0, "tol_acceptable": -1.0, "max_iter": 10**9, **never}
-    program, start = written.build(), np.zeros(written.linear.shape[1])
-    # Workers of pytest-xdist ignore Ctrl-C.
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        pressed = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
-        pressed.start()
-        outcome = program.solve(start, -BOUND, BOUND, endless, time_limit=30.0)
-        pressed.join()
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert outcome.status == "interrupted"
-    assert outcome.iterations > 20
-    assert np.all(np.isfinite(outcome.y))
-    # Where it was is a matter of time; what is left behind is a program that solves as a new one does.
-    after, new = program.solve(start, -BOUND, BOUND), written.build().solve(start, -BOUND, BOUND)
-    assert after.status == new.status == "solved"
-    assert np.array_equal(after.y, new.y)
-
-
-def test_a_time_limit_ends_a_solve(pendulum: Any) -> None:
-    written = pendulum.write()
-    start = np.zeros(written.linear.shape[1])
-    outcome = written.build().solve(start, -BOUND, BOUND, time_limit=0.0)
-    assert outcome.status == "time limit"
-    assert outcome.iterations == 0
+@pytest.mark.parametrize("options", [{"delta_w0": 0.0}, {"kappa_wplusem": 1.0}], ids=str)
+def test_a_correction_that_does_not_grow_ends_the_solve(shooting: Any, options: dict[str, float]) -> None:
+    written = shooting(lambda x, u: x + u, 1, 1, 4, lambda x, u: -(u**2), [0.0]).write()
+    start = np.full(written.linear.shape[1], 0.1)
+    outcome = written.build().solve(start, NONE, NONE, options, time_limit=20.0)
+    assert outcome.status == "step failed"
+    assert np.array_equal(outcome.y, start)
 
 
 def test_contradicting_bounds_are_reported(shooting: Any) -> None:
@@ -407,21 +331,32 @@ def test_contradicting_bounds_are_reported(shooting: Any) -> None:
     assert outcome.violation > 1.0
 
 
+@pytest.mark.parametrize("options", [{}, {"delta_c_stripe": 0.0}], ids=["", "not damped"])
 @pytest.mark.parametrize("other", [1.0, 2.0], ids=["the same twice", "contradicting"])
-def test_dependent_equalities_end(shooting: Any, other: float) -> None:
+def test_dependent_equalities_end(shooting: Any, other: float, options: dict[str, float]) -> None:
     written = shooting(lambda x, u: A @ x + B @ u, 2, 1, 9, lambda x, u: u**2, [0.0, 0.0], [1.0, 0.0]).write()
     last = written.linear.shape[0] - 1
     written.linear[last] = written.linear[last - 1]
     written.offset[last] = -other
-    outcome = written.build().solve(np.zeros(written.linear.shape[1]), NONE, NONE, {"max_iter": 50}, time_limit=20.0)
+    start, options = np.zeros(written.linear.shape[1]), {"max_iter": 50} | options
+    outcome = written.build().solve(start, NONE, NONE, options, time_limit=20.0)
     assert outcome.status != "time limit"
-    assert (outcome.violation < 1e-6) == (other == 1.0)
+    assert (outcome.violation < 1e-6) == (other == 1.0 and "delta_c_stripe" not in options)
 
 
 def test_functions_that_are_no_numbers_fail_without_a_crash(shooting: Any) -> None:
     written = shooting(lambda x, u: x + u, 1, 1, 4, lambda x, u: ca.log(u), [0.0], [1.0]).write()
+    program = written.build()
+    outcome = program.solve(np.full(7, -1.0), NONE, NONE, {"max_iter": 20})
+    assert outcome.status not in ("solved", "acceptable")
+    assert np.isnan(outcome.objective)
+
+
+def test_rows_that_are_no_numbers_are_told_by_the_violation(shooting: Any) -> None:
+    written = shooting(lambda x, u: x + ca.sqrt(u), 1, 1, 4, lambda x, u: u**2, [0.0], [1.0]).write()
     outcome = written.build().solve(np.full(7, -1.0), NONE, NONE, {"max_iter": 20})
     assert outcome.status not in ("solved", "acceptable")
+    assert np.isnan(outcome.violation)
 
 
 def test_unknown_options_are_refused_with_those_that_exist(regulator: Any) -> None:

@@ -21,9 +21,9 @@ Result evaluate(PointBlock& block, const Doubles& v, const Doubles& c, std::size
   const double* constants = checked(c, sizes.constants * sizes.count, "c");
   std::vector<double> result(per_point * sizes.count);
   {
+    // Who waits for the block must not keep the interpreter from the one that has it.
     nb::gil_scoped_release released;
-    block.prepare(threads);
-    call(inputs, constants, result.data(), block.own_pool(threads));
+    block.alone(threads, [&](ThreadPool& pool) { call(inputs, constants, result.data(), pool); });
   }
   return to_numpy(std::move(result));
 }

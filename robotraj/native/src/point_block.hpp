@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <mutex>
 
 #include "thread_pool.hpp"
 
@@ -24,7 +25,7 @@ struct PointSizes {
 /// Every array is column-major (n, E): point after point. The order of the nonzeros is the block's own and the
 /// same at every point; Python is told it when the block is made. An evaluation writes every entry of its result,
 /// allocates nothing, gives the same bits for any number of threads, and never throws once `prepare` was called.
-/// A block has work memory of its own, so it serves one caller at a time.
+/// A block has work memory of its own, so it serves one caller at a time: `alone` keeps the others waiting.
 class PointBlock {
  public:
   explicit PointBlock(const PointSizes& sizes) : sizes_(sizes) {}
@@ -48,14 +49,18 @@ class PointBlock {
   /// Nonzeros (hessian, E) of one triangle of sum_i m_i d^2 y_i/dv^2, with m (n_y, E).
   virtual void hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) = 0;
 
-  /// The block's own threads, made when first asked for: for callers that have no pool.
-  ThreadPool& own_pool(std::size_t threads) {
+  /// Calls evaluate(pool) with the block's own threads, for callers that have no pool: one after another.
+  template <typename Evaluate>
+  void alone(std::size_t threads, Evaluate&& evaluate) {
+    const std::lock_guard<std::mutex> lock(alone_);
     if (!own_pool_ || own_pool_->size() != threads) own_pool_ = std::make_unique<ThreadPool>(threads);
-    return *own_pool_;
+    prepare(own_pool_->size());
+    evaluate(*own_pool_);
   }
 
  private:
   PointSizes sizes_;
+  std::mutex alone_;
   std::unique_ptr<ThreadPool> own_pool_;
 };
 

@@ -29,12 +29,12 @@ struct Solved {
   std::atomic<bool> busy{false};
 };
 
-/// Keeps a second solve out, from another thread or from a callback: both would work in the same memory.
+/// Keeps a second call out, from another thread or from a callback: both would work in the same memory.
 class Alone {
  public:
   explicit Alone(std::atomic<bool>& busy) : busy_(busy) {
     if (busy_.exchange(true))
-      throw std::runtime_error("this program is being solved already; a second solve meanwhile takes a second program");
+      throw std::runtime_error("this program is busy in another call, which works in the same memory; work meanwhile takes a second program");
   }
   ~Alone() { busy_.store(false); }
   Alone(const Alone&) = delete;
@@ -63,14 +63,12 @@ class Check {
     if (callback_.is_none() && seconds(now - looked_) < 0.05) return;
     looked_ = now;
     nb::gil_scoped_acquire held;
-    if (PyErr_CheckSignals() != 0) {
-      PyErr_Clear();
-      throw Stop{"interrupted"};
-    }
-    if (callback_.is_none()) return;
+    // Python may solve with fatrop itself meanwhile, in CasADi.
+    const StageParts::Lent idle(nullptr);
     bool stop = false;
     try {
-      stop = nb::cast<bool>(nb::bool_(callback_(iteration, objective, infeasibility)));
+      if (PyErr_CheckSignals() != 0) throw nb::python_error();
+      if (!callback_.is_none()) stop = nb::cast<bool>(nb::bool_(callback_(iteration, objective, infeasibility)));
     } catch (nb::python_error& error) {
       if (error.matches(PyExc_KeyboardInterrupt)) throw Stop{"interrupted"};
       raised.emplace(error);
@@ -200,12 +198,14 @@ void bind_program(nb::module_& m) {
       .def(
           "set_offsets",
           [](Solved& self, const Doubles& offset, double cost_offset) {
+            const Alone alone(self.busy);
             self.program->set_offsets(checked(offset, self.program->rows(), "offset"), cost_offset);
           },
           nb::arg("offset"), nb::arg("cost_offset"))
       .def(
           "set_block_offsets",
           [](Solved& self, std::size_t block, const Doubles& offset) {
+            const Alone alone(self.busy);
             const auto& term = self.program->terms().at(block);
             self.program->set_gather_offset(block, checked(offset, term.gather_offset.size(), "offset"));
           },
@@ -213,6 +213,7 @@ void bind_program(nb::module_& m) {
       .def(
           "set_constants",
           [](Solved& self, std::size_t block, const Doubles& constants) {
+            const Alone alone(self.busy);
             const auto& term = self.program->terms().at(block);
             self.program->set_constants(block, checked(constants, term.constants.size(), "constants"));
           },
@@ -220,6 +221,7 @@ void bind_program(nb::module_& m) {
       .def(
           "rows",
           [](Solved& self, const Doubles& y) {
+            const Alone alone(self.busy);
             self.program->set_point(checked(y, self.program->columns(), "y"));
             return copy(self.program->row_values());
           },
@@ -227,6 +229,7 @@ void bind_program(nb::module_& m) {
       .def(
           "objective",
           [](Solved& self, const Doubles& y) {
+            const Alone alone(self.busy);
             self.program->set_point(checked(y, self.program->columns(), "y"));
             return self.program->objective();
           },
@@ -234,6 +237,7 @@ void bind_program(nb::module_& m) {
       .def(
           "gradient",
           [](Solved& self, const Doubles& y) {
+            const Alone alone(self.busy);
             self.program->set_point(checked(y, self.program->columns(), "y"));
             return copy(self.program->gradient());
           },
@@ -241,6 +245,7 @@ void bind_program(nb::module_& m) {
       .def(
           "jacobian",
           [](Solved& self, const Doubles& y) {
+            const Alone alone(self.busy);
             self.program->set_point(checked(y, self.program->columns(), "y"));
             return copy(self.program->jacobian());
           },
@@ -248,6 +253,7 @@ void bind_program(nb::module_& m) {
       .def(
           "hessian",
           [](Solved& self, const Doubles& y, const Doubles& lam, double lam_f) {
+            const Alone alone(self.busy);
             const double* multipliers = checked(lam, self.program->rows(), "lam");
             self.program->set_point(checked(y, self.program->columns(), "y"));
             return copy(self.program->hessian(multipliers, lam_f));

@@ -64,7 +64,7 @@ class FatropStep {
 ///
 /// delta_w grows while the reduced Hessian is not positive; delta_c is set where constraints depend on each other.
 /// fatrop's own search asks again for ever where constraints stay dependent under delta_c; here delta_w takes over, and
-/// beyond its largest value the step has failed.
+/// beyond its largest value, or where it stops growing, the step has failed.
 /// Source: Waechter and Biegler, On the implementation of an interior-point filter line-search algorithm for
 /// large-scale nonlinear programming, 2006, algorithm IC.
 template <typename Step>
@@ -96,6 +96,7 @@ class SearchDirection : public fatrop::IpSearchDirBase {
     iterate.hessian();
     double delta_w = 0.0, delta_c = 0.0;
     for (;;) {
+      const double tried_w = delta_w, tried_c = delta_c;
       switch (const LinsolReturnFlag flag = solve(delta_w, delta_c)) {
         case LinsolReturnFlag::INDEFINITE:
           delta_w = larger(delta_w);
@@ -111,7 +112,9 @@ class SearchDirection : public fatrop::IpSearchDirBase {
           accept(delta_w, delta_c);
           return flag;
       }
-      if (!(delta_w <= largest_delta_w)) return LinsolReturnFlag::UNKNOWN;
+      // Options may ask for corrections that do not grow, and the same system has the same answer.
+      const bool grows = delta_w > tried_w || delta_c > tried_c;
+      if (!grows || !(delta_w <= largest_delta_w)) return LinsolReturnFlag::UNKNOWN;
     }
   }
 

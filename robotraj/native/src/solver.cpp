@@ -249,8 +249,17 @@ void Solver::collect(Outcome& outcome) {
     const std::size_t k = equality ? 0 : i - (rows - slacks);
     const double broken =
         equality ? std::abs(values[i]) : std::max(nlp_->lower[k] - values[i], values[i] - nlp_->upper[k]);
-    if (!(broken <= outcome.violation)) outcome.violation = broken;  // NaN counts as broken
+    if (!(broken <= outcome.violation)) outcome.violation = broken;
+    if (std::isnan(broken)) break;
   }
+  // fatrop's norms pass over what is no number.
+  const auto finite = [](const Numbers& numbers) {
+    return std::all_of(numbers.begin(), numbers.end(), [](double each) { return std::isfinite(each); });
+  };
+  const bool claimed = outcome.status == "solved" || outcome.status == "acceptable";
+  if (claimed && !(std::isfinite(outcome.objective) && std::isfinite(outcome.violation) && finite(outcome.y) &&
+                   finite(outcome.lam) && finite(outcome.lower_duals) && finite(outcome.upper_duals)))
+    outcome.status = "invalid number";
 }
 
 }  // namespace robotraj::native

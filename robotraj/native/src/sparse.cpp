@@ -1,10 +1,10 @@
 #include "sparse.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace robotraj::native {
 
@@ -145,11 +145,7 @@ Csr Csr::resolved(const std::vector<std::int64_t>& variable, std::size_t columns
   std::vector<std::int32_t> found;
   std::vector<double> values, sum(columns);
   std::vector<std::size_t> seen(columns, rows_);
-  const std::function<void(std::size_t)> find = [&](std::size_t row) {
-    if (state[row] == State::done) return;
-    if (state[row] == State::open) throw std::invalid_argument("definitions go round in a circle");
-    state[row] = State::open;
-    for (std::int32_t i = starts()[row]; i < starts()[row + 1]; ++i) find(static_cast<std::size_t>(indices()[i]));
+  const auto find = [&](std::size_t row) {
     begin[row] = found.size();
     const auto add = [&](std::size_t column, double value) {
       if (seen[column] != row) {
@@ -177,7 +173,27 @@ Csr Csr::resolved(const std::vector<std::int64_t>& variable, std::size_t columns
   };
   std::vector<std::int32_t> begins{0}, order;
   std::vector<double> ordered;
-  for (std::size_t row = 0; row < rows_; ++row) find(row);
+  // Rows that are asked for, each with the entry it looks at next: what those name is found first. Chains of
+  // definitions are as long as the mesh, which a recursion's stack is not.
+  std::vector<std::pair<std::size_t, std::int32_t>> asked;
+  const auto ask = [&](std::size_t row) {
+    if (state[row] == State::done) return;
+    if (state[row] == State::open) throw std::invalid_argument("definitions go round in a circle");
+    state[row] = State::open;
+    asked.emplace_back(row, starts()[row]);
+  };
+  for (std::size_t row = 0; row < rows_; ++row) {
+    ask(row);
+    while (!asked.empty()) {
+      auto& [open, next] = asked.back();
+      if (next < starts()[open + 1]) {
+        ask(static_cast<std::size_t>(indices()[next++]));
+      } else {
+        find(open);
+        asked.pop_back();
+      }
+    }
+  }
   begins.reserve(rows_ + 1);
   order.reserve(found.size());
   ordered.reserve(found.size());

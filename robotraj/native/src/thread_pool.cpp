@@ -1,5 +1,7 @@
 #include "thread_pool.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <system_error>
 
@@ -10,6 +12,10 @@ namespace {
 constexpr std::uint64_t bits = 20;  // of the next piece, and of the number of pieces above it
 constexpr std::uint64_t mask = (1u << bits) - 1;
 constexpr std::size_t pieces_a_thread = 4;
+
+/// Which process this is, counted from the one that loaded this library; fork copies no thread but its caller's.
+std::atomic<unsigned> process{0};
+[[maybe_unused]] const int counts_forks = pthread_atfork(nullptr, nullptr, [] { ++process; });
 
 /// Looks at a condition often before giving up; on a busy machine the others get the core.
 template <typename Condition>
@@ -25,17 +31,35 @@ bool spin(Condition&& holds) {
 
 }  // namespace
 
-void ThreadPool::make_workers() {
+ThreadPool::~ThreadPool() { leave_if_elsewhere(); }
+
+void ThreadPool::leave_if_elsewhere() {
+  // Threads that are not there can be neither joined nor woken, and what they slept on waits for them for ever.
+  if (team_ && !team_->here()) static_cast<void>(team_.release());
+}
+
+void ThreadPool::run(std::size_t count, std::size_t step, Call call, void* context) {
+  if (size_ == 1 || count <= step) {
+    if (count) call(context, 0, 0, count);
+    return;
+  }
+  leave_if_elsewhere();
+  if (!team_) team_ = std::make_unique<Team>(size_);
+  team_->run(count, step, call, context);
+}
+
+bool ThreadPool::Team::here() const { return process_ == process.load(std::memory_order_relaxed); }
+
+ThreadPool::Team::Team(std::size_t size) : size_(size), process_(process.load()) {
   workers_.reserve(size_ - 1);
   try {
     while (workers_.size() + 1 < size_) workers_.emplace_back([this, thread = workers_.size() + 1] { serve(thread); });
   } catch (const std::system_error&) {
     // The machine has no more threads to give: those that are there do the work.
   }
-  asked_ = true;
 }
 
-ThreadPool::~ThreadPool() {
+ThreadPool::Team::~Team() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     stop_.store(true);
@@ -44,14 +68,9 @@ ThreadPool::~ThreadPool() {
   for (std::thread& worker : workers_) worker.join();
 }
 
-void ThreadPool::run(std::size_t count, std::size_t step, Call call, void* context) {
-  if (size_ == 1 || count <= step) {
-    if (count) call(context, 0, 0, count);
-    return;
-  }
-  if (!asked_) make_workers();
+void ThreadPool::Team::run(std::size_t count, std::size_t step, Call call, void* context) {
   const std::size_t steps = (count + step - 1) / step;
-  const std::size_t steps_a_piece = (steps + size() * pieces_a_thread - 1) / (size() * pieces_a_thread);
+  const std::size_t steps_a_piece = (steps + size_ * pieces_a_thread - 1) / (size_ * pieces_a_thread);
   const std::size_t pieces = (steps + steps_a_piece - 1) / steps_a_piece;
   count_ = count;
   piece_ = steps_a_piece * step;
@@ -68,7 +87,7 @@ void ThreadPool::run(std::size_t count, std::size_t step, Call call, void* conte
   while (!spin([this] { return unfinished_.load(std::memory_order_acquire) == 0; })) std::this_thread::yield();
 }
 
-void ThreadPool::serve(std::size_t thread) {
+void ThreadPool::Team::serve(std::size_t thread) {
   const auto wanted = [this] {
     const std::uint64_t ticket = ticket_.load();
     return (ticket & mask) < (ticket >> bits & mask) || stop_.load();
@@ -84,7 +103,7 @@ void ThreadPool::serve(std::size_t thread) {
   }
 }
 
-void ThreadPool::take_pieces(std::size_t thread) {
+void ThreadPool::Team::take_pieces(std::size_t thread) {
   std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
   while ((ticket & mask) < (ticket >> bits & mask)) {
     if (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel)) continue;

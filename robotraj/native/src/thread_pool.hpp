@@ -17,7 +17,8 @@ namespace robotraj::native {
 ///
 /// Work is cut into pieces that do not depend on who takes them, so its results do not either. The caller takes pieces
 /// like everyone else: where the machine is busy and the others do not wake, it does the work alone and waits for
-/// nobody. Between calls the others spin for some microseconds before they sleep. One caller at a time.
+/// nobody. Between calls the others spin for some microseconds before they sleep. One caller at a time. In a process
+/// that was forked since, where there are no others, they are made anew.
 class ThreadPool {
  public:
   /// A pool of `threads` in all, the others made when there is something to share for the first time.
@@ -48,26 +49,44 @@ class ThreadPool {
  private:
   using Call = void (*)(void* context, std::size_t thread, std::size_t begin, std::size_t end);
 
-  void make_workers();
+  /// The others, and what they share with the caller.
+  class Team {
+   public:
+    explicit Team(std::size_t size);
+    ~Team();
+    Team(const Team&) = delete;
+    Team& operator=(const Team&) = delete;
+
+    void run(std::size_t count, std::size_t step, Call call, void* context);
+    /// Whether its threads are in this process.
+    bool here() const;
+
+   private:
+    void serve(std::size_t thread);
+    void take_pieces(std::size_t thread);
+
+    const std::size_t size_;
+    const unsigned process_;
+    std::vector<std::thread> workers_;
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    // Which call it is, how many pieces it has and which is next, in one word: a late thread cannot take a piece of a
+    // call that is over, nor mistake it for one of the next.
+    std::atomic<std::uint64_t> ticket_{0};
+    std::atomic<std::size_t> unfinished_{0};
+    std::atomic<int> asleep_{0};
+    std::atomic<bool> stop_{false};
+    std::size_t count_ = 0;
+    std::size_t piece_ = 1;
+    Call call_ = nullptr;
+    void* context_ = nullptr;
+  };
+
   void run(std::size_t count, std::size_t step, Call call, void* context);
-  void serve(std::size_t thread);
-  void take_pieces(std::size_t thread);
+  void leave_if_elsewhere();
 
   const std::size_t size_;
-  bool asked_ = false;  // for the others
-  std::vector<std::thread> workers_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  // Which call it is, how many pieces it has and which is next, in one word: a late thread cannot take a piece of a
-  // call that is over, nor mistake it for one of the next.
-  std::atomic<std::uint64_t> ticket_{0};
-  std::atomic<std::size_t> unfinished_{0};
-  std::atomic<int> asleep_{0};
-  std::atomic<bool> stop_{false};
-  std::size_t count_ = 0;
-  std::size_t piece_ = 1;
-  Call call_ = nullptr;
-  void* context_ = nullptr;
+  std::unique_ptr<Team> team_;
 };
 
 }  // namespace robotraj::native

@@ -1,0 +1,34 @@
+"""Numbers that solvers are given are looked at when the value is made."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+REFUSED = {
+    "tolerance": [0.0, -1e-8, float("nan"), "1e-3", True, None],
+    "max_iterations": [0, 1e3, 3_000_000_000, "10", True],
+    "time_limit": [0.0, -1.0, "3"],
+    "initial_barrier": [0.0, None],
+    "threads": [0, 2.5],
+}
+
+
+@pytest.mark.parametrize("solver", [rt.Ipopt, rt.Fatrop])
+@pytest.mark.parametrize(("field", "value"), [(field, each) for field, values in REFUSED.items() for each in values])
+def test_bad_numbers_are_refused_by_their_names(solver: Any, field: str, value: Any) -> None:
+    if field not in {each.name for each in dataclasses.fields(solver)}:
+        return
+    with pytest.raises(rt.InputError, match=rf"{solver.__name__}\({field}\).*{value!r}"):
+        solver(**{field: value})
+
+
+@pytest.mark.parametrize("solver", [rt.Ipopt, rt.Fatrop])
+def test_numbers_of_numpy_are_numbers(solver: Any) -> None:
+    value = solver(tolerance=np.float32(1e-6), max_iterations=np.int64(50), time_limit=np.float64(3))
+    assert value.max_iterations == 50
