@@ -25,6 +25,7 @@ from robotraj.status import Status
 from robotraj.transcription import Nlp, transcribe
 from robotraj.transcription.again import transcribed_again
 from robotraj.transcription.between import Exchange
+from robotraj.transcription.equations import equations_of, held_throughout
 from robotraj.transcription.extract import extract
 from robotraj.transcription.guarded import guarded
 from robotraj.transcription.guards import Bulge, Guard, find_bulges, find_control_bulges, guardable
@@ -68,7 +69,8 @@ def solve(
     moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
     for _ in range(between.rounds if hold is None or hold(solution) else 0):
         held, rows_held = set(guards), {_row_of(guard) for guard in guards if not _is_equation(problem, guard)}
-        wanted = (guard for bulge in bulges for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
+        broken = (bulge for bulge in bulges if not _is_kept_to(problem, bulge.guard))
+        wanted = (guard for bulge in broken for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
         new = list(dict.fromkeys(guard for guard in wanted if guard not in held))
         if not new or not solution.success:
             break
@@ -130,6 +132,17 @@ def _is_equation(problem: Problem, guard: Guard) -> bool:
     """Whether a row is an equation: more of it between the points soon leaves a motion nothing to choose."""
     row = problem.phases[guard.phase].bound_constraints[guard.constraint].rows[guard.row]
     return row.lower == row.upper
+
+
+def _is_kept_to(problem: Problem, guard: Guard) -> bool:
+    """Whether a row is an equation that is held with its rates: one place more would leave the motion no choice.
+
+    The first knot of all is one where some schemes hold nothing.
+    """
+    phase = problem.phases[guard.phase]
+    held = held_throughout(phase)
+    row = phase.bound_constraints[guard.constraint].rows[guard.row]
+    return (guard.interval, guard.tau) != (0, 0.0) and any(held[e.row][1] is row for e in equations_of(phase))
 
 
 def _violation(solution: Solution, bulge: Bulge) -> Violation:

@@ -24,6 +24,8 @@ AXES = ("x", "y", "z")
 class FramePosition(Constraint):
     """Bounds on the origin of a frame in the world: lower <= p_f(q) <= upper, each (3,) [m].
 
+    Numbers are equations, which are held at every knot with their rates; see ``PathConstraint``.
+
     Parameters
     ----------
     frame : str

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 class PathConstraint(Constraint):
     """lower <= expression(point) <= upper at every collocation point.
 
+    An equation, with lower = upper, of positions (of whatever takes two integrations from what is chosen) is held at
+    every knot with its rate instead, and inside intervals as the scheme's order has it: a tool that points down, or
+    follows a curve in time. See ``robotraj.transcription.equations``.
+
     Parameters
     ----------
     expression : callable

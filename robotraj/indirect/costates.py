@@ -16,6 +16,7 @@ from robotraj.dynamics import Named
 from robotraj.errors import InputError
 from robotraj.indirect.duals import PhaseDuals
 from robotraj.indirect.hamiltonian import Hamiltonian
+from robotraj.transcription.equations import equations_of, held_throughout
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
@@ -155,7 +156,7 @@ def costates(solution: Solution) -> Costates:
     Raises
     ------
     InputError
-        The solver did not converge, or a phase holds contacts or a quaternion.
+        The solver did not converge, or a phase holds contacts, a quaternion or an equation of its state.
 
     Notes
     -----
@@ -168,6 +169,13 @@ def costates(solution: Solution) -> Costates:
             f"Phase {held[0]!r} holds contacts or the quaternion of a floating root at every collocation point: its "
             "states obey those rows, and its costates are not unique. Costates are of phases without them."
         )
+    for phase in solution.problem.phases:
+        for equation in equations_of(phase)[:1]:
+            row = held_throughout(phase)[equation.row][1]
+            raise InputError(
+                f"Phase {phase.name!r} holds an equation of its state, {row.label!r}, throughout, with its rates: its "
+                "costates are not unique. Costates are of phases without one."
+            )
     if not solution.duals:
         raise InputError(
             "This solution has no costates: the solver did not converge. Plan again until solution.success holds."

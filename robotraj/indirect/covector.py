@@ -40,6 +40,7 @@ from robotraj.solvers import Multipliers
 from robotraj.sparse import csr_array
 from robotraj.trajectory import PiecewisePolynomial
 from robotraj.transcription import Nlp
+from robotraj.transcription.equations import equations_of
 from robotraj.transcription.layout import PhaseLayout
 
 Array = NDArray[np.float64]
@@ -60,9 +61,9 @@ def covectors(nlp: Nlp, w: Array, multipliers: Multipliers) -> tuple[PhaseDuals,
     -------
     tuple of PhaseDuals
         By this mapping for collocation, by ``indirect.stepped`` for shooting and compressed collocation; none where
-        invariants are held, whose costates are not unique.
+        invariants are held or equations with their rates, whose costates are not unique.
     """
-    if any(phase.dae.invariants for phase in nlp.problem.phases):
+    if any(phase.dae.invariants or equations_of(phase) for phase in nlp.problem.phases):
         return ()
     rows, bounds = multipliers.rows, multipliers.bounds
     found = []

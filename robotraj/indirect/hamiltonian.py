@@ -19,7 +19,7 @@ from robotraj.constraints import Row, Where
 from robotraj.dynamics import Dynamics
 from robotraj.dynamics.system import as_rows
 from robotraj.problem import Phase
-from robotraj.transcription.collocation import path_constraints, path_rows
+from robotraj.transcription.equations import path_constraints, path_rows
 from robotraj.values import dataclass
 
 Array = NDArray[np.float64]

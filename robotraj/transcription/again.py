@@ -13,11 +13,13 @@ from robotraj.engines import Engine
 from robotraj.guess import Guess
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.transcription.between import Exchange
+from robotraj.transcription.equations import settled
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.transcribe import bounds_of, start_of
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase, Problem
+    from robotraj.transcription.layout import PhaseLayout
 
 Array = NDArray[np.float64]
 
@@ -49,7 +51,7 @@ def transcribed_again(
         and tuple(before.links) == tuple(problem.links)
         and (engine is None or engine == nlp.engine)
         and between == nlp.between
-        and all(_alike(*pair) for pair in zip(before.phases, problem.phases, strict=True))
+        and all(_alike(*each) for each in zip(before.phases, problem.phases, nlp.layouts, strict=True))
         and all(layout.mesh == mine for layout, mine in zip(nlp.layouts, meshes, strict=True))
         and not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.given)
         and len(nlp.free) == len(w)
@@ -75,8 +77,12 @@ def _with_functions(again: Nlp, nlp: Nlp) -> Nlp:
     return again
 
 
-def _alike(before: Phase, now: Phase) -> bool:
+def _alike(before: Phase, now: Phase, layout: PhaseLayout) -> bool:
     """Whether two phases share everything but their ends; ``Phase.with_`` shares what was made of the others."""
-    # Which rows hold an invariant depends on which ends are fixed.
-    same = before is now or (before.dae is now.dae and before.bound_constraints is now.bound_constraints)
-    return same and not now.dae.invariants and before.duration_bounds == now.duration_bounds
+    if before is now:
+        return not now.dae.invariants
+    same = before.dae is now.dae and before.bound_constraints is now.bound_constraints
+    if not same or before.duration_bounds != now.duration_bounds:
+        return False
+    # Which rows hold an invariant or an equation depends on what the ends fix.
+    return not now.dae.invariants and settled(before, layout) == settled(now, layout)

@@ -2,10 +2,11 @@
 
 The stage function gives, at a node with unknowns (x, z, u, t0, T, p) and constant fraction tau,
 
-    y = ( T f,  g,  h,  T m,  T l,  W c,  I ),    t = t0 + tau T,
+    y = ( T f,  g,  h,  h', T m,  T l,  W c,  I ),    t = t0 + tau T,
 
-with f the rates, g the residual, h the path rows, m the rates of integral constraints, l the integrand, I the
-invariants and W c the corrections that hold them (``dynamics.dae``). Since T is inside, every row of the NLP is linear
+with f the rates, g the residual, h the path rows, h' the rates of those that are equations of the state
+(``equations``), m the rates of integral constraints, l the integrand, I the invariants and W c the corrections that
+hold them (``dynamics.dae``). Since T is inside, every row of the NLP is linear
 in the outputs with constant coefficients: the defect of node j on an interval of relative length d is
 
     x_j - x_0 - d sum_k A_jk (T f_k) - W_j c_j = 0.
@@ -23,7 +24,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.constraints import Where
-from robotraj.constraints.base import BoundConstraint
 from robotraj.dynamics.apart import contacts_apart
 from robotraj.dynamics.system import as_rows
 from robotraj.dynamics.torques import torques_apart
@@ -31,6 +31,14 @@ from robotraj.schemes import MovingMesh
 from robotraj.sparse import csr_array
 from robotraj.transcription.between import Exchange
 from robotraj.transcription.block import Block
+from robotraj.transcription.equations import (
+    equations_of,
+    held_throughout,
+    hold_equations,
+    path_constraints,
+    path_rows,
+    rates_of,
+)
 from robotraj.transcription.holding import hold
 from robotraj.transcription.hull import hold_states
 from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
@@ -108,21 +116,6 @@ def taus(layout: PhaseLayout) -> Array:
     return np.array([layout.intervals[k].scheme.nodes[j] for k, j in layout.place_owner.tolist()])
 
 
-def path_constraints(phase: Phase, where: Where) -> list[BoundConstraint]:
-    """Constraints with rows that are not single variables (those are bounds of the NLP)."""
-    held = (where, Where.AT_NODES) if where is Where.THROUGHOUT else (where,)
-    return [c for c in phase.bound_constraints if c.where in held and any(r.variable is None for r in c.rows)]
-
-
-def path_rows(constraints: list[BoundConstraint], point: object) -> ca.SX:
-    """Values of the rows that are not single variables."""
-    values = []
-    for constraint in constraints:
-        entries = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
-        values += [v for row, v in zip(constraint.rows, entries, strict=True) if row.variable is None]
-    return ca.vertcat(*values) if values else ca.SX(0, 1)
-
-
 def collocate(
     phase: Phase,
     index: int,
@@ -131,10 +124,12 @@ def collocate(
     linear: Triplets,
     apart: bool = False,
     between: Exchange | None = None,
+    carried: frozenset[str] | None = frozenset(),
 ) -> tuple[Block, Triplets, Triplets]:
     """Write the rows of a phase; return its block and the triplets of its gather and scatter, still to be sized.
 
-    ``apart`` keeps a robot's inverse dynamics out of the stage's graph where that is possible.
+    ``apart`` keeps a robot's inverse dynamics out of the stage's graph where that is possible; ``carried`` are
+    equations that links bring along, see ``equations.hold_equations``.
     """
     dae = phase.dae
     stage = _stage(phase, layout, apart)
@@ -171,15 +166,21 @@ def collocate(
     base = np.arange(len(fractions))[:, None] * stage.outputs
     residual = rows.add(entries_of(index, dae.residuals), fractions, 0.0, 0.0)
     scatter.add(residual.ravel(), (base + nx + np.arange(nz)).ravel(), 1.0)
-    kept = [r for c in path_constraints(phase, Where.THROUGHOUT) for r in c.rows if r.variable is None]
-    entries = [Entry(index, r.name, r.joint or "", r.unit) for r in kept]
-    path = rows.add(entries, fractions, np.array([r.lower for r in kept]), np.array([r.upper for r in kept]))
-    scatter.add(path.ravel(), (base + nx + nz + np.arange(len(kept))).ravel(), 1.0)
+    kept = [row for _, row in held_throughout(phase)]
+    equations = equations_of(phase)
+    plain = sorted(set(range(len(kept))) - {equation.row for equation in equations})
+    entries = [Entry(index, kept[i].name, kept[i].joint or "", kept[i].unit) for i in plain]
+    lower, upper = (np.array([getattr(kept[i], side) for i in plain]) for side in ("lower", "upper"))
+    path = rows.add(entries, fractions, lower, upper)
+    scatter.add(path.ravel(), (base + nx + nz + np.array(plain, dtype=int)).ravel(), 1.0)
+    if equations:
+        hold_equations(phase, index, layout, rows, scatter, nx + nz, stage.outputs, carried)
+    rated = len(kept) + sum(equation.order - 1 for equation in equations)
     sums = [r for c in path_constraints(phase, Where.INTEGRAL) for r in c.rows]
     entries = [Entry(index, r.name, r.joint or "", r.unit) for r in sums]
     totals = rows.add(entries, np.ones(1), np.array([r.lower for r in sums]), np.array([r.upper for r in sums]))[0]
     for i, total in enumerate(totals):
-        scatter.add(np.full(len(weights), total), base[:, 0] + nx + nz + len(kept) + i, weights)
+        scatter.add(np.full(len(weights), total), base[:, 0] + nx + nz + rated + i, weights)
     if held:
         hold(phase, index, layout, rows, scatter, stage.outputs)
     if between is not None:
@@ -216,7 +217,8 @@ def _make_stage(phase: Phase, scalars: Sequence[Scalar], apart: bool) -> Stage:
     sums = path_rows(path_constraints(phase, Where.INTEGRAL), point)
     # What is empty, the rule for the last three, is not worth a product.
     rates, *more = (s.duration * part if part.numel() else part for part in (dae.rates(point), sums, integrand))
-    y = ca.vertcat(*(part for part in (rates, dae.residual(point), path, *more) if part.numel()))
+    equations = rates_of(phase, s.t, s.x, s.p)
+    y = ca.vertcat(*(part for part in (rates, dae.residual(point), path, *equations, *more) if part.numel()))
     costed = int(y.numel()) - 1 if phase.integrals else None
     if not dae.invariants:
         return Stage(s.unknowns, s.constants, y, costed, torques, contacts, apart)

@@ -17,13 +17,12 @@ from robotraj.links import BoundLink, Ends
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import (
     column_of,
-    path_constraints,
-    path_rows,
     phase_scalars,
     point_symbols,
     shared_symbols,
     weighted_sum,
 )
+from robotraj.transcription.equations import path_constraints, path_rows
 from robotraj.transcription.holding import start_rows
 from robotraj.transcription.layout import PhaseLayout, entries_of
 from robotraj.transcription.stage import Stage

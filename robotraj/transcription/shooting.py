@@ -24,11 +24,10 @@ from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import (
     gather_points,
     interval_scalars,
-    path_constraints,
-    path_rows,
     point_symbols,
     tie_intervals,
 )
+from robotraj.transcription.equations import held_throughout, path_constraints, path_rows
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.stage import Stage
 from robotraj.transcription.table import Entry, ScalarTable
@@ -66,7 +65,7 @@ def shoot(
     which = np.array([state for _, state in bounds], dtype=int)
     states = nx + np.arange(len(inner))[:, None] * nx + which
     impose([row for row, _ in bounds], inner, states)
-    path = [r for c in path_constraints(phase, Where.THROUGHOUT) for r in c.rows if r.variable is None]
+    path = [row for _, row in held_throughout(phase)]
     first = nx + len(inner) * nx
     impose(
         path,

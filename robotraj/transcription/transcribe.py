@@ -26,6 +26,7 @@ from robotraj.transcription.ends import (
     start_block,
     widen,
 )
+from robotraj.transcription.equations import carried
 from robotraj.transcription.hull import columns_beside_rows, covered_in, hold_controls, is_held
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
@@ -91,7 +92,8 @@ def transcribe(
             points.append(point)
             blocks += more
         else:
-            points.append(collocate(phase, i, layout, rows, linear, engine.torques_apart, between))
+            known = carried(problem.phases, i, problem.bound_links)
+            points.append(collocate(phase, i, layout, rows, linear, engine.torques_apart, between, known))
         hold_controls(between, phase, i, layout, rows, linear)
         blocks += end_constraint_blocks(phase, i, layout, rows)
         started = start_block(problem.phases, i, layout, problem.bound_links, rows)
