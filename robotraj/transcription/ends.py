@@ -22,7 +22,14 @@ from robotraj.transcription.collocation import (
     shared_symbols,
     weighted_sum,
 )
-from robotraj.transcription.equations import path_constraints, path_rows
+from robotraj.transcription.equations import (
+    equations_of,
+    held_throughout,
+    path_constraints,
+    path_rows,
+    rate_row,
+    shares_start,
+)
 from robotraj.transcription.holding import start_rows
 from robotraj.transcription.layout import PhaseLayout, entries_of
 from robotraj.transcription.stage import Stage
@@ -120,6 +127,26 @@ def start_block(
     entries = [entries_of(index, phase.dae.invariants)[i] for i in kept]
     added = rows.add(entries, np.zeros(1), 0.0, 0.0)[0]
     return single(ends.unknowns, ends.constants, y, ends.columns, ends.values, added)
+
+
+def equations_block(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable) -> Block | None:
+    """Rows h^(r) = 0 at the first knot, of equations of order r; None where nothing is chosen there."""
+    equations, interval = equations_of(phase), layout.intervals[0]
+    if not equations or interval.scheme.nodes[0] > 0.0 or not shares_start(interval.scheme):
+        return None
+    # Where rates of controls are chosen, the controls are states, and accelerations follow from them.
+    if not {u.name for u in phase.body.controls} <= {u.name for u in phase.dae.controls}:
+        return None
+    s, held = point_symbols(phase, phase_scalars(layout)), held_throughout(phase)
+    y = ca.vertcat(*(equation.chosen(s.t, s.x, s.z, s.u, s.p) for equation in equations))
+    named = [rate_row(held[equation.row][1], equation.order) for equation in equations]
+    added = rows.add([Entry(index, r.name, r.joint or "", r.unit) for r in named], np.zeros(1), 0.0, 0.0)[0]
+    scalars = phase_scalars(layout)
+    shared = [scalar.column for scalar in scalars if scalar.column is not None]
+    columns = np.concatenate([layout.knots[0], interval.algebraic[0], interval.controls[0], shared]).astype(int)
+    fixed = [scalar.value for scalar in scalars if scalar.column is None]
+    read = _read(y, s.unknowns)
+    return single(s.unknowns[read.tolist()], s.constants, y, columns[read], np.array([0.0, *fixed]), added)
 
 
 def link_unknowns(link: BoundLink, columns: ScalarTable) -> NDArray[np.int_]:

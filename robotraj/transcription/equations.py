@@ -6,7 +6,9 @@ every collocation point it leaves what is chosen along it nothing but an oscilla
 at the end of the phase to chance: where the end is fixed, as at rest, there are more rows than unknowns. Here the last
 r of an interval's points give way to h, h', ..., h^(r-1) at the last one. For Hermite-Simpson these are the pose and
 the velocity at every knot; at the point in the middle, as between all points, the polynomial keeps to the equation to
-the scheme's order, and what it leaves is told like everything between the points.
+the scheme's order, and what it leaves is told like everything between the points. Schemes with a point at the start of
+an interval share what is chosen there with the interval before; at the start of the phase h^(r) = 0 chooses it, for
+nothing else would, and what it is would swing on from knot to knot.
 Source: Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed., sections VI.7 and VII.4; Betts,
 Practical Methods for Optimal Control (2010), section 4.12.
 """
@@ -31,6 +33,7 @@ from robotraj.values import dataclass
 if TYPE_CHECKING:
     from robotraj.links import BoundLink
     from robotraj.problem import Phase
+    from robotraj.schemes import Collocation
     from robotraj.transcription.layout import PhaseLayout
 
 Array = NDArray[np.float64]
@@ -53,6 +56,8 @@ class Equation:
     order : int
     values : casadi.Function
         (t, x, p) -> (h, h', ..., h^(r-1)).
+    chosen : casadi.Function
+        (t, x, z, u, p) -> h^(r).
     target : float
         What h is.
     """
@@ -60,6 +65,7 @@ class Equation:
     row: int
     order: int
     values: ca.Function
+    chosen: ca.Function
     target: float
 
     @cached_property
@@ -103,8 +109,8 @@ def equations_of(phase: Phase) -> Equations:
 
 def _find(phase: Phase) -> list[Equation]:
     held = held_throughout(phase)
-    chosen = [i for i, (c, r) in enumerate(held) if r.lower == r.upper and c.where is Where.THROUGHOUT]
-    if not chosen:
+    candidates = [i for i, (c, r) in enumerate(held) if r.lower == r.upper and c.where is Where.THROUGHOUT]
+    if not candidates:
         return []
     dae, names = phase.dae, phase.parameter_names
     sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(names))
@@ -113,7 +119,7 @@ def _find(phase: Phase) -> list[Equation]:
     values, inner = path_rows(path_constraints(phase, Where.THROUGHOUT), point), ca.vertcat(z, u)
     flow: ca.SX | None = None
     found = []
-    for i in chosen:
+    for i in candidates:
         rate = values[i]
         rates: list[ca.SX] = []
         while len(rates) < HIGHEST and not ca.depends_on(rate, inner) and ca.depends_on(rate, x):
@@ -121,8 +127,9 @@ def _find(phase: Phase) -> list[Equation]:
             flow = dae.rates(point) if flow is None else flow
             rate = ca.mtimes(ca.jacobian(rate, x), flow) + ca.jacobian(rate, t)
         if ca.depends_on(rate, inner) and len(rates) > 1:
-            known = ca.Function("rates", [t, x, p], [ca.vertcat(*rates)])
-            found.append(Equation(i, len(rates), known, held[i][1].lower))
+            known = ca.Function("values", [t, x, p], [ca.vertcat(*rates)])
+            chosen = ca.Function("chosen", [t, x, z, u, p], [rate])
+            found.append(Equation(i, len(rates), known, chosen, held[i][1].lower))
     return found
 
 
@@ -160,11 +167,15 @@ def hold_equations(
         at = np.append(start, places[0])
         _hold(row, index, layout, rows, scatter, at, outputs, first + equation.row, row.lower)
         for k in range(1, equation.order):
-            unit = f"{row.unit or '1'}/s" + (f"^{k}" if k > 1 else "")
-            rate = Row(f"rate of {row.name}" if k == 1 else f"rate {k} of {row.name}", unit, 0.0, 0.0, row.joint)
             at = places[k] if carried is None or k in at_start else np.append(start, places[k])
-            _hold(rate, index, layout, rows, scatter, at, outputs, output + k - 1, 0.0)
+            _hold(rate_row(row, k), index, layout, rows, scatter, at, outputs, output + k - 1, 0.0)
         output += equation.order - 1
+
+
+def rate_row(row: Row, k: int) -> Row:
+    """Name h^(k) = 0 of a row."""
+    unit = f"{row.unit or '1'}/s" + (f"^{k}" if k > 1 else "")
+    return Row(f"rate of {row.name}" if k == 1 else f"rate {k} of {row.name}", unit, 0.0, 0.0, row.joint)
 
 
 def _places(layout: PhaseLayout, order: int, settled: frozenset[int]) -> list[Indices]:
@@ -177,18 +188,29 @@ def _places(layout: PhaseLayout, order: int, settled: frozenset[int]) -> list[In
     at: list[list[int]] = [[] for _ in range(order)]
     for interval in layout.intervals:
         inner = interval.places[interval.scheme.nodes > 0.0]
-        kept = min(order, len(inner))
-        at[0] += inner[: len(inner) - kept].tolist()
+        choices = _choices(interval.scheme)
+        kept = min(order, choices)
+        at[0] += inner[: choices - kept].tolist()
         for k in range(kept):
             at[k].append(int(inner[-1]))
     scheme = layout.intervals[-1].scheme
-    alone = order - min(order, int(np.sum(scheme.nodes > 0.0)))
+    alone = order - min(order, _choices(scheme))
     if alone and settled >= set(range(1, order)):
         del at[0][-1 - alone : -1]
     last = layout.intervals[-1].places[-1]
     for k in settled if scheme.nodes[-1] < 1.0 else settled - {0}:
         at[k] = [place for place in at[k] if place != last]
     return [np.array(each, dtype=int) for each in at]
+
+
+def _choices(scheme: Collocation) -> int:
+    """How many times in an interval something new is chosen, those shared with the interval before left out."""
+    return min(int(np.sum(scheme.nodes > 0.0)), len(scheme.control_sites) - int(shares_start(scheme)))
+
+
+def shares_start(scheme: Collocation) -> bool:
+    """Whether what is chosen at the start of an interval is what was chosen at the end of the one before."""
+    return len(scheme.control_sites) > 1 and bool(scheme.control_sites[0] == 0.0)
 
 
 def _hold(

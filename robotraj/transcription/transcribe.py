@@ -20,6 +20,7 @@ from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import collocate
 from robotraj.transcription.ends import (
     end_constraint_blocks,
+    equations_block,
     link_block,
     link_unknowns,
     mayer_block,
@@ -85,6 +86,7 @@ def transcribe(
     points = []
     for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
         collocated = not isinstance(layout.scheme, OneStep)
+        known = carried(problem.phases, i, problem.bound_links)
         if not collocated:
             from robotraj.transcription.shooting import shoot
 
@@ -92,14 +94,12 @@ def transcribe(
             points.append(point)
             blocks += more
         else:
-            known = carried(problem.phases, i, problem.bound_links)
             points.append(collocate(phase, i, layout, rows, linear, engine.torques_apart, between, known))
         hold_controls(between, phase, i, layout, rows, linear)
         blocks += end_constraint_blocks(phase, i, layout, rows)
+        chosen = equations_block(phase, i, layout, rows) if collocated and known is not None else None
         started = start_block(problem.phases, i, layout, problem.bound_links, rows)
-        blocks += [started] if started else []
-        mayer = mayer_block(phase, layout)
-        blocks += [mayer] if mayer else []
+        blocks += [block for block in (chosen, started, mayer_block(phase, layout)) if block]
     unknowns = tuple(link_unknowns(link, columns) for link in problem.bound_links)
     blocks += [
         link_block(link, problem.phases, layouts, own, rows)

@@ -120,8 +120,11 @@ def test_orders_beyond_two_and_inequalities() -> None:
 
 @pytest.mark.parametrize("objective", [rt.Effort(), rt.Jerk()], ids=["accelerations", "jerks"])
 def test_poses_are_of_the_order_of_accelerations(ur5: rt.Robot, objective: rt.Objective) -> None:
-    found = equations_of(drawing(ur5, objective))
-    assert [equation.order for equation in found] == [2] * 4
+    phase = drawing(ur5, objective)
+    assert [equation.order for equation in equations_of(phase)] == [2] * 4
+    # Where rates of torques are chosen, the accelerations that the phase starts with follow from the torques.
+    nlp = transcribe(rt.Problem([phase]), rt.Mesh(3))
+    assert places(nlp, "rate 2 of frame position x, tool0") == ([0.0] if isinstance(objective, rt.Effort) else [])
 
 
 @pytest.mark.parametrize(
@@ -212,6 +215,21 @@ def test_a_figure_followed_in_time_needs_no_ends(ur5: rt.Robot) -> None:
     np.testing.assert_allclose(places, wanted, atol=1e-4)
 
 
+def test_accelerations_do_not_swing_from_knot_to_knot(ur5: rt.Robot) -> None:
+    """Least times leave them to chance: along the line they are those of the tool, which a spline through it tells."""
+    solution = rt.plan(drawing(ur5, rt.Duration()), rt.Mesh(40), solver=ALONE, progress=False)
+    nlp = transcribe(rt.Problem([drawing(ur5, rt.Duration())]), rt.Mesh(40))
+    assert places(nlp, "rate 2 of frame position x, tool0") == [0.0]
+    model, data, frame = ur5.model, ur5.model.createData(), ur5.frame("tool0")
+    found = []
+    for t in solution.knots[1:-1]:
+        now = solution.at(t)
+        pin.forwardKinematics(model, data, now.q, now.v, now.a)
+        found.append(pin.getFrameClassicalAcceleration(model, data, frame, pin.LOCAL_WORLD_ALIGNED).linear[[0, 2]])
+    along = np.abs(np.array(found)).max()
+    assert along < 1.0
+
+
 def test_velocities_across_the_equation_are_named() -> None:
     phase = moved(diagonal(), end=(1, 1, 1, 0))
     solution = rt.plan(phase, rt.Mesh(10), solver=rt.Ipopt(max_iterations=50), check=False, progress=False)
@@ -258,7 +276,7 @@ def test_an_equation_that_begins_with_a_phase_begins_with_its_rate() -> None:
         rt.Phase(plane(), 0.5, end=rt.State([1, 1, 0, 0]), objective=effort(), constraints=[diagonal()]),
     ]
     solution = rt.plan(rt.Problem(parts, [rt.Continuity(0, 1)]), rt.Mesh(10), solver=ALONE, progress=False)
-    x = solution.phases[1].at(np.linspace(0.5, 1, 51)).x
+    x = solution.phases[1].at(solution.phases[1].knots).x
     np.testing.assert_allclose(x["vx"], x["vy"], atol=1e-8)
 
 
