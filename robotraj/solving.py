@@ -16,7 +16,7 @@ from robotraj.indirect.duals import LateDuals, PhaseDuals
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
 from robotraj.records import added_times
-from robotraj.schemes import Mesh, MovingMesh
+from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.solution import Solution
 from robotraj.solvers import Multipliers, Progress, Solver
 from robotraj.solvers.base import LateMultipliers, Outcome
@@ -69,7 +69,7 @@ def solve(
     moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
     for _ in range(between.rounds if hold is None or hold(solution) else 0):
         held, rows_held = set(guards), {_row_of(guard) for guard in guards if not _is_equation(problem, guard)}
-        broken = (bulge for bulge in bulges if not _is_kept_to(problem, bulge.guard))
+        broken = (bulge for bulge in bulges if not _is_kept_to(nlp, bulge.guard))
         wanted = (guard for bulge in broken for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
         new = list(dict.fromkeys(guard for guard in wanted if guard not in held))
         if not new or not solution.success:
@@ -134,15 +134,14 @@ def _is_equation(problem: Problem, guard: Guard) -> bool:
     return row.lower == row.upper
 
 
-def _is_kept_to(problem: Problem, guard: Guard) -> bool:
-    """Whether a row is an equation that is held with its rates: one place more would leave the motion no choice.
-
-    The first knot of all is one where some schemes hold nothing.
-    """
-    phase = problem.phases[guard.phase]
+def _is_kept_to(nlp: Nlp, guard: Guard) -> bool:
+    """Whether a row is an equation that is held with its rates: one place more would leave the motion no choice."""
+    phase = nlp.problem.phases[guard.phase]
+    if isinstance(nlp.layouts[guard.phase].scheme, OneStep):
+        return False
     held = held_throughout(phase)
     row = phase.bound_constraints[guard.constraint].rows[guard.row]
-    return (guard.interval, guard.tau) != (0, 0.0) and any(held[e.row][1] is row for e in equations_of(phase))
+    return any(held[e.row][1] is row for e in equations_of(phase))
 
 
 def _violation(solution: Solution, bulge: Bulge) -> Violation:

@@ -60,13 +60,15 @@ class FramePose(Constraint):
     """A frame held at a pose: p_f(q) = position and R_f(q) = rotation.
 
     The orientation rows are the three entries of the skew part of R_d' R_f, sin(theta) times the axis of the error
-    rotation [rad near zero], and trace(R_d' R_f) >= 1, which excludes the root at a half turn.
+    rotation [rad near zero], and trace(R_d' R_f) >= 1, which excludes the root at a half turn. Along a phase they are
+    held as those of ``FramePosition`` are.
 
     Parameters
     ----------
     frame : str
     pose : pinocchio.SE3 or (position, rotation)
-        Rotation as a matrix (3, 3), a ``pinocchio.Quaternion`` or a quaternion (x, y, z, w) of unit norm.
+        Position as for ``FramePosition``: entries that are None are free, and with all three the orientation alone is
+        held. Rotation as a matrix (3, 3), a ``pinocchio.Quaternion`` or a quaternion (x, y, z, w) of unit norm.
     """
 
     frame: str

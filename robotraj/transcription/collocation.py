@@ -124,7 +124,7 @@ def collocate(
     linear: Triplets,
     apart: bool = False,
     between: Exchange | None = None,
-    carried: frozenset[str] | None = frozenset(),
+    carried: frozenset[int] | None = frozenset(),
 ) -> tuple[Block, Triplets, Triplets]:
     """Write the rows of a phase; return its block and the triplets of its gather and scatter, still to be sized.
 

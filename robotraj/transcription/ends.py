@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.constraints import Where
+from robotraj.constraints import Row, Where
 from robotraj.dynamics import Named
 from robotraj.dynamics.system import as_rows
 from robotraj.errors import InputError
@@ -28,6 +28,7 @@ from robotraj.transcription.equations import (
     path_constraints,
     path_rows,
     rate_row,
+    settled,
     shares_start,
 )
 from robotraj.transcription.holding import start_rows
@@ -129,24 +130,44 @@ def start_block(
     return single(ends.unknowns, ends.constants, y, ends.columns, ends.values, added)
 
 
-def equations_block(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable) -> Block | None:
-    """Rows h^(r) = 0 at the first knot, of equations of order r; None where nothing is chosen there."""
+def equations_block(
+    phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, carried: frozenset[int]
+) -> Block | None:
+    """Rows of equations at the first knot: what the points say of it where it is none, h^(r) = 0 where it is one.
+
+    None where there is nothing to say; ``carried`` as for ``equations.hold_equations``.
+    """
     equations, interval = equations_of(phase), layout.intervals[0]
-    if not equations or interval.scheme.nodes[0] > 0.0 or not shares_start(interval.scheme):
-        return None
-    # Where rates of controls are chosen, the controls are states, and accelerations follow from them.
-    if not {u.name for u in phase.body.controls} <= {u.name for u in phase.dae.controls}:
-        return None
     s, held = point_symbols(phase, phase_scalars(layout)), held_throughout(phase)
-    y = ca.vertcat(*(equation.chosen(s.t, s.x, s.z, s.u, s.p) for equation in equations))
-    named = [rate_row(held[equation.row][1], equation.order) for equation in equations]
-    added = rows.add([Entry(index, r.name, r.joint or "", r.unit) for r in named], np.zeros(1), 0.0, 0.0)[0]
-    scalars = phase_scalars(layout)
+    values: list[tuple[Row, ca.SX, float]] = []
+    if interval.scheme.nodes[0] > 0.0:
+        for equation, (at_start, _) in zip(equations, settled(phase, layout), strict=True):
+            row, found = held[equation.row][1], equation.values(s.t, s.x, s.p)
+            kept = [] if equation.row in carried else sorted(set(range(equation.order)) - at_start)
+            values += [(rate_row(row, k) if k else row, found[k], 0.0 if k else equation.target) for k in kept]
+    # Where rates of controls are chosen, the controls are states, and accelerations follow from them.
+    elif shares_start(interval.scheme) and {u.name for u in phase.body.controls} <= {
+        u.name for u in phase.dae.controls
+    }:
+        for equation in equations:
+            row = rate_row(held[equation.row][1], equation.order)
+            values.append((row, equation.chosen(s.t, s.x, s.z, s.u, s.p), 0.0))
+    if not values:
+        return None
+    entries = [Entry(index, row.name, row.joint or "", row.unit) for row, _, _ in values]
+    wanted = np.array([value for _, _, value in values])
+    added = rows.add(entries, np.zeros(1), wanted, wanted)[0]
+    scalars, y = phase_scalars(layout), ca.vertcat(*(value for _, value, _ in values))
     shared = [scalar.column for scalar in scalars if scalar.column is not None]
     columns = np.concatenate([layout.knots[0], interval.algebraic[0], interval.controls[0], shared]).astype(int)
     fixed = [scalar.value for scalar in scalars if scalar.column is None]
     read = _read(y, s.unknowns)
     return single(s.unknowns[read.tolist()], s.constants, y, columns[read], np.array([0.0, *fixed]), added)
+
+
+def _chooses_rates(phase: Phase) -> bool:
+    """Whether rates of controls are chosen: the controls are states then, and accelerations follow from them."""
+    return not {u.name for u in phase.body.controls} <= {u.name for u in phase.dae.controls}
 
 
 def link_unknowns(link: BoundLink, columns: ScalarTable) -> NDArray[np.int_]:

@@ -16,7 +16,6 @@ Practical Methods for Optimal Control (2010), section 4.12.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -68,9 +67,9 @@ class Equation:
     chosen: ca.Function
     target: float
 
-    @cached_property
     def expressions(self) -> tuple[ca.SX, ca.SX]:
-        """Symbols (t, x, p) in one column, and what they make h - target, h', ..."""
+        """Give symbols (t, x, p) in one column, and what they make h - target, h', ..."""
+        # Not kept: a phase goes to other processes with what it keeps, and symbols do not.
         arguments = [ca.SX.sym(name, self.values.size1_in(i)) for i, name in enumerate("txp")]
         return ca.vertcat(*arguments), self.values(*arguments) - ca.DM([self.target] + [0.0] * (self.order - 1))
 
@@ -146,7 +145,7 @@ def hold_equations(
     scatter: Triplets,
     first: int,
     outputs: int,
-    carried: frozenset[str] | None,
+    carried: frozenset[int] | None,
 ) -> None:
     """Write the rows of all equations.
 
@@ -154,15 +153,15 @@ def hold_equations(
     ----------
     first : int
         The first path row among the ``outputs`` of the phase's stage; the rates follow the last one.
-    carried : frozenset of str or None
-        Labels of the equations that a link carries over to the start of the phase; None where it may jump there.
+    carried : frozenset of int or None
+        Path rows that hold at the start of the phase anyway; None where its velocities jump there.
     """
     held = held_throughout(phase)
     output = first + len(held)
     for equation, (at_start, at_end) in zip(equations_of(phase), settled(phase, layout), strict=True):
         row = held[equation.row][1]
         places = _places(layout, equation.order, at_end)
-        begins = layout.intervals[0].scheme.nodes[0] == 0.0 and not (carried and row.label in carried)
+        begins = layout.intervals[0].scheme.nodes[0] == 0.0 and not (carried and equation.row in carried)
         start = layout.intervals[0].places[: int(begins)]
         at = np.append(start, places[0])
         _hold(row, index, layout, rows, scatter, at, outputs, first + equation.row, row.lower)
@@ -239,7 +238,7 @@ def settled(phase: Phase, layout: PhaseLayout) -> list[tuple[frozenset[int], fro
     known = [np.concatenate([[t], _fixed(bounds, len(phase.dae.states)), parameters]) for t, bounds in ends]
     found = []
     for equation in equations_of(phase):
-        at_start, at_end = (frozenset(_settled_by(values, *equation.expressions)) for values in known)
+        at_start, at_end = (frozenset(_settled_by(values, *equation.expressions())) for values in known)
         found.append((at_start, at_end))
     return found
 
@@ -260,15 +259,32 @@ def _fixed(bounds: Bounds, size: int) -> Array:
     return values
 
 
-def carried(phases: Sequence[Phase], index: int, links: Sequence[BoundLink]) -> frozenset[str] | None:
-    """Labels of equations that hold at the start of a phase since a link carries its state over from one that has them.
+def carried(phases: Sequence[Phase], index: int, links: Sequence[BoundLink]) -> frozenset[int] | None:
+    """Path rows whose equations hold at the start of a phase since the phase before, which runs on, holds the same.
 
-    None where a link changes the velocities.
+    None where an impact changes the velocities: there they are its own to say.
     """
-    labels: set[str] = set()
-    for carry in (carry for link in links for carry in link.carries if carry.target == index):
-        if "contact velocity" not in carry.quantities:
-            return None
-        there = held_throughout(phases[carry.source])
-        labels |= {there[equation.row][1].label for equation in equations_of(phases[carry.source])}
-    return frozenset(labels)
+    rows: set[int] = set()
+    for link in links:
+        for carry in link.carries:
+            if carry.target != index:
+                continue
+            if link.unknowns:
+                return None
+            # Where a motion repeats itself, time and places may have moved on.
+            if carry.source < index and "contact velocity" in carry.quantities:
+                before = equations_of(phases[carry.source])
+                rows |= {e.row for e in equations_of(phases[index]) if any(_alike(e, other) for other in before)}
+    return frozenset(rows)
+
+
+def _alike(one: Equation, other: Equation) -> bool:
+    """Whether two equations are the same, of the same value; of parameters, which phases have of their own, none is."""
+    sizes = [one.values.size1_in(i) for i in range(3)]
+    same = one.order == other.order and one.target == other.target and sizes[2] == 0
+    if not same or sizes != [other.values.size1_in(i) for i in range(3)]:
+        return False
+    rng = np.random.default_rng(0)
+    points = [[rng.standard_normal(size) for size in sizes] for _ in range(3)]
+    values = [[np.array(each.values(*point)).ravel() for point in points] for each in (one, other)]
+    return bool(np.array_equal(values[0], values[1]))

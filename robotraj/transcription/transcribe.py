@@ -97,7 +97,7 @@ def transcribe(
             points.append(collocate(phase, i, layout, rows, linear, engine.torques_apart, between, known))
         hold_controls(between, phase, i, layout, rows, linear)
         blocks += end_constraint_blocks(phase, i, layout, rows)
-        chosen = equations_block(phase, i, layout, rows) if collocated and known is not None else None
+        chosen = equations_block(phase, i, layout, rows, known) if collocated and known is not None else None
         started = start_block(problem.phases, i, layout, problem.bound_links, rows)
         blocks += [block for block in (chosen, started, mayer_block(phase, layout)) if block]
     unknowns = tuple(link_unknowns(link, columns) for link in problem.bound_links)

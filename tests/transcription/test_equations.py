@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import casadi as ca
+import cloudpickle
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -192,6 +193,20 @@ def test_fatrop_and_ipopt_find_one_optimum(ur5: rt.Robot) -> None:
     assert one.objective == pytest.approx(other.objective, rel=1e-7)
 
 
+@pytest.mark.parametrize("free", [{}, {"z": 0.1}], ids=["alone", "at a height"])
+def test_an_orientation_is_held_with_free_positions(ur5: rt.Robot, free: dict[str, float]) -> None:
+    down = np.diag([1.0, -1.0, -1.0])
+    ends = rt.State(q=reach(ur5, 0.3), v=0), rt.State(q=reach(ur5, -0.3), v=0)
+    held = rt.FramePose("tool0", (free or [None] * 3, down))
+    phase = rt.Phase(ur5, 1.5, *ends, rt.Effort(), constraints=[held])
+    solution = rt.plan(phase, rt.Mesh(20), solver=ALONE, progress=False)
+    assert solution.iterations < 60
+    poses = [tool(ur5, q) for q in solution.at(np.linspace(0, 1.5, 301)).q]
+    assert max(np.abs(pose.rotation - down).max() for pose in poses) < 1e-3
+    heights = np.abs([pose.translation[2] - 0.1 for pose in poses]).max()
+    assert (heights < 1e-4) == bool(free)
+
+
 @pytest.mark.parametrize("scheme", [rt.HermiteSimpson(), rt.RadauIIA(3), rt.GaussLegendre(3)], ids=lambda s: str(s)[:9])
 def test_an_end_of_the_line_may_be_left_open(ur5: rt.Robot, scheme: Any) -> None:
     goal = rt.AtEnd(rt.FramePosition("tool0", {"y": -0.2}))
@@ -270,6 +285,45 @@ def test_phases_that_hold_the_same_equation_run_on() -> None:
         assert solution.objective == pytest.approx(whole.objective, rel=1e-8)
 
 
+@pytest.mark.parametrize("name", ["diagonal", "other"])
+def test_another_equation_of_the_same_name_begins_at_its_own_start(name: str) -> None:
+    """Along x = y to (0.5, 0.5), then along x - 2 y = -0.5: no velocity is along both: it rests at the corner."""
+    second = rt.PathConstraint(lambda p: p.x["x"] - 2 * p.x["y"] + 0.5, 0, 0, name=name)
+    parts = [
+        rt.Phase(
+            plane(), 0.5, rt.State([0, 0, 0, 0]), rt.State([0.5, 0.5, None, None]), effort(), constraints=[diagonal()]
+        ),
+        rt.Phase(plane(), 0.5, end=rt.State([1, 0.75, 0, 0]), objective=effort(), constraints=[second]),
+    ]
+    for solver in (ALONE, rt.Ipopt()):
+        solution = rt.plan(rt.Problem(parts, [rt.Continuity(0, 1)]), rt.Mesh(10), solver=solver, progress=False)
+        # 12 d^2 / T^3 of each axis, weighted by 1 and 4.
+        assert solution.objective == pytest.approx(96 * (0.25 * 5) + 96 * (0.25 + 4 * 0.0625), rel=1e-7)
+
+
+def test_a_motion_that_repeats_holds_the_equation_where_it_begins_again() -> None:
+    """y = sin(2 t) is not where it was after a second."""
+    wave = diagonal(lambda p: p.x["y"] - ca.sin(2 * p.t))
+    phase = rt.Phase(plane(), 1.0, rt.State([0, None, None, None]), rt.State(), effort(), constraints=[wave])
+    solver = rt.Ipopt(max_iterations=100)
+    assert not rt.plan(rt.Problem([phase], [rt.Periodic()]), rt.Mesh(10), solver=solver, check=False).success
+    free = phase.with_(duration=(1.0, 4.0))
+    solution = rt.plan(rt.Problem([free], [rt.Periodic()]), rt.Mesh(20), solver=ALONE, progress=False)
+    assert solution.duration == pytest.approx(np.pi, rel=1e-6)
+
+
+@each_scheme
+def test_an_open_start_is_on_the_equation_and_along_it(scheme: Any, intervals: int) -> None:
+    """From 0 at 1 m/s to rest at 1 m in 1 s a cubic has the integral 4 of a^2, five times."""
+    phase = moved(diagonal(), start=(0, None, 1, None))
+    solution = rt.plan(phase, rt.Mesh(intervals, scheme), solver=ALONE, progress=False)
+    exact = scheme not in (rt.Trapezoidal(), rt.RadauIIA(1))
+    assert solution.objective == pytest.approx(20.0, rel=1e-7 if exact else 0.1)
+    first = solution.at(0.0).x
+    assert first["y"] == pytest.approx(0.0, abs=1e-8)
+    assert first["vy"] == pytest.approx(1.0, abs=1e-8)
+
+
 def test_an_equation_that_begins_with_a_phase_begins_with_its_rate() -> None:
     parts = [
         rt.Phase(plane(), 0.5, rt.State([0, 0, 0, 0]), rt.State([0.5, 0.5, None, None]), effort()),
@@ -278,6 +332,15 @@ def test_an_equation_that_begins_with_a_phase_begins_with_its_rate() -> None:
     solution = rt.plan(rt.Problem(parts, [rt.Continuity(0, 1)]), rt.Mesh(10), solver=ALONE, progress=False)
     x = solution.phases[1].at(solution.phases[1].knots).x
     np.testing.assert_allclose(x["vx"], x["vy"], atol=1e-8)
+
+
+def test_a_phase_that_was_planned_goes_to_other_processes() -> None:
+    phase = moved(diagonal())
+    solution = rt.plan(phase, rt.Mesh(10), solver=ALONE, progress=False)
+    copy = cloudpickle.loads(cloudpickle.dumps(phase))
+    again = rt.plan(copy, rt.Mesh(10), solver=ALONE, progress=False)
+    assert again.objective == solution.objective
+    assert cloudpickle.loads(cloudpickle.dumps(solution)).objective == solution.objective
 
 
 def test_costates_are_not_made_up() -> None:
