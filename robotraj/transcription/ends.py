@@ -16,6 +16,7 @@ from robotraj.errors import InputError
 from robotraj.links import BoundLink, Ends
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import (
+    PointSymbols,
     column_of,
     phase_scalars,
     point_symbols,
@@ -102,15 +103,19 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
         added = rows.add(
             entries, np.array([fraction]), np.array([r.lower for r in kept]), np.array([r.upper for r in kept])
         )
-        state = layout.knots[0] if where is Where.START else layout.knots[-1]
-        controls = interval.controls[node]
-        shared = [scalar.column for scalar in phase_scalars(layout) if scalar.column is not None]
-        columns = np.concatenate([state, interval.algebraic[node], controls, shared]).astype(int)
-        fixed = [scalar.value for scalar in phase_scalars(layout) if scalar.column is None]
-        read = _read(y, s.unknowns)
-        unknowns = s.unknowns[read.tolist()]
-        blocks.append(single(unknowns, s.constants, y, columns[read], np.array([fraction, *fixed]), added[0]))
+        blocks.append(_at_end(layout, node, s, y, added[0]))
     return blocks
+
+
+def _at_end(layout: PhaseLayout, node: int, s: PointSymbols, y: ca.SX, rows: Indices) -> Block:
+    """Block of rows y at the first knot (``node`` 0) or at the last one (-1), of ``s`` the unknowns that y reads."""
+    interval, scalars = layout.intervals[node], phase_scalars(layout)
+    shared = [scalar.column for scalar in scalars if scalar.column is not None]
+    inner = interval.algebraic[node], interval.controls[node]
+    columns = np.concatenate([layout.knots[node], *inner, shared]).astype(int)
+    constants = np.array([float(-node), *(scalar.value for scalar in scalars if scalar.column is None)])
+    read = _read(y, s.unknowns)
+    return single(s.unknowns[read.tolist()], s.constants, y, columns[read], constants, rows)
 
 
 def start_block(
@@ -138,6 +143,8 @@ def equations_block(
     None where there is nothing to say; ``carried`` as for ``equations.hold_equations``.
     """
     equations, interval = equations_of(phase), layout.intervals[0]
+    if not equations:
+        return None
     s, held = point_symbols(phase, phase_scalars(layout)), held_throughout(phase)
     values: list[tuple[Row, ca.SX, float]] = []
     if interval.scheme.nodes[0] > 0.0:
@@ -145,10 +152,7 @@ def equations_block(
             row, found = held[equation.row][1], equation.values(s.t, s.x, s.p)
             kept = [] if equation.row in carried else sorted(set(range(equation.order)) - at_start)
             values += [(rate_row(row, k) if k else row, found[k], 0.0 if k else equation.target) for k in kept]
-    # Where rates of controls are chosen, the controls are states, and accelerations follow from them.
-    elif shares_start(interval.scheme) and {u.name for u in phase.body.controls} <= {
-        u.name for u in phase.dae.controls
-    }:
+    elif shares_start(interval.scheme) and not _chooses_rates(phase):
         for equation in equations:
             row = rate_row(held[equation.row][1], equation.order)
             values.append((row, equation.chosen(s.t, s.x, s.z, s.u, s.p), 0.0))
@@ -157,12 +161,7 @@ def equations_block(
     entries = [Entry(index, row.name, row.joint or "", row.unit) for row, _, _ in values]
     wanted = np.array([value for _, _, value in values])
     added = rows.add(entries, np.zeros(1), wanted, wanted)[0]
-    scalars, y = phase_scalars(layout), ca.vertcat(*(value for _, value, _ in values))
-    shared = [scalar.column for scalar in scalars if scalar.column is not None]
-    columns = np.concatenate([layout.knots[0], interval.algebraic[0], interval.controls[0], shared]).astype(int)
-    fixed = [scalar.value for scalar in scalars if scalar.column is None]
-    read = _read(y, s.unknowns)
-    return single(s.unknowns[read.tolist()], s.constants, y, columns[read], np.array([0.0, *fixed]), added)
+    return _at_end(layout, 0, s, ca.vertcat(*(value for _, value, _ in values)), added)
 
 
 def _chooses_rates(phase: Phase) -> bool:
