@@ -1,13 +1,16 @@
 """Cost per iteration against the number of intervals, and the straight line nearest to it.
 
 Kelly's cart-pole by IPOPT on 50 to 800 intervals, ten iterations each, and task T4 (ur5) by fatrop on 25 to 1,600, to
-its end: iterations alone, of a program that is there, and with the set-up of the stages. Hermite-Simpson. Processor
-time, the least of several runs taken in turn, so that other work on the machine counts little. Run with
-``python benchmarks/linearity.py``.
+its end, over its iterations: all of a plan but the imports, in a fresh process, as the peers' tables count it; the
+iterations alone, of a program that is there; and with the set-up of the stages, in a process that has planned before.
+Hermite-Simpson. Processor time, the least of several runs taken in turn, so that other work on the machine counts
+little. Run with ``python benchmarks/linearity.py``.
 """
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -16,6 +19,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 from roofline import iterations
+from scipy.optimize import linprog
 
 import robotraj as rt
 
@@ -51,11 +55,20 @@ def arm() -> rt.Problem:
     return rt.Problem([rt.Phase(rt.load("ur5"), 1.0, *ends, rt.Effort())])
 
 
+def nearest_line(n: Array, seconds: Array) -> Array:
+    """Give the straight line, as (at 0, slope), whose greatest relative distance from the seconds is least."""
+    rows = np.column_stack([np.ones_like(n), n]) / seconds[:, None]
+    one = np.ones((len(n), 1))
+    # |rows @ line - 1| <= distance, the third unknown, which is made least.
+    within = np.block([[rows, -one], [-rows, -one]])
+    limits = np.concatenate([one[:, 0], -one[:, 0]])
+    return linprog([0, 0, 1], within, limits, bounds=[(None, None), (None, None), (0, None)]).x[:2]
+
+
 def report(title: str, counts: Sequence[int], seconds: Array) -> None:
     """Print a line a mesh, and how far they are from a straight line."""
     n = np.array(counts, dtype=float)
-    # A straight line that minimises the relative deviations.
-    line = np.linalg.lstsq(np.column_stack([np.ones_like(n), n]) / seconds[:, None], np.ones_like(n), rcond=None)[0]
+    line = nearest_line(n, seconds)
     fitted = line[0] + line[1] * n
     print(f"\n{title}")
     print(f"{'intervals':>9} {'measured [ms]':>14} {'an interval [us]':>17} {'straight line [ms]':>19} {'off':>6}")
@@ -79,6 +92,24 @@ def by_ipopt() -> None:
     report("cart-pole, an iteration of IPOPT", CARTPOLE, iterate.min(axis=0))
 
 
+def first_plan(count: int) -> None:
+    """Plan task T4 once and print the processor time over its iterations [s]."""
+    # Names are imported when they are first asked for: asked for here, they count among the imports.
+    _ = rt.Phase, rt.State, rt.Effort, rt.Mesh, rt.Fatrop, rt.load, rt.plan
+    began = time.process_time()
+    solution = rt.plan(arm(), rt.Mesh(count), solver=rt.Fatrop(threads=1), check=False, progress=False)
+    print((time.process_time() - began) / solution.iterations)
+
+
+def in_fresh_processes() -> None:
+    seconds = np.full((RUNS, len(ARM)), np.inf)
+    for run in range(RUNS):
+        for i, count in enumerate(ARM):
+            told = subprocess.run([sys.executable, __file__, str(count)], capture_output=True, text=True, check=True)
+            seconds[run, i] = float(told.stdout)
+    report("ur5, build and solve in a fresh process, over the iterations", ARM, seconds.min(axis=0))
+
+
 def by_fatrop() -> None:
     problem, solver = arm(), rt.Fatrop(threads=1, fallback=None)
     whole, iterate = (np.full((RUNS, len(ARM)), np.inf) for _ in range(2))
@@ -97,5 +128,9 @@ def by_fatrop() -> None:
 
 
 if __name__ == "__main__":
-    by_ipopt()
-    by_fatrop()
+    if len(sys.argv) > 1:
+        first_plan(int(sys.argv[1]))
+    else:
+        by_ipopt()
+        in_fresh_processes()
+        by_fatrop()

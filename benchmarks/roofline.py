@@ -7,9 +7,10 @@ n = n_u + n_x (Vanroye et al., FATROP, IROS 2023; a multiplication and an additi
     Cholesky n_u^3 / 3,  its two products n_u^2 n_x + n_u n_x^2
 
 and of the point functions: the operations of CasADi's graphs of inverse dynamics, its Jacobian and its Hessian, which
-the native engine's formulas undercut. Both count dense matrices: the recursion leaves zeros out. The rate is that of a
-product of matrices of 256 rows in NumPy, on one core. An iteration is in processor time, the least of several solves by
-a program that is there; inertia corrections, refinements and line search are in it.
+the native engine's formulas undercut. Both count dense matrices: the recursion leaves zeros out. The rate is that of
+products of matrices of 256 rows by SciPy's BLAS, on one core; that of 30 rows is told beside it. An iteration is in
+processor time, the least of several solves by a program that is there; inertia corrections, refinements and line search
+are in it.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import time
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.linalg.blas import dgemm
 
 import robotraj as rt
 from robotraj.solvers.fatrop import BARRIERS
@@ -25,18 +27,21 @@ from robotraj.solvers.objective_scale import of_program
 from robotraj.stagewise import native_program, reduce
 
 RUNS = 9
+SMALL = 30
+"""Unknowns of a stage of the arm."""
 START, GOAL = [-1.1, -1.8, 1.6, -1.2, -1.57, 0.0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2]
 
 
-def rate() -> float:
-    """Floating-point operations of one core in a second."""
-    a = np.random.default_rng(0).standard_normal((256, 256))
+def rate(rows: int) -> float:
+    """Floating-point operations of one core in a second, in products of square matrices."""
+    a = np.asfortranarray(np.random.default_rng(0).standard_normal((rows, rows)))
+    product = np.zeros_like(a)
     best = np.inf
-    for _ in range(50):
+    for _ in range(200):
         began = time.perf_counter()
-        a @ a
+        dgemm(1.0, a, a, 0.0, product, overwrite_c=1)
         best = min(best, time.perf_counter() - began)
-    return 2 * 256**3 / best
+    return 2 * rows**3 / best
 
 
 def riccati(program: object) -> float:
@@ -63,18 +68,19 @@ def iterations(solver: rt.Fatrop, nlp: rt.Nlp, runs: int) -> Iterator[float]:
     program = native_program(reduction.program, nlp.engine, threads=1)
     start, lower, upper = reduction.start(nlp.guess), reduction.program.lower, reduction.program.upper
     scale = of_program(program, start, reduction.program, solver.initial_barrier)
+    options = solver._options(BARRIERS[0], solver.max_iterations)
     for _ in range(runs):
         began = time.process_time()
-        found = program.solve(start, lower, upper, solver._options(BARRIERS[0]), objective_scale=scale)
+        found = program.solve(start, lower, upper, options, objective_scale=scale)
         yield (time.process_time() - began) / found.iterations
 
 
 def main() -> None:
     """Print one line a mesh."""
     robot = rt.load("ur5")
-    peak = rate()
+    peak, small = rate(256), rate(SMALL)
     solver = rt.Fatrop(threads=1, fallback=None)
-    print(f"one core: {peak / 1e9:.1f} GFlop/s in NumPy's matrix product\n")
+    print(f"one core: {peak / 1e9:.1f} GFlop/s in products of 256 rows, {small / 1e9:.1f} of {SMALL}, a stage's size\n")
     print("| ur5, intervals | Riccati [MFlop] | points [MFlop] | limit [ms] | iteration [ms] | ratio |")
     print("|---|---|---|---|---|---|")
     for count in (25, 50, 100, 200, 400, 800, 1600):

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robotraj.constraints.base import BoundConstraint, Constraint, Row, symbols_of
-from robotraj.dynamics.system import as_rows
-from robotraj.errors import InputError, called
+from robotraj.dynamics.rows import rows_of
+from robotraj.errors import InputError
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class PathConstraint(Constraint):
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Try the expression on symbols, count its rows and pair them with bounds."""
         what = f"expression of constraint {self.name!r}"
-        count = len(as_rows(called(what, self.expression, symbols_of(dynamics, parameters)), what))
+        count = len(rows_of(what, self.expression, symbols_of(dynamics, parameters)))
         lower = side(self.lower, -np.inf, count, self.name)
         upper = side(self.upper, np.inf, count, self.name)
         for i in range(count):

@@ -10,8 +10,9 @@ from typing import Any
 import casadi as ca
 
 from robotraj.dynamics.point import Point
+from robotraj.dynamics.rows import rows_of
 from robotraj.dynamics.variable import Named, Variable
-from robotraj.errors import InputError, called, unknown_name
+from robotraj.errors import InputError, unknown_name
 from robotraj.values import dataclass
 
 Expression = Callable[[Any], Any]
@@ -159,23 +160,7 @@ class SystemDynamics:
 
 def _column(function: Expression, point: Any, length: int, what: str, per: str) -> ca.SX:
     """Turn what a user's function returns into an SX column of the right length, or say what is wrong."""
-    rows = as_rows(called(what, function, point), what)
+    rows = rows_of(what, function, point)
     if len(rows) != length:
         raise InputError(f"The {what} returned {len(rows)} values; it must return {length}, one per {per}.")
     return ca.vertcat(*rows) if rows else ca.SX(0, 1)
-
-
-def as_rows(values: Any, what: str) -> list[ca.SX]:
-    """Flatten a scalar, a list or a CasADi/NumPy column that a user expression returned into a list of SX."""
-    try:
-        if isinstance(values, ca.SX | ca.DM | ca.MX):
-            column = ca.SX(values)
-            return [column[i] for i in range(column.numel())]
-        if isinstance(values, Sequence) or hasattr(values, "ravel"):
-            parts = values.ravel() if hasattr(values, "ravel") else values
-            return [row for part in parts for row in as_rows(part, what)]
-        return [ca.SX(values)]
-    except (TypeError, RuntimeError) as error:
-        raise InputError(
-            f"The {what} must return numbers or CasADi SX expressions of the point, got {type(values).__name__}."
-        ) from error

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from robotraj.constraints import AtEnd, AtStart, PathConstraint, Row, Where, between
 from robotraj.constraints.base import BoundConstraint, Constraint
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.errors import InputError
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns

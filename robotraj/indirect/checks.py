@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.constraints import Row, Where
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.errors import InputError
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.costates import PhaseCostates

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.dynamics import ForwardDynamics, System
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.hamiltonian import Hamiltonian
 from robotraj.problem import Phase

@@ -12,7 +12,7 @@ import numpy as np
 from robotraj.constraints import Row, as_bounds
 from robotraj.constraints.base import ends_of
 from robotraj.dynamics import Named
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
 from robotraj.values import dataclass
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from robotraj.constraints import Row
 from robotraj.constraints.base import ends_of
 from robotraj.constraints.path import flat, side
-from robotraj.dynamics.system import as_rows
-from robotraj.errors import InputError, called, unknown_name
+from robotraj.dynamics.rows import rows_of
+from robotraj.errors import InputError, unknown_name
 from robotraj.links.base import BoundLink, Ends, Link, normal, phase_at
 from robotraj.values import dataclass
 
@@ -45,7 +45,7 @@ class Linkage(Link):
         chosen = [phase_at(phases, i, f"linkage {self.name!r}") for i in self.phases]
         symbols = [Ends(*ends_of(phase.dae, phase.parameter_names)) for phase in chosen]
         what = f"expression of link {self.name!r}"
-        count = len(as_rows(called(what, self.expression, *symbols), what))
+        count = len(rows_of(what, self.expression, *symbols))
         lower, upper = (
             side(self.lower, -float("inf"), count, self.name),
             side(self.upper, float("inf"), count, self.name),

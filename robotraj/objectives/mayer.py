@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from robotraj.constraints.base import ends_of
-from robotraj.dynamics.system import as_rows
-from robotraj.errors import InputError, called
+from robotraj.dynamics.rows import rows_of
+from robotraj.errors import InputError
 from robotraj.objectives.base import EndCost
 from robotraj.values import dataclass
 
@@ -31,6 +31,6 @@ class Mayer(EndCost):
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Try the expression on symbols."""
         what = "Mayer expression of the objective"
-        rows = as_rows(called(what, self.expression, *ends_of(dynamics, parameters)), what)
+        rows = rows_of(what, self.expression, *ends_of(dynamics, parameters))
         if len(rows) != 1:
             raise InputError(f"A Mayer expression must return one scalar; it returned {len(rows)}.")

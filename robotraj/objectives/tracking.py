@@ -11,7 +11,7 @@ import numpy as np
 
 from robotraj.constraints.base import symbols_of
 from robotraj.dynamics import RigidBody
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.errors import InputError, called
 from robotraj.objectives.base import Integral
 from robotraj.objectives.reference import symbolic_states

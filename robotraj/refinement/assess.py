@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.constraints import Row, Where
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.polynomials import basis
 from robotraj.refinement.error import interval_errors
 from robotraj.refinement.strategy import Assessment

@@ -119,7 +119,7 @@ def with_values(slots: Slots, form: Form, order: Order, known: Mask, values: Arr
 def _settled(chain: Csr, start: Array) -> Array:
     """Solve x0 = start + chain x0, where there are no circles."""
     offset = start
-    while not np.array_equal(offset, further := start + chain @ offset):
+    while not np.array_equal(offset, further := start + chain @ offset, equal_nan=True):
         offset = further
     return offset
 

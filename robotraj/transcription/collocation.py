@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from robotraj.constraints import Where
 from robotraj.dynamics.apart import contacts_apart
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.torques import torques_apart
 from robotraj.schemes import MovingMesh
 from robotraj.sparse import csr_array

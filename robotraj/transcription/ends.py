@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj.constraints import Row, Where
 from robotraj.dynamics import Named
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.errors import InputError
 from robotraj.links import BoundLink, Ends
 from robotraj.transcription.block import Block

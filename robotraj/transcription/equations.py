@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from robotraj.constraints import Bounds, Row, Where
 from robotraj.constraints.base import BoundConstraint
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.transcription.table import Entry, ScalarTable
 from robotraj.transcription.triplets import Triplets
 from robotraj.values import dataclass

@@ -17,7 +17,7 @@ import numpy as np
 
 from robotraj.constraints import Row, Where
 from robotraj.constraints.base import BoundConstraint, symbols_of
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.polynomials import integrals
 from robotraj.schemes import OneStep
 from robotraj.transcription.block import Block

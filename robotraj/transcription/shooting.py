@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.constraints import Row, Where
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.schemes import MovingMesh, OneStep
 from robotraj.sparse import csr_array
 from robotraj.transcription.block import Block

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj.constraints import Row
 from robotraj.constraints.base import BoundConstraint
-from robotraj.dynamics.system import as_rows
+from robotraj.dynamics.rows import as_rows
 from robotraj.polynomials import basis, lobatto_sites
 from robotraj.schemes import OneStep
 from robotraj.transcription.block import Block

@@ -1,0 +1,74 @@
+"""Rows of what a user's expression returns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from robotraj.errors import InputError, called
+
+SOMEWHERE = 0.7
+"""What symbols are where an expression is tried: roots, logarithms and divisions have values there."""
+
+
+def rows_of(what: str, function: Callable[..., Any], *arguments: Any) -> list[ca.SX]:
+    """Call a function that the user gave on symbols, and flatten what it returns.
+
+    Parameters
+    ----------
+    what : str
+        Whose function it is, for messages: ``"expression of constraint 'effort'"``.
+    function : callable
+    *arguments
+        Points, or whatever of symbols the function takes.
+
+    Raises
+    ------
+    FailedExpression
+        The function raised anything but an error of robotraj.
+    InputError
+        It returned something else than numbers and SX, or made NaN of a symbol, as ``math.sin`` does.
+    """
+    rows = as_rows(called(what, function, *arguments), what)
+    for i, row in enumerate(rows):
+        if _holds_nan(row):
+            which = "" if len(rows) == 1 else f" in row {i}"
+            raise InputError(
+                f"The {what} has NaN{which} whatever the point is: functions of Python's math make NaN of CasADi "
+                "symbols. Write casadi.sin for math.sin, and so on."
+            )
+    return rows
+
+
+def as_rows(values: Any, what: str) -> list[ca.SX]:
+    """Flatten a scalar, a list or a CasADi/NumPy column that a user expression returned into a list of SX."""
+    try:
+        if isinstance(values, ca.SX | ca.DM | ca.MX):
+            column = ca.SX(values)
+            return [column[i] for i in range(column.numel())]
+        # NumPy's scalars have a ravel too, which gives themselves again.
+        if isinstance(values, Sequence) or (hasattr(values, "ravel") and not isinstance(values, np.generic)):
+            parts = values.ravel() if hasattr(values, "ravel") else values
+            return [row for part in parts for row in as_rows(part, what)]
+        return [ca.SX(float(values) if isinstance(values, np.generic) else values)]
+    except (TypeError, RuntimeError) as error:
+        raise InputError(
+            f"The {what} must return numbers or CasADi SX expressions of the point, got {type(values).__name__}."
+        ) from error
+
+
+def _holds_nan(row: ca.SX) -> bool:
+    """Whether NaN is one of the numbers in an expression."""
+    if row.is_constant():
+        return math.isnan(float(row))
+    symbols = ca.symvar(row)
+    function = ca.Function("row", [ca.vertcat(*symbols)], [row])
+    if not np.isnan(float(function(ca.DM.ones(len(symbols)) * SOMEWHERE))):
+        return False
+    # NaN there may be one of roots and logarithms elsewhere.
+    numbers = [k for k in range(function.n_instructions()) if function.instruction_id(k) == ca.OP_CONST]
+    return any(math.isnan(function.instruction_constant(k)) for k in numbers)
