@@ -27,6 +27,7 @@ from robotraj.solvers.objective_scale import of_program
 from robotraj.stagewise import native_program, reduce
 
 RUNS = 9
+INTERVALS = (25, 50, 100, 200, 400, 800, 1600)
 SMALL = 30
 """Unknowns of a stage of the arm."""
 START, GOAL = [-1.1, -1.8, 1.6, -1.2, -1.57, 0.0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2]
@@ -83,7 +84,7 @@ def main() -> None:
     print(f"one core: {peak / 1e9:.1f} GFlop/s in products of 256 rows, {small / 1e9:.1f} of {SMALL}, a stage's size\n")
     print("| ur5, intervals | Riccati [MFlop] | points [MFlop] | limit [ms] | iteration [ms] | ratio |")
     print("|---|---|---|---|---|---|")
-    for count in (25, 50, 100, 200, 400, 800, 1600):
+    for count in INTERVALS:
         phase = rt.Phase(robot, 1.0, rt.State(q=START, v=0), rt.State(q=GOAL, v=0), objective=rt.Effort())
         nlp = rt.transcribe(
             rt.Problem(phase), rt.Mesh(count), engine=solver.default_engine(), between=solver.default_between()

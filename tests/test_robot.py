@@ -307,6 +307,20 @@ FILES = {
         "expand it with the xacro",
     ),
     "no links": ('<robot name="r"></robot>', "cannot read"),
+    "two roots": (
+        '<robot name="r"><link name="base"/><link name="a"/><link name="b"/><joint name="j" type="fixed">'
+        '<parent link="base"/><child link="b"/></joint></robot>',
+        "the links 'base', 'a' are no joint's child",
+    ),
+    "negative mass": (
+        '<robot name="r"><link name="base"><inertial><mass value="-2"/></inertial></link></robot>',
+        "link 'base' has the mass '-2'",
+    ),
+    "no axis": (
+        '<robot name="r"><link name="base"/><link name="a"/><joint name="slide" type="prismatic"><axis xyz="0 0 0"/>'
+        '<parent link="base"/><child link="a"/><limit lower="0" upper="1" velocity="1" effort="1"/></joint></robot>',
+        "'slide' has the axis '0 0 0'",
+    ),
 }
 
 

@@ -11,6 +11,8 @@ import pinocchio as pin
 from robotraj.errors import InputError, unknown_name
 
 JOINT_TYPES = {"revolute", "continuous", "prismatic", "floating", "planar", "fixed"}
+MOVING = {"revolute", "continuous", "prismatic"}
+"""Those along or about one axis."""
 NUMBERS = ("limit", "dynamics", "mimic")
 """Tags of a joint whose attributes are numbers (but for the leader's name)."""
 
@@ -34,6 +36,7 @@ def read_xml(path: Path) -> ElementTree.Element:
     if path.suffix == ".xacro" or any("ros.org/wiki/xacro" in element.tag for element in root.iter()):
         raise InputError(f"{str(path)!r} is a xacro macro, not a URDF: expand it with the xacro command first.")
     _check_joints(path, root)
+    _check_links(path, root)
     return root
 
 
@@ -56,11 +59,39 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
             raise InputError(
                 f"{str(path)!r}: the {kind} joint {name!r} has no <limit>; a URDF asks for its effort and velocity."
             )
+        axis = joint.find("axis")
+        if axis is not None and kind in MOVING and not _is_direction(axis.get("xyz", "")):
+            raise InputError(
+                f"{str(path)!r}: joint {name!r} has the axis {axis.get('xyz')!r}; give three numbers, not all zero."
+            )
         for field in NUMBERS:
             element = joint.find(field)
             for key, text in {} if element is None else element.attrib.items():
                 if key != "joint" and not _is_number(text):
                     raise InputError(f"{str(path)!r}: joint {name!r} has <{field} {key}={text!r}>, which is no number.")
+
+
+def _check_links(path: Path, root: ElementTree.Element) -> None:
+    """Say which link has a mass that none can have, and which ones hang on nothing."""
+    for link in root.findall("link"):
+        mass = link.find("inertial/mass")
+        text = "0" if mass is None else mass.get("value", "")
+        if not _is_number(text) or not 0 <= float(text) < math.inf:
+            raise InputError(
+                f"{str(path)!r}: link {link.get('name')!r} has the mass {text!r}; give kilograms, 0 or more."
+            )
+    held = {tag.get("link") for tag in root.findall("joint/child")}
+    free = [name for link in root.findall("link") if (name := link.get("name")) not in held]
+    if len(free) > 1:
+        raise InputError(
+            f"{str(path)!r}: the links {', '.join(map(repr, free))} are no joint's child; a URDF has one such root. "
+            "Join the others to it by fixed joints."
+        )
+
+
+def _is_direction(text: str) -> bool:
+    parts = text.split()
+    return len(parts) == 3 and all(map(_is_number, parts)) and any(float(part) != 0 for part in parts)
 
 
 def _is_number(text: str) -> bool:

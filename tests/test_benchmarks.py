@@ -1,0 +1,53 @@
+"""Benchmarks that reach into the solver still do: on meshes so small that they measure nothing."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+
+
+@pytest.fixture
+def linearity(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import linearity
+
+    monkeypatch.setattr(linearity, "ARM", (2, 4, 8))
+    monkeypatch.setattr(linearity, "CARTPOLE", (5, 10, 20))
+    monkeypatch.setattr(linearity, "RUNS", 1)
+    return linearity
+
+
+def test_linearity_reports_every_mesh(linearity: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
+    linearity.by_ipopt()
+    linearity.by_fatrop()
+    linearity.in_fresh_processes()
+    told = capsys.readouterr().out
+    assert told.count("worst distance from the line") == 4
+    lines = [line.split() for line in told.splitlines() if line.endswith("%") and line.split()[0].isdigit()]
+    assert [int(line[0]) for line in lines] == [5, 10, 20] + 3 * [2, 4, 8]
+    assert all(float(line[1]) > 0 for line in lines)
+
+
+def test_the_nearest_line_leaves_equal_distances(linearity: ModuleType) -> None:
+    n = np.array([1.0, 2.0, 4.0])
+    seconds = 3 + 2 * n + np.array([0.0, 1.0, 0.0])
+    at_zero, slope = linearity.nearest_line(n, seconds)
+    off = (at_zero + slope * n) / seconds - 1
+    np.testing.assert_allclose(np.abs(off), np.max(np.abs(off)), rtol=1e-6)
+    np.testing.assert_allclose(linearity.nearest_line(n, 3 + 2 * n), [3, 2], rtol=1e-8)
+
+
+def test_roofline_reports_every_mesh(
+    linearity: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    roofline = sys.modules["roofline"]
+    monkeypatch.setattr(roofline, "INTERVALS", (2, 4))
+    monkeypatch.setattr(roofline, "RUNS", 1)
+    roofline.main()
+    assert [line.split()[1] for line in capsys.readouterr().out.splitlines()[-2:]] == ["2", "4"]
