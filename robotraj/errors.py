@@ -147,6 +147,8 @@ def _advice(error: Exception, count: int) -> str:
             "Symbols are neither true nor false: write casadi.if_else(condition, a, b) for `if`, casadi.fmax and "
             "casadi.fmin for `max` and `min`, casadi.logic_and and casadi.logic_or for `and` and `or`."
         )
+    if isinstance(error, AttributeError) and type(error.obj).__module__.startswith("robotraj."):
+        return f"It has {', '.join(name for name in dir(error.obj) if not name.startswith('_'))}."
     return (
         f"It is called with {count} argument{'' if count == 1 else 's'} and reads CasADi symbols: write it with "
         "operators and CasADi's functions, of entries that exist."

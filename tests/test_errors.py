@@ -7,6 +7,7 @@ import pickle
 import casadi as ca
 import pytest
 
+import robotraj as rt
 from robotraj.errors import FailedExpression, UnknownName, called, unknown_name
 
 
@@ -52,3 +53,13 @@ def test_errors_of_casadi_lose_their_source_lines_and_prototypes(function: objec
         called("expression", function, ca.SX.sym("x", 2))  # type: ignore[arg-type]
     message = str(caught.value)
     assert said in message and ".cpp" not in message and "prototypes" not in message and "\n" not in message
+
+
+def test_what_a_point_has_is_listed_where_something_else_is_asked_of_it() -> None:
+    phase = rt.Phase(rt.load("two_link_arm"), 1.0, rt.State(v=0), rt.State(v=0), rt.Effort())
+    ball = rt.PathConstraint(lambda point: point.frame("tip").translation, 0, 1, name="ball")
+    with pytest.raises(FailedExpression, match=r"'translation'\. It has acceleration, position, rotation, velocity\.$"):
+        rt.plan(phase.with_(constraints=[ball]))
+    bad = rt.Lagrange(lambda point: point.torque)
+    with pytest.raises(FailedExpression, match=r"'torque'\. It has .*\btau\b"):
+        rt.plan(phase.with_(objective=bad))
