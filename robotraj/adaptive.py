@@ -24,6 +24,10 @@ MOST_MESHES = 25
 """Meshes tried before the tolerance is given up."""
 MOST_INTERVALS = 10_000
 """Intervals of all phases beyond which the tolerance is given up: the rest is round-off, or asks for a higher order."""
+PATIENCE = 4
+"""Meshes in a row that do not bring the error down, after which the tolerance is given up."""
+LESS = 0.8
+"""Part of the least error so far that counts as down."""
 ROOM = 0.1
 """How far the lengths of moving intervals change from one mesh to the next, relative to themselves."""
 SMALL = 1e-2
@@ -61,9 +65,7 @@ def adapt(
         before = steps[-1].objective if steps else np.inf
         # Where each mesh halves the distance to the optimum, what is left is as large as the last change.
         settled = abs(solution.objective - before) <= 0.5 * tolerance * max(abs(solution.objective), SMALL)
-        assessments = [
-            assess(part.phase, part.trajectory, settled, isinstance(part.mesh, MovingMesh)) for part in solution.phases
-        ]
+        assessments = [assess(part.phase, part.trajectory, part.mesh, settled) for part in solution.phases]
         return assessments, max(float(a.errors.max()) for a in assessments), settled
 
     def hold(solution: Solution) -> bool:
@@ -94,7 +96,8 @@ def adapt(
         goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
         pairs = zip(solution.phases, assessments, strict=True)
         finer = [_next(part, own, refinement, tolerance if _stepped(part) else goal) for part, own in pairs]
-        if len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
+        given_up = worst > tolerance and _stuck([step.error for step in steps])
+        if given_up or len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
             if not holding:
                 held = solve(problem, meshes, solution, solver, progress, between, engine)
                 if held.status is Status.INTERRUPTED:
@@ -103,6 +106,12 @@ def adapt(
                     solution = replace(held, refinement=tuple(steps), times=added_times(total, held.times))
             return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
         meshes, known = finer, solution
+
+
+def _stuck(errors: list[float]) -> bool:
+    """Whether the last meshes are no better than one before them: the motion chatters, as on singular arcs."""
+    before, last = errors[:-PATIENCE], errors[-PATIENCE:]
+    return bool(before) and min(last) > LESS * min(before)
 
 
 def _stepped(part: PhaseSolution) -> bool:

@@ -60,7 +60,7 @@ def plan(
         numbers are the same to rounding, and neither needs a compiler; ``rt.Compiled()`` keeps libraries of C for later
         plans.
     tolerance : float, optional
-        Refine the mesh until the relative error between the knots (``refinement.interval_errors``) is below this and
+        Refine the mesh until the relative error between the knots (``refinement.errors_of``) is below this and
         the objective has settled to it. Any scheme; those of low order, shooting with constant controls above all,
         take many intervals to settle. A tolerance that was not reached is said in the status.
     refinement : Refinement, optional
@@ -74,7 +74,8 @@ def plan(
         where a solution breaks them and solves again, the default with ``rt.Ipopt()`` and for systems;
         ``rt.ConvexHull()`` holds limits of speeds everywhere in one solve, and asks a little more than they do, the
         default for robots with ``rt.Fatrop()``; ``rt.ConvexHull(controls=True)`` holds torques so too, the default for
-        these with a tolerance (``states=False`` where durations are fixed). What is broken nevertheless is told:
+        these with a tolerance (``states=False`` where durations are fixed), and for systems (``states=False``). What is
+        broken nevertheless is told:
         ``solution.between``, ``solution.controls_between``.
     check : bool
         Raise where no solution was found; else return it with its status.
@@ -109,7 +110,7 @@ def plan(
     if tolerance is not None and not (isinstance(tolerance, float | int | np.number) and 0 < tolerance < 1):
         raise InputError(f"tolerance= is a relative error between 0 and 1, such as 1e-6; got {tolerance!r}.")
     if between is None:
-        # Equations of one's own have no motors to spare: a hull asks for more than their limits.
+        # Equations of one's own have no motors to spare: on a given mesh a hull asks for more than their limits.
         robots = all(phase.robot is not None for phase in problem.phases)
         between = solver.default_between() if robots else Exchange()
         if tolerance is not None and isinstance(between, ConvexHull):
@@ -118,6 +119,9 @@ def plan(
             # goes with the mesh, and the meshes are fewer.
             free = any(low < high for low, high in (phase.duration_bounds for phase in problem.phases))
             between = replace(between, controls=True, states=free)
+        elif tolerance is not None and not robots:
+            # So do controls of one's own; what the hull asks for beyond their limits goes with the mesh.
+            between = ConvexHull(states=False, controls=True)
     if not isinstance(between, Exchange):
         raise InputError(f"between= must be rt.Exchange() or rt.ConvexHull(); got {between!r}.")
     with watching(solver, progress) as show:

@@ -309,7 +309,7 @@ class Problem:
     Parameters
     ----------
     phases : Phase or sequence of Phase
-    links : sequence of Link
+    links : Link or sequence of Link
         ``rt.Continuity(0, 1)`` joins the end of phase 0 to the start of phase 1. Where no link says when a phase
         starts, it starts when the one before ends; states run on only where a link says so.
     missing : sequence of str
@@ -328,7 +328,7 @@ class Problem:
             if not isinstance(phase, Phase):
                 raise InputError(f"A problem is made of rt.Phase values; got {type(phase).__name__}.")
         object.__setattr__(self, "phases", phases)
-        object.__setattr__(self, "links", tuple(self.links))
+        object.__setattr__(self, "links", (self.links,) if isinstance(self.links, Link) else tuple(self.links))
         _ = self.bound_links
 
     def __getstate__(self) -> dict[str, Any]:

@@ -97,15 +97,15 @@ class Solution:
 
     @cached_property
     def error(self) -> float | None:
-        """Largest relative error of an interval between its nodes (``refinement.interval_errors``).
+        """Largest relative error of an interval between its nodes (``refinement.errors_of``).
 
         None where equations are missing from a file.
         """
         if self.problem.missing:
             return None
-        from robotraj.refinement import interval_errors
+        from robotraj.refinement import errors_of
 
-        return max(float(interval_errors(part.phase, part.trajectory).max()) for part in self.phases)
+        return max(float(errors_of(part.phase, part.trajectory, part.mesh).max()) for part in self.phases)
 
     @property
     def duration(self) -> float:

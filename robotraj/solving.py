@@ -13,6 +13,7 @@ import numpy as np
 from robotraj.engines import Engine
 from robotraj.guess import Guess, as_guess
 from robotraj.indirect.duals import LateDuals, PhaseDuals
+from robotraj.longer import from_longer
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
 from robotraj.records import added_times
@@ -46,6 +47,7 @@ def solve(
     between: Exchange | None = None,
     engine: Engine | None = None,
     hold: Callable[[Solution], bool] | None = None,
+    longer: bool = True,
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
@@ -53,6 +55,9 @@ def solve(
     and the problem solved again, from the last answer; only if ``hold``, where given, says of the first answer that
     it is worth it. A guess brings its guards along, on the intervals that its mesh has as well. Where the problem with
     further rows cannot be solved, the solution without them stays, and ``between`` lists what is broken.
+
+    Where a free duration turns out guessed too short, the problem is solved from a motion with time to spare, unless
+    ``longer`` says otherwise.
     """
     began = time.perf_counter()
     between = between or Exchange()
@@ -65,6 +70,14 @@ def solve(
     if guards and not same and multipliers is not None:
         multipliers = _lengthened(multipliers, nlp)
     solution, w = _solve(nlp, guess, multipliers, solver, progress, began)
+    if longer and not solution.success:
+
+        def once_more(problem: Problem, guess: Guess | Solution | None) -> Solution:
+            return solve(problem, mesh, guess, solver, progress, between, engine, hold, longer=False)
+
+        solved = from_longer(solution, nlp, guess, once_more)
+        if solved is not None:
+            return solved
     bulges = _bulges(solution, between.tolerance)
     moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
     for _ in range(between.rounds if hold is None or hold(solution) else 0):
@@ -221,6 +234,8 @@ def _conclude(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
     status = outcome.status
     if status is Status.SOLVED and broken:
         status = Status.ROWS_VIOLATED
+    if status is Status.INFEASIBLE and _more_equations_than_unknowns(nlp):
+        status = Status.OVERDETERMINED
     trajectories = extract(nlp, outcome.w, outputs)
     phases = tuple(
         PhaseSolution(phase, layout.mesh, trajectory)
@@ -242,6 +257,11 @@ def _conclude(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
             for link, columns in zip(nlp.problem.bound_links, nlp.link_columns, strict=True)
         ),
     )
+
+
+def _more_equations_than_unknowns(nlp: Nlp) -> bool:
+    equations = np.sum(nlp.rows.lower == nlp.rows.upper)
+    return bool(equations > np.sum(nlp.variables.lower < nlp.variables.upper))
 
 
 def _late_duals(nlp: Nlp, outcome: Outcome) -> LateDuals:

@@ -43,6 +43,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
         "export",
         "plotting",
         "indirect",
+        "longer",
         "starts",
         "solving",
     ),

@@ -139,3 +139,23 @@ def test_two_bounds_on_one_variable_hold_both() -> None:
 def test_objectives_may_be_left_out() -> None:
     solution = rt.plan(cartpole(objective=None), rt.Mesh(10))
     assert solution.success and solution.objective == 0.0
+
+
+def test_a_single_link_needs_no_list() -> None:
+    phase = rt.Phase(rt.load("pendulum"), 1.0, objective=rt.Effort())
+    assert (
+        rt.Problem([phase, phase], rt.Continuity(0, 1)).links == rt.Problem([phase, phase], [rt.Continuity(0, 1)]).links
+    )
+
+
+def test_what_is_read_by_name_shows_its_values() -> None:
+    solution = rt.plan(rt.Phase(rt.load("pendulum"), 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort()))
+    sample = solution.at(1.0)
+    assert repr(sample.x).startswith("{q.") and "<" not in repr(sample)
+
+
+def test_ends_have_no_controls() -> None:
+    cost = rt.Mayer(lambda start, end: end.u["u"])
+    system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    with pytest.raises(rt.UnknownName, match="have times, states and parameters alone"):
+        rt.plan(rt.Phase(system, 1.0, rt.State([0]), rt.State([1]), cost))

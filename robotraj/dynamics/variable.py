@@ -61,7 +61,9 @@ class Named(Mapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._index:
-            raise unknown_name(self.kind, name, self._index)
+            # Points at the ends of a phase, which links and Mayer terms read, are given none.
+            advice = "The ends of a phase have times, states and parameters alone." if self._values is None else ""
+            raise unknown_name(self.kind, name, self._index, advice)
         return self._values[self._index[name]]
 
     def __contains__(self, name: object) -> bool:
@@ -72,3 +74,6 @@ class Named(Mapping[str, Any]):
 
     def __len__(self) -> int:
         return len(self._index)
+
+    def __repr__(self) -> str:
+        return "{" + ", ".join(f"{name}: {value}" for name, value in self.items()) + "}"

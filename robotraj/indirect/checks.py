@@ -110,7 +110,7 @@ def _samples(result: Polished, k: int) -> dict[str, Array]:
         p=np.tile(equations.parameters, (m, 1)),
         costate=y[:, nx : 2 * nx],
         nu=a[:, nz:],
-        eta=np.zeros((m, len(equations.hamiltonian.path))),
+        eta=np.zeros((m, equations.hamiltonian.symbols["eta"].numel())),
     )
     return values | {"t": times, "x": y[:, :nx], "z": a[:, :nz], "u": u}
 

@@ -39,9 +39,10 @@ class CostateSample:
     z : Named
         Multipliers nu of the algebraic rows by row [objective / (s row unit)].
     path : Named
-        Densities eta of path rows [objective / (s row unit)], positive at an upper bound.
+        Densities eta of path rows [objective / (s row unit)], then multipliers of integral rows [objective / row unit];
+        positive at an upper bound.
     hamiltonian : float or ndarray (m,)
-        H = l + lambda' f + nu' g along the trajectory [objective / s].
+        H = l + lambda' f + nu' g along the trajectory, integral rows with their multipliers included [objective / s].
     """
 
     t: Any
@@ -94,6 +95,8 @@ class PhaseCostates:
             "nu": duals.residual(t, interval),
             "eta": duals.path(t, interval),
         }
+        # Integrals stand in the rows of the NLP as the duration times what is averaged.
+        known["eta"][:, len(self.hamiltonian.path) :] *= self.solution.duration
         more = {name: getattr(duals, name)(t, interval) for name in ("states", "algebraic", "controls")}
         return known | more | self.hamiltonian(**known)
 
@@ -115,12 +118,12 @@ class PhaseCostates:
         values = self.evaluate(np.atleast_1d(times))
         if times.ndim == 0:
             values = {name: array[0] for name, array in values.items()}
-        dae = self.hamiltonian.dae
+        dae, rows = self.hamiltonian.dae, [*self.hamiltonian.path, *self.hamiltonian.integrals]
         return CostateSample(
             t,
             Named("state", [s.name for s in dae.states], values["costate"].T),
             Named("algebraic row", [r.name for r in dae.residuals], values["nu"].T),
-            Named("path row", [row.label for row in self.hamiltonian.path], values["eta"].T),
+            Named("path row", [row.label for row in rows], values["eta"].T),
             values["H"],
         )
 

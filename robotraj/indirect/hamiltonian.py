@@ -2,8 +2,9 @@
 
     H(t, x, z, u, p, lambda, nu, eta) = l + lambda' f + nu' g + eta' h
 
-with l the integrand of the objective, f the rates, g the algebraic rows and h the path rows. Its value along
-a trajectory is taken without eta' h: where a row is active, it is measured from its bound and vanishes.
+with l the integrand of the objective, f the rates, g the algebraic rows and h the path rows, then the integrands of
+integral constraints, whose eta is constant. Its value along a trajectory is taken without the path rows' eta' h: where
+a row is active, it is measured from its bound and vanishes.
 """
 
 from __future__ import annotations
@@ -46,11 +47,16 @@ class Hamiltonian:
         return tuple(row for constraint in constraints for row in constraint.rows if row.variable is None)
 
     @cached_property
+    def integrals(self) -> tuple[Row, ...]:
+        """Rows of integrals over the phase: their multipliers, which are constant, come last in eta."""
+        return tuple(row for constraint in path_constraints(self.phase, Where.INTEGRAL) for row in constraint.rows)
+
+    @cached_property
     def symbols(self) -> dict[str, ca.SX]:
         """Symbols of the arguments."""
         dae = self.dae
         sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(self.phase.parameter_names))
-        more = (len(dae.states), len(dae.residuals), len(self.path))
+        more = (len(dae.states), len(dae.residuals), len(self.path) + len(self.integrals))
         return {name: ca.SX.sym(name, n) for name, n in zip(ARGUMENTS, (*sizes, *more), strict=True)}
 
     @cached_property
@@ -63,8 +69,21 @@ class Hamiltonian:
             integrand += weight * as_rows(term.rate(point), "integrand")[0]
         rates, residual = self.dae.rates(point), self.dae.residual(point)
         path = path_rows(path_constraints(self.phase, Where.THROUGHOUT), point)
-        h = integrand + ca.dot(s["costate"], rates) + ca.dot(s["nu"], residual) + ca.dot(s["eta"], path)
-        return {"rates": rates, "residual": residual, "path": path, "integrand": integrand, "hamiltonian": h}
+        rows = ca.vertcat(path, path_rows(path_constraints(self.phase, Where.INTEGRAL), point))
+        h = integrand + ca.dot(s["costate"], rates) + ca.dot(s["nu"], residual) + ca.dot(s["eta"], rows)
+        known = {"rates": rates, "residual": residual, "path": path, "rows": rows, "integrand": integrand}
+        return known | {"hamiltonian": h}
+
+    def _sizes(self) -> dict[str, ca.SX]:
+        """Add the magnitudes of the terms of H, without the path rows', and of those of its gradient by u."""
+        s, e = self.symbols, self.expressions
+        weighed = [(e["rates"], s["costate"]), (e["residual"], s["nu"]), (e["rows"], s["eta"])]
+        size, by_u = ca.fabs(e["integrand"]), ca.fabs(ca.gradient(e["integrand"], s["u"]))
+        for values, multipliers in weighed:
+            by_u += ca.mtimes(ca.fabs(ca.jacobian(values, s["u"])).T, ca.fabs(multipliers))
+            size += ca.dot(ca.fabs(values), ca.fabs(multipliers))
+        size -= sum(ca.fabs(s["eta"][i] * e["path"][i]) for i in range(len(self.path)))
+        return {"size": size, "size_by_u": by_u}
 
     def gradient(self, name: str) -> ca.SX:
         """Gradient of H by an argument, symbolic."""
@@ -72,15 +91,20 @@ class Hamiltonian:
 
     @cached_property
     def _function(self) -> ca.Function:
-        value = self.expressions["hamiltonian"] - ca.dot(self.symbols["eta"], self.expressions["path"])
+        eta, path = self.symbols["eta"], self.expressions["path"]
+        value = self.expressions["hamiltonian"] - sum(eta[i] * path[i] for i in range(len(self.path)))
         outputs = {"H": value, "path": self.expressions["path"]}
         outputs |= {f"by_{name}": self.gradient(name) for name in ("t", "x", "z", "u", "p")}
+        outputs |= self._sizes()
         outputs["curvature"] = ca.diag(ca.hessian(self.expressions["hamiltonian"], self.symbols["u"])[0])
         values = [ca.densify(value) for value in outputs.values()]
         return ca.Function("hamiltonian", list(self.symbols.values()), values, list(ARGUMENTS), list(outputs))
 
     def __call__(self, **columns: Any) -> dict[str, Array]:
-        """Evaluate at m times, arguments (m, n): H (m,) without eta' h, gradients ``by_x`` ... (m, n)."""
+        """Evaluate at m times, arguments (m, n): H (m,) without eta' h of path rows, gradients ``by_x`` ... (m, n).
+
+        ``size`` and ``size_by_u`` are the magnitudes of the terms of H and of ``by_u``, added up.
+        """
         m = len(columns["t"])
         arguments = [np.asarray(columns[name], dtype=float).reshape(m, -1).T for name in ARGUMENTS]
         mapped = self._function.map(m)(*arguments)

@@ -85,6 +85,11 @@ def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
     for name, low, high in zip(phase.parameter_names, *phase.parameter_bounds, strict=True):
         if low < high:
             raise InputError(f"polish keeps parameters fixed, but {name!r} is unknown; fix it at its planned value.")
+    if known.hamiltonian.integrals:
+        name = known.hamiltonian.integrals[0].name
+        raise InputError(
+            f"polish keeps no integral constraint such as {name!r}; give its integrand a state of its own."
+        )
     refuse_active_constraints(known)
     arcs = find_arcs(known)
     parameters = np.array(list(known.solution.parameters.values()), dtype=float)

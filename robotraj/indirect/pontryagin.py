@@ -96,7 +96,7 @@ class Pontryagin:
         outputs = ca.substitute(
             [ca.densify(o) for o in outputs],
             [s["p"], s["eta"]],
-            [ca.SX(ca.DM(self.parameters)), ca.SX.zeros(len(h.path))],
+            [ca.SX(ca.DM(self.parameters)), ca.SX.zeros(s["eta"].numel())],
         )
         names = ["rates", "by_u", "by_z", "residual", "H"]
         return ca.Function(

@@ -12,7 +12,9 @@ from robotraj.constraints import Row, Where
 from robotraj.dynamics.rows import as_rows
 from robotraj.polynomials import basis
 from robotraj.refinement.error import interval_errors
+from robotraj.refinement.integrals import integral_errors
 from robotraj.refinement.strategy import Assessment
+from robotraj.schemes import Mesh, MovingMesh
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.guards import guardable
 
@@ -25,16 +27,22 @@ SAMPLES = 48
 """Places looked at inside an interval."""
 
 
-def assess(phase: Phase, trajectory: PhaseTrajectory, settled: bool, moving: bool = False) -> Assessment:
-    """Assess every interval of a phase; ``moving`` knots may have jumps of the control on them."""
+def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool) -> Assessment:
+    """Assess every interval of a phase; knots that move may have jumps of the control on them."""
+    moving = isinstance(mesh, MovingMesh)
     return Assessment(
-        interval_errors(phase, trajectory),
+        errors_of(phase, trajectory, mesh),
         _jumps(trajectory, moving),
         _decays(trajectory),
         _broken(phase, trajectory),
         settled,
         _coarse(trajectory, moving),
     )
+
+
+def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh) -> Array:
+    """Relative error of every interval, of its states or of an integral constraint, (K,)."""
+    return np.maximum(interval_errors(phase, trajectory), integral_errors(phase, trajectory, mesh.schemes))
 
 
 def _jumps(trajectory: PhaseTrajectory, moving: bool) -> Array:

@@ -78,7 +78,7 @@ class SplitOrRaise(Refinement):
         """Decide interval by interval."""
         if any(isinstance(scheme, OneStep) for scheme in mesh.schemes):
             return self.splitting.refine(mesh, assessment, tolerance)
-        switching = self.splitting.switching(assessment)
+        switching = self.splitting.switching(assessment, mesh.schemes)
         knots, schemes = [0.0], list[Scheme]()
         for k, scheme in enumerate(mesh.schemes):
             rough = switching[k] or assessment.decays[k] < self.decay

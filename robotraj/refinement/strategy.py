@@ -40,7 +40,8 @@ class Assessment:
         Whether the objective changed by less than the tolerance since the last mesh.
     coarse : ndarray (K,)
         What the controls' shape may cost: duration of the interval times the square of how far a neighbour's control,
-        carried on, would miss its own. Read for one-step schemes, whose control is no part of the residual.
+        carried on, would miss its own. Read where the control is no part of the residual: of one-step schemes, and of
+        collocation with constants or lines for controls.
     """
 
     errors: Array
@@ -69,8 +70,9 @@ class SplitAndMerge(Refinement):
 
     Shooting and compressed collocation are split in the same way, by the order of their dense output, and never merged:
     their knots carry the control as well. Their residual says how well the motion is integrated, not how well
-    constants or lines stand for the control, so until the objective has settled the intervals whose controls change
-    most are halved, enough of them to make up most of what all may cost. An adaptive integrator is given a tighter
+    constants or lines stand for the control, nor does that of collocation with such controls, so until the objective
+    has settled the intervals whose controls change most are halved, enough of them to make up most of what all may
+    cost. An adaptive integrator is given a tighter
     tolerance before its intervals are split: what it leaves does not fall with their length.
 
     Parameters
@@ -99,7 +101,7 @@ class SplitAndMerge(Refinement):
             schemes, errors = tightened, np.zeros(len(errors))
         parts = np.array([self.parts(error, scheme, tolerance) for error, scheme in zip(errors, schemes, strict=True)])
         if not assessment.settled:
-            halved = self.switching(assessment) | _bulk(assessment.coarse, schemes)
+            halved = self.switching(assessment, schemes)
             parts[halved] = np.maximum(parts[halved], 2)
         new_knots, new_schemes = [0.0], list[Scheme]()
         k = 0
@@ -113,9 +115,10 @@ class SplitAndMerge(Refinement):
             k = last
         return Mesh(tuple(new_knots), tuple(new_schemes))
 
-    def switching(self, assessment: Assessment) -> NDArray[np.bool_]:
-        """Intervals inside which a control jumps or a path row is broken, (K,)."""
-        return np.asarray((assessment.jumps > self.jump) | (assessment.broken > self.path))
+    def switching(self, assessment: Assessment, schemes: tuple[Scheme, ...]) -> NDArray[np.bool_]:
+        """Intervals inside which a control jumps or is too coarse, or a path row is broken, (K,)."""
+        broken = (assessment.jumps > self.jump) | (assessment.broken > self.path)
+        return np.asarray(broken | _bulk(assessment.coarse, schemes))
 
     def parts(self, error: float, scheme: Scheme, tolerance: float) -> int:
         """Parts that an interval of this error should be cut into."""
@@ -129,24 +132,31 @@ class SplitAndMerge(Refinement):
         """Two neighbours that would stay far below the tolerance as one interval, away from switches."""
         if k + 1 >= len(parts) or parts[k] > 1 or parts[k + 1] > 1 or schemes[k] != schemes[k + 1]:
             return False
-        if isinstance(schemes[k], OneStep):
+        if isinstance(schemes[k], OneStep) or _coarsely_controlled(schemes[k]):
             return False
         merged = assessment.errors[k : k + 2].max() * 2.0 ** _exponent(schemes[k])
         return bool(merged < 0.01 * tolerance and assessment.jumps[k : k + 2].max() < 0.1 * self.jump)
 
 
 def _bulk(coarse: Array, schemes: tuple[Scheme, ...]) -> NDArray[np.bool_]:
-    """Fewest intervals of one-step schemes that make up ``BULK`` of what all may cost; all where none costs any.
+    """Fewest intervals that make up ``BULK`` of what all may cost, of schemes whose controls the residual does not see.
 
+    Those are one-step schemes, all of whose intervals are chosen where none costs any, and collocation with constants
+    or lines for controls instead of its own polynomial.
     Source: Doerfler, A convergent adaptive algorithm for Poisson's equation, SIAM J. Numerical Analysis 33 (1996).
     """
     chosen = np.zeros(len(coarse), dtype=bool)
-    if not isinstance(schemes[0], OneStep):
+    stepped = isinstance(schemes[0], OneStep)
+    if not stepped and (not coarse.any() or not any(map(_coarsely_controlled, schemes))):
         return chosen
     order = np.argsort(-coarse)
     count = int(np.searchsorted(np.cumsum(coarse[order]), BULK * coarse.sum())) + 1
     chosen[order[: count if coarse.sum() > 0 else None]] = True
     return chosen
+
+
+def _coarsely_controlled(scheme: Scheme) -> bool:
+    return isinstance(scheme, Collocation) and len(scheme.control_sites) < len(scheme.nodes)
 
 
 def _tightened(scheme: Scheme, tolerance: float) -> Scheme:

@@ -103,3 +103,36 @@ def test_end_constraints_carry_their_multipliers_into_transversality() -> None:
 def test_a_tolerance_below_zero_is_refused(kirk: Any) -> None:
     with pytest.raises(rt.InputError, match="above 0"):
         rt.conditions(rt.plan(kirk.phase(), rt.Mesh(5)), tolerance=0)
+
+
+def test_integral_constraints_weigh_in_the_hamiltonian() -> None:
+    # x'' = u, least u^2 / 2 with the integral of x held at 0.6: u = -lambda_v, H = -72.
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    effort = rt.Lagrange(lambda point: 0.5 * point.u["u"] ** 2)
+    held = rt.IntegralConstraint(lambda point: point.x["x"], 0.6, 0.6, name="area")
+    solution = rt.plan(rt.Phase(block, 1.0, rt.State([0, 0]), rt.State([1, 0]), effort, [held]), rt.Mesh(20))
+    report = rt.conditions(solution)
+    assert report.passed, str(report)
+    sample = rt.costates(solution).at(0.3)
+    assert sample.hamiltonian == pytest.approx(-72.0, rel=1e-5)
+    assert sample.path["area"] == pytest.approx(-72.0, rel=1e-5)
+    np.testing.assert_allclose(rt.costates(solution).phases[0].initial, [-48, -12], rtol=1e-5)
+    with pytest.raises(rt.InputError, match="no integral constraint such as 'area'"):
+        rt.polish(solution)
+
+
+def test_terms_that_cancel_are_what_a_residual_is_weighed_by() -> None:
+    # Least time to orbit above a flat moon: dH/du = 0 by two terms, and H = -1 by three, with no integrand.
+    def rates(point: Any) -> list[ca.SX]:
+        angle = point.u["b"]
+        return [point.x["v"], 4.86 * ca.cos(angle), 4.86 * ca.sin(angle) - 1.62]
+
+    launch = rt.System(["h", "u", "v"], ["b"], rates)
+    ends = rt.State([0, 0, 0]), rt.State([18520, 1627, 0])
+    report = rt.conditions(rt.plan(rt.Phase(launch, (1, 2000), *ends, rt.Duration()), tolerance=1e-6))
+    assert report.passed and report.worst("stationarity") < 1e-6, str(report)
+    # A ball thrown up: H = 0 throughout.
+    ball = rt.System(["x", "v"], [], lambda point: [point.x["v"], -1.0])
+    highest = rt.Mayer(lambda start, end: -end.x["x"])
+    report = rt.conditions(rt.plan(rt.Phase(ball, (0.1, 5), rt.State([0, 1]), None, highest), tolerance=1e-6))
+    assert report.passed, str(report)

@@ -162,10 +162,10 @@ def test_smoothness_and_switches_are_seen() -> None:
     limits = {"controls": {"u": rt.between(-1, 1)}}
     phase = rt.Phase(block, (0.1, 20), rt.State([4, 0]), rt.State([0, 0]), rt.Duration(), **limits)
     part = rt.plan(phase, rt.Mesh(11, rt.RadauIIA(3))).phases[0]
-    seen = assess(part.phase, part.trajectory, settled=False)
+    seen = assess(part.phase, part.trajectory, part.mesh, settled=False)
     assert np.argmax(seen.jumps) == 5 and seen.jumps[5] > 0.9
     assert np.all(np.delete(seen.jumps, [4, 5, 6]) < 1e-6)
     smooth = planned(rt.RadauIIA(8), 10)
-    assert assess(smooth.phase, smooth.trajectory, settled=True).decays.min() > 0.8
+    assert assess(smooth.phase, smooth.trajectory, smooth.mesh, settled=True).decays.min() > 0.8
     rough = planned(rt.RadauIIA(8), 1)
-    assert assess(rough.phase, rough.trajectory, settled=True).decays.min() < 0.5
+    assert assess(rough.phase, rough.trajectory, rough.mesh, settled=True).decays.min() < 0.5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -274,3 +274,53 @@ def test_guards_come_along_on_the_intervals_that_a_mesh_keeps(solver: rt.Fatrop 
     assert kept and [guard.interval for guard in after.guards] == moved
     assert [(g.constraint, g.row, g.tau) for g in after.guards] == [(g.constraint, g.row, g.tau) for g in kept]
     assert after.success and not rt.plan(phase, mesh, solver=solver, between=look).guards
+
+
+@pytest.mark.parametrize(
+    "scheme",
+    [
+        rt.RadauIIA(3, control=rt.ConstantControl()),
+        rt.HermiteSimpson(control=rt.ConstantControl()),
+        rt.Trapezoidal(control=rt.ConstantControl()),
+        rt.GaussLegendre(3, control=rt.ConstantControl()),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("refinement", [None, rt.SplitAndMerge()], ids=str)
+def test_controls_that_are_too_coarse_for_the_optimum_are_cut(scheme: Any, refinement: Any) -> None:
+    # The dynamics hold exactly on any mesh; the least effort is 6, on ten intervals 6.06.
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    effort = rt.Lagrange(lambda point: 0.5 * point.u["u"] ** 2)
+    phase = rt.Phase(block, 1.0, rt.State([0, 0]), rt.State([1, 0]), effort)
+    solution = rt.plan(phase, rt.Mesh(10, scheme), tolerance=1e-4, refinement=refinement)
+    assert solution.objective == pytest.approx(6.0, rel=1e-4)
+    assert solution.refinement[0].objective > 6.05
+
+
+def test_controls_within_limits_everywhere_once_refined() -> None:
+    # Fuller's problem: ever shorter arcs of full force, between which polynomials would bulge.
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    cost = rt.Lagrange(lambda point: point.x["x"] ** 2)
+    limits = {"u": rt.between(-1, 1)}
+    phase = rt.Phase(block, 4.0, rt.State([1, 0]), rt.State([0, 0]), cost, controls=limits)
+    solution = rt.plan(phase, tolerance=1e-6)
+    assert solution.objective == pytest.approx(0.764017, abs=2e-6)
+    report = rt.validate(solution)
+    assert report.passed, str(report)
+
+
+def test_a_tolerance_that_meshes_do_not_come_closer_to_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    errors = [1e-2, 1e-3, 1e-3, 9e-4, 9e-4, 9e-4]
+    assert adaptive._stuck(errors) and not adaptive._stuck([*errors, 1e-4]) and not adaptive._stuck(errors[:5])
+    assert not adaptive._stuck([1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015])
+    meshes: dict[int, float] = {}
+    assess = adaptive.assess
+
+    def same(*arguments: Any) -> Assessment:
+        found = assess(*arguments)
+        error = meshes.setdefault(len(found.errors), errors[min(len(meshes), len(errors) - 1)])
+        return replace(found, errors=np.full(len(found.errors), error))
+
+    monkeypatch.setattr(adaptive, "assess", same)
+    solution = rt.plan(swing_up(), rt.Mesh(5, rt.HermiteSimpson()), tolerance=1e-6, check=False)
+    assert solution.status is rt.Status.TOLERANCE_NOT_REACHED and len(solution.refinement) == len(errors)

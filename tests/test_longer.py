@@ -1,0 +1,84 @@
+"""Durations that were guessed too short: problems that were called infeasible and are not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.status import Status
+
+FORCE = {"u": rt.between(-1, 1)}
+
+
+def oscillator(start: float, duration: Any = (0.1, 40.0), **changes: Any) -> rt.Phase:
+    """x'' = -x + u, to rest in least time."""
+    system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], -point.x["x"] + point.u["u"]])
+    return rt.Phase(system, duration, rt.State([start, 0]), rt.State([0, 0]), rt.Duration(), controls=FORCE, **changes)
+
+
+@pytest.mark.parametrize("halves", [1, 2, 3, 4])
+@pytest.mark.parametrize("solver", [rt.Fatrop(), rt.Ipopt()], ids=["fatrop", "ipopt"])
+def test_the_bang_bang_oscillator(halves: int, solver: rt.solvers.Solver) -> None:
+    # From 2 m, m a whole number, half circles about -1 and 1 lead home: m pi seconds.
+    solution = rt.plan(oscillator(2.0 * halves), solver=solver)
+    assert solution.duration == pytest.approx(halves * np.pi, rel=1e-2)
+
+
+def test_refined_from_there() -> None:
+    solution = rt.plan(oscillator(5.0), tolerance=1e-6)
+    # scipy.optimize.fsolve of the switching times.
+    assert solution.duration == pytest.approx(7.93741, abs=1e-5)
+    assert rt.validate(solution).passed
+
+
+def test_the_triple_integrator() -> None:
+    states = ["a", "b", "c"]
+    system = rt.System(states, ["u"], lambda point: [point.x["b"], point.x["c"], point.u["u"]])
+    start, end = rt.State([5, 1, -1]), rt.State([0, 0, 0])
+    solution = rt.plan(rt.Phase(system, (0.1, 50), start, end, rt.Duration(), controls=FORCE))
+    assert solution.duration == pytest.approx(5.540681, abs=1e-4)
+    assert "the guess was too short" in solution.message
+
+
+def test_what_it_took_is_counted() -> None:
+    solution = rt.plan(oscillator(5.0))
+    again = rt.plan(solution.problem, guess=solution)
+    assert "from a motion of" in solution.message and "from a motion of" not in again.message
+    assert solution.iterations > 3 * again.iterations
+
+
+def test_an_earlier_solution_that_leads_nowhere_is_left() -> None:
+    near = rt.plan(oscillator(2.0))
+    far = rt.plan(near.problem.with_(start=rt.State([5, 0])), guess=near)
+    assert far.duration == pytest.approx(7.93741, abs=5e-3)
+
+
+def test_phases_are_given_more_time_together() -> None:
+    there = oscillator(5.0, (0.1, 20.0), name="there").with_(end=rt.State({"v": 0}))
+    home = oscillator(0.0, (0.1, 20.0), name="home").with_(start=rt.State())
+    solution = rt.plan(rt.Problem([there, home], [rt.Continuity(0, 1)]), rt.Mesh(20))
+    assert solution.duration == pytest.approx(7.93741, rel=2e-2)
+
+
+def test_what_is_infeasible_stays_so() -> None:
+    # 10 m at 1 m/s^2 take 6.3 s.
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    phase = rt.Phase(block, (0.1, 3.0), rt.State([0, 0]), rt.State([10, 0]), rt.Duration(), controls=FORCE)
+    solution = rt.plan(phase, check=False)
+    assert solution.status is Status.INFEASIBLE and solution.violations
+
+
+def test_guesses_with_a_course_of_their_own_are_kept() -> None:
+    own = rt.Keyframes([0, 1], [rt.State([5, 0]), rt.State([0, 0])], duration=0.5)
+    solution = rt.plan(oscillator(5.0), guess=own, check=False)
+    assert not solution.success and "from a motion of" not in solution.message
+
+
+def test_more_equations_than_unknowns_are_called_so() -> None:
+    decay = rt.System(["x"], [], lambda point: [-point.x["x"]])
+    phase = rt.Phase(decay, 1.0, rt.State([1]), rt.State([0.5]))
+    assert rt.plan(phase, check=False).status is Status.OVERDETERMINED
+    assert rt.plan(phase.with_(end=None)).success
