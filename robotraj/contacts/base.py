@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,6 +46,13 @@ class LimitRow:
     upper: float
     joint: str
     variable: str | None = None
+
+    def of_impulses(self) -> LimitRow | None:
+        """Give what an impulse keeps of it: cones and signs, whatever the newtons; None where that is nothing."""
+        lower, upper = 0.0 if self.lower >= 0.0 else -inf, 0.0 if self.upper <= 0.0 else inf
+        if lower == -inf and upper == inf:
+            return None
+        return replace(self, lower=lower, upper=upper)
 
 
 class Contact(ABC):

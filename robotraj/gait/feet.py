@@ -65,7 +65,16 @@ def stands(kind: FootKind, frame: str) -> Contact:
     InputError
         The function gives no contact.
     """
-    contact = replace(cast(Any, kind), frame=frame, name=None) if isinstance(kind, Contact) else kind(frame)
+    if isinstance(kind, Contact):
+        contact: Any = replace(cast(Any, kind), frame=frame, name=None)
+    else:
+        try:
+            contact = kind(frame)
+        except TypeError as error:
+            raise InputError(
+                f"contact= cannot make a contact of foot {frame!r} alone: {error}. Give what else it asks for, as in "
+                "functools.partial(rt.FlatFoot, length=0.2, width=0.1)."
+            ) from error
     if not isinstance(contact, Contact):
         raise InputError(
             f"contact= gave {contact!r} for foot {frame!r}; give rt.PointContact, a contact to copy, or a function "

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
 
 from robotraj.errors import InputError
+from robotraj.gait.checks import check_ground_repeats, check_kinds, number
 from robotraj.gait.feet import FootKind, feet_of, stands
 from robotraj.gait.mirror import mirror
 from robotraj.gait.sequence import Support, Terms, sequence
@@ -27,10 +28,11 @@ def repeated(
     length: float,
 ) -> Problem:
     """Close a gait on its mirror image, or write its other half and close it as it is."""
+    check_kinds(repeat, terms.upright)
     terms = replace(terms, contact=grounded(terms.contact, terms.ground))
     if isinstance(repeat, Periodic):
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
-        return sequence(robot, [*phases, *other], terms, _moved(repeat, 2.0 * length, terms.ground))
+        return sequence(robot, [*phases, *other], terms, _moved(robot, sides, repeat, 2.0 * length, terms.ground))
     if repeat is None:
         repeat = mirror(robot)
     both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
@@ -40,15 +42,17 @@ def repeated(
                 f"The mirror image of foot {foot!r} is {both.get(foot, foot)!r}, not {sides[foot]!r}; name the pair in "
                 "rt.gait.mirror(robot, partners=...)."
             )
-    return sequence(robot, phases, terms, _moved(repeat, length, terms.ground))
+    return sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground))
 
 
-def _moved(repeat: Any, length: float, ground: Any) -> Any:
+def _moved(robot: Robot, feet: Iterable[str], repeat: Any, length: float, ground: Any) -> Any:
     """Add the way along x, and the rise of the ground along it, to what a repetition gains."""
     level = as_ground(ground)
     rise = float(level.height(length, 0.0)) - float(level.height(0.0, 0.0))
     way = {"q.root_x": length} | ({"q.root_z": rise} if rise else {})
-    return replace(repeat, displacement={**way, **repeat.displacement})
+    gains = {**way, **repeat.displacement}
+    check_ground_repeats(robot, list(feet), gains, isinstance(repeat, Mirror), level)
+    return replace(repeat, displacement=gains)
 
 
 def grounded(kind: FootKind, ground: Any) -> FootKind:
@@ -75,19 +79,17 @@ def pace(length: float | None, duration: Any, speed: float | None, who: str) -> 
     """Step length [m] and duration [s] out of two of three."""
     if sum(value is not None for value in (length, duration, speed)) != 2:
         raise InputError(f"rt.gait.{who} takes two of step_length=, duration= and speed=.")
+    if length is not None:
+        advice = "A free one is a displacement: repeat=rt.Periodic(displacement={'q.root_x': rt.between(...)})."
+        length = number(length, f"rt.gait.{who}(step_length)", advice=advice)
     if speed is None:
-        return float(length), duration  # type: ignore[arg-type]
+        assert length is not None
+        return length, duration
+    speed = number(speed, f"rt.gait.{who}(speed)", "m/s")
     if length is None:
         if np.ndim(duration):
             raise InputError(f"rt.gait.{who}: beside speed= the duration is one number; got {duration!r}.")
-        return float(speed) * float(duration), duration
+        return speed * number(duration, f"rt.gait.{who}(duration)", "s"), duration
     if not speed > 0.0:
         raise InputError(f"rt.gait.{who}: speed= is {speed!r} beside a step length; give a positive speed [m/s].")
-    return float(length), float(length) / float(speed)
-
-
-def share(flight: float) -> float:
-    """Check the share of a step in the air."""
-    if not 0.0 < flight < 1.0:
-        raise InputError(f"flight= is {flight!r}; give the share of the step in the air, between 0 and 1.")
-    return flight
+    return length, length / speed

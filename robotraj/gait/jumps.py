@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from robotraj.contacts import PointContact
 from robotraj.errors import InputError
+from robotraj.gait.checks import check_kinds, number
 from robotraj.gait.feet import FootKind, feet_of, stands
 from robotraj.gait.halves import grounded
 from robotraj.gait.sequence import Support, Terms, sequence
@@ -60,7 +61,9 @@ def jump(
         A height that is not positive, or no feet.
     """
     names = feet_of(robot, feet)
-    if not (np.isfinite(height) and height > 0.0):
+    check_kinds(None, upright)
+    number(length, "rt.gait.jump(length)")
+    if not number(height, "rt.gait.jump(height)") > 0.0:
         raise InputError(f"rt.gait.jump: height= is {height!r}; give a positive height [m].")
     gravity = float(np.linalg.norm(robot.model.gravity.linear))
     kind = grounded(contact, ground)

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.constraints import Constraint, GroundClearance, RequiredHeight
+from robotraj.constraints import Between, Constraint, GroundClearance, RequiredHeight, between
 from robotraj.contacts import PointContact
 from robotraj.errors import InputError
+from robotraj.gait.checks import check_kinds, number
 from robotraj.gait.feet import FootKind, stands
 from robotraj.gait.flight import Flight
 from robotraj.gait.posture import gait_objective
@@ -104,7 +105,12 @@ def sequence(
             f"{robot.name!r} is fixed in the world; load it with root='floating', or root='planar' for motion in the "
             "x-z plane."
         )
-    if terms.clearance is not None and not terms.clearance >= 0.0:
+    check_kinds(repeat, terms.upright)
+    if not supports or not all(isinstance(support, Support) for support in supports):
+        raise InputError(
+            f"supports= must be rt.gait.Support values, one or more in the order of time; got {supports!r}."
+        )
+    if terms.clearance is not None and not number(terms.clearance, "clearance") >= 0.0:
         raise InputError(f"clearance= is {terms.clearance!r}; give metres from 0 on, or None for no such row.")
     ground = as_ground(terms.ground)
     feet = tuple(dict.fromkeys(foot for support in supports for foot in support.feet))
@@ -121,6 +127,9 @@ def sequence(
         if terms.upright is not None:
             states = terms.upright.states(robot)
             rows += terms.upright.constraints(robot, posture, ground)
+        if repeat is not None and "q.root_qw" in repeat.displacement:
+            # A quaternion and its negative are one attitude: without a sign a turn may go from one to the other.
+            states = {**states, "q.root_qw": between(0.0, None)}
         kind = Phase if support.feet else Flight
         phases.append(
             kind(
@@ -191,15 +200,21 @@ def _swing(
     partners = _partners(repeat)
     gain = repeat.displacement.get("q.root_x") if repeat is not None else None
     rows: list[Constraint] = []
-    level = []
+    level: list[Any] = []
     for foot in swinging:
         other = partners.get(foot, foot)
         if terms.clearance > 0.0 and other in support.feet and isinstance(gain, int | float) and gain != 0.0:
             place, step = f"{stands(terms.contact, other).label}.x", float(gain)
-            rows.append(GroundClearance(foot, Arc(terms.clearance, place, step), ground))
+            rows.append(GroundClearance(_spot(terms, foot), Arc(terms.clearance, place, step), ground))
         else:
-            level.append(foot)
+            level.append(_spot(terms, foot))
     return [*rows, GroundClearance(level, -TOUCH, ground)] if level else rows
+
+
+def _spot(terms: Terms, foot: str) -> Any:
+    """Give the place of a foot that stands: the origin of its frame, or what its contact is offset by."""
+    offset = getattr(stands(terms.contact, foot), "offset", None)
+    return foot if offset is None or not np.any(offset) else (foot, tuple(offset))
 
 
 @dataclass(frozen=True)
@@ -236,7 +251,9 @@ class Arc(RequiredHeight):
 
 def shares(duration: Any, parts: Sequence[float]) -> list[Any]:
     """Split a duration [s], fixed or bounded, in proportion."""
-    whole = np.asarray(duration, dtype=float)
+    if isinstance(duration, Between):
+        duration = duration.lower, duration.upper
+    whole = np.asarray(number(duration, "duration", "s") if np.ndim(duration) == 0 else duration, dtype=float)
     every = [whole * part / sum(parts) for part in parts]
     return [tuple(float(v) for v in value) if value.shape else float(value) for value in every]
 

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.contacts import PointContact
 from robotraj.errors import InputError
 from robotraj.gait.feet import FootKind, feet_of, stands
-from robotraj.guesses.stance import Stance, standing
+from robotraj.guesses.stance import Stance, height_above, standing
 from robotraj.robot import Robot
 
 Array = NDArray[np.float64]
 
+NEAR = 1e-2
+"""Farthest the centre of mass may be from the height that was asked for [m]."""
 REACHED = 1e-6
 """Farthest a foot may be from where it stands [m, rad]."""
 
@@ -52,4 +55,12 @@ def stand(
             f"{robot.name!r} cannot stand on {', '.join(names)}: a foot is {np.max(np.abs(rows)):.2g} off the ground "
             f"in the best configuration found. Give another height=, or feet= that reach the ground together."
         )
+    if height is not None:
+        com = pin.centerOfMass(robot.model, robot.model.createData(), q)
+        found = height_above(stance, stance.locate(q), com)
+        if abs(found - height) > NEAR:
+            raise InputError(
+                f"{robot.name!r} cannot stand with its centre of mass {height:g} m above {', '.join(names)}: "
+                f"{found:.4g} m is as near as was found. Give another height=."
+            )
     return q

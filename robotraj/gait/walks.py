@@ -9,8 +9,9 @@ import pinocchio as pin
 
 from robotraj.contacts import PointContact
 from robotraj.errors import InputError
+from robotraj.gait.checks import share
 from robotraj.gait.feet import FootKind
-from robotraj.gait.halves import pace, repeated, share, some_feet
+from robotraj.gait.halves import pace, repeated, some_feet
 from robotraj.gait.sequence import Support, Terms, shares
 from robotraj.gait.sides import other_side
 from robotraj.gait.upright import Upright
@@ -82,8 +83,7 @@ def walk(
     """
     names = some_feet(robot, feet, 2, "walk")
     length, time = pace(step_length, duration, speed, "walk")
-    if not 0.0 <= double_support < 1.0:
-        raise InputError(f"double_support= is {double_support!r}; give the share of a step from 0 to less than 1.")
+    share(double_support, "rt.gait.walk(double_support)")
     first, second = names
     parts = [double_support, 1.0 - double_support] if double_support > 0.0 else [1.0]
     spans = shares(time, parts)
@@ -125,7 +125,9 @@ def run(
     """
     names = some_feet(robot, feet, 2, "run")
     length, time = pace(step_length, duration, speed, "run")
-    stance, air = shares(time, [1.0 - share(flight), flight])
+    if share(flight, "rt.gait.run(flight)") == 0.0:
+        raise InputError("rt.gait.run(flight) is 0; a run has flight, without it rt.gait.walk is meant.")
+    stance, air = shares(time, [1.0 - flight, flight])
     phases = [Support((names[0],), stance, "stance"), Support((), air, "flight")]
     terms = Terms(contact, clearance, objective, upright, ground)
     return repeated(robot, phases, {names[0]: names[1], names[1]: names[0]}, terms, repeat, length)
@@ -171,8 +173,8 @@ def trot(
         raise InputError(f"rt.gait.trot needs two feet on each side; got {', '.join(names)}.")
     pair = (names[0], diagonal)
     title = f"{pair[0]} and {pair[1]} stand"
-    if flight > 0.0:
-        stance, air = shares(time, [1.0 - share(flight), flight])
+    if share(flight, "rt.gait.trot(flight)") > 0.0:
+        stance, air = shares(time, [1.0 - flight, flight])
         phases = [Support(pair, stance, title), Support((), air, "flight")]
     else:
         phases = [Support(pair, time, title)]

@@ -248,7 +248,7 @@ def standing(stance: Stance, height: float | None = None) -> Array:
         np.mean([feet[a.name] for c in stance.contacts for a in c.anchors if a.name == f"{c.name}.{axis}"] or [0.0])
         for axis in "xy"
     ]
-    ground = float(com[2] - _above(stance, feet, com))
+    ground = float(com[2] - height_above(stance, feet, com))
     target = height if height is not None else (0.95 if straight else 1.0) * (com[2] - ground)
     if straight:
         joints = start[len(start) - len(lower) :]
@@ -261,7 +261,7 @@ def standing(stance: Stance, height: float | None = None) -> Array:
     return found
 
 
-def _above(stance: Stance, feet: Mapping[str, float], com: Array) -> float:
+def height_above(stance: Stance, feet: Mapping[str, float], com: Array) -> float:
     """Height of the centre of mass above the middle of the feet [m]."""
     heights = []
     for contact in stance.contacts:

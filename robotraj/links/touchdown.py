@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
-import numpy as np
 
 from robotraj.constraints import Row
+from robotraj.contacts import LimitRow
 from robotraj.dynamics import RigidBody, Variable
 from robotraj.dynamics.holding import anchors, torques
 from robotraj.errors import InputError
@@ -71,6 +71,10 @@ class Touchdown(Link):
         for phase in (before, after):
             check_partners(repeat, phase)
         placed = [i for i in repeat.bounded if i < nq]
+        if self.repeat is not None:
+            fast = sorted(set(self.repeat.displacement) & set(names[nq:]))
+            if fast:
+                raise InputError(f"{who}: the impact says what {fast[0]!r} is afterwards; give it no displacement.")
         rows = [] if self.repeat is not None else [Row("continuity", "s", 0.0, 0.0, "time")]
         rows += [Row("continuity", body.states[i].unit, repeat.lower[i], repeat.upper[i], names[i]) for i in placed]
         rows += [
@@ -80,7 +84,8 @@ class Touchdown(Link):
         for contact in body.contacts:
             rows += [
                 Row(f"impulse {r.name}", IMPULSE_UNITS.get(r.unit, r.unit), r.lower, r.upper, r.joint)
-                for r in cone_rows(contact)
+                for r in map(LimitRow.of_impulses, contact.limit_rows)
+                if r is not None
             ]
         timed = self.repeat is None
 
@@ -96,7 +101,7 @@ class Touchdown(Link):
                 own = [impulses[name] for name in impulse_names(contact)]
                 momentum -= torques(contact, start, own)
                 values_of = contact.limits(start, own, anchors(contact, start.p))
-                limits += [v for v, r in zip(values_of, contact.limit_rows, strict=True) if _is_cone(r)]
+                limits += [v for v, r in zip(values_of, contact.limit_rows, strict=True) if r.of_impulses()]
             return [*values, *ca.vertsplit(momentum), *limits]
 
         pair = normal(phases, self.first), normal(phases, self.second)
@@ -119,16 +124,6 @@ def impulse_names(contact: BoundContact) -> list[str]:
 def axis_of(force: Variable) -> str:
     """Axis of a contact force, the last part of its name."""
     return force.name.rsplit(".", 1)[-1]
-
-
-def _is_cone(row: Any) -> bool:
-    """Whether a limit of the force holds for impulses as well: cones do, newtons do not."""
-    return row.lower in (0.0, -np.inf) and row.upper in (0.0, np.inf)
-
-
-def cone_rows(contact: BoundContact) -> list[Any]:
-    """Rows of a contact's limits that scale with the force."""
-    return [row for row in contact.limit_rows if _is_cone(row)]
 
 
 @dataclass(frozen=True)

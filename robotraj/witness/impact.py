@@ -119,13 +119,13 @@ def _image(solution: SolutionLike, index: int, before: Any, ended: Array) -> Arr
 def _broken(
     stance: Stance, q: Array, v: Array, parts: Mapping[str, Array], time: float, where: str, scale: float
 ) -> tuple[Violation, ...]:
-    """Rows of the contacts' limits that scale with the force, on impulses."""
+    """Find which limits of the contacts impulses break, as far as they hold for impulses."""
     instant = Instant(stance.robot, stance.robot.model.createData(), q, v)
     found = []
     for contact, anchors in zip(stance.contacts, stance.anchors, strict=True):
         values = as_numbers(contact.limits(instant, list(parts[contact.name]), anchors), f"limits of {contact.name!r}")
-        for row, value in zip(contact.limit_rows, values, strict=True):
-            if row.lower not in (0.0, -np.inf) or row.upper not in (0.0, np.inf):
+        for row, value in zip((limit.of_impulses() for limit in contact.limit_rows), values, strict=True):
+            if row is None:
                 continue
             unit = IMPULSE_UNITS.get(row.unit, row.unit)
             watch = Watch(Row(f"impulse {row.name}", unit, row.lower, row.upper, row.joint))

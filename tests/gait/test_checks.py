@@ -1,0 +1,123 @@
+"""Gaits refuse what they cannot mean, and grounds that do not repeat as they do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+
+FOOT = rt.PointContact("left_foot", friction=0.8)
+PAW = partial(rt.PointContact, friction=0.6)
+
+
+@pytest.fixture(scope="module")
+def biped() -> rt.Robot:
+    return rt.load("five_link", root="planar")
+
+
+@pytest.fixture(scope="module")
+def solo() -> rt.Robot:
+    limits = {"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7}
+    return rt.load("solo12", root="floating", limits=limits)
+
+
+WRONG: dict[str, tuple[Callable[[rt.Robot], Any], str]] = {
+    "free length": (lambda b: step(b, step_length=rt.between(0.2, 0.5)), "step_length.*rt.Periodic"),
+    "length of text": (lambda b: step(b, step_length="far"), "step_length"),
+    "duration of text": (lambda b: step(b, duration="fast"), "duration.*'fast'"),
+    "clearance of text": (lambda b: step(b, clearance="high"), "clearance.*'high'"),
+    "double support of text": (lambda b: step(b, double_support="a"), "double_support"),
+    "whole double support": (lambda b: step(b, double_support=1.0), "double_support.*less than 1"),
+    "a kind that asks for more": (lambda b: step(b, contact=rt.FlatFoot), "'length'.*functools.partial"),
+    "repeat by name": (lambda b: step(b, repeat="mirror"), "repeat=.*rt.Periodic"),
+    "upright by name": (lambda b: step(b, upright=True), "upright="),
+    "flight of text": (lambda b: rt.gait.run(b, step_length=0.5, duration=0.5, contact=FOOT, flight="x"), "flight"),
+    "no flight": (lambda b: rt.gait.run(b, step_length=0.5, duration=0.5, contact=FOOT, flight=0), "rt.gait.walk"),
+    "length of a jump": (lambda b: rt.gait.jump(b, length="far"), "length.*'far'"),
+    "height of a jump": (lambda b: rt.gait.jump(b, height="0.2"), "height.*'0.2'"),
+    "supports": (lambda b: rt.gait.sequence(b, [("left_foot", 0.3)], rt.gait.Terms(FOOT), None), "rt.gait.Support"),
+    "no supports": (lambda b: rt.gait.sequence(b, [], rt.gait.Terms(FOOT), None), "rt.gait.Support"),
+    "too tall": (lambda b: rt.gait.stand(b, height=1.2), "1.2 m above.* as near as was found"),
+}
+
+
+def step(biped: rt.Robot, **changes: Any) -> rt.Problem:
+    return rt.gait.walk(biped, **{"step_length": 0.4, "duration": 0.6, "contact": FOOT, **changes})
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_meant_is_asked_for_by_name(case: str, biped: rt.Robot) -> None:
+    make, said = WRONG[case]
+    with pytest.raises(rt.InputError, match=said):
+        make(biped)
+
+
+def test_negative_flight(solo: rt.Robot) -> None:
+    with pytest.raises(rt.InputError, match="trot.flight. is -0.5"):
+        rt.gait.trot(solo, step_length=0.06, duration=0.2, flight=-0.5, contact=PAW)
+
+
+def test_speeds_after_an_impact_have_no_displacement(biped: rt.Robot) -> None:
+    faster = replace(rt.gait.mirror(biped), displacement={"v.root_x": 1.0})
+    with pytest.raises(rt.InputError, match=r"'v.root_x'.*no displacement"):
+        step(biped, repeat=faster)
+
+
+def test_a_free_duration_may_be_between(biped: rt.Robot) -> None:
+    assert step(biped, duration=rt.between(0.4, 0.9)).phases[0].duration == (0.4, 0.9)
+
+
+@pytest.mark.parametrize("height", [0.75, 0.8, 0.85])
+def test_heights_to_stand_at_are_met(biped: rt.Robot, height: float) -> None:
+    q = rt.gait.stand(biped, height=height)
+    assert pin.centerOfMass(biped.model, biped.model.createData(), q)[2] == pytest.approx(height, abs=1e-2)
+
+
+def test_grounds_that_do_not_repeat_are_refused(biped: rt.Robot, solo: rt.Robot) -> None:
+    with pytest.raises(rt.InputError, match="The gait repeats, and the ground does not: under 'left_foot'"):
+        step(biped, step_length=0.5, ground=rt.Steps([0.3], [0, 0.1]))
+    trot = partial(rt.gait.trot, solo, step_length=0.06, duration=0.2, contact=PAW)
+    with pytest.raises(rt.InputError, match="the ground does not"):
+        trot(ground=rt.Slope(0.0, 0.15))
+
+
+def test_grounds_that_repeat_are_not(biped: rt.Robot, solo: rt.Robot) -> None:
+    step(biped, ground=rt.Slope(0.1))
+    step(biped, step_length=0.4, ground=rt.Steps.stairs(start=0.2, run=0.4, rise=0.1, count=4))
+    trot = partial(rt.gait.trot, solo, step_length=0.06, duration=0.2, contact=PAW)
+    trot(ground=rt.Slope(0.15, 0.0))
+    # The other half of the stride is written out: nothing is mirrored.
+    trot(ground=rt.Slope(0.0, 0.15), repeat=rt.Periodic())
+
+
+def test_feet_that_stand_off_their_frames_origin_are_the_ones_kept_clear(biped: rt.Robot) -> None:
+    shins = "left_tibia", "right_tibia"
+    below = rt.PointContact("left_tibia", friction=0.8, offset=(0, 0, -0.4))
+    solution = rt.plan(step(biped, feet=shins, contact=below, clearance=0.15), rt.Mesh(12))
+    data, highest = biped.model.createData(), 0.0
+    for q in solution.at(np.linspace(0, solution.duration, 101)).q:
+        pin.framesForwardKinematics(biped.model, data, q)
+        highest = max(highest, data.oMf[biped.frame("right_tibia")].act(np.array([0.0, 0.0, -0.4]))[2])
+    assert highest > 0.145
+
+
+def test_a_turn_does_not_change_the_quaternions_sign(solo: rt.Robot) -> None:
+    turn = {"q.root_qz": 0.1, "q.root_qw": None, "q.root_x": None, "q.root_y": None}
+    gait = rt.gait.trot(solo, step_length=0.0, duration=0.2, contact=PAW, repeat=rt.Periodic(displacement=turn))
+    solution = rt.plan(gait, rt.Mesh(5, rt.LobattoIIIA(4)))
+    assert np.all(solution.at(np.linspace(0, solution.duration, 101)).q[:, 6] > 0.99)
+
+
+def test_the_ground_does_not_pull_at_an_impact_whatever_its_newtons() -> None:
+    for bounds in ((0.0, 2000.0), (1.0, np.inf), (0.0, np.inf)):
+        contact = rt.PointContact("left_foot", friction=0.8, normal_force=bounds)
+        bound = contact.bound_to(rt.load("five_link", root="floating"))
+        kept = [row.of_impulses() for row in bound.limit_rows]
+        assert all(row is not None and (row.lower, row.upper) == (0.0, np.inf) for row in kept)
