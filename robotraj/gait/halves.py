@@ -32,7 +32,8 @@ def repeated(
     terms = replace(terms, contact=grounded(terms.contact, terms.ground))
     if isinstance(repeat, Periodic):
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
-        return sequence(robot, [*phases, *other], terms, _moved(robot, sides, repeat, 2.0 * length, terms.ground))
+        moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
+        return sequence(robot, [*phases, *other], terms, moved, passes=sides)
     if repeat is None:
         repeat = mirror(robot)
     both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -78,6 +79,7 @@ def sequence(
     repeat: Mirror | Periodic | None,
     start: State | None = None,
     end: State | None = None,
+    passes: Mapping[str, str] | None = None,
 ) -> Problem:
     """Write phases and links: ``Liftoff`` where feet leave, ``Touchdown`` where all that stand then come down.
 
@@ -94,6 +96,9 @@ def sequence(
         does not turn left into right), since it could start anywhere.
     start, end : State, optional
         Of the whole motion, where it does not repeat.
+    passes : mapping of str to str, optional
+        Which standing foot a swinging one passes, where both steps of a stride are written; those of the mirror by
+        default.
 
     Raises
     ------
@@ -122,7 +127,7 @@ def sequence(
     phases: list[Phase] = []
     for i, support in enumerate(supports):
         swinging = [foot for foot in every if foot not in support.feet]
-        rows: list[Constraint] = _swing(support, swinging, terms, ground, repeat)
+        rows: list[Constraint] = _swing(support, swinging, terms, ground, repeat, passes)
         states = {}
         if terms.upright is not None:
             states = terms.upright.states(robot)
@@ -188,17 +193,25 @@ def _origin(robot: Robot, repeat: Mirror | Periodic | None) -> State:
 
 
 def _swing(
-    support: Support, swinging: Sequence[str], terms: Terms, ground: Ground, repeat: Mirror | Periodic | None
+    support: Support,
+    swinging: Sequence[str],
+    terms: Terms,
+    ground: Ground,
+    repeat: Mirror | Periodic | None,
+    passes: Mapping[str, str] | None,
 ) -> list[Constraint]:
     """Clearance of the feet that do not stand.
 
     Halfway through a mirrored gait a foot swings past its partner, which stands in the middle of its way: from one
-    displacement behind the partner's foothold to one before it. Elsewhere feet stay above the ground.
+    displacement behind the partner's foothold to one before it; so it does in each half of a stride whose both halves
+    are written. Elsewhere feet stay above the ground, and a warning says that more was asked for.
     """
     if terms.clearance is None or not swinging:
         return []
-    partners = _partners(repeat)
+    partners = _partners(repeat) if passes is None else passes
     gain = repeat.displacement.get("q.root_x") if repeat is not None else None
+    if passes is not None and isinstance(gain, int | float):
+        gain = 0.5 * gain
     rows: list[Constraint] = []
     level: list[Any] = []
     for foot in swinging:
@@ -208,6 +221,14 @@ def _swing(
             rows.append(GroundClearance(_spot(terms, foot), Arc(terms.clearance, place, step), ground))
         else:
             level.append(_spot(terms, foot))
+    if level and support.feet and terms.clearance > 0.0:
+        feet = ", ".join(spot if isinstance(spot, str) else spot[0] for spot in level)
+        warnings.warn(
+            f"clearance={terms.clearance:g} is not held by {feet} in {support.name!r}, which stay above the ground "
+            "alone: a foot reaches its height where it passes one that stands, over a step of known length. Give "
+            "others rt.GroundClearance(foot, rt.SwingApex(...)).",
+            stacklevel=3,
+        )
     return [*rows, GroundClearance(level, -TOUCH, ground)] if level else rows
 
 

@@ -121,3 +121,24 @@ def test_the_ground_does_not_pull_at_an_impact_whatever_its_newtons() -> None:
         bound = contact.bound_to(rt.load("five_link", root="floating"))
         kept = [row.of_impulses() for row in bound.limit_rows]
         assert all(row is not None and (row.lower, row.upper) == (0.0, np.inf) for row in kept)
+
+
+def highest(biped: rt.Robot, solution: rt.Solution, foot: str) -> float:
+    data, top = biped.model.createData(), 0.0
+    for q in solution.at(np.linspace(0, solution.duration, 101)).q:
+        pin.framesForwardKinematics(biped.model, data, q)
+        top = max(top, data.oMf[biped.frame(foot)].translation[2])
+    return top
+
+
+def test_both_steps_of_a_stride_clear_the_ground(biped: rt.Robot) -> None:
+    solution = rt.plan(step(biped, clearance=0.1, repeat=rt.Periodic()), rt.Mesh(8))
+    assert min(highest(biped, solution, foot) for foot in ("left_foot", "right_foot")) > 0.095
+
+
+def test_a_height_that_no_foot_can_be_held_to_is_said(biped: rt.Robot) -> None:
+    free = replace(rt.gait.mirror(biped), displacement={"q.root_x": rt.between(0.3, 0.5)})
+    with pytest.warns(UserWarning, match="clearance=0.1 is not held by right_foot in 'single support'"):
+        step(biped, clearance=0.1, repeat=free)
+    with pytest.warns(UserWarning, match="clearance=0.1 is not held"):
+        step(biped, clearance=0.1, step_length=0.0)
