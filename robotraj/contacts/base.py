@@ -112,6 +112,10 @@ class BoundContact(ABC):
     limit_rows: tuple[LimitRow, ...]
     footing_rows: tuple[LimitRow, ...]
 
+    def outline(self) -> list[tuple[str, tuple[float, float, float]]]:
+        """Places that must not sink while the foot swings, as (frame, offset [m]): the frame's origin."""
+        return [(self.frame, (0.0, 0.0, 0.0))]
+
     @abstractmethod
     def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
         """Rows (m) [m, rad] that are zero while the contact stands at its anchors.

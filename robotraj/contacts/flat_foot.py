@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any
@@ -241,6 +242,13 @@ class BoundFlatFoot(BoundContact):
     def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
         """Evaluate what the ground asks of the whole sole."""
         return self.where.values(anchors, (self.shape.back, self.shape.front, self.shape.half))
+
+    def outline(self) -> list[tuple[str, Triple]]:
+        """Give the corners of the sole, its ends in a plane."""
+        ahead, left, shape = np.array(self.feet.forward), np.array(self.feet.left), self.shape
+        corners = itertools.product((-shape.back, shape.front), sorted({-shape.half, shape.half}))
+        places = (np.array(self.spot.offset) + x * ahead + y * left for x, y in corners)
+        return [(self.frame, (float(p[0]), float(p[1]), float(p[2]))) for p in places]
 
     def locate(self, robot: Robot, q: Any) -> dict[str, float]:
         """Place of the sole's point and heading of the foot in configuration q."""

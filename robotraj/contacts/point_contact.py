@@ -173,6 +173,10 @@ class BoundPointContact(BoundContact):
         """Evaluate what the ground asks of the place."""
         return self.where.values(anchors)
 
+    def outline(self) -> list[tuple[str, Triple]]:
+        """Give the spot."""
+        return [(self.frame, self.spot.offset)]
+
     def locate(self, robot: Robot, q: Any) -> dict[str, float]:
         """Place of the spot in configuration q."""
         place, _ = self.spot.placed(robot, q)

@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from robotraj.contacts import PointContact
 from robotraj.errors import InputError
+from robotraj.gait.checks import share
 from robotraj.gait.feet import FootKind
 from robotraj.gait.halves import pace, repeated, some_feet
 from robotraj.gait.sequence import Support, Terms, shares
@@ -65,8 +66,7 @@ def crawl(
     """
     names = some_feet(robot, feet, 4, "crawl")
     length, time = pace(step_length, duration, speed, "crawl")
-    if not 0.0 <= full_support < 1.0:
-        raise InputError(f"full_support= is {full_support!r}; give the share of half a stride from 0 to less than 1.")
+    share(full_support, "rt.gait.crawl(full_support)")
     sides = {name: other_side(name, names) for name in names}
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.neutral)

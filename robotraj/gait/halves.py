@@ -13,10 +13,11 @@ from robotraj.gait.checks import check_ground_repeats, check_kinds, number
 from robotraj.gait.feet import FootKind, feet_of, stands
 from robotraj.gait.mirror import mirror
 from robotraj.gait.sequence import Support, Terms, sequence
-from robotraj.links import Mirror, Periodic
+from robotraj.links import Linkage, Mirror, Periodic
 from robotraj.problem import Problem
 from robotraj.robot import Robot
 from robotraj.terrain import Flat, as_ground
+from robotraj.values import dataclass
 
 
 def repeated(
@@ -33,7 +34,7 @@ def repeated(
     if isinstance(repeat, Periodic):
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
         moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
-        return sequence(robot, [*phases, *other], terms, moved, passes=sides)
+        return _in_shares(sequence(robot, [*phases, *other], terms, moved, passes=sides))
     if repeat is None:
         repeat = mirror(robot)
     both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
@@ -43,7 +44,29 @@ def repeated(
                 f"The mirror image of foot {foot!r} is {both.get(foot, foot)!r}, not {sides[foot]!r}; name the pair in "
                 "rt.gait.mirror(robot, partners=...)."
             )
-    return sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground))
+    return _in_shares(sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground)))
+
+
+def _in_shares(problem: Problem) -> Problem:
+    """Keep free durations in the proportion of their bounds."""
+    bounds = [phase.duration_bounds for phase in problem.phases]
+    ties = [
+        Linkage((i, i + 1), InProportion(bounds[i + 1][1] / bounds[i][1]), name="share of the step", unit="s")
+        for i in range(len(bounds) - 1)
+        if bounds[i][0] < bounds[i][1]
+    ]
+    return replace(problem, links=[*problem.links, *ties])
+
+
+@dataclass(frozen=True)
+class InProportion:
+    """How much longer a phase takes than so many times the one before [s]."""
+
+    times: float
+
+    def __call__(self, first: Any, second: Any) -> Any:
+        """Compare both durations."""
+        return second.end.t - second.start.t - self.times * (first.end.t - first.start.t)
 
 
 def _moved(robot: Robot, feet: Iterable[str], repeat: Any, length: float, ground: Any) -> Any:

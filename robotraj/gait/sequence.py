@@ -127,7 +127,7 @@ def sequence(
     phases: list[Phase] = []
     for i, support in enumerate(supports):
         swinging = [foot for foot in every if foot not in support.feet]
-        rows: list[Constraint] = _swing(support, swinging, terms, ground, repeat, passes)
+        rows: list[Constraint] = _swing(robot, support, swinging, terms, ground, repeat, passes)
         states = {}
         if terms.upright is not None:
             states = terms.upright.states(robot)
@@ -193,6 +193,7 @@ def _origin(robot: Robot, repeat: Mirror | Periodic | None) -> State:
 
 
 def _swing(
+    robot: Robot,
     support: Support,
     swinging: Sequence[str],
     terms: Terms,
@@ -204,7 +205,8 @@ def _swing(
 
     Halfway through a mirrored gait a foot swings past its partner, which stands in the middle of its way: from one
     displacement behind the partner's foothold to one before it; so it does in each half of a stride whose both halves
-    are written. Elsewhere feet stay above the ground, and a warning says that more was asked for.
+    are written. Elsewhere feet stay above the ground, and a warning says that more was asked for. Of soles all corners
+    stay above it.
     """
     if terms.clearance is None or not swinging:
         return []
@@ -214,22 +216,25 @@ def _swing(
         gain = 0.5 * gain
     rows: list[Constraint] = []
     level: list[Any] = []
+    low: list[str] = []
     for foot in swinging:
-        other = partners.get(foot, foot)
+        other, corners = partners.get(foot, foot), stands(terms.contact, foot).bound_to(robot).outline()
         if terms.clearance > 0.0 and other in support.feet and isinstance(gain, int | float) and gain != 0.0:
             place, step = f"{stands(terms.contact, other).label}.x", float(gain)
             rows.append(GroundClearance(_spot(terms, foot), Arc(terms.clearance, place, step), ground))
+            level += corners if len(corners) > 1 else []
         else:
-            level.append(_spot(terms, foot))
-    if level and support.feet and terms.clearance > 0.0:
-        feet = ", ".join(spot if isinstance(spot, str) else spot[0] for spot in level)
+            level += corners
+            low.append(foot)
+    if low and support.feet and terms.clearance > 0.0:
         warnings.warn(
-            f"clearance={terms.clearance:g} is not held by {feet} in {support.name!r}, which stay above the ground "
-            "alone: a foot reaches its height where it passes one that stands, over a step of known length. Give "
-            "others rt.GroundClearance(foot, rt.SwingApex(...)).",
+            f"clearance={terms.clearance:g} is not held by {', '.join(low)} in {support.name!r}, which stay above the "
+            "ground alone: a foot reaches its height where it passes one that stands, over a step of known length. "
+            "Give others rt.GroundClearance(foot, rt.SwingApex(...)).",
             stacklevel=3,
         )
-    return [*rows, GroundClearance(level, -TOUCH, ground)] if level else rows
+    spots = [(frame, offset) if any(offset) else frame for frame, offset in level]
+    return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows
 
 
 def _spot(terms: Terms, foot: str) -> Any:

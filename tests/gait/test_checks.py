@@ -142,3 +142,28 @@ def test_a_height_that_no_foot_can_be_held_to_is_said(biped: rt.Robot) -> None:
         step(biped, clearance=0.1, repeat=free)
     with pytest.warns(UserWarning, match="clearance=0.1 is not held"):
         step(biped, clearance=0.1, step_length=0.0)
+
+
+def test_shares_of_a_step_are_kept_where_its_duration_is_free(biped: rt.Robot) -> None:
+    objective = rt.Effort() + 50 * rt.Duration()
+    walk = step(biped, duration=(0.4, 0.9), double_support=0.2, objective=objective)
+    run = rt.gait.run(biped, step_length=0.9, duration=(0.3, 0.6), flight=0.4, contact=FOOT)
+    for gait, share in ((walk, 0.2), (run, 0.6)):
+        solution = rt.plan(gait, rt.Mesh(10))
+        assert solution.phases[0].duration / solution.duration == pytest.approx(share, abs=1e-6)
+        low, high = (sum(bound) for bound in zip(*(phase.duration for phase in gait.phases), strict=True))
+        assert low - 1e-6 < solution.duration < high + 1e-6
+
+
+def test_all_of_a_sole_stays_above_the_ground() -> None:
+    robot = rt.load("talos_legs", root="floating")
+    sole = partial(rt.FlatFoot, length=0.2, width=0.12, friction=0.8)
+    feet = "left_sole_link", "right_sole_link"
+    gait = rt.gait.walk(robot, step_length=0.45, duration=0.8, double_support=0.2, feet=feet, contact=sole)
+    solution = rt.plan(gait, rt.Mesh(6, rt.LobattoIIIA(4)))
+    data, lowest = robot.model.createData(), np.inf
+    for q in solution.at(np.linspace(0, solution.duration, 201)).q:
+        pin.framesForwardKinematics(robot.model, data, q)
+        corners = [np.array([x, y, 0.0]) for x in (-0.1, 0.1) for y in (-0.06, 0.06)]
+        lowest = min(lowest, *(data.oMf[robot.frame(foot)].act(corner)[2] for foot in feet for corner in corners))
+    assert lowest > -1e-3

@@ -90,7 +90,7 @@ def test_double_support_comes_first_and_is_landed_on_at_rest(biped: rt.Robot) ->
         (0.15, 0.3),
         (pytest.approx(0.45), pytest.approx(0.9)),
     ]
-    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Mirror]
+    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Mirror, rt.Linkage]
 
 
 def test_a_run_has_a_flight(biped: rt.Robot) -> None:
