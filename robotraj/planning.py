@@ -49,7 +49,9 @@ def plan(
         One for all phases or one for each; 40 Hermite-Simpson intervals by default. With ``tolerance``, the first
         mesh, of 20 intervals of Radau IIA with 3 points by default.
     guess : Guess or Solution, optional
-        A straight line by default; an earlier solution on any mesh and scheme warm starts.
+        A straight line by default; an earlier solution on any mesh and scheme warm starts. Where the default leads
+        nowhere, seeded variations of it are tried, and longer motions where a duration is free
+        (``robotraj.retries``); the message says so.
     solver : Solver, optional
         By default ``rt.Fatrop()`` for robots with a fixed root, without contacts, design parameters, continuous joints
         or costs with variables of their own, and for an ``rt.System`` that has a control for every second state;

@@ -13,10 +13,10 @@ import numpy as np
 from robotraj.engines import Engine
 from robotraj.guess import Guess, as_guess
 from robotraj.indirect.duals import LateDuals, PhaseDuals
-from robotraj.longer import from_longer
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
 from robotraj.records import added_times
+from robotraj.retries import from_elsewhere, from_longer
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.solution import Solution
 from robotraj.solvers import Multipliers, Progress, Solver
@@ -47,7 +47,7 @@ def solve(
     between: Exchange | None = None,
     engine: Engine | None = None,
     hold: Callable[[Solution], bool] | None = None,
-    longer: bool = True,
+    retry: bool = True,
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
@@ -56,8 +56,8 @@ def solve(
     it is worth it. A guess brings its guards along, on the intervals that its mesh has as well. Where the problem with
     further rows cannot be solved, the solution without them stays, and ``between`` lists what is broken.
 
-    Where a free duration turns out guessed too short, the problem is solved from a motion with time to spare, unless
-    ``longer`` says otherwise.
+    Where the problem cannot be solved from a default guess, or a free duration turns out guessed too short, ``retry``
+    solves it from elsewhere: see ``robotraj.retries``.
     """
     began = time.perf_counter()
     between = between or Exchange()
@@ -70,12 +70,12 @@ def solve(
     if guards and not same and multipliers is not None:
         multipliers = _lengthened(multipliers, nlp)
     solution, w = _solve(nlp, guess, multipliers, solver, progress, began)
-    if longer and not solution.success:
+    if retry and not solution.success:
 
         def once_more(problem: Problem, guess: Guess | Solution | None) -> Solution:
-            return solve(problem, mesh, guess, solver, progress, between, engine, hold, longer=False)
+            return solve(problem, mesh, guess, solver, progress, between, engine, hold, retry=False)
 
-        solved = from_longer(solution, nlp, guess, once_more)
+        solved = from_longer(solution, nlp, guess, once_more) or from_elsewhere(solution, guess, once_more)
         if solved is not None:
             return solved
     bulges = _bulges(solution, between.tolerance)

@@ -43,7 +43,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
         "export",
         "plotting",
         "indirect",
-        "longer",
+        "retries",
         "starts",
         "solving",
     ),

@@ -41,14 +41,14 @@ class Perturbed(Guess):
     Parameters
     ----------
     guess : Guess
-    seed : sequence of int
+    seed : int or sequence of int
         Seeds NumPy's default generator, together with the index of the phase.
     spread : float
         0 leaves the guess as it is.
     """
 
     guess: Guess
-    seed: tuple[int, ...]
+    seed: int | tuple[int, ...]
     spread: float = 1.0
 
     def prepared(self, problem: Problem) -> Guess:
@@ -57,7 +57,7 @@ class Perturbed(Guess):
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Perturb the guess of a phase."""
-        rng = np.random.default_rng((*self.seed, index))
+        rng = np.random.default_rng((*np.atleast_1d(self.seed).tolist(), index))
         known = self.guess.of(phase, index)
         low, high = phase.duration_bounds
         duration = float(np.clip(known.duration * np.exp(self.spread * rng.standard_normal()), low, high))

@@ -202,7 +202,15 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
     monkeypatch.setattr(module, "native_program", lambda *given: Stalls(make(*given)))
     monkeypatch.setattr(module, "of_program", lambda *given: 1.0)
     few, more = (
-        rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(max_iterations=n, fallback=None), check=False, progress=False)
+        rt.plan(
+            EVERY["arm"](),
+            MESH,
+            # Of a guess of one's own no variations are tried.
+            rt.StraightLine(),
+            solver=rt.Fatrop(max_iterations=n, fallback=None),
+            check=False,
+            progress=False,
+        )
         for n in (7, 10)
     )
     assert few.iterations == 7 and few.status is rt.Status.STALLED

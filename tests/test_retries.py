@@ -1,9 +1,10 @@
-"""Durations that were guessed too short: problems that were called infeasible and are not."""
+"""Durations that were guessed too short, and guesses that lead nowhere: problems that were called infeasible."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -82,3 +83,46 @@ def test_more_equations_than_unknowns_are_called_so() -> None:
     phase = rt.Phase(decay, 1.0, rt.State([1]), rt.State([0.5]))
     assert rt.plan(phase, check=False).status is Status.OVERDETERMINED
     assert rt.plan(phase.with_(end=None)).success
+
+
+def around_a_ball(duration: float = 1.0, **changes: Any) -> rt.Phase:
+    """A ur5 whose tool goes round a ball to a place 0.3 m away; no joint says where that is."""
+    robot = rt.load("ur5")
+    home = [0, -1.3, 1.6, -1.9, -1.57, 0]
+    place = np.array([0.5854305, 0.10921554, 0.30325228])
+    centre = place + [0.0, 0.15, 0.0]
+
+    def distance(point: Any) -> Any:
+        return ca.sumsqr(point.frame("tool0").position - ca.DM(centre))
+
+    there = dict(zip("xyz", place + [0.0, 0.3, 0.0], strict=True))
+    rows = [
+        rt.PathConstraint(distance, lower=0.1**2, name="ball", unit="m^2"),
+        rt.AtEnd(rt.FramePosition("tool0", there)),
+    ]
+    ends = rt.State(q=home, v=0), rt.State(v=0)
+    return rt.Phase(robot, duration, *ends, rt.Effort(), constraints=rows, **changes)
+
+
+def test_an_obstacle_in_the_way_of_the_default_guess() -> None:
+    solution = rt.plan(around_a_ball(), rt.Mesh(30))
+    assert "from a variation of the default guess" in solution.message
+    # The best of several starts.
+    assert solution.objective == pytest.approx(599.517, rel=1e-4)
+    rt.validate(solution, drift=None).check(limits=1e-3)
+
+
+def test_ones_own_guess_is_not_varied() -> None:
+    solution = rt.plan(around_a_ball(), rt.Mesh(30), guess=rt.StraightLine(), check=False)
+    assert not solution.success and "variation" not in solution.message
+
+
+def test_what_no_variation_can_do_is_infeasible() -> None:
+    solution = rt.plan(around_a_ball(0.05), rt.Mesh(10), check=False)
+    assert not solution.success and "variation" not in solution.message
+
+
+def test_a_seed_may_be_a_number() -> None:
+    phase = around_a_ball()
+    one, other = (rt.guesses.Perturbed(rt.StraightLine(), seed).of(phase, 0) for seed in (3, (3,)))
+    np.testing.assert_array_equal(one.states(np.linspace(0, 1, 5)), other.states(np.linspace(0, 1, 5)))

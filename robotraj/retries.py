@@ -1,10 +1,13 @@
-"""Free durations that were guessed too short: a motion that has time to spare first, then the problem from there.
+"""Other ways to begin, where a problem turned out infeasible from where a plan begins by default.
 
-With less time than a motion needs, its rows contradict each other, and a solver that steps toward their least sum of
-contradictions may shorten the duration instead of lengthening it: it ends at a point that is infeasible locally, though
-the problem is not. At a fixed and ample duration, without the objective, the rows alone are left, and any motion that
-meets them is a guess from which the duration falls to its optimum.
+Free durations may be guessed too short. With less time than a motion needs, its rows contradict each other, and a
+solver that steps toward their least sum of contradictions may shorten the duration instead of lengthening it: it ends
+at a point that is infeasible locally, though the problem is not. At a fixed and ample duration, without the objective,
+the rows alone are left, and any motion that meets them is a guess from which the duration falls to its optimum.
 Source: Betts, Practical Methods for Optimal Control (2010), section 2.12 (find a feasible point first).
+
+Guesses may also stand where an obstacle has no side to be passed on, or at a pose from which no row says where to go:
+random variations of them, seeded, stand elsewhere.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj.guess import Guess, StraightLine
+from robotraj.guesses import Perturbed, default_guess
 from robotraj.problem import Problem
 from robotraj.records import added_times
 from robotraj.solution import Solution
@@ -24,7 +28,46 @@ from robotraj.transcription import Nlp
 TIMES = (3.0, 9.0, 27.0)
 """How many times as long as they were guessed durations are, one after the other: the longer, the further from the
 optimum."""
-ASKS_FOR_MORE = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
+SEEDS = (0, 1)
+"""Of the variations that are tried."""
+LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
+"""Ends from which another beginning may lead away."""
+
+
+def from_elsewhere(
+    failed: Solution,
+    guess: Guess | Solution | None,
+    solve: Callable[[Problem, Guess | Solution | None], Solution],
+) -> Solution | None:
+    """Solve a problem that failed once more, from variations of the default guess.
+
+    Parameters
+    ----------
+    failed : Solution
+        What the solver ended with.
+    guess : Guess, Solution or None
+        What the user gave; only where that is nothing is there a default to vary.
+    solve : callable
+        (problem, guess) -> Solution, on the same mesh.
+
+    Returns
+    -------
+    Solution or None
+        None where that does not help either.
+    """
+    problem = failed.problem
+    if failed.status not in LOST or guess is not None or any(phase.bound_contacts for phase in problem.phases):
+        return None
+    spent, iterations = failed.times, failed.iterations
+    for seed in SEEDS:
+        found = solve(problem, Perturbed(default_guess(problem), (seed,)))
+        spent, iterations = added_times(spent, found.times), iterations + found.iterations
+        if found.status is Status.INTERRUPTED:
+            return replace(failed, status=Status.INTERRUPTED, times=spent, iterations=iterations)
+        if found.success:
+            message = f"{found.message}, from a variation of the default guess, which led nowhere"
+            return replace(found, message=message, times=spent, iterations=iterations)
+    return None
 
 
 def from_longer(
@@ -54,7 +97,7 @@ def from_longer(
     problem = failed.problem
     free = [layout.duration.column is not None for layout in nlp.layouts]
     contacts = any(phase.bound_contacts for phase in problem.phases)
-    if failed.status not in ASKS_FOR_MORE or not any(free) or contacts:
+    if failed.status not in LOST or not any(free) or contacts:
         return None
     if not (guess is None or isinstance(guess, StraightLine | Solution)):
         return None
