@@ -205,6 +205,10 @@ class BoundLineContact(BoundContact):
         """Evaluate what the ground asks of the whole edge."""
         return self.where.values(anchors, (0.0, 0.0, 0.5 * self.width))
 
+    def outline(self) -> list[tuple[str, Triple]]:
+        """Give the middle of the edge."""
+        return [(self.frame, self.spot.offset)]
+
     def locate(self, robot: Robot, q: Any) -> dict[str, float]:
         """Place of the edge's middle and heading across it in configuration q."""
         place, rotation = self.spot.placed(robot, q)

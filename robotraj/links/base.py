@@ -94,6 +94,15 @@ def normal(phases: Sequence[Phase], index: int) -> int:
     return index % len(phases)
 
 
+def check_order(phases: Sequence[Phase], first: int, second: int, who: str) -> None:
+    """Refuse to let time run on into the same phase or an earlier one."""
+    if normal(phases, second) <= normal(phases, first):
+        raise InputError(
+            f"{who}: time runs on into a later phase. A motion that repeats is closed by rt.Periodic(...), "
+            "rt.Mirror(...) or rt.Touchdown(last, 0, repeat=...)."
+        )
+
+
 def state_names(phase: Phase) -> list[str]:
     """Names of the states of a phase."""
     return [state.name for state in phase.body.states]

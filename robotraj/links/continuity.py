@@ -13,7 +13,7 @@ from robotraj.constraints import Row, as_bounds
 from robotraj.constraints.base import ends_of
 from robotraj.dynamics import Named
 from robotraj.dynamics.rows import as_rows
-from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
+from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, check_order, normal, phase_at, same_states
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ class Jump(Link):
 
 def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str, Any], who: str) -> BoundLink:
     before, after = phase_at(phases, first, who), phase_at(phases, second, who)
+    check_order(phases, first, second, who)
     names = same_states(before, after, who)
     bounds = as_bounds({name: 0.0 for name in names} | dict(jumps), names, f"jumps of {who}", "state")
     kept = [i for i, (low, high) in enumerate(zip(*bounds, strict=True)) if not (low == -float("inf") and high == -low)]

@@ -13,7 +13,7 @@ from robotraj.contacts import LimitRow
 from robotraj.dynamics import RigidBody, Variable
 from robotraj.dynamics.holding import anchors, torques
 from robotraj.errors import InputError
-from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
+from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, check_order, normal, phase_at, same_states
 from robotraj.links.continuity import Continuity
 from robotraj.links.periodic import Mirror, Periodic, Repeat, check_partners
 from robotraj.values import dataclass
@@ -62,6 +62,8 @@ class Touchdown(Link):
         """
         who = f"Touchdown({self.first}, {self.second})"
         before, after = phase_at(phases, self.first, who), phase_at(phases, self.second, who)
+        if self.repeat is None:
+            check_order(phases, self.first, self.second, who)
         names = same_states(before, after, who)
         body = after.body
         if not isinstance(body, RigidBody) or not body.contacts:

@@ -104,3 +104,18 @@ def test_contradicting_links_are_infeasible_and_say_which_row(push: Any) -> None
         push.plan(phases, [rt.Continuity(0, 1)])
     assert not caught.value.solution.success
     assert any("continuity" in str(violation) for violation in caught.value.solution.violations(10))
+
+
+@pytest.mark.parametrize("link", [rt.Continuity(0, 0), rt.Continuity(1, 0), rt.Jump(-1, 0), rt.Continuity(1, -1)])
+def test_time_runs_on_into_a_later_phase(link: rt.links.Link) -> None:
+    system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    phases = [rt.Phase(system, 1.0, name=name) for name in ("there", "back")]
+    with pytest.raises(rt.InputError, match=r"time runs on into a later phase.*rt.Periodic"):
+        rt.Problem(phases, [link])
+
+
+def test_feet_come_down_in_a_later_phase_or_into_the_image_of_the_first() -> None:
+    robot = rt.load("five_link", root="planar")
+    step = rt.gait.walk(robot, step_length=0.4, duration=0.6)
+    with pytest.raises(rt.InputError, match=r"Touchdown\(0, 0\): time runs on"):
+        rt.Problem(step.phases, [rt.Touchdown(0, 0)])
