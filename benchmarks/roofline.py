@@ -8,15 +8,16 @@ n = n_u + n_x (Vanroye et al., FATROP, IROS 2023; a multiplication and an additi
 
 and of the point functions: the operations of CasADi's graphs of inverse dynamics, its Jacobian and its Hessian, which
 the native engine's formulas undercut. Both count dense matrices: the recursion leaves zeros out. The rate is that of
-products of matrices of 256 rows by SciPy's BLAS, on one core; that of 30 rows is told beside it. An iteration is in
-processor time, the least of several solves by a program that is there; inertia corrections, refinements and line search
-are in it.
+products of matrices of 256 rows by SciPy's BLAS, on one core; ratios by that of 30 rows, a small arm's, stand beside.
+An iteration is in processor time, the least of several solves by a program that is there; inertia corrections,
+refinements and line search are in it.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from scipy.linalg.blas import dgemm
@@ -28,8 +29,21 @@ from robotraj.stagewise import native_program, reduce
 
 RUNS = 9
 INTERVALS = (25, 50, 100, 200, 400, 800, 1600)
+MESH = 50
+"""Intervals of every robot."""
 SMALL = 30
 """Unknowns of a stage of the arm."""
+ROBOTS: dict[str, dict[str, Any]] = {
+    "ur5": {},
+    "panda": {"locked": {"panda_finger_joint1": 0.0, "panda_finger_joint2": 0.0}},
+    "solo12": {"root": "fixed"},
+    "baxter": {},
+    "allegro_right_hand": {},
+    "alex": {},
+    "g1": {"root": "fixed"},
+    "talos": {"root": "fixed"},
+}
+"""From 6 to 32 joints, held at the root."""
 START, GOAL = [-1.1, -1.8, 1.6, -1.2, -1.57, 0.0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2]
 
 
@@ -76,26 +90,43 @@ def iterations(solver: rt.Fatrop, nlp: rt.Nlp, runs: int) -> Iterator[float]:
         yield (time.process_time() - began) / found.iterations
 
 
-def main() -> None:
-    """Print one line a mesh."""
-    robot = rt.load("ur5")
-    peak, small = rate(256), rate(SMALL)
+def across(robot: rt.Robot) -> rt.Phase:
+    """From two fifths of each joint's way (within 2 rad of zero) to three, in 1.5 s, at least effort."""
+    lower, upper = np.maximum(robot.limits.position_lower, -2.0), np.minimum(robot.limits.position_upper, 2.0)
+    ends = (rt.State(q=lower + share * (upper - lower), v=0) for share in (0.4, 0.6))
+    return rt.Phase(robot, 1.5, *ends, objective=rt.Effort())
+
+
+def row(phase: rt.Phase, intervals: int, peak: float, small: float) -> str:
+    """One line of a table, after its first cell."""
     solver = rt.Fatrop(threads=1, fallback=None)
-    print(f"one core: {peak / 1e9:.1f} GFlop/s in products of 256 rows, {small / 1e9:.1f} of {SMALL}, a stage's size\n")
-    print("| ur5, intervals | Riccati [MFlop] | points [MFlop] | limit [ms] | iteration [ms] | ratio |")
-    print("|---|---|---|---|---|---|")
-    for count in INTERVALS:
-        phase = rt.Phase(robot, 1.0, rt.State(q=START, v=0), rt.State(q=GOAL, v=0), objective=rt.Effort())
-        nlp = rt.transcribe(
-            rt.Problem(phase), rt.Mesh(count), engine=solver.default_engine(), between=solver.default_between()
-        )
-        solves, graphs = riccati(reduce(nlp).program), points(nlp)
-        runs = list(iterations(solver, nlp, RUNS))
-        took, limit = min(runs), (solves + graphs) / peak
-        print(
-            f"| {count} | {solves / 1e6:.2f} | {graphs / 1e6:.2f} | {limit * 1e3:.2f} | {took * 1e3:.2f} | "
-            f"{took / limit:.1f} |"
-        )
+    nlp = rt.transcribe(
+        rt.Problem(phase), rt.Mesh(intervals), engine=solver.default_engine(), between=solver.default_between()
+    )
+    solves, graphs = riccati(reduce(nlp).program), points(nlp)
+    took = min(iterations(solver, nlp, RUNS))
+    ratios = (took * rate / (solves + graphs) for rate in (peak, small))
+    return (
+        f"{solves / 1e6:.2f} | {graphs / 1e6:.2f} | {(solves + graphs) / peak * 1e3:.2f} | {took * 1e3:.2f} | "
+        + " | ".join(f"{ratio:.1f}" for ratio in ratios)
+        + " |"
+    )
+
+
+def main() -> None:
+    """Print one line a mesh, then one a robot."""
+    peak, small = rate(256), rate(SMALL)
+    print(f"one core: {peak / 1e9:.1f} GFlop/s in products of 256 rows, {small / 1e9:.1f} of {SMALL}, a stage of ur5")
+    titles = f"Riccati [MFlop] | points [MFlop] | limit [ms] | iteration [ms] | ratio | by {SMALL} rows |"
+    print(f"\n| ur5, intervals | {titles}\n|{'---|' * 7}")
+    arm = rt.load("ur5")
+    for intervals in INTERVALS:
+        phase = rt.Phase(arm, 1.0, rt.State(q=START, v=0), rt.State(q=GOAL, v=0), objective=rt.Effort())
+        print(f"| {intervals} | {row(phase, intervals, peak, small)}", flush=True)
+    print(f"\n| {MESH} intervals | joints | {titles}\n|{'---|' * 8}")
+    for name, settings in ROBOTS.items():
+        robot = rt.load(name, **settings)
+        print(f"| {name} | {robot.nv} | {row(across(robot), MESH, peak, small)}", flush=True)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+import robotraj as rt
+
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 
 
@@ -43,11 +45,18 @@ def test_the_nearest_line_leaves_equal_distances(linearity: ModuleType) -> None:
     np.testing.assert_allclose(linearity.nearest_line(n, 3 + 2 * n), [3, 2], rtol=1e-8)
 
 
-def test_roofline_reports_every_mesh(
+def test_roofline_reports_every_mesh_and_robot(
     linearity: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     roofline = sys.modules["roofline"]
     monkeypatch.setattr(roofline, "INTERVALS", (2, 4))
+    monkeypatch.setattr(roofline, "MESH", 3)
     monkeypatch.setattr(roofline, "RUNS", 1)
     roofline.main()
-    assert [line.split()[1] for line in capsys.readouterr().out.splitlines()[-2:]] == ["2", "4"]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in capsys.readouterr().out.splitlines()]
+    arm, robots = ([row for row in rows if len(row) == cells][2:] for cells in (7, 8))
+    assert [row[0] for row in arm] == ["2", "4"]
+    assert {row[0]: int(row[1]) for row in robots} == {
+        name: rt.load(name, **settings).nu for name, settings in roofline.ROBOTS.items()
+    }
+    assert all(float(cell) > 0 for row in arm + robots for cell in row[-3:])
