@@ -54,7 +54,11 @@ def as_rows(values: Any, what: str) -> list[ca.SX]:
         if isinstance(values, Sequence) or (hasattr(values, "ravel") and not isinstance(values, np.generic)):
             parts = values.ravel() if hasattr(values, "ravel") else values
             return [row for part in parts for row in as_rows(part, what)]
-        return [ca.SX(float(values) if isinstance(values, np.generic) else values)]
+        # Of a complex number float() keeps the real part; of a generator CasADi makes an empty matrix.
+        row = ca.SX(float(values) if isinstance(values, np.number | np.bool_) and np.isrealobj(values) else values)
+        if not row.is_scalar():
+            raise TypeError("no scalar")
+        return [row]
     except (TypeError, RuntimeError) as error:
         raise InputError(
             f"The {what} must return numbers or CasADi SX expressions of the point, got {type(values).__name__}."
