@@ -28,6 +28,8 @@ PATIENCE = 4
 """Meshes in a row that do not bring the error down, after which the tolerance is given up."""
 LESS = 0.8
 """Part of the least error so far that counts as down."""
+ALIKE = 2.0
+"""How many times as large as the least of these meshes' errors the largest may be."""
 ROOM = 0.1
 """How far the lengths of moving intervals change from one mesh to the next, relative to themselves."""
 ROUND_OFF = 1e-13
@@ -138,9 +140,13 @@ def _halved(mesh: Mesh) -> Mesh:
 
 
 def _stuck(errors: list[float]) -> bool:
-    """Whether the last meshes are no better than one before them: the motion chatters, as on singular arcs."""
+    """Whether the last meshes are no better than one before them and much alike: the motion chatters.
+
+    On singular arcs it does. Errors that jump about are those of different motions, as where there is no objective, of
+    which the next may do.
+    """
     before, last = errors[:-PATIENCE], errors[-PATIENCE:]
-    return bool(before) and min(last) > LESS * min(before)
+    return bool(before) and min(last) > LESS * min(before) and max(last) < ALIKE * min(last)
 
 
 def _stepped(part: PhaseSolution) -> bool:
