@@ -71,6 +71,12 @@ def test_speeds_after_an_impact_have_no_displacement(biped: rt.Robot) -> None:
         step(biped, repeat=faster)
 
 
+def test_numbers_may_be_numpys(biped: rt.Robot) -> None:
+    for number in (np.float32, np.float64, np.array):
+        (phase,) = step(biped, step_length=number(0.4), duration=number(0.6), clearance=number(0.0)).phases
+        assert phase.duration == pytest.approx(0.6)
+
+
 def test_a_free_duration_may_be_between(biped: rt.Robot) -> None:
     assert step(biped, duration=rt.between(0.4, 0.9)).phases[0].duration == (0.4, 0.9)
 
