@@ -13,7 +13,7 @@ from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Problem
 from robotraj.records import MeshStep, added_times
 from robotraj.refinement import Assessment, Refinement, assess
-from robotraj.schemes import Mesh, MovingMesh, OneStep
+from robotraj.schemes import Collocation, Mesh, MovingMesh, OneStep
 from robotraj.solution import Solution
 from robotraj.solvers import Progress, Solver
 from robotraj.solving import solve
@@ -28,8 +28,12 @@ PATIENCE = 4
 """Meshes in a row that do not bring the error down, after which the tolerance is given up."""
 LESS = 0.8
 """Part of the least error so far that counts as down."""
+ALIKE = 2.0
+"""How many times as large as the least of these meshes' errors the largest may be."""
 ROOM = 0.1
 """How far the lengths of moving intervals change from one mesh to the next, relative to themselves."""
+ROUND_OFF = 1e-13
+"""Errors below which a mesh is not refined for their sake."""
 SMALL = 1e-2
 """Objectives below this settle to the tolerance times this, not to the tolerance times themselves."""
 
@@ -47,9 +51,11 @@ def adapt(
 ) -> Solution:
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
-    Each mesh starts from the solution on the one before. Rows are imposed between the collocation points from the first
-    mesh on that is fine enough without, or no better than one before it: what holds them on a coarse mesh is of no use
-    to the next one, and costs as many solves. A solution whose tolerance was not reached says so in its status.
+    Each mesh starts from the solution on the one before. An objective has settled only on a finer mesh than the last:
+    where the errors hold and ``refinement`` makes none, smaller errors are asked for, or every interval is halved; but
+    for knots that move. Rows are imposed between the collocation points from the first mesh on that is fine enough
+    without, or no better than one before it: what holds them on a coarse mesh is of no use to the next one, and costs
+    as many solves. A solution whose tolerance was not reached says so in its status.
     """
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     steps: list[MeshStep] = []
@@ -94,8 +100,12 @@ def adapt(
             return solution
         # Errors that hold while the objective still moves are too large for the objective.
         goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
-        pairs = zip(solution.phases, assessments, strict=True)
-        finer = [_next(part, own, refinement, tolerance if _stepped(part) else goal) for part, own in pairs]
+        finer = _next(solution, assessments, refinement, tolerance, goal)
+        if worst <= tolerance and not settled and not _is_finer(meshes, finer):
+            closer = _next(solution, assessments, refinement, tolerance, max(0.1 * worst, ROUND_OFF))
+            if not _is_finer(meshes, closer):
+                closer = [_halved(mesh) for mesh in meshes]
+            finer = [b if isinstance(b, MovingMesh) else c for b, c in zip(finer, closer, strict=True)]
         given_up = worst > tolerance and _stuck([step.error for step in steps])
         if given_up or len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
             if not holding:
@@ -108,10 +118,35 @@ def adapt(
         meshes, known = finer, solution
 
 
+def _is_finer(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:
+    """Whether meshes have more points, and none of them less; those whose knots move are never the same."""
+    pairs = [(a, b) for a, b in zip(before, after, strict=True) if not isinstance(a, MovingMesh)]
+    more = [_points(b) - _points(a) for a, b in pairs]
+    return not more or (min(more) >= 0 and max(more) > 0)
+
+
+def _points(mesh: Mesh) -> int:
+    return sum(len(scheme.nodes) if isinstance(scheme, Collocation) else 1 for scheme in mesh.schemes)
+
+
+def _halved(mesh: Mesh) -> Mesh:
+    """Every interval in two, where errors at round-off ask for no finer mesh and the objective has not settled.
+
+    The residual sees neither what the polynomial of the controls costs, or a hull of their limits, nor the quadrature
+    of the objective; and on the same mesh again any objective has settled.
+    """
+    knots = np.interp(np.arange(2 * mesh.count + 1) / 2, np.arange(mesh.count + 1), mesh.knots)
+    return Mesh(tuple(knots.tolist()), tuple(scheme for scheme in mesh.schemes for _ in range(2)))
+
+
 def _stuck(errors: list[float]) -> bool:
-    """Whether the last meshes are no better than one before them: the motion chatters, as on singular arcs."""
+    """Whether the last meshes are no better than one before them and much alike: the motion chatters.
+
+    On singular arcs it does. Errors that jump about are those of different motions, as where there is no objective, of
+    which the next may do.
+    """
     before, last = errors[:-PATIENCE], errors[-PATIENCE:]
-    return bool(before) and min(last) > LESS * min(before)
+    return bool(before) and min(last) > LESS * min(before) and max(last) < ALIKE * min(last)
 
 
 def _stepped(part: PhaseSolution) -> bool:
@@ -119,7 +154,15 @@ def _stepped(part: PhaseSolution) -> bool:
     return any(isinstance(scheme, OneStep) for scheme in part.mesh.schemes)
 
 
-def _next(part: PhaseSolution, assessment: Assessment, refinement: Refinement, tolerance: float) -> Mesh:
+def _next(
+    solution: Solution, assessments: Sequence[Assessment], refinement: Refinement, tolerance: float, goal: float
+) -> list[Mesh]:
+    """Refine the mesh of every phase to a goal; shooting to the tolerance, since its objective is seen to by itself."""
+    pairs = zip(solution.phases, assessments, strict=True)
+    return [_refined(part, own, refinement, tolerance if _stepped(part) else goal) for part, own in pairs]
+
+
+def _refined(part: PhaseSolution, assessment: Assessment, refinement: Refinement, tolerance: float) -> Mesh:
     """Refine the mesh of a phase; knots that move go on from where they came to stand."""
     mesh = part.mesh
     if not isinstance(mesh, MovingMesh):

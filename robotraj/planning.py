@@ -49,9 +49,10 @@ def plan(
         One for all phases or one for each; 40 Hermite-Simpson intervals by default. With ``tolerance``, the first
         mesh, of 20 intervals of Radau IIA with 3 points by default.
     guess : Guess or Solution, optional
-        A straight line by default; an earlier solution on any mesh and scheme warm starts. Where the default leads
-        nowhere, seeded variations of it are tried, and longer motions where a duration is free
-        (``robotraj.retries``); the message says so.
+        A straight line by default; an earlier solution on any mesh and scheme warm starts. Where a plan without
+        contacts leads nowhere, it begins elsewhere (``robotraj.retries``): from longer motions where a duration is
+        free, unless the guess has a course of its own, and from seeded variations of the default. The message of a
+        solution on one mesh says so; with ``tolerance`` it is the last mesh's, which starts from the one before.
     solver : Solver, optional
         By default ``rt.Fatrop()`` for robots with a fixed root, without contacts, design parameters, continuous joints
         or costs with variables of their own, and for an ``rt.System`` that has a control for every second state;

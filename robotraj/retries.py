@@ -12,11 +12,13 @@ random variations of them, seeded, stand elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
+from robotraj.errors import InputError
 from robotraj.guess import Guess, StraightLine
 from robotraj.guesses import Perturbed, default_guess
 from robotraj.problem import Problem
@@ -34,49 +36,12 @@ LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
 """Ends from which another beginning may lead away."""
 
 
-def from_elsewhere(
-    failed: Solution,
-    guess: Guess | Solution | None,
-    solve: Callable[[Problem, Guess | Solution | None], Solution],
-) -> Solution | None:
-    """Solve a problem that failed once more, from variations of the default guess.
-
-    Parameters
-    ----------
-    failed : Solution
-        What the solver ended with.
-    guess : Guess, Solution or None
-        What the user gave; only where that is nothing is there a default to vary.
-    solve : callable
-        (problem, guess) -> Solution, on the same mesh.
-
-    Returns
-    -------
-    Solution or None
-        None where that does not help either.
-    """
-    problem = failed.problem
-    if failed.status not in LOST or guess is not None or any(phase.bound_contacts for phase in problem.phases):
-        return None
-    spent, iterations = failed.times, failed.iterations
-    for seed in SEEDS:
-        found = solve(problem, Perturbed(default_guess(problem), (seed,)))
-        spent, iterations = added_times(spent, found.times), iterations + found.iterations
-        if found.status is Status.INTERRUPTED:
-            return replace(failed, status=Status.INTERRUPTED, times=spent, iterations=iterations)
-        if found.success:
-            message = f"{found.message}, from a variation of the default guess, which led nowhere"
-            return replace(found, message=message, times=spent, iterations=iterations)
-    return None
+Solve = Callable[[Problem, Guess | Solution | None], Solution]
+"""(problem, guess) -> Solution, on the same mesh."""
 
 
-def from_longer(
-    failed: Solution,
-    nlp: Nlp,
-    guess: Guess | Solution | None,
-    solve: Callable[[Problem, Guess | Solution | None], Solution],
-) -> Solution | None:
-    """Solve a problem that failed once more, from a motion that takes longer.
+def retried(failed: Solution, nlp: Nlp, guess: Guess | Solution | None, solve: Solve) -> Solution:
+    """Solve a problem that failed once more: from motions that take longer, then from variations of the default guess.
 
     Parameters
     ----------
@@ -85,48 +50,69 @@ def from_longer(
     nlp : Nlp
         What it was given, with the durations it started from.
     guess : Guess, Solution or None
-        What the user gave. Guesses with a course of their own are not replaced.
+        What the user gave. Guesses with a course of their own are not replaced, and only where there is none is there a
+        default to vary.
     solve : callable
-        (problem, guess) -> Solution, on the same mesh.
 
     Returns
     -------
-    Solution or None
-        None where more time does not help, or nothing is free to take it.
+    Solution
+        The first that was found, else the one that failed; with the seconds and iterations of all that was tried.
     """
     problem = failed.problem
-    free = [layout.duration.column is not None for layout in nlp.layouts]
-    contacts = any(phase.bound_contacts for phase in problem.phases)
-    if failed.status not in LOST or not any(free) or contacts:
-        return None
-    if not (guess is None or isinstance(guess, StraightLine | Solution)):
-        return None
+    if failed.status not in LOST or any(phase.bound_contacts for phase in problem.phases):
+        return failed
     spent, iterations = failed.times, failed.iterations
+    for attempt, whence in chain(_from_longer(problem, nlp, guess, solve), _from_elsewhere(problem, guess, solve)):
+        spent, iterations = added_times(spent, attempt.times), iterations + attempt.iterations
+        if attempt.status is Status.INTERRUPTED:
+            return replace(failed, status=Status.INTERRUPTED, times=spent, iterations=iterations)
+        if attempt.success and whence:
+            return replace(attempt, message=f"{attempt.message}, {whence}", times=spent, iterations=iterations)
+    return replace(failed, times=spent, iterations=iterations)
 
-    def counted(solution: Solution) -> Solution:
-        nonlocal spent, iterations
-        spent, iterations = added_times(spent, solution.times), iterations + solution.iterations
-        return solution
 
+def _from_elsewhere(problem: Problem, guess: Guess | Solution | None, solve: Solve) -> Iterator[tuple[Solution, str]]:
+    """Start from variations of the default guess; say so of each solution."""
+    for seed in SEEDS if guess is None else ():
+        found = solve(problem, Perturbed(default_guess(problem), (seed,)))
+        yield found, "from a variation of the default guess, which led nowhere"
+
+
+def _from_longer(
+    problem: Problem, nlp: Nlp, guess: Guess | Solution | None, solve: Solve
+) -> Iterator[tuple[Solution, str]]:
+    """Start from motions that take longer; say so of each solution, and nothing of these motions themselves."""
+    free = [layout.duration.column is not None for layout in nlp.layouts]
+    if not any(free) or not (guess is None or isinstance(guess, StraightLine | Solution)):
+        return
     tried: set[tuple[float, ...]] = set()
     for times in TIMES:
         durations = tuple(_duration(nlp, i, times) for i in range(len(free)))
         if durations in tried:
-            break
+            return
         tried.add(durations)
-        ample = [
-            replace(phase, duration=duration, objective=None) if is_free else phase
-            for phase, duration, is_free in zip(problem.phases, durations, free, strict=True)
-        ]
-        motion = counted(solve(Problem(ample, problem.links), None))
-        found = counted(solve(problem, motion)) if motion.success else motion
-        if found.status is Status.INTERRUPTED:
-            return replace(failed, status=Status.INTERRUPTED, times=spent, iterations=iterations)
-        if found.success:
-            seconds = " and ".join(f"{t:.3g} s" for t, is_free in zip(durations, free, strict=True) if is_free)
-            message = f"{found.message}, from a motion of {seconds}: the guess was too short"
-            return replace(found, message=message, times=spent, iterations=iterations)
-    return None
+        try:
+            ample = [
+                replace(phase, duration=duration, objective=None) if is_free else phase
+                for phase, duration, is_free in zip(problem.phases, durations, free, strict=True)
+            ]
+        except InputError:
+            # No limit of speeds allows it yet: what a free duration may grow to, a fixed one is refused for.
+            continue
+        motion = solve(Problem(ample, problem.links), None)
+        yield motion, ""
+        if motion.success:
+            found = solve(problem, motion)
+            yield found, _whence(nlp, free, durations, found)
+
+
+def _whence(nlp: Nlp, free: list[bool], durations: tuple[float, ...], found: Solution) -> str:
+    """Say how long the motion was from which a solution was found, and what that tells of the guess."""
+    chosen = [i for i, is_free in enumerate(free) if is_free]
+    seconds = " and ".join(f"{durations[i]:.3g} s" for i in chosen)
+    short = sum(found.phases[i].duration - _duration(nlp, i, 1.0) for i in chosen) > 0
+    return f"from a motion of {seconds}: the guess {'was too short' if short else 'led nowhere'}"
 
 
 def _duration(nlp: Nlp, index: int, times: float) -> float:

@@ -16,7 +16,7 @@ from robotraj.indirect.duals import LateDuals, PhaseDuals
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
 from robotraj.records import added_times
-from robotraj.retries import from_elsewhere, from_longer
+from robotraj.retries import retried
 from robotraj.schemes import Mesh, MovingMesh, OneStep
 from robotraj.solution import Solution
 from robotraj.solvers import Multipliers, Progress, Solver
@@ -72,12 +72,14 @@ def solve(
     solution, w = _solve(nlp, guess, multipliers, solver, progress, began)
     if retry and not solution.success:
 
-        def once_more(problem: Problem, guess: Guess | Solution | None) -> Solution:
-            return solve(problem, mesh, guess, solver, progress, between, engine, hold, retry=False)
+        def once_more(asked: Problem, start: Guess | Solution | None) -> Solution:
+            # Whether rows between the points are worth it is said of the problem's own solutions: others lead to them.
+            worth = hold if asked is problem else _never
+            return solve(asked, mesh, start, solver, progress, between, engine, worth, retry=False)
 
-        solved = from_longer(solution, nlp, guess, once_more) or from_elsewhere(solution, guess, once_more)
-        if solved is not None:
-            return solved
+        solution = retried(solution, nlp, guess, once_more)
+        if solution.success:
+            return solution
     bulges = _bulges(solution, between.tolerance)
     moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
     for _ in range(between.rounds if hold is None or hold(solution) else 0):
@@ -110,6 +112,10 @@ def solve(
         for found in (bulges, of_controls)
     )
     return replace(solution, guards=tuple(guards), between=left, controls_between=controls)
+
+
+def _never(solution: Solution) -> bool:
+    return False
 
 
 def _again(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.problem import Problem
+from robotraj.solving import solve
 from robotraj.status import Status
 
 FORCE = {"u": rt.between(-1, 1)}
@@ -65,10 +68,7 @@ def test_phases_are_given_more_time_together() -> None:
 
 
 def test_what_is_infeasible_stays_so() -> None:
-    # 10 m at 1 m/s^2 take 6.3 s.
-    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
-    phase = rt.Phase(block, (0.1, 3.0), rt.State([0, 0]), rt.State([10, 0]), rt.Duration(), controls=FORCE)
-    solution = rt.plan(phase, check=False)
+    solution = rt.plan(too_far(), check=False)
     assert solution.status is Status.INFEASIBLE and solution.violations
 
 
@@ -83,6 +83,62 @@ def test_more_equations_than_unknowns_are_called_so() -> None:
     phase = rt.Phase(decay, 1.0, rt.State([1]), rt.State([0.5]))
     assert rt.plan(phase, check=False).status is Status.OVERDETERMINED
     assert rt.plan(phase.with_(end=None)).success
+
+
+def too_far() -> rt.Phase:
+    """10 m at 1 m/s^2 take 6.3 s, not 3."""
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    return rt.Phase(block, (0.1, 3.0), rt.State([0, 0]), rt.State([10, 0]), rt.Duration(), controls=FORCE)
+
+
+def test_what_was_tried_in_vain_is_counted() -> None:
+    once = solve(Problem([too_far()]), rt.Mesh(), None, rt.Ipopt(), retry=False)
+    solution = rt.plan(too_far(), solver=rt.Ipopt(), check=False)
+    assert solution.status is once.status is Status.INFEASIBLE
+    # Motions of three and nine times 0.55 s, no longer than 3 s, and two variations.
+    assert solution.iterations > 3 * once.iterations and solution.times["solve"] > 2 * once.times["solve"]
+    np.testing.assert_array_equal(solution.phases[0].trajectory.x.breaks, once.phases[0].trajectory.x.breaks)
+
+
+def test_a_guess_that_was_long_enough_is_not_called_short() -> None:
+    solution = rt.plan(oscillator(5.0), guess=rt.StraightLine(30.0))
+    assert solution.duration < 8.0 and solution.message.endswith("from a motion of 40 s: the guess led nowhere")
+
+
+def test_motions_that_a_fixed_duration_makes_impossible_are_passed_over() -> None:
+    # A radian at 1 rad/s takes a second: 3, 9 and 27 times 0.02 s are refused.
+    robot = rt.load("pendulum")
+    never = rt.PathConstraint(lambda point: point.tau[0] ** 2, upper=-1.0, name="never")
+    limits = robot.limits.with_(velocity=1.0)
+    ends = rt.State(q=0, v=0), rt.State(q=1, v=0)
+    phase = rt.Phase(robot, (0.01, 5.0), *ends, rt.Duration(), constraints=[never], limits=limits)
+    solution = rt.plan(phase, rt.Mesh(5), guess=rt.StraightLine(0.02), check=False)
+    assert not solution.success and "never" in str(solution.violations(1)[0])
+
+
+def test_rows_between_the_points_are_weighed_by_solutions_of_the_problem_alone() -> None:
+    problem, asked = Problem([oscillator(5.0)]), []
+
+    def hold(solution: rt.Solution) -> bool:
+        asked.append(solution.problem)
+        return True
+
+    assert solve(problem, rt.Mesh(), None, rt.Ipopt(), hold=hold).success
+    assert asked and all(each is problem for each in asked)
+
+
+def test_an_interruption_ends_all_beginnings(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, solves, plain = Problem([too_far()]), [], rt.Ipopt.solve
+
+    def stopped(self: rt.Ipopt, *arguments: Any) -> Any:
+        outcome = plain(self, *arguments)
+        solves.append(outcome)
+        return outcome if len(solves) == 1 else replace(outcome, status=Status.INTERRUPTED)
+
+    monkeypatch.setattr(rt.Ipopt, "solve", stopped)
+    solution = rt.plan(problem, solver=rt.Ipopt(), check=False)
+    assert solution.status is Status.INTERRUPTED and len(solves) == 2
+    assert solution.iterations == sum(outcome.iterations for outcome in solves)
 
 
 def around_a_ball(duration: float = 1.0, **changes: Any) -> rt.Phase:

@@ -34,8 +34,8 @@ def rows_of(what: str, function: Callable[..., Any], *arguments: Any) -> list[ca
         It returned something else than numbers and SX, or made NaN of a symbol, as ``math.sin`` does.
     """
     rows = as_rows(called(what, function, *arguments), what)
-    for i, row in enumerate(rows):
-        if _holds_nan(row):
+    for i in _nan_somewhere(rows):
+        if _holds_nan(rows[i]):
             which = "" if len(rows) == 1 else f" in row {i}"
             raise InputError(
                 f"The {what} has NaN{which} whatever the point is: functions of Python's math make NaN of CasADi "
@@ -54,21 +54,31 @@ def as_rows(values: Any, what: str) -> list[ca.SX]:
         if isinstance(values, Sequence) or (hasattr(values, "ravel") and not isinstance(values, np.generic)):
             parts = values.ravel() if hasattr(values, "ravel") else values
             return [row for part in parts for row in as_rows(part, what)]
-        return [ca.SX(float(values) if isinstance(values, np.generic) else values)]
+        # Of a complex number float() keeps the real part; of a generator CasADi makes an empty matrix.
+        row = ca.SX(float(values) if isinstance(values, np.number | np.bool_) and np.isrealobj(values) else values)
+        if not row.is_scalar():
+            raise TypeError("no scalar")
+        return [row]
     except (TypeError, RuntimeError) as error:
         raise InputError(
             f"The {what} must return numbers or CasADi SX expressions of the point, got {type(values).__name__}."
         ) from error
 
 
+def _nan_somewhere(rows: Sequence[ca.SX]) -> list[int]:
+    """Which expressions are NaN at one point. One function for each takes as long as the expressions."""
+    if not rows:
+        return []
+    column = ca.vertcat(*rows)
+    symbols = ca.symvar(column)
+    function = ca.Function("rows", [ca.vertcat(ca.SX(0, 1), *symbols)], [ca.densify(column)])
+    values = np.array(function(ca.DM.ones(len(symbols)) * SOMEWHERE)).ravel()
+    return [int(i) for i in np.flatnonzero(np.isnan(values))]
+
+
 def _holds_nan(row: ca.SX) -> bool:
-    """Whether NaN is one of the numbers in an expression."""
-    if row.is_constant():
-        return math.isnan(float(row))
+    """Whether NaN is one of the numbers in an expression; where it is NaN, it may be one of roots and logarithms."""
     symbols = ca.symvar(row)
-    function = ca.Function("row", [ca.vertcat(*symbols)], [row])
-    if not np.isnan(float(function(ca.DM.ones(len(symbols)) * SOMEWHERE))):
-        return False
-    # NaN there may be one of roots and logarithms elsewhere.
+    function = ca.Function("row", [ca.vertcat(ca.SX(0, 1), *symbols)], [row])
     numbers = [k for k in range(function.n_instructions()) if function.instruction_id(k) == ca.OP_CONST]
     return any(math.isnan(function.instruction_constant(k)) for k in numbers)

@@ -22,6 +22,8 @@ LEVEL_TO = 1e-3
 
 def number(value: Any, name: str, unit: str = "m", advice: str = "") -> float:
     """Give a finite real number, or refuse what is none; ``name`` as in ``"rt.gait.jump(length)"``."""
+    if isinstance(value, np.ndarray) and not value.ndim:
+        value = value[()]
     if not isinstance(value, float | int | np.floating | np.integer) or isinstance(value, bool):
         raise InputError(f"{name} must be one number{unit and f' [{unit}]'}, got {value!r}.{advice and ' '}{advice}")
     if not np.isfinite(value):

@@ -75,12 +75,14 @@ def crawl(
     if len(near) != 2 or any(sides[name] in near for name in near):
         raise InputError(f"rt.gait.crawl needs two feet on each side; got {', '.join(names)}.")
     order = sorted(near, key=lambda name: float(places[name][0]))
-    parts = [full_support, 0.5 - 0.5 * full_support, 0.5 - 0.5 * full_support]
-    whole, *swings = shares(time, parts)
+    parts = [0.5 - 0.5 * full_support, 0.5 - 0.5 * full_support]
+    if full_support > 0.0:
+        parts.insert(0, full_support)
+    spans = shares(time, parts)
     phases = [
         Support(tuple(name for name in names if name != foot), span, f"{foot} swings")
-        for foot, span in zip(order, swings, strict=True)
+        for foot, span in zip(order, spans[-2:], strict=True)
     ]
     if full_support > 0.0:
-        phases.insert(0, Support(names, whole, "all stand"))
-    return repeated(robot, phases, sides, Terms(contact, clearance, objective, upright, ground), repeat, length)
+        phases.insert(0, Support(names, spans[0], "all stand"))
+    return repeated(robot, phases, parts, sides, Terms(contact, clearance, objective, upright, ground), repeat, length)

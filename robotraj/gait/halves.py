@@ -23,18 +23,19 @@ from robotraj.values import dataclass
 def repeated(
     robot: Robot,
     phases: Sequence[Support],
+    parts: Sequence[float],
     sides: Mapping[str, str],
     terms: Terms,
     repeat: Mirror | Periodic | None,
     length: float,
 ) -> Problem:
-    """Close a gait on its mirror image, or write its other half and close it as it is."""
+    """Close a gait on its mirror image, or write its other half and close it as it is; ``parts`` are the shares."""
     check_kinds(repeat, terms.upright)
     terms = replace(terms, contact=grounded(terms.contact, terms.ground))
     if isinstance(repeat, Periodic):
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
         moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
-        return _in_shares(sequence(robot, [*phases, *other], terms, moved, passes=sides))
+        return _in_shares(sequence(robot, [*phases, *other], terms, moved, passes=sides), [*parts, *parts])
     if repeat is None:
         repeat = mirror(robot)
     both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
@@ -44,14 +45,14 @@ def repeated(
                 f"The mirror image of foot {foot!r} is {both.get(foot, foot)!r}, not {sides[foot]!r}; name the pair in "
                 "rt.gait.mirror(robot, partners=...)."
             )
-    return _in_shares(sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground)))
+    return _in_shares(sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground)), parts)
 
 
-def _in_shares(problem: Problem) -> Problem:
-    """Keep free durations in the proportion of their bounds."""
+def _in_shares(problem: Problem, parts: Sequence[float]) -> Problem:
+    """Keep free durations in the proportion of the phases' parts."""
     bounds = [phase.duration_bounds for phase in problem.phases]
     ties = [
-        Linkage((i, i + 1), InProportion(bounds[i + 1][1] / bounds[i][1]), name="share of the step", unit="s")
+        Linkage((i, i + 1), InProportion(parts[i + 1] / parts[i]), name="share of the step", unit="s")
         for i in range(len(bounds) - 1)
         if bounds[i][0] < bounds[i][1]
     ]

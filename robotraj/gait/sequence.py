@@ -276,9 +276,12 @@ class Arc(RequiredHeight):
 
 
 def shares(duration: Any, parts: Sequence[float]) -> list[Any]:
-    """Split a duration [s], fixed or bounded, in proportion."""
+    """Split a duration [s], fixed or bounded, with None for an open side, in proportion."""
     if isinstance(duration, Between):
         duration = duration.lower, duration.upper
+    if isinstance(duration, tuple | list) and len(duration) == 2:
+        low, high = duration
+        duration = 0.0 if low is None else low, np.inf if high is None else high
     whole = np.asarray(number(duration, "duration", "s") if np.ndim(duration) == 0 else duration, dtype=float)
     every = [whole * part / sum(parts) for part in parts]
     return [tuple(float(v) for v in value) if value.shape else float(value) for value in every]

@@ -91,7 +91,7 @@ def walk(
     if double_support > 0.0:
         phases.insert(0, Support((first, second), spans[0], "double support"))
     terms = Terms(contact, clearance, objective, upright, ground)
-    return repeated(robot, phases, {first: second, second: first}, terms, repeat, length)
+    return repeated(robot, phases, parts, {first: second, second: first}, terms, repeat, length)
 
 
 def run(
@@ -127,10 +127,11 @@ def run(
     length, time = pace(step_length, duration, speed, "run")
     if share(flight, "rt.gait.run(flight)") == 0.0:
         raise InputError("rt.gait.run(flight) is 0; a run has flight, without it rt.gait.walk is meant.")
-    stance, air = shares(time, [1.0 - flight, flight])
+    parts = [1.0 - flight, flight]
+    stance, air = shares(time, parts)
     phases = [Support((names[0],), stance, "stance"), Support((), air, "flight")]
     terms = Terms(contact, clearance, objective, upright, ground)
-    return repeated(robot, phases, {names[0]: names[1], names[1]: names[0]}, terms, repeat, length)
+    return repeated(robot, phases, parts, {names[0]: names[1], names[1]: names[0]}, terms, repeat, length)
 
 
 def trot(
@@ -173,12 +174,10 @@ def trot(
         raise InputError(f"rt.gait.trot needs two feet on each side; got {', '.join(names)}.")
     pair = (names[0], diagonal)
     title = f"{pair[0]} and {pair[1]} stand"
-    if share(flight, "rt.gait.trot(flight)") > 0.0:
-        stance, air = shares(time, [1.0 - flight, flight])
-        phases = [Support(pair, stance, title), Support((), air, "flight")]
-    else:
-        phases = [Support(pair, time, title)]
-    return repeated(robot, phases, sides, Terms(contact, clearance, objective, upright, ground), repeat, length)
+    parts = [1.0 - flight, flight] if share(flight, "rt.gait.trot(flight)") > 0.0 else [1.0]
+    stance, *air = shares(time, parts)
+    phases = [Support(pair, stance, title), *(Support((), span, "flight") for span in air)]
+    return repeated(robot, phases, parts, sides, Terms(contact, clearance, objective, upright, ground), repeat, length)
 
 
 def _left(robot: Robot, foot: str, other: str) -> bool:

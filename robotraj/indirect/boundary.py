@@ -92,7 +92,7 @@ def end_data(equations: Pontryagin, x0: Array, xf: Array, duration: float) -> En
     time = next((b for b in (least, most) if abs(duration - b) < ACTIVE * (1.0 + duration)), None)
     active = []
     for constraint in phase.bound_constraints:
-        if constraint.where in (Where.THROUGHOUT, Where.AT_NODES):
+        if constraint.where not in (Where.START, Where.END):
             continue
         at_end = constraint.where is Where.END
         state, t = (xf, duration) if at_end else (x0, 0.0)

@@ -72,7 +72,8 @@ class Fatrop(Solver):
     max_iterations : int
         Of fatrop in one solve, never more; with a limit of 1 it takes none. The ``fallback`` has its own.
     time_limit : float or None
-        Wall-clock seconds of one solve, those of the ``fallback`` included; finer meshes are further solves.
+        Wall-clock seconds of one solve, those of the ``fallback`` included; finer meshes and other beginnings
+        are further solves.
     initial_barrier : float
         fatrop's ``mu_init``.
     threads : int, optional

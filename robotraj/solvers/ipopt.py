@@ -60,7 +60,8 @@ class Ipopt(Solver):
         Optimality tolerance on the scaled problem (``tol``).
     max_iterations : int
     time_limit : float or None
-        Wall-clock seconds of one solve; finer meshes and rows between the points are further solves.
+        Wall-clock seconds of one solve; finer meshes, rows between the points and other
+        beginnings are further solves.
     barrier : str
         ``mu_strategy``: "monotone" stays with the local optimum next to the guess, "adaptive" often takes fewer
         iterations and may leave for another one.

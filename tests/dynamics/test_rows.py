@@ -46,6 +46,26 @@ def test_scalars_lists_and_matrices_become_rows(values: Any) -> None:
 
 
 @pytest.mark.parametrize(
+    "values",
+    [
+        np.complex128(1 + 1j),
+        1 + 1j,
+        np.array([1j]),
+        "x",
+        np.str_("1"),
+        None,
+        {},
+        (x for x in [1.0]),
+        {1.0},
+        ca.MX.sym("x"),
+    ],
+)
+def test_what_is_no_number_is_refused(values: Any) -> None:
+    with pytest.raises(InputError, match="^The rows must return numbers or CasADi SX expressions of the point, got"):
+        rows_of("rows", lambda: values)
+
+
+@pytest.mark.parametrize(
     ("function", "row"),
     [
         (lambda x: math.sin(x), ""),

@@ -12,6 +12,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.gait.halves import InProportion
 
 FOOT = rt.PointContact("left_foot", friction=0.8)
 PAW = partial(rt.PointContact, friction=0.6)
@@ -70,8 +71,29 @@ def test_speeds_after_an_impact_have_no_displacement(biped: rt.Robot) -> None:
         step(biped, repeat=faster)
 
 
+def test_numbers_may_be_numpys(biped: rt.Robot) -> None:
+    for number in (np.float32, np.float64, np.array):
+        (phase,) = step(biped, step_length=number(0.4), duration=number(0.6), clearance=number(0.0)).phases
+        assert phase.duration == pytest.approx(0.6)
+
+
 def test_a_free_duration_may_be_between(biped: rt.Robot) -> None:
     assert step(biped, duration=rt.between(0.4, 0.9)).phases[0].duration == (0.4, 0.9)
+
+
+@pytest.mark.parametrize("duration", [(0.4, np.inf), (0.4, None), rt.between(0.4, None)], ids=str)
+def test_a_free_duration_may_be_open(duration: Any, biped: rt.Robot) -> None:
+    assert step(biped, duration=duration).phases[0].duration_bounds == (0.4, np.inf)
+    gait = step(biped, duration=duration, double_support=0.2)
+    assert [phase.duration_bounds[0] for phase in gait.phases] == pytest.approx([0.08, 0.32])
+    solution = rt.plan(gait, rt.Mesh(6))
+    assert solution.phases[0].duration / solution.duration == pytest.approx(0.2, abs=1e-6)
+
+
+def test_shares_are_kept_where_nothing_bounds_the_duration(biped: rt.Robot) -> None:
+    gait = rt.gait.run(biped, step_length=0.9, duration=rt.between(None, None), flight=0.4, contact=FOOT)
+    (tie,) = (link for link in gait.links if isinstance(link, rt.Linkage))
+    assert tie.expression == InProportion(pytest.approx(2 / 3))
 
 
 @pytest.mark.parametrize("height", [0.75, 0.8, 0.85])

@@ -121,6 +121,20 @@ def test_integral_constraints_weigh_in_the_hamiltonian() -> None:
         rt.polish(solution)
 
 
+@pytest.mark.parametrize("mesh", [rt.Mesh(30), rt.Mesh(20, rt.RadauIIA(3))], ids=str)
+def test_an_integral_of_controls_is_no_row_at_an_end(mesh: rt.Mesh) -> None:
+    # Least T where the integral of u^2, at least 12 / T^3, is at most 5: H = -1, and dT/d5 = -T / 15.
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    energy = rt.IntegralConstraint(lambda point: point.u["u"] ** 2, upper=5.0, name="energy")
+    phase = rt.Phase(block, (0.1, 20), rt.State([0, 0]), rt.State([1, 0]), rt.Duration(), [energy])
+    solution = rt.plan(phase, mesh)
+    report = rt.conditions(solution)
+    assert report.passed and report.worst("transversality") < 1e-6, str(report)
+    sample = rt.costates(solution).at(0.3)
+    assert sample.hamiltonian == pytest.approx(-1.0, rel=1e-6)
+    assert sample.path["energy"] == pytest.approx((12 / 5) ** (1 / 3) / 15, rel=1e-6)
+
+
 def test_terms_that_cancel_are_what_a_residual_is_weighed_by() -> None:
     # Least time to orbit above a flat moon: dH/du = 0 by two terms, and H = -1 by three, with no integrand.
     def rates(point: Any) -> list[ca.SX]:

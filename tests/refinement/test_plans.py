@@ -297,6 +297,35 @@ def test_controls_that_are_too_coarse_for_the_optimum_are_cut(scheme: Any, refin
     assert solution.refinement[0].objective > 6.05
 
 
+@pytest.mark.parametrize("refinement", [None, rt.SplitAndMerge(), rt.RaiseOrder()], ids=str)
+@pytest.mark.parametrize(
+    "scheme",
+    [rt.Trapezoidal(), rt.HermiteSimpson(), rt.RadauIIA(3), rt.GaussLegendre(2)],
+    ids=lambda s: type(s).__name__,
+)
+def test_an_objective_settles_on_a_finer_mesh_alone(scheme: Any, refinement: Any) -> None:
+    # Any control leaves no residual; the least integral of exp(t) u^2 that gains 1 is 1 / (1 - exp(-1)).
+    system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    cost = rt.Lagrange(lambda point: ca.exp(point.t) * point.u["u"] ** 2)
+    phase = rt.Phase(system, 1.0, rt.State([0]), rt.State([1]), cost)
+    solution = rt.plan(phase, rt.Mesh(8, scheme), tolerance=1e-6, refinement=refinement)
+    assert solution.objective == pytest.approx(1 / (1 - np.exp(-1)), rel=1e-6)
+    points = [step.points for step in solution.refinement]
+    assert points == sorted(set(points))
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("scheme", [rt.RadauIIA(5), rt.GaussLegendre(4)], ids=lambda s: type(s).__name__)
+def test_what_a_hull_costs_goes_with_the_mesh(scheme: Any, tolerance: float) -> None:
+    # u = clip(c (1 - 2 t), -5, 5), with c from the integral of (1 - t) u, which is 1: scipy.optimize.brentq.
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    effort = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    limits = {"u": rt.between(-5, 5)}
+    phase = rt.Phase(block, 1.0, rt.State([0, 0]), rt.State([1, 0]), effort, controls=limits)
+    solution = rt.plan(phase, rt.Mesh(6, scheme), tolerance=tolerance)
+    assert solution.objective == pytest.approx(12.090055512642, rel=tolerance)
+
+
 def test_controls_within_limits_everywhere_once_refined() -> None:
     # Fuller's problem: ever shorter arcs of full force, between which polynomials would bulge.
     block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
@@ -313,6 +342,8 @@ def test_a_tolerance_that_meshes_do_not_come_closer_to_is_given_up(monkeypatch: 
     errors = [1e-2, 1e-3, 1e-3, 9e-4, 9e-4, 9e-4]
     assert adaptive._stuck(errors) and not adaptive._stuck([*errors, 1e-4]) and not adaptive._stuck(errors[:5])
     assert not adaptive._stuck([1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015])
+    # A swing without an objective, by whatever motion: the next mesh was fine enough.
+    assert not adaptive._stuck([1e-3, 9e-6, 4e-8, 1.2e-8, 4e-8, 4e-8, 1e-7, 2e-8])
     meshes: dict[int, float] = {}
     assess = adaptive.assess
 
