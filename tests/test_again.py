@@ -52,6 +52,16 @@ def test_fatrop_keeps_its_compiled_program() -> None:
     assert np.abs(first.multipliers.rows).max() > 0  # type: ignore[union-attr]
 
 
+def test_what_the_first_plan_prepared_is_not_counted_again() -> None:
+    options = FATROP | {"solver": rt.Ipopt()}
+    first = rt.plan(arm(), MESH, **options)
+    again = rt.plan(first.problem.with_(end=OTHER), MESH, guess=first, **options)
+    assert origin(again).nlp.blocks is origin(first).nlp.blocks
+    assert first.times["compile"] > 0
+    assert again.times["compile"] == 0
+    assert min(again.times.values()) >= 0
+
+
 def test_the_same_problem_again_takes_fewer_iterations() -> None:
     problem = arm()
     first = rt.plan(problem, MESH, **FATROP)

@@ -71,9 +71,9 @@ def started_at(nlp: Nlp, guess: Guess) -> Nlp:
 
 
 def _with_functions(again: Nlp, nlp: Nlp) -> Nlp:
-    """Hand on the functions that were assembled, which a copy is without."""
+    """Hand on the functions that were assembled, which a copy is without; preparing them was the first plan's work."""
     if "functions" in nlp.__dict__:
-        again.__dict__["functions"] = nlp.functions
+        again.__dict__["functions"] = replace(nlp.functions, preparing=0.0)
     return again
 
 
