@@ -53,8 +53,9 @@ def solve(
 
     Where a row on states turns out broken between collocation points, it is imposed there too, as ``between`` says,
     and the problem solved again, from the last answer; only if ``hold``, where given, says of the first answer that
-    it is worth it. A guess brings its guards along, on the intervals that its mesh has as well. Where the problem with
-    further rows cannot be solved, the solution without them stays, and ``between`` lists what is broken.
+    it is worth it. A guess brings its guards along, on the intervals that its mesh has as well, unless ``between`` has
+    no rounds: then nothing is imposed. Where the problem with further rows cannot be solved, the solution without them
+    stays, and ``between`` lists what is broken.
 
     Where the problem cannot be solved from a default guess, or a free duration turns out guessed too short, ``retry``
     solves it from elsewhere: see ``robotraj.retries``.
@@ -62,7 +63,7 @@ def solve(
     began = time.perf_counter()
     between = between or Exchange()
     nlp = _again(problem, mesh, guess, engine, between) or transcribe(problem, mesh, as_guess(guess), engine, between)
-    guards, same = _known_guards(problem, mesh, guess)
+    guards, same = _known_guards(problem, mesh, guess) if between.rounds else ([], False)
     plain = nlp
     if guards:
         nlp = guarded(nlp, guards, nlp.guess)

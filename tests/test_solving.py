@@ -45,6 +45,16 @@ def test_rows_of_the_same_name_that_are_held_elsewhere_take_no_guards(other: Cal
     assert not warm.guards
 
 
+def test_without_rounds_no_row_of_the_guess_is_imposed() -> None:
+    known = rt.plan(turning(below(0.1)), RADAU, between=rt.Exchange(1e-5))
+    assert known.guards
+    for problem in (known.problem, turning(below(0.1))):
+        warm, cold = (rt.plan(problem, RADAU, guess=g, between=rt.Exchange(rounds=0)) for g in (known, None))
+        assert not warm.guards
+        assert warm.objective == pytest.approx(cold.objective, rel=1e-8)
+        assert warm.between[0].amount == pytest.approx(cold.between[0].amount, rel=1e-6)
+
+
 def on_a_circle() -> rt.Phase:
     point = rt.System(["x", "y", "vx", "vy"], ["a", "b"], lambda p: [p.x["vx"], p.x["vy"], p.u["a"], p.u["b"]])
     circle = rt.PathConstraint(lambda p: p.x["x"] ** 2 + p.x["y"] ** 2, lower=1, upper=1, name="circle")
