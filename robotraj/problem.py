@@ -24,7 +24,7 @@ from robotraj.objectives import Augmented, EndCost, Integral, Objective
 from robotraj.printing import phase_table
 from robotraj.robot import Limits, Robot
 from robotraj.state import State
-from robotraj.values import dataclass
+from robotraj.values import dataclass, own
 
 if TYPE_CHECKING:
     from robotraj.design import Design, Quantity
@@ -39,6 +39,9 @@ class OwnLimits:
 @dataclass(frozen=True, eq=False)
 class Phase:
     """One stretch of motion under one set of dynamics and constraints.
+
+    Arrays, lists and mappings are copied: what is written to them later changes neither this phase nor those that
+    ``with_`` makes of it.
 
     Parameters
     ----------
@@ -98,6 +101,8 @@ class Phase:
         for which in ("start", "end"):
             if not isinstance(getattr(self, which), State | None):
                 raise InputError(f"The {which} of phase {self.name!r} must be an rt.State or None.")
+        for which in ("duration", "parameters", "design", "states", "controls", "algebraic"):
+            object.__setattr__(self, which, own(getattr(self, which)))
         if isinstance(self.limits, OwnLimits):
             object.__setattr__(self, "limits", self.robot.limits if self.robot else None)
         if self.limits is not None and (self.robot is None or not isinstance(self.limits, Limits)):

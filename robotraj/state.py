@@ -13,7 +13,7 @@ from robotraj.errors import InputError
 from robotraj.loading.configuration import unit_quaternion
 from robotraj.loading.root import QUATERNION
 from robotraj.objectives import body_of
-from robotraj.values import dataclass
+from robotraj.values import dataclass, own_fields
 
 
 @dataclass(frozen=True)
@@ -30,12 +30,15 @@ class State:
         is given whole and of length 1; its negative is the same attitude, a full turn later.
 
     None leaves a value free, a number fixes it, ``rt.between(lower, upper)`` bounds it; joints that a mapping does not
-    name stay free.
+    name stay free. Arrays, lists and mappings are copied: what is written to them later changes no state.
     """
 
     values: Mapping[str, Any] | Sequence[Any] | None = None
     q: Any = None
     v: Any = None
+
+    def __post_init__(self) -> None:
+        own_fields(self)
 
     def bounds(self, dynamics: Dynamics, which: str) -> Bounds:
         """Bounds on the state vector, (nx,) each; ``which`` is ``"start"`` or ``"end"``, for messages.

@@ -12,6 +12,8 @@ from collections.abc import Callable
 from reprlib import recursive_repr
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 if TYPE_CHECKING:
     from dataclasses import dataclass
 else:
@@ -36,6 +38,27 @@ else:
             return made
 
         return make if cls is None else make(cls)
+
+
+def own(value: Any) -> Any:
+    """Copy arrays, tuples, lists and dicts, with what is in them: whoever gave them may write to his own afterwards.
+
+    Copies of arrays are read-only. All else, other values and functions among it, is given back as it is.
+    """
+    if isinstance(value, np.ndarray):
+        copy = value.copy()
+        copy.setflags(write=False)
+        return copy
+    kind = type(value)
+    if kind is tuple or kind is list:
+        return kind([own(entry) for entry in value])
+    return {key: own(entry) for key, entry in value.items()} if kind is dict else value
+
+
+def own_fields(value: Any) -> None:
+    """Put ``own`` copies into the fields of a dataclass that is being made; other classes are left alone."""
+    for field in dataclasses.fields(value) if dataclasses.is_dataclass(value) else ():
+        object.__setattr__(value, field.name, own(getattr(value, field.name)))
 
 
 def _methods(cls: type, freeze: bool, eq: bool, repr: bool) -> dict[str, Callable[..., Any]]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import robotraj as rt
@@ -121,3 +124,47 @@ def test_contacts_are_transcribed_anew() -> None:
     first = rt.plan(problem, rt.Mesh(6), guess=guess(phase.robot), progress=False)
     again = rt.plan(problem.with_(start=rt.State()), rt.Mesh(6), guess=first, progress=False)
     assert again.objective == pytest.approx(first.objective, rel=1e-7)
+
+
+def test_a_loop_may_write_to_its_arrays() -> None:
+    """A start that is measured into the same array over and over is what it was in the phases made before."""
+    q, weights, bounds = np.array(START), np.ones(6), {"elbow_joint": rt.between(-3, 3)}
+    phase = (
+        arm()
+        .phases[0]
+        .with_(start=rt.State(q=q, v=0), objective=rt.Effort(weights), constraints=[rt.JointPosition(bounds)])
+    )
+    first = rt.plan(phase, MESH, **FATROP)
+    q += 0.1
+    weights *= 2
+    bounds["elbow_joint"] = rt.between(0, 1)
+    for other in (phase.with_(end=rt.State(q=GOAL, v=0)), phase.with_(duration=1.0)):
+        assert other.start_bounds.lower[:6].tolist() == START
+        again = rt.plan(other, MESH, guess=first, **FATROP)
+        assert again.objective == pytest.approx(first.objective, rel=1e-8)
+    (kept,) = first.problem.phases
+    np.testing.assert_array_equal(kept.start.q, START)  # type: ignore[union-attr]
+
+
+def moved(target: pin.SE3) -> None:
+    target.translation[0] += 1.0
+
+
+@pytest.mark.parametrize(
+    ("given", "change", "make"),
+    [
+        (np.zeros(6), lambda a: a.fill(9.0), lambda a: rt.JointVelocity(rt.between(a - 1, a))),
+        (np.zeros(6), lambda a: a.fill(9.0), lambda a: rt.JointVelocity(rt.between(a, None))),
+        ({"x": 0.4}, dict.clear, lambda a: rt.FramePosition("tool0", a)),
+        (pin.SE3.Identity(), moved, lambda a: rt.FramePose("tool0", a)),
+        (pin.SE3.Identity(), moved, lambda a: rt.TerminalPose("tool0", a)),
+        ([0.4, 0.0, 0.1], list.clear, lambda a: rt.TerminalPose("tool0", a)),
+        ([0.5], list.clear, lambda a: rt.PathConstraint(lambda p: p.q[0], lower=a)),
+        ({"v": 1.0}, dict.clear, lambda a: rt.Jump(0, 1, a)),
+    ],
+)
+def test_values_keep_what_they_were_made_of(given: Any, change: Any, make: Any) -> None:
+    value = make(given)
+    before = repr(value)
+    change(given)
+    assert repr(value) == before

@@ -11,9 +11,10 @@ from dataclasses import field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import pytest
 
-from robotraj.values import dataclass
+from robotraj.values import dataclass, own
 
 KINDS = {"standard": dataclasses.dataclass, "shared": dataclass}
 both = pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS.keys())
@@ -198,3 +199,14 @@ def test_pickles_and_patterns() -> None:
             assert (x, last) == (2.0, 2)
         case _:
             pytest.fail("no match")
+
+
+def test_own_copies_share_no_array_list_or_dict() -> None:
+    inner = np.array([1.0, 2.0])
+    given = {"a": [inner, (inner, None)], "b": "text", "c": abs}
+    kept = own(given)
+    inner[0], given["a"], given["b"] = 9.0, [], ""
+    assert kept["a"][0].tolist() == kept["a"][1][0].tolist() == [1.0, 2.0]
+    assert kept["b"] == "text" and kept["c"] is abs
+    with pytest.raises(ValueError, match="read-only"):
+        kept["a"][0][0] = 3.0

@@ -16,7 +16,7 @@ import casadi as ca
 
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.errors import InputError
-from robotraj.values import dataclass
+from robotraj.values import dataclass, own_fields
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
@@ -90,6 +90,10 @@ class BoundConstraint:
 
 class Constraint(ABC):
     """A value that bounds expressions of a Point along a phase. A new kind is one new class."""
+
+    def __post_init__(self) -> None:
+        """Keep copies of the arrays, lists and mappings that were given."""
+        own_fields(self)
 
     @abstractmethod
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:

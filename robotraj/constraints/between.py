@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.errors import InputError, unknown_name
-from robotraj.values import dataclass
+from robotraj.values import dataclass, own
 
 UNBOUNDED = 1e20
 """Numbers above this mean infinity, as URDF readers write 1.8e308 for a joint without limits."""
@@ -48,7 +48,7 @@ def between(lower: Any, upper: Any) -> Between:
         raise InputError(f"between(): lower has shape {low.shape} and upper {high.shape}; they must agree.") from error
     if crossed:
         raise InputError(f"between({lower}, {upper}): the lower bound lies above the upper bound; swap them.")
-    return Between(lower, upper)
+    return Between(own(lower), own(upper))
 
 
 class Bounds(NamedTuple):

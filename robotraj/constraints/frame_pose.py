@@ -74,6 +74,10 @@ class FramePose(Constraint):
     frame: str
     pose: Any
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "pose", own_pose(self.pose))
+
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Write three rows of position and four of orientation."""
         robot_of(dynamics, "FramePose").frame(self.frame)
@@ -93,6 +97,11 @@ class FramePose(Constraint):
             return [*(view.position[i] for i in range(3)), *(0.5 * s for s in skew), trace]
 
         return BoundConstraint("frame pose", tuple(rows), expression)
+
+
+def own_pose(pose: Any) -> Any:
+    """Copy a ``pinocchio.SE3``, which its owner may move; poses of arrays are copied with their constraint."""
+    return pin.SE3(pose) if isinstance(pose, pin.SE3) else pose
 
 
 def as_pose(pose: Any, what: str) -> tuple[Any, NDArray[np.float64]]:

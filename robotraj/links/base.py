@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from robotraj.constraints import Row
 from robotraj.dynamics import Variable
 from robotraj.errors import InputError
-from robotraj.values import dataclass
+from robotraj.values import dataclass, own_fields
 
 if TYPE_CHECKING:
     from robotraj.problem import Phase
@@ -76,6 +76,10 @@ class BoundLink:
 
 class Link(ABC):
     """A value that joins ends of phases. A new kind is one new class."""
+
+    def __post_init__(self) -> None:
+        """Keep copies of the arrays, lists and mappings that were given."""
+        own_fields(self)
 
     @abstractmethod
     def bind(self, phases: Sequence[Phase]) -> BoundLink:

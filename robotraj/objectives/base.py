@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robotraj.errors import InputError
-from robotraj.values import dataclass
+from robotraj.values import dataclass, own_fields
 
 if TYPE_CHECKING:
     from robotraj.constraints.base import BoundConstraint
@@ -70,6 +70,10 @@ class Sum(Objective):
 
 class Term(Objective):
     """What both kinds of elementary terms share."""
+
+    def __post_init__(self) -> None:
+        """Keep copies of the arrays, lists and mappings that were given."""
+        own_fields(self)
 
     @abstractmethod
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robotraj.constraints.base import robot_of
-from robotraj.constraints.frame_pose import as_pose
+from robotraj.constraints.frame_pose import as_pose, own_pose
 from robotraj.errors import InputError
 from robotraj.objectives.base import EndCost
 from robotraj.values import dataclass
@@ -39,6 +39,10 @@ class TerminalPose(EndCost):
     pose: Any
     position_weight: float = 1.0
     rotation_weight: float = 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "pose", own_pose(self.pose))
 
     def value(self, start: Any, end: Any) -> Any:
         """Weighted squared distance."""

@@ -58,6 +58,7 @@ class MechanicalWork(Integral):
     speeds: Mapping[str, str] | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not -1.0 < self.braking < np.inf:
             raise InputError(f"MechanicalWork: braking is {self.braking}; it must be a number above -1.")
         if self.smoothing is not None and not 0.0 < self.smoothing < np.inf:
