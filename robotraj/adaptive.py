@@ -81,41 +81,49 @@ def adapt(
             holding = (worst <= tolerance and settled) or worst >= min((step.error for step in steps), default=np.inf)
         return holding
 
-    while True:
-        solution = solve(problem, meshes, known, solver, progress, between, engine, hold)
-        assessments, worst, settled = seen(solution)
-        steps.append(
-            MeshStep(
-                sum(m.count for m in meshes),
-                sum(len(part.points) for part in solution.phases),
-                worst,
-                solution.objective,
-                solution.iterations,
-                solution.seconds,
+    kept: Solution | None = None
+    try:
+        while True:
+            solution = solve(problem, meshes, known, solver, progress, between, engine, hold)
+            seconds, total = solution.seconds, added_times(total, solution.times)
+            kept = solution = replace(solution, refinement=tuple(steps), times=total)
+            assessments, worst, settled = seen(solution)
+            steps.append(
+                MeshStep(
+                    sum(m.count for m in meshes),
+                    sum(len(part.points) for part in solution.phases),
+                    worst,
+                    solution.objective,
+                    solution.iterations,
+                    seconds,
+                )
             )
-        )
-        total = added_times(total, solution.times)
-        solution = replace(solution, refinement=tuple(steps), times=total)
-        if not solution.success or (holding and worst <= tolerance and settled):
-            return solution
-        # Errors that hold while the objective still moves are too large for the objective.
-        goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
-        finer = _next(solution, assessments, refinement, tolerance, goal)
-        if worst <= tolerance and not settled and not _is_finer(meshes, finer):
-            closer = _next(solution, assessments, refinement, tolerance, max(0.1 * worst, ROUND_OFF))
-            if not _is_finer(meshes, closer):
-                closer = [_halved(mesh) for mesh in meshes]
-            finer = [b if isinstance(b, MovingMesh) else c for b, c in zip(finer, closer, strict=True)]
-        given_up = worst > tolerance and _stuck([step.error for step in steps])
-        if given_up or len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
-            if not holding:
-                held = solve(problem, meshes, solution, solver, progress, between, engine)
-                if held.status is Status.INTERRUPTED:
-                    return replace(solution, status=Status.INTERRUPTED)
-                if held.success:
-                    solution = replace(held, refinement=tuple(steps), times=added_times(total, held.times))
-            return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
-        meshes, known = finer, solution
+            kept = solution = replace(solution, refinement=tuple(steps))
+            if not solution.success or (holding and worst <= tolerance and settled):
+                return solution
+            # Errors that hold while the objective still moves are too large for the objective.
+            goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
+            finer = _next(solution, assessments, refinement, tolerance, goal)
+            if worst <= tolerance and not settled and not _is_finer(meshes, finer):
+                closer = _next(solution, assessments, refinement, tolerance, max(0.1 * worst, ROUND_OFF))
+                if not _is_finer(meshes, closer):
+                    closer = [_halved(mesh) for mesh in meshes]
+                finer = [b if isinstance(b, MovingMesh) else c for b, c in zip(finer, closer, strict=True)]
+            given_up = worst > tolerance and _stuck([step.error for step in steps])
+            if given_up or len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
+                if not holding:
+                    held = solve(problem, meshes, solution, solver, progress, between, engine)
+                    if held.status is Status.INTERRUPTED:
+                        return replace(solution, status=Status.INTERRUPTED)
+                    if held.success:
+                        solution = replace(held, refinement=tuple(steps), times=added_times(total, held.times))
+                return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
+            meshes, known = finer, solution
+    except KeyboardInterrupt:
+        # Ctrl-C between two solves, where no solver waits for it: what was found on the last mesh stays.
+        if kept is None:
+            raise
+        return replace(kept, status=Status.INTERRUPTED)
 
 
 def _is_finer(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:

@@ -132,20 +132,26 @@ def plan(
         records: tuple[StageRecord, ...] = ()
         interrupted = None
         if stages:
-            from robotraj.stages import run_stages
+            from robotraj.stages import found_by, run_stages
 
             guess, records, interrupted = run_stages(problem, stages, mesh, guess, solver, show, between, engine)
-        if interrupted is not None:
-            solution = interrupted
-        elif tolerance is None:
-            solution = solve(problem, mesh, guess, solver, show, between, engine)
-        else:
-            from robotraj.adaptive import adapt
-            from robotraj.refinement import SplitOrRaise
+        try:
+            if interrupted is not None:
+                solution = interrupted
+            elif tolerance is None:
+                solution = solve(problem, mesh, guess, solver, show, between, engine)
+            else:
+                from robotraj.adaptive import adapt
+                from robotraj.refinement import SplitOrRaise
 
-            solution = adapt(
-                problem, mesh, guess, solver, show, tolerance, refinement or SplitOrRaise(), engine, between
-            )
+                solution = adapt(
+                    problem, mesh, guess, solver, show, tolerance, refinement or SplitOrRaise(), engine, between
+                )
+        except KeyboardInterrupt:
+            found = found_by(records, guess) if stages else None
+            if found is None:
+                raise
+            solution = found
     solution = replace(solution, stages=records)
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)

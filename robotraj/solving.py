@@ -71,47 +71,54 @@ def solve(
     if guards and not same and multipliers is not None:
         multipliers = _lengthened(multipliers, nlp)
     solution, w = _solve(nlp, guess, multipliers, solver, progress, began)
-    if retry and not solution.success:
+    try:
+        if retry and not solution.success:
 
-        def once_more(asked: Problem, start: Guess | Solution | None) -> Solution:
-            # Whether rows between the points are worth it is said of the problem's own solutions: others lead to them.
-            worth = hold if asked is problem else _never
-            return solve(asked, mesh, start, solver, progress, between, engine, worth, retry=False)
+            def once_more(asked: Problem, start: Guess | Solution | None) -> Solution:
+                # Whether rows between the points are worth it is said of the problem's own solutions: others lead to
+                # them.
+                worth = hold if asked is problem else _never
+                return solve(asked, mesh, start, solver, progress, between, engine, worth, retry=False)
 
-        solution = retried(solution, nlp, guess, once_more)
-        if solution.success:
-            return solution
-    bulges = _bulges(solution, between.tolerance)
-    moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
-    for _ in range(between.rounds if hold is None or hold(solution) else 0):
-        held, rows_held = set(guards), {_row_of(guard) for guard in guards if not _is_equation(problem, guard)}
-        broken = (bulge for bulge in bulges if not _is_kept_to(nlp, bulge.guard))
-        wanted = (guard for bulge in broken for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
-        new = list(dict.fromkeys(guard for guard in wanted if guard not in held))
-        if not new or not solution.success:
-            break
-        began = time.perf_counter()
-        if moving:
-            # Knots start again from where the mesh has them: moved ones hold on to the arcs they came to stand on.
-            nlp = transcribe(problem, mesh, as_guess(solution), engine, between)
-            nlp = guarded(nlp, [*guards, *new], nlp.guess)
-        else:
-            nlp = guarded(nlp, new, w)
-        again, w = _solve(nlp, solution, _multipliers(solution, nlp, True), solver, progress, began)
-        times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
-        failed = not again.success and again.status is not Status.INTERRUPTED
-        solution = replace(solution if failed else again, times=times, iterations=iterations)
-        if failed:
-            break
-        guards += new
+            solution = retried(solution, nlp, guess, once_more)
+            if solution.success:
+                return solution
         bulges = _bulges(solution, between.tolerance)
-    of_controls = [
-        bulge for i, part in enumerate(solution.phases) for bulge in find_control_bulges(part.phase, i, part.trajectory)
-    ]
-    left, controls = (
-        tuple(sorted((_violation(solution, bulge) for bulge in found), key=lambda v: -v.relative))
-        for found in (bulges, of_controls)
-    )
+        moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
+        for _ in range(between.rounds if hold is None or hold(solution) else 0):
+            held, rows_held = set(guards), {_row_of(guard) for guard in guards if not _is_equation(problem, guard)}
+            broken = (bulge for bulge in bulges if not _is_kept_to(nlp, bulge.guard))
+            wanted = (guard for bulge in broken for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
+            new = list(dict.fromkeys(guard for guard in wanted if guard not in held))
+            if not new or not solution.success:
+                break
+            began = time.perf_counter()
+            if moving:
+                # Knots start again from where the mesh has them: moved ones hold on to the arcs they came to stand on.
+                nlp = transcribe(problem, mesh, as_guess(solution), engine, between)
+                nlp = guarded(nlp, [*guards, *new], nlp.guess)
+            else:
+                nlp = guarded(nlp, new, w)
+            again, w = _solve(nlp, solution, _multipliers(solution, nlp, True), solver, progress, began)
+            times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
+            failed = not again.success and again.status is not Status.INTERRUPTED
+            solution = replace(solution if failed else again, times=times, iterations=iterations)
+            if failed:
+                break
+            guards += new
+            bulges = _bulges(solution, between.tolerance)
+        of_controls = [
+            bulge
+            for i, part in enumerate(solution.phases)
+            for bulge in find_control_bulges(part.phase, i, part.trajectory)
+        ]
+        left, controls = (
+            tuple(sorted((_violation(solution, bulge) for bulge in found), key=lambda v: -v.relative))
+            for found in (bulges, of_controls)
+        )
+    except KeyboardInterrupt:
+        # Ctrl-C where no solver waits for it: what the last one found stays.
+        return replace(solution, status=Status.INTERRUPTED, guards=tuple(guards))
     return replace(solution, guards=tuple(guards), between=left, controls_between=controls)
 
 

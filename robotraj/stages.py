@@ -130,7 +130,8 @@ def run_stages(
     """Solve the stages in order; return the guess they leave for the problem itself, and what each did.
 
     A stage that fails is recorded, and the next one starts from where the failed one had started. One that is
-    interrupted is the last; its solution comes third, None where all went on.
+    interrupted is the last; its solution comes third, that of the stage before where it has none yet, None where all
+    went on.
 
     Parameters
     ----------
@@ -139,13 +140,19 @@ def run_stages(
     mesh, guess, solver, progress, between, engine
         For stages that do not bring their own; ``guess`` starts the first.
     """
-    records = []
+    records: list[StageRecord] = []
     for i, stage in enumerate(stages):
         if not isinstance(stage, Stage):
             raise InputError(f"stages= is a list of rt.Stage(...); number {i} is a {type(stage).__name__}.")
-        solution = solve(
-            stage.of(problem), stage.mesh or mesh, guess, stage.solver or solver, progress, between, engine
-        )
+        try:
+            solution = solve(
+                stage.of(problem), stage.mesh or mesh, guess, stage.solver or solver, progress, between, engine
+            )
+        except KeyboardInterrupt:
+            found = found_by(records, guess)
+            if found is None:
+                raise
+            return guess, tuple(records), found
         records.append(
             StageRecord(
                 stage.name or f"stage {i + 1}",
@@ -160,3 +167,22 @@ def run_stages(
         if solution.success:
             guess = solution
     return guess, tuple(records), None
+
+
+def found_by(records: Sequence[StageRecord], guess: Guess | Solution | None) -> Solution | None:
+    """Give the last solution of the stages, as interrupted, for Ctrl-C where no solver waits for it.
+
+    Parameters
+    ----------
+    records : sequence of StageRecord
+    guess : Guess, Solution or None
+        That the stages left.
+
+    Returns
+    -------
+    Solution or None
+        None where no stage was solved.
+    """
+    if not isinstance(guess, Solution) or all(record.status is not Status.SOLVED for record in records):
+        return None
+    return replace(guess, status=Status.INTERRUPTED)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj import adaptive, solving
 from robotraj.solvers import Iteration
 
 BLOCK = rt.System(
@@ -142,6 +143,55 @@ def test_ctrl_c_keeps_the_last_iterate() -> None:
     assert np.isfinite(solution.at(1.0).q).all()
     assert solution.at(0.0).q == pytest.approx([0, 0], abs=1e-9)
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def pressed(*_: Any) -> Any:
+    raise KeyboardInterrupt
+
+
+class Pressed(rt.Ipopt):
+    """Ctrl-C comes before a solve begins, where no solver waits for it."""
+
+    def solve(self, *_: Any) -> Any:
+        raise KeyboardInterrupt
+
+
+def test_ctrl_c_between_meshes_keeps_what_the_last_one_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr(adaptive, "_next", pressed)
+        solution = rt.plan(cartpole(), tolerance=1e-9, check=False)
+    assert solution.status is rt.Status.INTERRUPTED
+    assert len(solution.refinement) == 1
+    again = rt.plan(cartpole(), rt.Mesh(20, rt.RadauIIA(3)), guess=solution)
+    assert again.objective == pytest.approx(solution.objective, rel=1e-6)
+    monkeypatch.setattr(adaptive, "assess", pressed)
+    assert rt.plan(cartpole(), tolerance=1e-9, check=False).status is rt.Status.INTERRUPTED
+
+
+def test_ctrl_c_between_rounds_keeps_what_the_last_one_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    held = rt.PathConstraint(lambda p: p.x["x"], upper=0.1)
+    phase = rt.Phase(BLOCK, 1.0, rt.State([0, 1]), rt.State([0, -1]), rt.Effort(), constraints=[held])
+    mesh, between = rt.Mesh(5, rt.RadauIIA(3)), rt.Exchange(1e-5)
+    assert rt.plan(phase, mesh, between=between).guards
+    monkeypatch.setattr(solving, "guarded", pressed)
+    solution = rt.plan(phase, mesh, between=between, check=False)
+    assert solution.status is rt.Status.INTERRUPTED
+    assert solution.objective == rt.plan(phase, mesh, between=rt.Exchange(rounds=0)).objective
+
+
+@pytest.mark.parametrize("second", [[rt.Stage(solver=Pressed())], []], ids=["in a stage", "after the stages"])
+def test_ctrl_c_between_stages_keeps_what_the_last_one_found(second: list[rt.Stage]) -> None:
+    first = rt.Stage(mesh=rt.Mesh(10), solver=rt.Ipopt())
+    solution = rt.plan(cartpole(), solver=Pressed(), stages=[first, *second], check=False)
+    assert solution.status is rt.Status.INTERRUPTED
+    assert [record.status for record in solution.stages] == [rt.Status.SOLVED]
+    assert solution.objective == rt.plan(cartpole(), rt.Mesh(10), solver=rt.Ipopt()).objective
+
+
+@pytest.mark.parametrize("options", [{}, {"tolerance": 1e-6}, {"stages": [rt.Stage(mesh=rt.Mesh(10))]}])
+def test_ctrl_c_before_anything_was_found_is_raised(options: dict[str, Any]) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        rt.plan(cartpole(), solver=Pressed(), check=False, **options)
 
 
 def test_ctrl_c_from_outside_stops_a_long_solve() -> None:
