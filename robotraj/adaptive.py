@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj.engines import Engine
+from robotraj.errors import InputError
 from robotraj.guess import Guess
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Problem
@@ -57,6 +58,8 @@ def adapt(
     without, or no better than one before it: what holds them on a coarse mesh is of no use to the next one, and costs
     as many solves. A solution whose tolerance was not reached says so in its status.
     """
+    if not isinstance(refinement, Refinement):
+        raise InputError(f"refinement= must be one such as rt.SplitOrRaise(); got {refinement!r}.")
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     steps: list[MeshStep] = []
     # Below 1e-7 a guard would chase the solver's own round-off.

@@ -129,6 +129,10 @@ class FromSolution(Guess):
 
     solution: Any
 
+    def __post_init__(self) -> None:
+        if not _is_solution(self.solution):
+            raise InputError(f"FromSolution starts from a Solution; got {type(self.solution).__name__}.")
+
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Sample the earlier solution's phase of the same index.
 
@@ -168,11 +172,15 @@ def as_guess(value: Any) -> Guess | None:
     """Accept a guess, an earlier solution or None."""
     if value is None or isinstance(value, Guess):
         return value
-    if hasattr(value, "phases") and hasattr(value, "status"):
+    if _is_solution(value):
         return FromSolution(value)
     raise InputError(
         f"guess must be None, a guess such as rt.StraightLine(), or a Solution; got {type(value).__name__}."
     )
+
+
+def _is_solution(value: Any) -> bool:
+    return hasattr(value, "phases") and hasattr(value, "status")
 
 
 def _sampled(source: Any, variables: Sequence[Variable]) -> Curve:

@@ -21,7 +21,7 @@ from robotraj.problem import Phase, Problem
 from robotraj.solution import Solution
 from robotraj.starts import Shared, Start
 from robotraj.status import Status
-from robotraj.sweep import attach, detach
+from robotraj.sweep import attach, check_options, detach
 from robotraj.values import dataclass
 from robotraj.workers import run
 
@@ -169,18 +169,27 @@ def multistart(
     Raises
     ------
     InputError
-        No starts, no patience, a negative spread, or a problem that cannot be posed.
+        No starts, no patience, a negative spread, seed or tolerance, what is no number, a problem that cannot be
+        posed, or an option that ``rt.plan`` does not have.
     """
     problem = Problem([problem]) if isinstance(problem, Phase) else problem
     if not isinstance(problem, Problem):
         raise InputError(f"rt.multistart takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
-    if starts < 1 or not 0 <= spread < np.inf:
-        raise InputError(f"rt.multistart needs at least 1 start and a spread of 0 or more; got {starts} and {spread}.")
-    if patience is not None and patience < 1:
-        raise InputError(f"rt.multistart needs a patience of at least 1 start; got {patience}.")
+    if not _counts(starts, 1) or not _measures(spread):
+        raise InputError(
+            f"rt.multistart needs at least 1 start and a spread of 0 or more; got {starts!r} and {spread!r}."
+        )
+    if patience is not None and not _counts(patience, 1):
+        raise InputError(f"rt.multistart needs a patience of at least 1 start, or None; got {patience!r}.")
+    if not _counts(seed, 0):
+        raise InputError(f"rt.multistart takes a whole number of 0 or more as seed; got {seed!r}.")
+    for name, value in (("objective_tolerance", objective_tolerance), ("trajectory_tolerance", trajectory_tolerance)):
+        if not _measures(value):
+            raise InputError(f"rt.multistart needs {name}= of 0 or more; got {value!r}.")
     for name in ("check", "progress"):
         if name in options:
             raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
+    check_options(options)
     first = as_guess(guess) or default_guess(problem)
     guesses = [first, *(Perturbed(first, (seed, i), spread) for i in range(1, starts))]
     left = 0
@@ -235,6 +244,14 @@ def _plan(search: _Search, guess: Guess) -> Solution:
     shared = _own.known.setdefault(search, Shared(search.first))
     start = Start(guess, shared)
     return detach(plan(search.problem, guess=start, check=False, progress=False, **search.options))
+
+
+def _counts(value: Any, least: int) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool) and bool(value >= least)
+
+
+def _measures(value: Any) -> bool:
+    return isinstance(value, float | int | np.floating | np.integer) and bool(0 <= value < np.inf)
 
 
 def _out_of(patience: int | None, tolerance: float) -> Callable[[Sequence[Solution]], bool] | None:

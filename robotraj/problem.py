@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field, fields, replace
 from functools import cached_property
 from numbers import Real
@@ -102,7 +102,20 @@ class Phase:
             if not isinstance(getattr(self, which), State | None):
                 raise InputError(f"The {which} of phase {self.name!r} must be an rt.State or None.")
         for which in ("duration", "parameters", "design", "states", "controls", "algebraic"):
-            object.__setattr__(self, which, own(getattr(self, which)))
+            given = getattr(self, which)
+            if which != "duration" and not isinstance(given, Mapping):
+                raise InputError(
+                    f"{which}= of phase {self.name!r} must be a mapping by name, {{}} for none; "
+                    f"got {type(given).__name__}."
+                )
+            object.__setattr__(self, which, own(given))
+        for which, one in (("constraints", Constraint), ("contacts", Contact)):
+            given = getattr(self, which)
+            if not isinstance(given, tuple | list | one | Iterable):
+                raise InputError(
+                    f"{which}= of phase {self.name!r} must be a list of {which}, [] for none; "
+                    f"got {type(given).__name__}."
+                )
         if isinstance(self.limits, OwnLimits):
             object.__setattr__(self, "limits", self.robot.limits if self.robot else None)
         if self.limits is not None and (self.robot is None or not isinstance(self.limits, Limits)):
@@ -326,6 +339,10 @@ class Problem:
     missing: Sequence[str] = ()
 
     def __post_init__(self) -> None:
+        for which, one, several in (("phases", Phase, "rt.Phase values"), ("links", Link, "links, [] for none")):
+            given = getattr(self, which)
+            if not isinstance(given, one | Iterable):
+                raise InputError(f"The {which} of a problem are a list of {several}; got {type(given).__name__}.")
         phases = (self.phases,) if isinstance(self.phases, Phase) else tuple(self.phases)
         if not phases:
             raise InputError("A problem needs at least one phase.")
@@ -363,13 +380,14 @@ class Problem:
         >>> again = rt.plan(problem.with_(end=rt.State(q=goal, v=0)), mesh, guess=solution)  # doctest: +SKIP
         """
         phases = list(self.phases)
-        if len(phases) > 1 and not set(changes) <= {"start", "end"}:
+        unknown = set(changes) - {entry.name for entry in fields(Phase)}
+        if len(phases) > 1 and not unknown and not set(changes) <= {"start", "end"}:
             name = sorted(set(changes) - {"start", "end"})[0]
             raise InputError(
                 f"problem.with_({name}=...) does not say which of {len(phases)} phases it is about; use "
                 "phase.with_(...) and make a new problem."
             )
-        if len(phases) == 1:
+        if len(phases) == 1 or unknown:
             phases = [phases[0].with_(**changes)]
         else:
             for which, index in (("start", 0), ("end", -1)):

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.errors import InputError
 from robotraj.phase_solution import PhaseSolution
 from robotraj.problem import Phase, Problem
 from robotraj.sample import Sample, join
@@ -251,6 +253,10 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
     """
     from robotraj.storage import read
 
+    if not isinstance(path, str | PathLike):
+        raise InputError(f"rt.load_solution takes the path of a file; got {type(path).__name__}.")
+    if not isinstance(problem, Problem | Phase | None):
+        raise InputError(f"problem= must be the rt.Problem or rt.Phase that was solved; got {type(problem).__name__}.")
     contents = read(path, Problem([problem]) if isinstance(problem, Phase) else problem)
     pairs = zip(contents.problem.phases, contents.phases, strict=True)
     phases = tuple(PhaseSolution(phase, **known) for phase, known in pairs)

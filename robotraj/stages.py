@@ -46,6 +46,11 @@ class Stage:
         Of this stage.
     name : str
 
+    Raises
+    ------
+    InputError
+        What is given as mesh or solver is none.
+
     Examples
     --------
     >>> easier_first = [Stage(mesh=Mesh(10), constraints=(), name="coarse, without obstacles")]
@@ -58,6 +63,13 @@ class Stage:
     contacts: Any = SAME
     solver: Solver | None = None
     name: str = ""
+
+    def __post_init__(self) -> None:
+        several = isinstance(self.mesh, Sequence) and all(isinstance(mesh, Mesh) for mesh in self.mesh)
+        if self.mesh is not None and not isinstance(self.mesh, Mesh) and not several:
+            raise InputError(f"Stage(mesh) must be an rt.Mesh, or one for each phase; got {self.mesh!r}.")
+        if self.solver is not None and not isinstance(self.solver, Solver):
+            raise InputError(f"Stage(solver) must be a solver value such as rt.Ipopt(); got {self.solver!r}.")
 
     def of(self, problem: Problem) -> Problem:
         """Give the problem of this stage.
@@ -140,14 +152,17 @@ def run_stages(
     mesh, guess, solver, progress, between, engine
         For stages that do not bring their own; ``guess`` starts the first.
     """
-    records: list[StageRecord] = []
+    if not isinstance(stages, Sequence):
+        raise InputError(f"stages= is a list of rt.Stage(...); got {type(stages).__name__}.")
     for i, stage in enumerate(stages):
         if not isinstance(stage, Stage):
             raise InputError(f"stages= is a list of rt.Stage(...); number {i} is a {type(stage).__name__}.")
+    # A stage that cannot be posed is told before any is solved.
+    posed = [stage.of(problem) for stage in stages]
+    records: list[StageRecord] = []
+    for i, (stage, easier) in enumerate(zip(stages, posed, strict=True)):
         try:
-            solution = solve(
-                stage.of(problem), stage.mesh or mesh, guess, stage.solver or solver, progress, between, engine
-            )
+            solution = solve(easier, stage.mesh or mesh, guess, stage.solver or solver, progress, between, engine)
         except KeyboardInterrupt:
             found = found_by(records, guess)
             if found is None:

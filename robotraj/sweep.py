@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
+from inspect import signature
 from typing import Any
 
-from robotraj.errors import InputError, Interrupted
+from robotraj.errors import InputError, Interrupted, unknown_name
 from robotraj.planning import plan
 from robotraj.problem import Phase, Problem
 from robotraj.solution import Solution
@@ -37,7 +38,7 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
     Raises
     ------
     InputError
-        A problem cannot be posed or pickled.
+        A problem cannot be posed or pickled, or ``rt.plan`` has no such option.
     Interrupted
         Ctrl-C; its ``found`` has the solutions that were there by then, by the numbers of their problems.
 
@@ -59,6 +60,9 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
     for name in ("check", "progress"):
         if name in options:
             raise InputError(f"rt.sweep keeps failed plans and shows no iterations: leave {name}= out.")
+    check_options(options)
+    if isinstance(problems, Problem | Phase) or not isinstance(problems, Iterable):
+        raise InputError(f"rt.sweep takes a list of problems or phases; got {type(problems).__name__}.")
     posed = [Problem([problem]) if isinstance(problem, Phase) else problem for problem in problems]
     for i, problem in enumerate(posed):
         if not isinstance(problem, Problem):
@@ -69,6 +73,20 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
         kept = {i: attach(solution, posed[i]) for i, solution in stopped.found.items()}
         raise Interrupted(kept, len(posed)) from stopped
     return [attach(solution, problem) for solution, problem in zip(found, posed, strict=True)]
+
+
+def check_options(options: Mapping[str, Any]) -> None:
+    """Refuse what ``rt.plan`` does not take, before any worker is asked.
+
+    Raises
+    ------
+    UnknownName
+        With the options that there are.
+    """
+    known = [name for name in signature(plan).parameters if name not in ("problem", "check", "progress")]
+    for name in options:
+        if name not in known:
+            raise unknown_name("option of rt.plan", name, known)
 
 
 def _plan(options: Mapping[str, Any], problem: Problem) -> Solution:

@@ -50,6 +50,14 @@ def solved() -> rt.Solution:
     return rt.plan(block(), rt.Mesh(4))
 
 
+def never() -> rt.Ipopt:
+    class Never(rt.Ipopt):
+        def solve(self, *_: Any) -> Any:
+            raise AssertionError("a stage was solved")
+
+    return Never()
+
+
 def system_of(dynamics: Any, **more: Any) -> Callable[[], Any]:
     return lambda: block(system=rt.System(["x", "v"], ["u"], dynamics, name="block", **more))
 
@@ -610,6 +618,91 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         lambda: solved().at(0).x["speed"],
         rt.UnknownName,
         ["'speed'", "Valid names: x, v"],
+    ),
+    "one stage without a list": (
+        lambda: rt.plan(block(), stages=rt.Stage()),
+        rt.InputError,
+        ["stages=", "rt.Stage", "got Stage"],
+    ),
+    "stage on a number of intervals": (
+        lambda: rt.Stage(mesh=3),
+        rt.InputError,
+        ["Stage(mesh)", "rt.Mesh", "3"],
+    ),
+    "stage with a solver's name": (
+        lambda: rt.Stage(solver="ipopt"),
+        rt.InputError,
+        ["Stage(solver)", "rt.Ipopt()", "'ipopt'"],
+    ),
+    "second stage that cannot be posed": (
+        lambda: rt.plan(block(), solver=never(), stages=[rt.Stage(), rt.Stage(objective=3)]),
+        rt.InputError,
+        ["objective", "rt.Effort()"],
+    ),
+    "refinement that is none": (
+        lambda: rt.plan(block(), tolerance=1e-3, refinement=3),
+        rt.InputError,
+        ["refinement=", "rt.SplitOrRaise()", "3"],
+    ),
+    "parameters without names": (
+        lambda: block().with_(parameters=3),
+        rt.InputError,
+        ["parameters=", "'phase'", "mapping", "int"],
+    ),
+    "bounds of controls without names": (
+        lambda: block().with_(controls=[1]),
+        rt.InputError,
+        ["controls=", "mapping", "list"],
+    ),
+    "no constraints as None": (
+        lambda: block().with_(constraints=None),
+        rt.InputError,
+        ["constraints=", "[] for none", "NoneType"],
+    ),
+    "contacts that are a number": (
+        lambda: cartpole().with_(contacts=3),
+        rt.InputError,
+        ["contacts=", "list of contacts", "int"],
+    ),
+    "phases that are a number": (
+        lambda: rt.Problem(3),
+        rt.InputError,
+        ["phases", "rt.Phase", "int"],
+    ),
+    "no links as None": (
+        lambda: rt.Problem([block()], None),
+        rt.InputError,
+        ["links", "[] for none", "NoneType"],
+    ),
+    "unknown field of a problem of two phases": (
+        lambda: rt.Problem([block(), block()]).with_(goal=1),
+        rt.UnknownName,
+        ["field of a phase", "'goal'", "start, end"],
+    ),
+    "guess from a problem": (
+        lambda: rt.FromSolution(rt.Problem([block()])),
+        rt.InputError,
+        ["FromSolution", "Solution", "got Problem"],
+    ),
+    "file that is a number": (
+        lambda: rt.load_solution(3),
+        rt.InputError,
+        ["rt.load_solution", "path", "int"],
+    ),
+    "file's problem that is a solution": (
+        lambda: rt.load_solution("plan.npz", problem=solved()),
+        rt.InputError,
+        ["problem=", "rt.Problem", "got Solution"],
+    ),
+    "tolerance between the points in words": (
+        lambda: rt.Exchange("fine"),
+        rt.InputError,
+        ["Exchange(tolerance)", "above 0", "'fine'"],
+    ),
+    "half a round": (
+        lambda: rt.ConvexHull(rounds=1.5),
+        rt.InputError,
+        ["ConvexHull(rounds)", "whole number", "1.5"],
     ),
     "interval that the plan has not": (
         lambda: solved().phases[0].at(0, interval=9),

@@ -161,6 +161,21 @@ def test_wrong_arguments_are_named() -> None:
         rt.multistart(3)
 
 
+@pytest.mark.parametrize(
+    ("argument", "value"),
+    [
+        *(("starts", value) for value in (2.5, "3", True)),
+        *(("seed", value) for value in ("a", 1.5, -1, None)),
+        *(("patience", value) for value in (1.5, "a")),
+        ("spread", "wide"),
+        *((name, value) for name in ("objective_tolerance", "trajectory_tolerance") for value in (-1.0, "a", np.nan)),
+    ],
+)
+def test_arguments_that_are_no_numbers_are_refused(argument: str, value: Any) -> None:
+    with pytest.raises(InputError, match=f"rt.multistart .*{argument.rstrip('s')}.*{value!r}"):
+        rt.multistart(two_ways(), **{argument: value})
+
+
 @pytest.mark.slow
 def test_cartpole_has_two_optima_and_the_straight_line_leads_to_the_dearer_one() -> None:
     swing_up = rt.Phase(

@@ -243,3 +243,19 @@ def test_a_robot_that_was_shot_keeps_the_dynamics_of_its_plan() -> None:
     assert swept.error == pytest.approx(alone.error)
     assert swept.phases[0].phase.dynamics == alone.phases[0].phase.dynamics
     assert rt.plan(phase, rt.Mesh(8), guess=swept).success
+
+
+@pytest.mark.parametrize("problems", [moves()[0], rt.Problem(moves()[0]), None, 3])
+def test_what_is_no_list_of_problems_is_refused(problems: Any) -> None:
+    with pytest.raises(InputError, match=f"takes a list of problems or phases; got {type(problems).__name__}"):
+        rt.sweep(problems)
+
+
+@pytest.mark.parametrize("search", [lambda **o: rt.sweep(moves(), **o), lambda **o: rt.multistart(moves()[0], 2, **o)])
+def test_options_that_a_plan_does_not_have_are_refused_before_any_worker(search: Any) -> None:
+    class Never:
+        def submit(self, *_: Any) -> Any:
+            raise AssertionError("a worker was asked")
+
+    with pytest.raises(rt.UnknownName, match="option of rt.plan named 'msh'. Did you mean 'mesh'"):
+        search(executor=Never(), msh=rt.Mesh(3))

@@ -12,10 +12,11 @@ Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Com
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import casadi as ca
+import numpy as np
 
 from robotraj.constraints.base import symbols_of
 from robotraj.dynamics.rigid_body import InverseRigidBody
@@ -42,10 +43,12 @@ class Exchange:
     rounds: int = 12
 
     def __post_init__(self) -> None:
-        if not self.tolerance > 0:
-            raise InputError(f"{type(self).__name__}(tolerance) must be above 0, got {self.tolerance}.")
-        if self.rounds < 0:
-            raise InputError(f"{type(self).__name__}(rounds) must be 0 or more, got {self.rounds}.")
+        tolerance: Any = self.tolerance
+        rounds: Any = self.rounds
+        if not (isinstance(tolerance, float | int | np.floating | np.integer) and tolerance > 0):
+            raise InputError(f"{type(self).__name__}(tolerance) must be above 0, got {self.tolerance!r}.")
+        if not (isinstance(rounds, int | np.integer) and rounds >= 0):
+            raise InputError(f"{type(self).__name__}(rounds) must be a whole number of 0 or more, got {self.rounds!r}.")
 
     def covers(self, phase: Phase) -> frozenset[str]:
         """Give the states and controls whose bounds are imposed on whole intervals: none."""
