@@ -38,7 +38,7 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
     Raises
     ------
     InputError
-        A problem cannot be posed or pickled, or ``rt.plan`` has no such option.
+        A problem cannot be posed, which the message says by its number, or pickled; ``rt.plan`` has no such option.
     Interrupted
         Ctrl-C; its ``found`` has the solutions that were there by then, by the numbers of their problems.
 
@@ -68,7 +68,7 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
         if not isinstance(problem, Problem):
             raise InputError(f"rt.sweep takes problems or phases; number {i} is a {type(problem).__name__}.")
     try:
-        found = run(_plan, options, posed, executor)
+        found = run(_plan, options, list(enumerate(posed)), executor)
     except Interrupted as stopped:
         kept = {i: attach(solution, posed[i]) for i, solution in stopped.found.items()}
         raise Interrupted(kept, len(posed)) from stopped
@@ -89,8 +89,12 @@ def check_options(options: Mapping[str, Any]) -> None:
             raise unknown_name("option of rt.plan", name, known)
 
 
-def _plan(options: Mapping[str, Any], problem: Problem) -> Solution:
-    return detach(plan(problem, check=False, progress=False, **options))
+def _plan(options: Mapping[str, Any], numbered: tuple[int, Problem]) -> Solution:
+    number, problem = numbered
+    try:
+        return detach(plan(problem, check=False, progress=False, **options))
+    except InputError as error:
+        raise type(error)(f"Problem number {number} of the sweep: {error}") from error
 
 
 def detach(solution: Solution) -> Solution:

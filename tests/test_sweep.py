@@ -245,6 +245,15 @@ def test_a_robot_that_was_shot_keeps_the_dynamics_of_its_plan() -> None:
     assert rt.plan(phase, rt.Mesh(8), guess=swept).success
 
 
+@pytest.mark.parametrize("processes", [False, True])
+def test_a_problem_that_cannot_be_planned_is_named_by_its_number(processes: bool) -> None:
+    one, two = moves()[:2]
+    problems = [rt.Problem(one), rt.Problem([one, two])]
+    pool = ProcessPoolExecutor(1, get_context("spawn")) if processes else ThreadPoolExecutor(1)
+    with pool, pytest.raises(InputError, match="Problem number 1 of the sweep: The problem has 2 phases but 1 meshes"):
+        rt.sweep(problems, executor=pool, mesh=[MESH])
+
+
 @pytest.mark.parametrize("problems", [moves()[0], rt.Problem(moves()[0]), None, 3])
 def test_what_is_no_list_of_problems_is_refused(problems: Any) -> None:
     with pytest.raises(InputError, match=f"takes a list of problems or phases; got {type(problems).__name__}"):
