@@ -81,6 +81,20 @@ class Interrupted(KeyboardInterrupt):
         return type(self), (self.found, self.count)
 
 
+def require_solution(value: Any, who: str) -> None:
+    """Refuse what is no solution, as far as its phases tell.
+
+    Raises
+    ------
+    InputError
+        It is a problem, what many starts found, or anything else.
+    """
+    parts = getattr(value, "phases", None)
+    if parts is None or not all(hasattr(part, "phase") for part in parts):
+        best = " Its .best is one." if hasattr(type(value), "best") else ""
+        raise InputError(f"{who} takes a solution, as rt.plan gives it; got {type(value).__name__}.{best}")
+
+
 def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = "") -> UnknownName:
     """Build the error for a name that does not exist, with the nearest valid names first.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -703,6 +704,28 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         lambda: rt.ConvexHull(rounds=1.5),
         rt.InputError,
         ["ConvexHull(rounds)", "whole number", "1.5"],
+    ),
+    **{
+        f"{name} of a problem": (
+            partial(function, rt.Problem([block()]), *more),
+            rt.InputError,
+            [name, "takes a solution", "got Problem"],
+        )
+        for name, function, *more in (
+            ("rt.validate", rt.validate),
+            ("rt.track", rt.track, 1.0, 1.0),
+            ("rt.second_opinion", rt.second_opinion),
+            ("rt.replay", rt.replay, "plan.html"),
+            ("rt.costates", rt.costates),
+            ("rt.conditions", rt.conditions),
+            ("rt.polish", rt.polish),
+            ("rt.cut_at_junctions", rt.cut_at_junctions),
+        )
+    },
+    "proof of many starts": (
+        lambda: rt.validate(rt.Multistart((), {}, 3, 0, 1e-5, 1e-2)),
+        rt.InputError,
+        ["rt.validate", "got Multistart", ".best"],
     ),
     "interval that the plan has not": (
         lambda: solved().phases[0].at(0, interval=9),

@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.errors import InputError
+from robotraj.errors import InputError, require_solution
 from robotraj.indirect.arcs import control_bounds
 from robotraj.indirect.boundary import end_data, potential
 from robotraj.indirect.checks import TOUCHED, Held
@@ -55,6 +55,7 @@ def conditions(solution: Solution, tolerance: float = 1e-2) -> ConditionsReport:
     InputError
         The solution has no costates (see ``rt.costates``).
     """
+    require_solution(solution, "rt.conditions")
     if not tolerance > 0:
         raise InputError(f"conditions(tolerance) must be above 0, got {tolerance}.")
     linked = {i for link in solution.problem.bound_links for i in link.phases}

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.dynamics import Named
-from robotraj.errors import InputError
+from robotraj.errors import InputError, require_solution
 from robotraj.indirect.duals import PhaseDuals
 from robotraj.indirect.hamiltonian import Hamiltonian
 from robotraj.transcription.equations import equations_of, held_throughout
@@ -166,6 +166,7 @@ def costates(solution: Solution) -> Costates:
     Sign: lambda = dJ/dx of the minimised objective J. Order at the knots is the scheme's own; see
     ``robotraj.indirect.covector``.
     """
+    require_solution(solution, "rt.costates")
     held = [phase.name for phase in solution.problem.phases if phase.dae.invariants]
     if held:
         raise InputError(

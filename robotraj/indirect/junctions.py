@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.constraints import AtEnd, AtStart, PathConstraint, Row, Where
-from robotraj.errors import InputError
+from robotraj.errors import InputError, require_solution
 from robotraj.guess import Guess, PhaseGuess
 from robotraj.links import Continuity, Linkage
 from robotraj.objectives import Duration, EndCost
@@ -112,6 +112,7 @@ def cut_at_junctions(solution: Solution) -> tuple[Problem, Guess]:
         Several phases, no arc on a bound of a state, or what cannot be shared out over phases: unknown parameters,
         integral constraints, end costs other than ``Duration``.
     """
+    require_solution(solution, "rt.cut_at_junctions")
     if len(solution.phases) != 1:
         raise InputError(f"cut_at_junctions takes a solution of one phase; this one has {len(solution.phases)}.")
     part = solution.phases[0]

@@ -19,7 +19,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.errors import InputError
+from robotraj.errors import InputError, require_solution
 from robotraj.guess import Guess, PhaseGuess
 from robotraj.indirect.arcs import Arc, affine_controls, control_bounds, find_arcs
 from robotraj.indirect.boundary import EndData, boundary_value_problem, end_data, potential
@@ -73,6 +73,7 @@ def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
         The equations were not solved to the tolerance, or their solution breaks what an optimum must hold; it
         carries the last iterate as ``.solution``, whose ``trouble`` says why.
     """
+    require_solution(solution, "rt.polish")
     if not tolerance > 0:
         raise InputError(f"polish(tolerance) must be above 0, got {tolerance}.")
     if len(solution.phases) != 1:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from robotraj.design import realised
-from robotraj.errors import InputError
+from robotraj.errors import InputError, require_solution
 from robotraj.loading.root import root_of
 from robotraj.replay.colors import css
 from robotraj.replay.contacts import held
@@ -82,6 +82,7 @@ def replay(
         different robots, ``traces`` for a system, several periods of a plan that ends elsewhere. An
         unknown frame raises UnknownName.
     """
+    require_solution(solution, "rt.replay")
     target = html_path(path)
     if not (_is_number(speed) and np.isfinite(speed) and speed > 0.0):
         raise InputError(f"replay: speed is {speed!r}; give a factor above 0, such as 0.5 for half speed.")

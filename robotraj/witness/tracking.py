@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj.design import realised
-from robotraj.errors import InputError
+from robotraj.errors import InputError, require_solution
 from robotraj.tangent import difference
 from robotraj.values import dataclass
 from robotraj.witness import drift as drifts
@@ -85,6 +85,7 @@ def track(
     InputError
         The solution moves a System, or the gains do not fit the actuated joints.
     """
+    require_solution(solution, "rt.track")
     if not solution.phases or any(planned.phase.robot is None for planned in solution.phases):
         raise InputError("track() adds joint feedback: it needs a plan of a robot; use validate() for Systems.")
     rows: list[tuple[DriftRow, ...]] = []

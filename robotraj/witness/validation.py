@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotraj.errors import InputError
+from robotraj.errors import InputError, require_solution
 from robotraj.witness import energy as energies
 from robotraj.witness.holding import holding_of
 from robotraj.witness.impact import impacts_of
@@ -64,6 +64,7 @@ def validate(
     InputError
         The solution has no phases, ``samples_per_interval`` is below 2, a constraint does not give numbers.
     """
+    require_solution(solution, "rt.validate")
     if not solution.phases:
         raise InputError("There is nothing to validate: the solution has no phases.")
     if samples_per_interval < 2:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.errors import InputError
+from robotraj.errors import InputError, require_solution
 from robotraj.terrain import Flat
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.deviation import Fall
@@ -61,6 +61,7 @@ def second_opinion(
     InputError
         MuJoCo is not installed, the plan is one of a System, or does not repeat as often as asked.
     """
+    require_solution(solution, "rt.second_opinion")
     course = Course(solution, periods)
     if not (isinstance(step, int | float) and np.isfinite(step) and step > 0):
         raise InputError(f"step = {step!r}; give a positive time [s].")
