@@ -141,24 +141,27 @@ def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, 
     inputs = np.flatnonzero(powers.any(axis=0))
     if not inputs.size:
         return block
-    clocks = np.where(powers > 0, clock[column], -1).max(axis=1)
-    degrees = tuple((int(i), int(powers[:, i].max())) for i in inputs)
+    # Places are those of one phase, or one alone: each input has one clock. A link reads the clocks of several phases.
+    own = np.where(powers > 0, clock[column], -1).max(axis=0)[inputs]
+    clocks, which = np.unique(own, return_inverse=True)
+    degrees = tuple((int(i), int(powers[:, i].max()), int(s)) for i, s in zip(inputs, which, strict=True))
     rates = None
     if orders is not None:
         variables = sum(map(len, orders))
         rates = _rates(stage, len(orders.states), variables), float(nlp.scale[clocks[0]] / unit[clocks[0]])
     changed = _STRETCHED.get(stage, (degrees, rates), partial(_stage, stage, degrees, rates))
     gather = block.gather
-    width = stage.inputs
+    width, added = stage.inputs, clocks.size
     place = gather.row // width
-    moved = place * (width + 1) + gather.row % width
-    more = np.arange(count) * (width + 1) + width
+    moved = place * (width + added) + gather.row % width
+    more = (np.arange(count)[:, None] * (width + added) + width + np.arange(added)).ravel()
+    every = np.tile(clocks, count)
     gather = csr_array(
         (
-            np.append(gather.data, unit[clocks]),
-            (np.append(moved, more), np.append(gather.col, clocks)),
+            np.append(gather.data, unit[every]),
+            (np.append(moved, more), np.append(gather.col, every)),
         ),
-        shape=(count * (width + 1), gather.shape[1]),
+        shape=(count * (width + added), gather.shape[1]),
     )
     return replace(block, stage=changed, gather=gather)
 
@@ -170,19 +173,19 @@ def _rates(stage: Stage, states: int, variables: int) -> tuple[int, ...]:
     return tuple(max(each) for each in read)
 
 
-def _stage(stage: Stage, degrees: Sequence[tuple[int, int]], rates: tuple[tuple[int, ...], float] | None) -> Stage:
-    """Give the stage that reads w' and s in the place of w = w' / s^k.
+def _stage(stage: Stage, degrees: Sequence[tuple[int, int, int]], rates: tuple[tuple[int, ...], float] | None) -> Stage:
+    """Give the stage that reads w' and every s in the place of w = w' / s^k.
 
     Parameters
     ----------
-    degrees : sequence of (input, k)
+    degrees : sequence of (input, k, number of its s)
     rates : (inputs, T_0) or None
         Where the first outputs are T times these inputs: they become T_0 v' and, multiplied by s, T_0 a'.
     """
-    s, v = ca.SX.sym("s"), stage.v
-    inputs, powers = zip(*degrees, strict=True)
+    inputs, powers, which = zip(*degrees, strict=True)
+    s, v = ca.SX.sym("s", 1 + max(which)), stage.v
     old = v[list(inputs)]
-    new = old / s ** ca.DM(powers)
+    new = old / ca.vertcat(*(s[i] ** k for i, k in zip(which, powers, strict=True)))
     y = ca.substitute(stage.y, old, new)
     if rates is not None:
         read, span = rates

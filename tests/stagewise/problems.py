@@ -153,6 +153,14 @@ def two_phases() -> rt.Problem:
     return rt.Problem([out, back], links=[rt.Continuity(0, 1)])
 
 
+def arm_by_way() -> rt.Problem:
+    """The ur5 on its way past a posture, both durations free: the link reads the speeds of two clocks."""
+    robot, objective = rt.load("ur5"), rt.Duration() + 1e-4 * rt.Effort()
+    out = rt.Phase(robot, (0.3, 3.0), rt.State(q=START, v=0), rt.State(q=[0, -1, 1, -1, -1, 0.5]), objective)
+    back = rt.Phase(robot, (0.3, 3.0), None, rt.State(q=GOAL, v=0), objective)
+    return rt.Problem([out, back], links=[rt.Continuity(0, 1)])
+
+
 def step() -> rt.Problem:
     """One periodic step of the five-link biped: a contact, an impact, a mirror that couples both ends."""
     return five_link.step(rt.load("five_link", root="planar"))
@@ -169,5 +177,6 @@ EVERY: dict[str, Callable[[], rt.Problem]] = {
     "robot block": robot_block,
     "acrobot": acrobot,
     "two phases": two_phases,
+    "arm by way": arm_by_way,
     "step": step,
 }

@@ -54,7 +54,7 @@ def assert_same(found: object, wanted: object, name: str = "") -> None:
 
 def speed_limits_scale(problem: str) -> bool:
     """Where a duration is free, speed limits are coefficients of it."""
-    return problem in ("hurried arm", "smooth arm", "jerky arm", "acrobot", "step", "robot block")
+    return problem in ("hurried arm", "smooth arm", "jerky arm", "arm by way", "acrobot", "step", "robot block")
 
 
 @pytest.mark.parametrize("problem", [p for p in EVERY if not speed_limits_scale(p)])
