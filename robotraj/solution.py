@@ -63,8 +63,9 @@ class Solution:
     between : tuple of Violation
         Rows on states that are still broken between collocation points, worst first; empty where they all hold there.
     controls_between : tuple of Violation
-        Bounds of controls that are exceeded by more than 1 % there, worst first: polynomials of controls bulge where
-        they switch, unless ``rt.ConvexHull(controls=True)`` holds them.
+        Bounds of controls and of algebraic variables, accelerations among them, that are exceeded by more than 1 %
+        there, worst first: their polynomials bulge where they switch, unless ``rt.ConvexHull(controls=True)`` holds
+        them.
     impulses : tuple of mapping
         For every link of the problem, the impulses of its impact by name, ``"impulse.left_foot.z"`` [N s, N m s]; empty
         for links without one.

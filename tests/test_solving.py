@@ -132,6 +132,31 @@ def test_torques_that_bulge_over_their_limits_are_told_and_held_where_asked_for(
     assert largest_share_of_effort(held) <= 1 + 1e-6
 
 
+def largest_acceleration(solution: rt.Solution) -> float:
+    """Between the points, to the left and the right of every knot."""
+    (part,) = solution.phases
+    tau = np.linspace(0, 1, 101)
+    knots = enumerate(zip(part.knots[:-1], part.knots[1:], strict=True))
+    every = (part.at(first + (last - first) * tau, interval=k).a for k, (first, last) in knots)
+    return max(float(np.abs(a).max()) for a in every)
+
+
+def test_accelerations_that_bulge_over_their_limits_are_told_and_held_where_torques_are() -> None:
+    phase = hurried()
+    phase = phase.with_(objective=rt.Duration() + 1e-4 * rt.Effort(), limits=phase.limits.with_(acceleration=6.0))
+    for scheme in (rt.HermiteSimpson(), rt.RadauIIA(3)):
+        bulging = rt.plan(phase, rt.Mesh(15, scheme))
+        assert largest_acceleration(bulging) > 6.6
+        assert bulging.controls_between[0].name.startswith("acceleration limit")
+        assert bulging.controls_between[0].amount == pytest.approx(largest_acceleration(bulging) - 6.0, rel=0.1)
+        assert "acceleration limit" in str(bulging)
+        held = rt.plan(phase, rt.Mesh(15, scheme), between=rt.ConvexHull(controls=True))
+        assert not held.controls_between
+        assert largest_acceleration(held) <= 6.0 + 1e-5
+        assert bulging.objective < held.objective < 1.01 * bulging.objective
+    assert largest_acceleration(rt.plan(phase, tolerance=1e-3)) <= 6.0 + 1e-5
+
+
 def test_torques_of_refined_plans_are_held_between_the_points() -> None:
     solution = rt.plan(hurried(), tolerance=1e-3)
     assert largest_share_of_effort(solution) <= 1 + 1e-6

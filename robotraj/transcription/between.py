@@ -24,6 +24,7 @@ from robotraj.errors import InputError
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
+    from robotraj.dynamics import Variable
     from robotraj.problem import Phase
 
 
@@ -51,7 +52,7 @@ class Exchange:
             raise InputError(f"{type(self).__name__}(rounds) must be a whole number of 0 or more, got {self.rounds!r}.")
 
     def covers(self, phase: Phase) -> frozenset[str]:
-        """Give the states and controls whose bounds are imposed on whole intervals: none."""
+        """Give the variables whose bounds are imposed on whole intervals: none."""
         return frozenset()
 
 
@@ -66,8 +67,9 @@ class ConvexHull(Exchange):
     tolerance, rounds
         See ``Exchange``.
     controls : bool
-        Impose bounds of controls so too, as ``rt.plan`` does where it refines with fatrop. Off, they hold at the sites
-        of the scheme, as its published optima have them.
+        Impose bounds of controls so too, and of accelerations and other algebraic variables but the forces of contacts,
+        as ``rt.plan`` does where it refines with fatrop. Off, they hold at the sites of the scheme, as its published
+        optima have them.
     states : bool
         Impose bounds of states so. Off, they are dealt with as in ``Exchange``, which takes nothing from the optimum.
 
@@ -88,12 +90,22 @@ class ConvexHull(Exchange):
     states: bool = True
 
     def covers(self, phase: Phase) -> frozenset[str]:
-        """Give controls where asked for and, in phases without invariants, states whose rates read z or u directly."""
+        """Give controls and z where asked for and, in phases without invariants, states whose rates read z or u."""
         driven: frozenset[str] = frozenset()
         if self.states:
             known = _DRIVEN.get(phase)
             driven = _DRIVEN[phase] = _driven(phase) if known is None else known
-        return driven | {u.name for u in phase.dae.controls} if self.controls else driven
+        chosen = (*phase.dae.controls, *limited_algebraic(phase)) if self.controls else ()
+        return driven | {variable.name for variable in chosen}
+
+
+def limited_algebraic(phase: Phase) -> tuple[Variable, ...]:
+    """Give the algebraic variables whose bounds limit the motion, such as accelerations; the first ones of the phase.
+
+    Not the forces of contacts, whose cones are rows of points, nor what an objective brings along.
+    """
+    forces = {force.name for contact in phase.bound_contacts for force in contact.forces}
+    return tuple(variable for variable in phase.body.algebraic if variable.name not in forces)
 
 
 _DRIVEN: WeakKeyDictionary[Phase, frozenset[str]] = WeakKeyDictionary()

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -20,6 +21,7 @@ from robotraj.constraints.base import BoundConstraint, symbols_of
 from robotraj.dynamics.rows import as_rows
 from robotraj.polynomials import integrals
 from robotraj.schemes import OneStep
+from robotraj.transcription.between import limited_algebraic
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import interval_scalars, point_symbols
 from robotraj.transcription.ends import single
@@ -120,19 +122,26 @@ def find_bulges(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: 
 
 
 def find_control_bulges(phase: Phase, index: int, trajectory: PhaseTrajectory) -> list[Bulge]:
-    """Worst place of every bound on a control in every interval where the control exceeds it by 1 % and more."""
-    names = [u.name for u in phase.dae.controls]
-    rows = [
-        (c, r, constraint, row)
-        for c, constraint in enumerate(phase.bound_constraints)
-        for r, row in enumerate(constraint.rows)
-        if constraint.where is Where.THROUGHOUT and row.variable in names
-    ]
-    if not rows:
-        return []
-    limits = [max((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0) for *_, row in rows]
-    columns = [names.index(str(row.variable)) for *_, row in rows]
-    return _peaks(index, rows, trajectory.u, lambda _, u: u[:, columns], SHARE * np.array(limits))
+    """Worst place in every interval of every bound on a control, or on an acceleration, exceeded by 1 % and more."""
+    bulges = []
+    for variables, curve in ((phase.dae.controls, trajectory.u), (limited_algebraic(phase), trajectory.z)):
+        names = [variable.name for variable in variables]
+        rows = [
+            (c, r, constraint, row)
+            for c, constraint in enumerate(phase.bound_constraints)
+            for r, row in enumerate(constraint.rows)
+            if constraint.where is Where.THROUGHOUT and row.variable in names
+        ]
+        if not rows:
+            continue
+        limits = [max((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0) for *_, row in rows]
+        columns = [names.index(str(row.variable)) for *_, row in rows]
+        bulges += _peaks(index, rows, curve, partial(_chosen, columns), SHARE * np.array(limits))
+    return bulges
+
+
+def _chosen(columns: list[int], times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return values[:, columns]
 
 
 def _peaks(

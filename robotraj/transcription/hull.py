@@ -4,9 +4,10 @@ A polynomial of degree n lies between the least and the greatest of its n + 1 co
 
     sum_j b_j binom(n, j) tau^j (1 - tau)^(n - j),    tau in [0, 1].
 
-The first and the last are its values at the ends. Both the state, a polynomial of degree s whose rates at the s nodes
-are unknown, and the control, a polynomial through its m sites, have coefficients that are linear in the unknowns: for
-the parabola through u_0, u_m, u_1 of Hermite-Simpson the middle one is 2 u_m - (u_0 + u_1) / 2.
+The first and the last are its values at the ends. The state, a polynomial of degree s whose rates at the s nodes are
+unknown, the control, a polynomial through its m sites, and accelerations, polynomials through the nodes, have
+coefficients that are linear in the unknowns: for the parabola through u_0, u_m, u_1 of Hermite-Simpson the middle one
+is 2 u_m - (u_0 + u_1) / 2.
 Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Computer Aided Geometric Design 29 (2012).
 """
 
@@ -69,15 +70,16 @@ def hold_states(
 def hold_controls(
     between: Exchange, phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets
 ) -> None:
-    """Add rows on those coefficients of covered controls that are no values at control sites."""
-    for chosen, component in _held(between, phase, [u.name for u in phase.dae.controls]):
-        for run in layout.runs:
-            for sites, first, last, own in _control_pieces(run):
-                weights, fractions = control_weights(tuple(sites.tolist()))
-                if not weights.size:
-                    continue
-                at = _add(rows, index, chosen, run, first + (last - first) * fractions)
-                linear.spread(at[..., None], own[:, None][..., component].swapaxes(2, 3), weights[:, None, :])
+    """Add rows on those coefficients of covered controls and algebraic variables that are no values at their sites."""
+    for variables, pieces in ((phase.dae.controls, _control_pieces), (phase.dae.algebraic, _algebraic_pieces)):
+        for chosen, component in _held(between, phase, [variable.name for variable in variables]):
+            for run in layout.runs:
+                for sites, first, last, own in pieces(run):
+                    weights, fractions = control_weights(tuple(sites.tolist()))
+                    if not weights.size:
+                        continue
+                    at = _add(rows, index, chosen, run, first + (last - first) * fractions)
+                    linear.spread(at[..., None], own[:, None][..., component].swapaxes(2, 3), weights[:, None, :])
 
 
 def covered_in(between: Exchange, phase: Phase, layout: PhaseLayout) -> frozenset[str]:
@@ -89,24 +91,27 @@ def covered_in(between: Exchange, phase: Phase, layout: PhaseLayout) -> frozense
 
 
 def columns_beside_rows(phase: Phase, layout: PhaseLayout) -> dict[str, Indices]:
-    """Columns of every state and control that are bounded beside the rows on coefficients, in the order of time.
+    """Columns of every variable that are bounded beside the rows on coefficients, in the order of time.
 
-    States are at their knots. Controls are where they are coefficients, if both ends of an interval are sites; else
-    at all sites: those bounds follow from the rows, but without them fatrop takes up to four times as many iterations.
+    States are at their knots. Controls and algebraic variables are where they are coefficients, if both ends of an
+    interval are sites; else at all sites: those bounds follow from the rows, but without them fatrop takes up to four
+    times as many iterations.
     """
     held = {state.name: at for state, at in zip(phase.dae.states, layout.knots.T, strict=True)}
-    if not phase.dae.controls:
-        return held
-    found = []
-    for run in layout.runs:
-        for sites, _, _, own in _control_pieces(run):
-            kept = are_coefficients(sites)
-            if kept.sum() < min(len(sites), 2):
-                kept[:] = True
-            found.append(own[:, kept].reshape(-1, own.shape[-1]))
-    columns = np.sort(np.concatenate(found), axis=0)
-    fresh = np.append(True, np.diff(columns[:, 0]) > 0)
-    return held | {u.name: at for u, at in zip(phase.dae.controls, columns[fresh].T, strict=True)}
+    for variables, pieces in ((phase.dae.controls, _control_pieces), (phase.dae.algebraic, _algebraic_pieces)):
+        if not variables:
+            continue
+        found = []
+        for run in layout.runs:
+            for sites, _, _, own in pieces(run):
+                kept = are_coefficients(sites)
+                if kept.sum() < min(len(sites), 2):
+                    kept[:] = True
+                found.append(own[:, kept].reshape(-1, own.shape[-1]))
+        columns = np.sort(np.concatenate(found), axis=0)
+        fresh = np.append(True, np.diff(columns[:, 0]) > 0)
+        held |= {variable.name: at for variable, at in zip(variables, columns[fresh].T, strict=True)}
+    return held
 
 
 def are_coefficients(sites: Array) -> Mask:
@@ -173,6 +178,11 @@ def _add(rows: ScalarTable, index: int, chosen: Sequence[Row], run: Run, fractio
     lower, upper = (np.array([getattr(row, side) for row in chosen]) for side in ("lower", "upper"))
     at = run.start[:, None] + run.length[:, None] * fractions
     return rows.add(entries, at.ravel(), lower, upper).reshape(*at.shape, len(chosen))
+
+
+def _algebraic_pieces(run: Run) -> Iterator[tuple[Array, float, float, Indices]]:
+    """Nodes of the polynomial of the algebraic variables, an interval's ends, its columns (intervals, nodes, nz)."""
+    yield run.scheme.nodes, 0.0, 1.0, run.algebraic
 
 
 def _control_pieces(run: Run) -> Iterator[tuple[Array, float, float, Indices]]:
