@@ -54,9 +54,9 @@ def plan(
         free, unless the guess has a course of its own, and from seeded variations of the default. The message of a
         solution on one mesh says so; with ``tolerance`` it is the last mesh's, which starts from the one before.
     solver : Solver, optional
-        By default ``rt.Fatrop()`` for robots with a fixed root, without contacts, design parameters, continuous joints
-        or costs with variables of their own, and for an ``rt.System`` that has a control for every second state;
-        ``rt.Ipopt()`` for all else and with ``engine=rt.Compiled()``.
+        By default ``rt.Fatrop()`` for robots with a fixed root, without contacts, design parameters, continuous joints,
+        integral constraints or costs with variables of their own, and for an ``rt.System`` that has a control for every
+        second state; ``rt.Ipopt()`` for all else and with ``engine=rt.Compiled()``.
     engine : Engine, optional
         Evaluates the point functions: by default ``rt.Native()`` with ``rt.Fatrop()`` and for robots with a
         free-flyer, ``rt.VirtualMachine()`` with ``rt.Ipopt()`` for all else. The former is many times faster, the

@@ -50,8 +50,12 @@ def _suits_fatrop(phase: Phase) -> bool:
         dae = dae.inner
     if dae is not body or body.invariants:
         return False
+    # An integral reads the unknowns of every point, which all stages then carry: fatrop's time grows with the third
+    # power of the number of intervals.
+    if any(isinstance(c, IntegralConstraint) for c in phase.constraints):
+        return False
     if isinstance(body, InverseRigidBody):
         return body.robot.root == "fixed" and body.design is None and body.robot.nv == body.robot.nq
-    # An integral over the phase, like a parameter, is carried through all stages and widens them.
-    narrow = not phase.parameter_names and not any(isinstance(c, IntegralConstraint) for c in phase.constraints)
+    # A parameter, too, is carried through all stages and widens them.
+    narrow = not phase.parameter_names
     return isinstance(body, SystemDynamics) and narrow and 2 * len(body.controls) >= len(body.states)

@@ -9,6 +9,7 @@ import robotraj as rt
 from robotraj.objectives import Objective
 from robotraj.solvers.base import Solver
 from robotraj.solvers.choice import engine_for, solver_for
+from robotraj.stagewise import reduce
 
 
 def chain(states: int, controls: int, **options: object) -> rt.Problem:
@@ -61,6 +62,16 @@ def test_every_phase_has_a_say() -> None:
 )
 def test_what_widens_stages_is_for_ipopt(options: dict[str, object]) -> None:
     assert isinstance(solver_for(chain(2, 1, **options), rt.Mesh()), rt.Ipopt)
+
+
+def test_an_integral_over_an_arms_motion_widens_every_stage_and_is_for_ipopt() -> None:
+    arm = rt.load("cartpole")
+    budget = rt.IntegralConstraint(lambda p: p.tau[0] ** 2, upper=100.0, name="heat")
+    bounded = rt.Problem([rt.Phase(arm, 1.0, objective=rt.Duration(), constraints=[budget])])
+    assert isinstance(solver_for(bounded, rt.Mesh()), rt.Ipopt)
+    # Every later stage carries what the integral has read so far.
+    carried = [reduce(rt.transcribe(bounded, rt.Mesh(n))).program.nx.max() for n in (5, 10)]
+    assert carried[1] > 1.8 * carried[0]
 
 
 def test_what_has_no_stages_is_for_ipopt() -> None:
