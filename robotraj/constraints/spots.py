@@ -46,8 +46,8 @@ class Spot:
     def position(self, point: Any) -> list[Any]:
         """Centre in the world [m]."""
         view = point.frame(self.frame)
-        turned = _turned(view, self.offset)
-        return [view.position[i] + turned[i] for i in range(3)]
+        place, turned = view.position, _turned(view, self.offset)
+        return [place[i] + turned[i] for i in range(3)]
 
     def gap(self, point: Any, position: Sequence[Any], ground: Ground) -> Any:
         """Least vertical distance z - h(x, y) [m] over the ground's tangent plane below the spot's ``position``.
@@ -67,10 +67,9 @@ class Spot:
         return z - height - self.radius * steep**0.5
 
 
-def _turned(view: Any, vector: Vector) -> list[Any]:
+def _turned(view: Any, vector: Vector) -> Any:
     """Turn a frame's vector into world axes; its zeros leave no trace in the graph."""
-    rows = [[view.rotation[i, j] * vector[j] for j in range(3) if vector[j] != 0.0] for i in range(3)]
-    return [sum(row[1:], row[0]) if row else 0.0 for row in rows]
+    return view.rotation @ np.array(vector) if any(vector) else (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)

@@ -136,12 +136,12 @@ class NumericFrame:
         self._point = point
         self._index = index
 
-    @property
+    @cached_property
     def position(self) -> Any:
         """Origin of the frame in the world (3,) [m]."""
         return self._point._vector(self._point._data.oMf[self._index].translation.copy())
 
-    @property
+    @cached_property
     def rotation(self) -> Any:
         """Rotation matrix from frame to world (3, 3)."""
         return self._point._vector(self._point._data.oMf[self._index].rotation.copy())

@@ -158,6 +158,27 @@ def test_points_of_a_frame_turn_with_it() -> None:
     assert rows["ground clearance, tool0 (0.1, 0, -0.02)"] == pytest.approx(expected, abs=1e-12)
 
 
+def test_a_witness_reads_a_frame_once_for_all_corners_on_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Converting it again for every entry took validate a minute, where the plan had taken seconds."""
+    robot = rt.load("ur5")
+    point = NumericPoint(robot, 0.0, robot.neutral, np.zeros(6), np.zeros(6), np.zeros(6), columns=True)
+    read, convert = [], point._vector
+
+    def counting(values: Any) -> Any:
+        read.append(values.shape)
+        return convert(values)
+
+    monkeypatch.setattr(point, "_vector", counting)
+    spots = rt.CollisionShapes("forearm_link").spots(robot)
+    places = [np.array(ca.vertcat(*spot.position(point))).ravel() for spot in spots]
+    assert len(spots) == 8
+    assert sorted(read) == [(3,), (3, 3)]
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.neutral)
+    pose = data.oMf[robot.frame("forearm_link")]
+    np.testing.assert_allclose(places, [pose.act(np.array(spot.offset)) for spot in spots], atol=1e-14)
+
+
 def test_a_swing_foot_rises_by_its_progress_between_footholds() -> None:
     robot = rt.load("ur5")
     q = [0.3, -1.1, 1.0, 0.4, -0.7, 0.2]
