@@ -65,11 +65,21 @@ def _rows_on_states(phase: Phase, when: Where) -> dict[str, list[Row]]:
             if row.lower > row.upper:
                 raise InputError(
                     f"Phase {phase.name!r}: {row.label} has its lower bound {row.lower:g} above its upper bound "
-                    f"{row.upper:g} {row.unit}.".replace("  ", " ")
+                    f"{_with(f'{row.upper:g}', row.unit)}."
                 )
             if row.variable is not None and constraint.where in (Where.THROUGHOUT, when):
                 rows.setdefault(row.variable, []).append(row)
     return rows
+
+
+def _range(row: Row) -> str:
+    """Write the bounds of a row, with its unit."""
+    return _with(f"[{row.lower:g}, {row.upper:g}]", row.unit)
+
+
+def _with(value: str, unit: str) -> str:
+    """Write a value with its unit, where it has one."""
+    return f"{value} {unit}" if unit else value
 
 
 def _check_against_each_other(phase: Phase, held: Mapping[str, Mapping[str, list[Row]]]) -> None:
@@ -79,9 +89,8 @@ def _check_against_each_other(phase: Phase, held: Mapping[str, Mapping[str, list
         highest = min(rows, key=lambda row: row.upper)
         if lowest.lower > highest.upper:
             raise InputError(
-                f"Phase {phase.name!r}: {lowest.label} [{lowest.lower:g}, {lowest.upper:g}] {lowest.unit} and "
-                f"{highest.label} [{highest.lower:g}, {highest.upper:g}] {highest.unit} contradict each other; "
-                "relax one of them."
+                f"Phase {phase.name!r}: {lowest.label} {_range(lowest)} and {highest.label} {_range(highest)} "
+                "contradict each other; relax one of them."
             )
 
 
@@ -92,8 +101,8 @@ def _check_against_limits(phase: Phase, which: str, bounds: Bounds, rows: Mappin
             if low > row.upper + slack or high < row.lower - slack:
                 value = f"{low:g}" if low == high else f"[{low:g}, {high:g}]"
                 raise InputError(
-                    f"Phase {phase.name!r}: the {which} {variable.quantity} of {variable.label!r} is {value} "
-                    f"{variable.unit}, outside its {row.name} [{row.lower:g}, {row.upper:g}] {row.unit}. "
+                    f"Phase {phase.name!r}: the {which} {variable.quantity} of {variable.label!r} is "
+                    f"{_with(value, variable.unit)}, outside its {row.name} {_range(row)}. "
                     f"Move the {which}, or give other limits."
                 )
 
@@ -129,8 +138,8 @@ def _check_expression(
             raise InputError(f"Phase {phase.name!r}: {row.label} is NaN at the {which}; check its expression.")
         if not row.lower - SLACK <= number <= row.upper + SLACK:
             raise InputError(
-                f"Phase {phase.name!r}: at the {which}, {row.label} is {number:.6g} {row.unit}, outside "
-                f"[{row.lower:g}, {row.upper:g}] {row.unit}. Move the {which}, or relax the constraint."
+                f"Phase {phase.name!r}: at the {which}, {row.label} is {_with(f'{number:.6g}', row.unit)}, outside "
+                f"{_range(row)}. Move the {which}, or relax the constraint."
             )
 
 

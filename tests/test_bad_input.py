@@ -120,7 +120,7 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
     "end outside a state bound": (
         lambda: block(states={"x": rt.between(-1, 0.5)}),
         rt.InputError,
-        ["end state of 'x' is 1", "[-1, 0.5]"],
+        ["end state of 'x' is 1, outside its state bound [-1, 0.5]. Move"],
     ),
     "state of a system given as q": (
         lambda: block(start=rt.State(q=[0])),
