@@ -59,6 +59,8 @@ def homes(
 ) -> tuple[Indices, Indices, int]:
     """Stages among which each column may be read at no cost, (n_w,) twice, and the number of stages.
 
+    Of states that guards added nothing is known here: their first stage is beyond their last.
+
     Parameters
     ----------
     layouts : sequence of PhaseLayout
@@ -97,9 +99,6 @@ def homes(
         stage += count + 1
     for columns, end in zip(links, ends, strict=True):
         low[columns] = high[columns] = offsets[end] + layouts[end].count
-    # Whatever else there is, states of guards, lives where it is read.
-    unknown = high < 0
-    low[unknown], high[unknown] = 0, EVER
     return low, high, stage
 
 
@@ -116,9 +115,6 @@ def order(form: Form, low: Indices, high: Indices, stages: int, constant: NDArra
         Columns whose value is known: they live nowhere.
     """
     patterns = [_pattern(block.gather) for block in form.blocks]
-    places = []
-    for block, (row, column) in zip(form.blocks, patterns, strict=True):
-        places.append(_choose(row // block.stage.inputs, column, block.count, low, high, constant))
     n_rows, n_w = form.linear.rows, form.linear.columns
     readers = [_pattern(form.linear)]
     for block, (at, column) in zip(form.blocks, patterns, strict=True):
@@ -130,6 +126,10 @@ def order(form: Form, low: Indices, high: Indices, stages: int, constant: NDArra
     row_of, column_of = (np.concatenate(parts) for parts in zip(*readers, strict=True))
     real = (np.isfinite(form.row_lower) | np.isfinite(form.row_upper))[row_of]
     row_of, column_of = row_of[real], column_of[real]
+    low, high = _housed(row_of, column_of, n_rows, low, high, constant)
+    places = []
+    for block, (row, column) in zip(form.blocks, patterns, strict=True):
+        places.append(_choose(row // block.stage.inputs, column, block.count, low, high, constant))
     rows = _choose(row_of, column_of, len(form.row_lower), low, high, constant)
     first, last = np.full(len(low), EVER), np.full(len(low), -1)
     _live(first, last, column_of, rows[row_of])
@@ -149,6 +149,30 @@ def _pattern(matrix: Csr | csr_array) -> tuple[Indices, Indices]:
 def _live(first: Indices, last: Indices, columns: Indices, stages: Indices) -> None:
     np.minimum.at(first, columns, stages)
     np.maximum.at(last, columns, stages)
+
+
+def _housed(
+    rows: Indices, columns: Indices, count: int, low: Indices, high: Indices, constant: NDArray[np.bool_]
+) -> tuple[Indices, Indices]:
+    """Give columns of unknown home the stage of the first row that reads them beside columns of an interval.
+
+    That is where a guard's state is read off the interval's polynomial: its path row, which reads nothing else, would
+    stand in the first stage, and carry the state through all that lie between.
+    """
+    strays = low > high
+    if not strays.any():
+        return low, high
+    low, high = np.where(strays, 0, low), np.where(strays, EVER, high)
+    settled = (high < EVER)[columns] & ~constant[columns]
+    stages = _choose(rows[settled], columns[settled], count, low, high, constant)
+    known = np.zeros(count, dtype=bool)
+    known[rows[settled]] = True
+    beside = strays[columns] & known[rows]
+    home = np.full(len(low), EVER)
+    np.minimum.at(home, columns[beside], stages[rows[beside]])
+    found = home < EVER
+    low[found] = high[found] = home[found]
+    return low, high
 
 
 def _choose(

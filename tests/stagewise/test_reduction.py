@@ -12,6 +12,8 @@ from scipy import sparse
 import robotraj as rt
 from robotraj.stagewise import NotStagewise, Reduction, reduce
 from robotraj.transcription import transcribe
+from robotraj.transcription.guarded import guarded
+from robotraj.transcription.guards import Guard
 from tests.stagewise.problems import EVERY
 
 Array = NDArray[np.float64]
@@ -211,3 +213,25 @@ def test_shooting_is_refused() -> None:
     nlp = transcribe(EVERY["pendulum"](), rt.Mesh(4, rt.MultipleShooting()), None, None)
     with pytest.raises(NotStagewise, match="MultipleShooting"):
         reduce(nlp)
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+@pytest.mark.parametrize("duration", [2.0, (1.0, 3.0)])
+def test_a_guard_of_a_path_row_stays_in_its_interval(mesh: str, duration: float | tuple[float, float]) -> None:
+    """The states it reads would otherwise be carried from the first stage on, those of all guards side by side."""
+    system = rt.System(["x", "y", "v"], ["a", "w"], lambda point: [point.x["v"], point.u["w"], point.u["a"]])
+    away = rt.PathConstraint(lambda point: point.x["x"] ** 2 + point.x["y"] ** 2, lower=0.1, name="away")
+    ends = rt.State([-1, 0, 0]), rt.State([1, 1, 0])
+    objective = rt.Lagrange(lambda point: point.u["a"] ** 2 + point.u["w"] ** 2)
+    plain = transcribe(rt.Problem([rt.Phase(system, duration, *ends, objective, [away])]), MESHES[mesh])
+    last = MESHES[mesh].count - 1
+    nlp = guarded(plain, [Guard(0, k, 0, 0, 0.4) for k in range(last + 1)], plain.guess)
+    reduction, without = reduce(nlp), reduce(plain)
+    added = np.arange(len(plain.variables), len(nlp.variables)).reshape(last + 1, 3)
+    assert reduction.slots.first[added].tolist() == [[k] * 3 for k in range(last + 1)]
+    assert np.array_equal(reduction.slots.last[added], reduction.slots.first[added])
+    assert reduction.program.nx.max() == without.program.nx.max()
+
+    numbers, w = Numbers(reduction), nlp.guess + 0.1 * np.random.default_rng(0).normal(size=len(nlp.guess))
+    y = reduction.start(w)
+    assert numbers.objective(y) == pytest.approx(nlp.objective(reduction.columns(y)))
