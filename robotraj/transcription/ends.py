@@ -211,18 +211,32 @@ def single(
     costed: int | None = None,
 ) -> Block:
     """Build a block of one place; its matrices are widened to the NLP's size by ``finish``."""
+    return repeated(v, c, y, columns[None, :], constants[None, :], rows[None, :], costed)
+
+
+def repeated(
+    v: ca.SX,
+    c: ca.SX,
+    y: ca.SX,
+    columns: NDArray[np.int_],
+    constants: Array,
+    rows: NDArray[np.int_],
+    costed: int | None = None,
+) -> Block:
+    """Build a block of the places whose columns (E, n_v), constants (E, n_c) and rows (E, n_y) are given."""
     stage = Stage(v, c if c.numel() else ca.SX(0, 1), y, costed)
     gather, scatter = Triplets(), Triplets()
-    gather.add(np.arange(len(columns)), columns, 1.0)
-    scatter.add(rows, np.arange(len(rows)), 1.0)
-    width = (int(columns.max()) if len(columns) else 0) + 1
-    height = (int(rows.max()) if len(rows) else -1) + 1
+    gather.add(np.arange(columns.size), columns.ravel(), 1.0)
+    scatter.add(rows.ravel(), np.arange(rows.size), 1.0)
+    width = (int(columns.max()) if columns.size else 0) + 1
+    height = (int(rows.max()) if rows.size else -1) + 1
+    count = len(columns)
     return Block(
         stage,
-        gather.matrix((len(columns), width)),
-        constants.reshape(-1, 1),
-        scatter.matrix((height, stage.outputs)),
-        np.ones(1) if costed is not None else np.zeros(1),
+        gather.matrix((columns.size, width)),
+        np.ascontiguousarray(constants.T),
+        scatter.matrix((height, count * stage.outputs)),
+        np.ones(count) if costed is not None else np.zeros(count),
     )
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -24,7 +24,7 @@ from robotraj.schemes import OneStep
 from robotraj.transcription.between import limited_algebraic
 from robotraj.transcription.block import Block
 from robotraj.transcription.collocation import interval_scalars, point_symbols
-from robotraj.transcription.ends import single
+from robotraj.transcription.ends import repeated
 from robotraj.transcription.extract import PhaseTrajectory, correction_basis
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
 from robotraj.transcription.table import Entry, Indices, ScalarTable
@@ -228,7 +228,8 @@ def add_guards(
     outputs: Sequence[int],
 ) -> list[Block]:
     """Add the guards' rows, and states for path rows; ``scatters`` and ``outputs`` are of the phases' blocks."""
-    blocks = []
+    # A row's places are those of one block: a block for each would be differentiated and called one by one.
+    alike: dict[tuple[Any, ...], list[tuple[Guard, _Place]]] = {}
     for guard in guards:
         phase, layout = phases[guard.phase], layouts[guard.phase]
         constraint = phase.bound_constraints[guard.constraint]
@@ -251,14 +252,13 @@ def add_guards(
         linear.add(at, states, -1.0)
         _polynomial(at, np.arange(len(states)), phase, interval, guard.tau, linear, scatter, width)
         shared = interval_scalars(layout, guard.interval)
-        s = point_symbols(phase, shared)
-        point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
-        value = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")[guard.row]
         free = np.array([c.column for c in shared if c.column is not None], dtype=int)
         fixed = [c.value for c in shared if c.column is None]
-        kept = ca.vertcat(s.x, s.unknowns[s.x.numel() + s.z.numel() + s.u.numel() :])
         path = rows.add([entry], fraction, row.lower, row.upper)[0]
-        blocks.append(single(kept, s.constants, value, np.concatenate([states, free]), np.array([tau, *fixed]), path))
+        place = _Place(np.concatenate([states, free]), np.array([tau, *fixed]), path)
+        kind = guard.phase, guard.constraint, guard.row, tuple(c.column is None for c in shared)
+        alike.setdefault(kind, []).append((guard, place))
+    blocks = [_path_block(group[0][0], phases, layouts, [place for _, place in group]) for group in alike.values()]
     for i, (phase, layout) in enumerate(zip(phases, layouts, strict=True)):
         shot = [(g.interval, g.tau, g.constraint, g.row) for g in guards if g.phase == i]
         if shot and isinstance(layout.scheme, OneStep):
@@ -266,6 +266,26 @@ def add_guards(
 
             blocks += shot_guards(phase, i, layout, shot, rows)
     return blocks
+
+
+class _Place(NamedTuple):
+    """Columns and constants that a path row reads at a guard, and the row."""
+
+    columns: Indices
+    constants: np.ndarray
+    row: Indices
+
+
+def _path_block(guard: Guard, phases: Sequence[Phase], layouts: Sequence[PhaseLayout], places: list[_Place]) -> Block:
+    """Block of a path row at the guards that are like ``guard`` in all but their interval and tau."""
+    phase = phases[guard.phase]
+    constraint = phase.bound_constraints[guard.constraint]
+    s = point_symbols(phase, interval_scalars(layouts[guard.phase], guard.interval))
+    point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
+    value = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")[guard.row]
+    kept = ca.vertcat(s.x, s.unknowns[s.x.numel() + s.z.numel() + s.u.numel() :])
+    columns, constants, rows = (np.array(part) for part in zip(*places, strict=True))
+    return repeated(kept, s.constants, value, columns, constants, rows)
 
 
 def _polynomial(

@@ -60,3 +60,22 @@ def test_derivatives_with_guards_are_those_of_finite_differences(nlp: rt.Nlp) ->
     step = 1e-6
     slope = (more.values(w + step * along) - more.values(w - step * along)) / (2 * step)
     assert more.jacobian(w) @ along == pytest.approx(slope, rel=1e-5, abs=1e-5)
+
+
+def test_a_row_at_many_places_is_one_block(nlp: rt.Nlp) -> None:
+    """A block for each would be differentiated, compiled and called one by one."""
+    known = guardable(nlp.problem.phases[0])
+    (path,) = ((c, r) for c, r, _, row in known if row.variable is None)
+    places = [(0, 0.2), (1, 0.7), (3, 0.4), (3, 0.9)]
+    more = guarded(nlp, [Guard(0, k, *path, tau) for k, tau in places], nlp.guess)
+    assert [block.count for block in more.blocks[len(nlp.blocks) :]] == [len(places)]
+
+    w = more.guess + 0.1 * np.random.default_rng(1).normal(size=len(more.guess))
+    states = w[len(nlp.variables) :].reshape(len(places), -1)
+    rows = [i for i, m in enumerate(more.rows.meaning) if more.rows.entries[m].name == "tip" and i >= len(nlp.rows)]
+    assert more.rows.fraction[rows] == pytest.approx([(k + tau) / 4 for k, tau in places])
+    assert more.values(w)[rows] == pytest.approx(states[:, 0] ** 2 + states[:, 1])
+    along = np.random.default_rng(2).normal(size=len(w))
+    step = 1e-6
+    slope = (more.values(w + step * along) - more.values(w - step * along)) / (2 * step)
+    assert more.jacobian(w) @ along == pytest.approx(slope, rel=1e-5, abs=1e-5)
