@@ -15,6 +15,7 @@ from robotraj.problem import Problem
 from robotraj.records import MeshStep, added_times
 from robotraj.refinement import Assessment, Refinement, assess
 from robotraj.schemes import Collocation, Mesh, MovingMesh, OneStep
+from robotraj.sharpening import Sharpening
 from robotraj.solution import Solution
 from robotraj.solvers import Progress, Solver
 from robotraj.solving import solve
@@ -56,7 +57,8 @@ def adapt(
     where the errors hold and ``refinement`` makes none, smaller errors are asked for, or every interval is halved; but
     for knots that move. Rows are imposed between the collocation points from the first mesh on that is fine enough
     without, or no better than one before it: what holds them on a coarse mesh is of no use to the next one, and costs
-    as many solves. A solution whose tolerance was not reached says so in its status.
+    as many solves. Where the solver stops too far from the optimum of its mesh, it is made sharper
+    (``Solver.sharper``). A solution whose tolerance was not reached says so in its status.
     """
     if not isinstance(refinement, Refinement):
         raise InputError(f"refinement= must be one such as rt.SplitOrRaise(); got {refinement!r}.")
@@ -68,6 +70,7 @@ def adapt(
     total: dict[str, float] = {}
     known: Guess | Solution | None = guess
     holding = False
+    sharpening = Sharpening(solver)
 
     def seen(solution: Solution) -> tuple[list[Assessment], float, bool]:
         """Give the errors of all intervals, the largest, and whether the objective has settled."""
@@ -87,7 +90,11 @@ def adapt(
     kept: Solution | None = None
     try:
         while True:
-            solution = solve(problem, meshes, known, solver, progress, between, engine, hold)
+            solution = solve(problem, meshes, known, sharpening.solver, progress, between, engine, hold)
+            if not solution.success and sharpening.sharpened and solution.status is not Status.INTERRUPTED:
+                total = added_times(total, solution.times)
+                sharpening.give_up()
+                solution = solve(problem, meshes, known, sharpening.solver, progress, between, engine, hold)
             seconds, total = solution.seconds, added_times(total, solution.times)
             kept = solution = replace(solution, refinement=tuple(steps), times=total)
             assessments, worst, settled = seen(solution)
@@ -102,8 +109,13 @@ def adapt(
                 )
             )
             kept = solution = replace(solution, refinement=tuple(steps))
-            if not solution.success or (holding and worst <= tolerance and settled):
+            reached = holding and worst <= tolerance and settled
+            blunt = sharpening.is_blunt(solution, tolerance * max(abs(solution.objective), SMALL))
+            if not solution.success or (reached and not blunt):
                 return solution
+            if reached:
+                known = solution
+                continue
             # Errors that hold while the objective still moves are too large for the objective.
             goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
             finer = _next(solution, assessments, refinement, tolerance, goal)
@@ -115,7 +127,7 @@ def adapt(
             given_up = worst > tolerance and _stuck([step.error for step in steps])
             if given_up or len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
                 if not holding:
-                    held = solve(problem, meshes, solution, solver, progress, between, engine)
+                    held = solve(problem, meshes, solution, sharpening.solver, progress, between, engine)
                     if held.status is Status.INTERRUPTED:
                         return replace(solution, status=Status.INTERRUPTED)
                     if held.success:

@@ -44,6 +44,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
         "plotting",
         "indirect",
         "retries",
+        "sharpening",
         "starts",
         "solving",
     ),

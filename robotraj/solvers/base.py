@@ -179,6 +179,14 @@ class Solver(ABC):
         """Give the same solver with at most so many wall-clock seconds a solve; one without a clock gives itself."""
         return self
 
+    def sharper(self, factor: float) -> Solver:
+        """Give the same solver, leaving ``factor`` of what it leaves of the objective; one without a say gives itself.
+
+        An interior-point method stops where multiplier times distance from its bound is small, bound by bound: the
+        finer the mesh, the more bounds there are.
+        """
+        return self
+
     @abstractmethod
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
         """Solve from ``nlp.guess``; keep the last iterate whatever happens.

@@ -48,6 +48,10 @@ LOADED = dict.fromkeys(("ma27", "ma57", "ma77", "ma86", "ma97"), "hsllib") | {"p
 """Those that IPOPT loads from a library, and the option that names it."""
 
 
+LEAST = 1e-13
+"""Product of multiplier and distance from its bound, in scaled units, below which there is nothing but round-off."""
+
+
 @dataclass(frozen=True)
 class Ipopt(Solver):
     """IPOPT with exact Jacobian and Hessian.
@@ -110,6 +114,12 @@ class Ipopt(Solver):
     def within(self, seconds: float) -> Ipopt:
         """Give the same solver with at most so many wall-clock seconds a solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))
+
+    def sharper(self, factor: float) -> Ipopt:
+        """Give the same solver with a smaller last barrier, unless ``options`` say how small it is."""
+        if "compl_inf_tol" in self.options:
+            return self
+        return replace(self, options={"compl_inf_tol": max(factor * self.tolerance, LEAST), **self.options})
 
     def _options(self, warm: bool) -> dict[str, Any]:
         options: dict[str, Any] = {

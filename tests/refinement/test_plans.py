@@ -356,3 +356,47 @@ def test_a_tolerance_that_meshes_do_not_come_closer_to_is_given_up(monkeypatch: 
     monkeypatch.setattr(adaptive, "assess", same)
     solution = rt.plan(swing_up(), rt.Mesh(5, rt.HermiteSimpson()), tolerance=1e-6, check=False)
     assert solution.status is rt.Status.TOLERANCE_NOT_REACHED and len(solution.refinement) == len(errors)
+
+
+def test_a_small_objective_is_as_accurate_as_a_large_one() -> None:
+    """The last barrier leaves a nanounit of the objective at every active bound, more than the tolerance of 0.015.
+
+    A mass is moved by 1 m in 3 s with the least impulse: burn for a, coast, burn for a, where a (3 - a) = 1.
+    """
+    slider = rt.System(["x", "v"], ["ahead", "back"], lambda point: [point.x["v"], point.u["ahead"] - point.u["back"]])
+    solution = rt.plan(
+        rt.Phase(
+            slider,
+            duration=3.0,
+            start=rt.State([0, 0]),
+            end=rt.State([1, 0]),
+            objective=0.02 * rt.Lagrange(lambda point: point.u["ahead"] + point.u["back"]),
+            controls={"ahead": rt.between(0, 1), "back": rt.between(0, 1)},
+        ),
+        tolerance=1e-6,
+        solver=rt.Ipopt(),
+    )
+    assert solution.objective == pytest.approx(0.02 * (3 - np.sqrt(5)), rel=1e-6)
+
+
+def test_a_complementarity_that_the_user_asks_for_stays() -> None:
+    plain = rt.Ipopt(tolerance=1e-7)
+    assert plain.sharper(0.1).options == {"compl_inf_tol": pytest.approx(1e-8)}
+    assert plain.sharper(1e-9) == plain.sharper(1e-10)
+    own = rt.Ipopt(options={"compl_inf_tol": 1e-5})
+    assert own.sharper(0.1) is own
+
+
+def test_a_sharper_solver_that_fails_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The plan is the one of the solver as it was given."""
+    asked: list[rt.Ipopt] = []
+
+    def sharper(self: rt.Ipopt, factor: float) -> rt.Ipopt:
+        asked.append(replace(self, options={"max_iter": 0, "compl_inf_tol": factor * self.tolerance}))
+        return asked[-1]
+
+    monkeypatch.setattr(rt.Ipopt, "sharper", sharper)
+    monkeypatch.setattr(adaptive, "_open", lambda solution: 1.0)
+    solution = rt.plan(swing_up(), tolerance=1e-6, solver=rt.Ipopt())
+    assert solution.success and solution.refinement[-1].error <= 1e-6
+    assert len(asked) == 3
