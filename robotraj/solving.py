@@ -30,6 +30,7 @@ from robotraj.transcription.equations import equations_of, held_throughout
 from robotraj.transcription.extract import extract
 from robotraj.transcription.guarded import guarded
 from robotraj.transcription.guards import Bulge, Guard, find_bulges, find_control_bulges, guardable
+from robotraj.transcription.turns import unwound
 from robotraj.violations import Violation, violations
 
 ROW_TOLERANCE = 1e-6
@@ -233,6 +234,7 @@ def _solve(
         outcome = solver.resolve(nlp, known, progress, multipliers)
     else:
         outcome = solver.solve(nlp, progress, multipliers)
+    outcome = replace(outcome, w=unwound(nlp, outcome.w))
     if shared is not None:
         shared.keep(nlp, outcome.multipliers)
     # What a solver does not count as its own, such as assembling the NLP's functions for it, is building.
