@@ -177,6 +177,11 @@ def _displaced(
     partners: Mapping[str, str],
     who: str,
 ) -> Repeat:
+    if not isinstance(displacement, Mapping):
+        raise InputError(
+            f"displacement of {who} must map names of states to what they gain, such as {{{names[0]!r}: 1.0}}; "
+            f"got {displacement!r}. Phases are told by first= and last=."
+        )
     bounds = as_bounds({name: 0.0 for name in names} | dict(displacement), names, f"displacement of {who}", "state")
     at = {name: i for i, name in enumerate(names)}
     # x_end,m - sign x_start,s = d_m is x_start,s - sign x_end,m = - sign d_m.

@@ -51,6 +51,10 @@ def test_a_state_that_does_not_exist_lists_the_valid_ones(push: Any) -> None:
     assert "'w'" in refused(phases, rt.Periodic({"w": 1.0}))
 
 
+def test_a_period_of_a_phase_by_its_number_says_what_is_meant(push: Any) -> None:
+    assert "Phases are told by first= and last=" in refused([push.phase()], rt.Periodic(0))  # type: ignore[arg-type]
+
+
 def test_a_parameter_that_a_phase_lacks_names_the_phase(push: Any) -> None:
     phases = [push.phase(parameters={"mass": 1.0}), push.phase(name="coast", parameters={"drag": 1.0})]
     message = refused(phases, rt.SameParameter("mass", (0, 1)), rt.UnknownName)
