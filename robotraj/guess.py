@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -81,6 +83,8 @@ class StraightLine(Guess):
     torques, the least time is 1 / p + p / k, p = min(s'_max, sqrt(k)).
     Source: Lynch and Park, Modern Robotics (2017), section 9.2.
 
+    A state that a system's phase leaves free at both ends stays where ``rt.Continuity`` or ``rt.Jump`` brings it.
+
     Parameters
     ----------
     duration : float, optional
@@ -89,9 +93,14 @@ class StraightLine(Guess):
 
     duration: float | None = None
 
+    def prepared(self, problem: Problem) -> Guess:
+        """Let phases of systems of whose states nothing is said stay where the phase before them ends."""
+        reached = _reached(problem)
+        return _Following(self.duration, reached) if reached else self
+
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Interpolate between the ends."""
-        first, last = ends_of(phase)
+        first, last = self._ends(phase, index)
         duration = guessed_duration(phase, self.duration)
         robot, nz = phase.robot, len(phase.dae.algebraic)
         low, high = phase.duration_bounds
@@ -121,6 +130,40 @@ class StraightLine(Guess):
             return values
 
         return PhaseGuess(duration, states, algebraic, constant(len(phase.dae.controls)), default_parameters(phase))
+
+    def _ends(self, phase: Phase, index: int) -> tuple[Array, Array]:
+        return ends_of(phase)
+
+
+@dataclass(frozen=True, eq=False)
+class _Following(StraightLine):
+    """Straight lines, and where phases begin whose states links alone say: by their index."""
+
+    reached: Mapping[int, Array] = field(default_factory=dict)
+
+    def prepared(self, problem: Problem) -> Guess:
+        return self
+
+    def _ends(self, phase: Phase, index: int) -> tuple[Array, Array]:
+        return ends_of(phase, self.reached.get(index))
+
+
+def _reached(problem: Problem) -> dict[int, Array]:
+    """States that ``Continuity`` and ``Jump`` bring to phases of systems, by the index of the phase."""
+    from robotraj.links import Continuity, Jump
+
+    phases, found = problem.phases, dict[int, Array]()
+    joints = [link for link in problem.links if isinstance(link, Continuity | Jump)]
+    for link in sorted(joints, key=lambda link: link.second % len(phases)):
+        source, target = link.first % len(phases), link.second % len(phases)
+        if phases[source].robot is not None or phases[target].robot is not None:
+            continue
+        _, last = ends_of(phases[source], found.get(source))
+        jumps = link.jumps if isinstance(link, Jump) else {}
+        given = [jumps.get(state.name, 0.0) for state in phases[target].body.states]
+        known = np.array([float(jump) if isinstance(jump, Real) else 0.0 for jump in given])
+        found[target] = last[: len(given)] + known
+    return found
 
 
 @dataclass(frozen=True)
@@ -213,9 +256,11 @@ def middle_of(bounds: Bounds, free: float) -> Array:
     return np.where(np.isfinite(middle), middle, free)
 
 
-def ends_of(phase: Phase) -> tuple[Array, Array]:
-    """States at both ends; what one leaves free is taken from the other, else the neutral pose or 0."""
+def ends_of(phase: Phase, reached: Array | None = None) -> tuple[Array, Array]:
+    """States at both ends; one takes from the other what it leaves free, else what was reached, neutral poses or 0."""
     rest = np.zeros(len(phase.dae.states))
+    if reached is not None:
+        rest[: len(reached)] = reached
     if phase.robot is not None:
         rest[: phase.robot.nq] = phase.robot.neutral
     first, last = middle_of(phase.start_bounds, np.nan), middle_of(phase.end_bounds, np.nan)

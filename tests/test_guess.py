@@ -106,3 +106,17 @@ def test_a_solution_of_something_else_is_refused() -> None:
     pendulum = rt.Phase(rt.load("pendulum"), 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
     with pytest.raises(rt.InputError, match="none of the states of phase 'phase': it is a motion of x, v, not of q"):
         rt.plan(pendulum, rt.Mesh(4), guess=solution)
+
+
+def test_phases_of_which_nothing_is_said_stay_where_the_one_before_ends() -> None:
+    """Not at zero, which is the centre of the Earth for a rocket: no solver gets away from it."""
+    falling = rt.System(["r", "m"], ["u"], lambda point: [point.u["u"] - 1 / point.x["r"] ** 2, -0.1])
+    first = rt.Phase(falling, 1.0, rt.State([1, 5]), rt.State({"r": 2}))
+    effort = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    rest = [rt.Phase(falling, 1.0, objective=effort), rt.Phase(falling, 1.0, end=rt.State({"r": 4}), objective=effort)]
+    links = [rt.Jump(0, 1, jumps={"m": -3.0}), rt.Continuity(1, 2)]
+    problem = rt.Problem([first, *rest], links)
+    known = rt.StraightLine().prepared(problem)
+    states = [known.of(phase, i).states(np.array([0.0, 1.0])) for i, phase in enumerate(problem.phases)]
+    assert np.array(states).tolist() == [[[1, 5], [2, 5]], [[2, 2], [2, 2]], [[4, 2], [4, 2]]]
+    assert rt.plan(problem, rt.Mesh(5)).success
