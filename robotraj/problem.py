@@ -31,6 +31,14 @@ if TYPE_CHECKING:
     from robotraj.dynamics.kinematics import Kinematics
 
 
+_MISSING_AS = {
+    "subject": ("the equations ", "the shapes "),
+    "constraints": ("constraint ",),
+    "objective": ("objective ",),
+}
+"""How ``Problem.missing`` begins to name what was lost of a field."""
+
+
 @dataclass(frozen=True)
 class OwnLimits:
     """Impose the robot's own limits, as its URDF states them (the default)."""
@@ -393,7 +401,9 @@ class Problem:
             for which, index in (("start", 0), ("end", -1)):
                 if which in changes:
                     phases[index] = phases[index].with_(**{which: changes[which]})
-        return Problem(phases, self.links, self.missing)
+        # What a file could not keep of a field is no longer missing where the field is given anew.
+        given = tuple(start for name in changes for start in _MISSING_AS.get(name, ()))
+        return Problem(phases, self.links, tuple(name for name in self.missing if not name.startswith(given)))
 
     def __str__(self) -> str:
         parts = [str(phase) for phase in self.phases]

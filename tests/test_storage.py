@@ -421,3 +421,23 @@ def test_a_contact_on_a_function_is_not_saved_and_says_why(tmp_path: Path) -> No
     solution = rt.plan(phase, mesh=rt.Mesh(3))
     with pytest.raises(rt.InputError, match=r"Phase 'stand' cannot be saved: .* rt.HeightMap"):
         solution.save(tmp_path / "stand.npz")
+
+
+def test_what_is_given_anew_is_no_longer_missing(tmp_path: Path) -> None:
+    """A constraint and an objective that the file could not keep, put back by hand."""
+    slow = rt.PathConstraint(lambda p: p.v[0], upper=5.0, name="slow")
+    cost = rt.Effort() + rt.Lagrange(lambda p: p.v[1] ** 2)
+    phase = rt.Phase(
+        rt.load("cartpole"), 2.0, rt.State(q=0, v=0), rt.State(q=[1, np.pi], v=0), cost, constraints=[slow]
+    )
+    saved = rt.plan(phase, rt.Mesh(8)).save(tmp_path / "plan")
+    with pytest.warns(UserWarning, match="slow"):
+        known = rt.load_solution(saved)
+    assert len(known.problem.missing) == 2
+    assert known.problem.with_(end=phase.end).missing == known.problem.missing
+    (objective,) = known.problem.with_(constraints=[slow]).missing
+    assert objective.startswith("objective ")
+    again = rt.plan(known.problem.with_(constraints=[slow], objective=cost), rt.Mesh(8), guess=known)
+    assert not again.problem.missing
+    assert again.error is not None
+    assert not rt.validate(again).unchecked
