@@ -104,7 +104,6 @@ void reduce_cost(const double* m, int ld, int nb, int nx, RiccatiMemory& memory,
     for (int i = j / kBlock * kBlock; i < j; ++i) column[i] = 0.0;
     for (int i = j; i < ldp; ++i) column[i] = p[j * ldp + i];
     for (int i = j + 1; i < nx; ++i) p[i * ldp + j] = p[j * ldp + i];
-    for (int i = 0; i < j / kBlock * kBlock; ++i) p[j * ldp + i] = p[i * ldp + j];
   }
 }
 
