@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
-from robotraj import adaptive
+from robotraj import adaptive, sharpening
 from robotraj.refinement import Assessment, Refinement, interval_errors
 
 PENDULUM = rt.System(["q", "w"], ["u"], lambda point: [point.x["w"], point.u["u"] - 9.81 * ca.sin(point.x["q"])])
@@ -396,7 +396,7 @@ def test_a_sharper_solver_that_fails_is_not_asked_again(monkeypatch: pytest.Monk
         return asked[-1]
 
     monkeypatch.setattr(rt.Ipopt, "sharper", sharper)
-    monkeypatch.setattr(adaptive, "_open", lambda solution: 1.0)
+    monkeypatch.setattr(sharpening, "left_open", lambda solution: 1.0)
     solution = rt.plan(swing_up(), tolerance=1e-6, solver=rt.Ipopt())
     assert solution.success and solution.refinement[-1].error <= 1e-6
     assert len(asked) == 3
