@@ -112,6 +112,8 @@ def plan(
         raise InputError(f"engine= must be rt.VirtualMachine(), rt.Native() or rt.Compiled(); got {engine!r}.")
     if tolerance is not None and not (isinstance(tolerance, float | int | np.number) and 0 < tolerance < 1):
         raise InputError(f"tolerance= is a relative error between 0 and 1, such as 1e-6; got {tolerance!r}.")
+    if refinement is not None and tolerance is None:
+        raise InputError("refinement= says how meshes are refined until a tolerance holds; give tolerance= as well.")
     if between is None:
         # Equations of one's own have no motors to spare: on a given mesh a hull asks for more than their limits.
         robots = all(phase.robot is not None for phase in problem.phases)

@@ -645,6 +645,36 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         rt.InputError,
         ["refinement=", "rt.SplitOrRaise()", "3"],
     ),
+    "refinement without a tolerance": (
+        lambda: rt.plan(block(), refinement=rt.SplitOrRaise()),
+        rt.InputError,
+        ["refinement=", "tolerance="],
+    ),
+    "fallback by a solver's name": (
+        lambda: rt.Fatrop(fallback="ipopt"),
+        rt.InputError,
+        ["Fatrop(fallback)", "rt.Ipopt()", "'ipopt'"],
+    ),
+    "options that are a number": (
+        lambda: rt.Ipopt(options=3),
+        rt.InputError,
+        ["Ipopt(options)", "mapping", "3"],
+    ),
+    "option of fatrop that there is not": (
+        lambda: rt.plan(block(), solver=rt.Fatrop(options={"foo": 1})),
+        rt.InputError,
+        ["fatrop", "'foo'", "mu_init"],
+    ),
+    "option of fatrop that is no number": (
+        lambda: rt.plan(block(), solver=rt.Fatrop(options={"delta_w0": "a"})),
+        rt.InputError,
+        ["fatrop", "'delta_w0'", "string"],
+    ),
+    "first barrier that is none": (
+        lambda: rt.Fatrop(options={"mu_init": None}),
+        rt.InputError,
+        ["mu_init", "above 0", "None"],
+    ),
     "parameters without names": (
         lambda: block().with_(parameters=3),
         rt.InputError,

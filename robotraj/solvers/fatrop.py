@@ -20,7 +20,7 @@ import numpy as np
 from robotraj.engines import Engine, Native
 from robotraj.errors import InputError
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
-from robotraj.solvers.checks import above_zero, counted
+from robotraj.solvers.checks import above_zero, counted, named_options
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
 from robotraj.stagewise import NotStagewise, Reduction, carried_over, native_program, recover, reduce, refresh
@@ -112,6 +112,11 @@ class Fatrop(Solver):
             )
         if self.threads is not None:
             counted("Fatrop(threads)", self.threads)
+        named_options("Fatrop(options)", self.options)
+        if "mu_init" in self.options:
+            above_zero('Fatrop(options)["mu_init"]', self.options["mu_init"])
+        if not isinstance(self.fallback, Solver | None):
+            raise InputError(f"Fatrop(fallback) is a solver value such as rt.Ipopt(), or None; got {self.fallback!r}.")
 
     def within(self, seconds: float) -> Fatrop:
         """Give the same solver with at most so many wall-clock seconds a solve."""
@@ -197,16 +202,22 @@ class Fatrop(Solver):
         iterations = 0
         for factor in BARRIERS:
             left = np.inf if self.time_limit is None else ready + self.time_limit - time.perf_counter()
-            found = native.solve(
-                start,
-                program.lower,
-                program.upper,
-                self._options(factor, self.max_iterations - iterations),
-                objective_scale=scale,
-                callback=_report(progress),
-                time_limit=left,
-                **_warm(multipliers, reduction),
-            )
+            try:
+                found = native.solve(
+                    start,
+                    program.lower,
+                    program.upper,
+                    self._options(factor, self.max_iterations - iterations),
+                    objective_scale=scale,
+                    callback=_report(progress),
+                    time_limit=left,
+                    **_warm(multipliers, reduction),
+                )
+            except ValueError as error:
+                # What a progress callback raises comes through here as well.
+                if "option" not in str(error):
+                    raise
+                raise InputError(f"fatrop refuses the options {dict(self.options)!r}: {error}.") from error
             tried.append(found)
             iterations += found.iterations
             status = STATUSES.get(found.status, Status.SOLVER_ERROR)

@@ -19,7 +19,7 @@ import numpy as np
 from robotraj.errors import InputError
 from robotraj.native.build import load_native
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
-from robotraj.solvers.checks import above_zero, counted
+from robotraj.solvers.checks import above_zero, counted, named_options
 from robotraj.status import Status
 from robotraj.values import dataclass
 
@@ -100,6 +100,7 @@ class Ipopt(Solver):
         if self.time_limit is not None:
             above_zero("Ipopt(time_limit)", self.time_limit, "s")
         above_zero("Ipopt(initial_barrier)", self.initial_barrier)
+        named_options("Ipopt(options)", self.options)
         if self.linear_solver not in (*LINEAR_SOLVERS, *LOADED):
             raise InputError(
                 f"Ipopt(linear_solver) is one of {', '.join((*LINEAR_SOLVERS, *LOADED))}; got {self.linear_solver!r}."
