@@ -70,8 +70,9 @@ from robotraj.objectives import (
     TorqueRate,
     Tracking,
 )
+from robotraj.phase import Phase
 from robotraj.planning import plan
-from robotraj.problem import Phase, Problem
+from robotraj.problem import Problem
 from robotraj.refinement import RaiseOrder, SplitAndMerge, SplitOrRaise
 from robotraj.replay import replay
 from robotraj.robot import Limits, Robot, catalogue, load

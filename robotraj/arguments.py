@@ -9,7 +9,7 @@ import numpy as np
 
 from robotraj.errors import InputError
 from robotraj.objectives import Duration, Effort, Objective
-from robotraj.problem import Phase
+from robotraj.phase import Phase
 from robotraj.robot import Limits, Robot
 from robotraj.state import State
 

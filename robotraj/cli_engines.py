@@ -11,7 +11,8 @@ from robotraj.arguments import Minimise, rest_to_rest
 from robotraj.compiling import compile
 from robotraj.engines import Compiled
 from robotraj.errors import InputError
-from robotraj.problem import Phase, Problem
+from robotraj.phase import Phase
+from robotraj.problem import Problem
 from robotraj.robot import load
 from robotraj.schemes import HermiteSimpson, LinearControl, Mesh
 from robotraj.solution import load_solution

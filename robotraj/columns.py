@@ -11,8 +11,8 @@ from robotraj.dynamics import Variable
 from robotraj.dynamics.rigid_body import RATE_UNITS
 
 if TYPE_CHECKING:
+    from robotraj.phase import Phase
     from robotraj.phase_solution import PhaseSolution
-    from robotraj.problem import Phase
 
 Array = NDArray[np.float64]
 

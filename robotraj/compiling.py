@@ -8,7 +8,8 @@ from pathlib import Path
 
 from robotraj.engines import Compiled
 from robotraj.errors import InputError
-from robotraj.problem import Phase, Problem
+from robotraj.phase import Phase
+from robotraj.problem import Problem
 from robotraj.schemes import Mesh
 from robotraj.transcription import transcribe
 from robotraj.values import dataclass

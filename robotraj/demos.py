@@ -11,7 +11,7 @@ from robotraj.errors import unknown_name
 from robotraj.guess import Guess
 from robotraj.guesses import Keyframes
 from robotraj.objectives import Duration, Effort
-from robotraj.problem import Phase
+from robotraj.phase import Phase
 from robotraj.robot import load
 from robotraj.schemes import ConstantControl, FifthDegree, HermiteSimpson, LinearControl, Mesh
 from robotraj.state import State

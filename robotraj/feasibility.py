@@ -14,7 +14,7 @@ from robotraj.errors import InputError
 from robotraj.robot import Limits
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 SLACK = 1e-6
 """How far a given end may lie outside a bound before it is refused: round-off, not an error [SI]."""

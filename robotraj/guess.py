@@ -22,7 +22,8 @@ from robotraj.values import dataclass
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
     from robotraj.links import BoundLink
-    from robotraj.problem import Phase, Problem
+    from robotraj.phase import Phase
+    from robotraj.problem import Problem
 
 Array = NDArray[np.float64]
 Curve = Callable[[Array], Array]

@@ -18,8 +18,9 @@ from robotraj.errors import InputError
 from robotraj.guess import Guess, PhaseGuess, StraightLine, ends_of, guessed_duration
 from robotraj.guesses.joint_motion import joint_motion
 from robotraj.objectives import Duration, Lagrange, Objective
+from robotraj.phase import Phase
 from robotraj.phase_solution import PhaseSolution
-from robotraj.problem import Phase, Problem
+from robotraj.problem import Problem
 from robotraj.robot import Limits
 from robotraj.schemes import Mesh
 from robotraj.solvers import Ipopt, Solver

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from robotraj.errors import InputError, Interrupted
 from robotraj.guess import Guess, as_guess
 from robotraj.guesses import Perturbed, default_guess
+from robotraj.phase import Phase
 from robotraj.phase_solution import PhaseSolution
 from robotraj.planning import plan
-from robotraj.problem import Phase, Problem
+from robotraj.problem import Problem
 from robotraj.solution import Solution
 from robotraj.starts import Shared, Start
 from robotraj.status import Status

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robotraj.dynamics import Named
 from robotraj.errors import InputError
 from robotraj.objectives import Augmented
-from robotraj.problem import Phase
+from robotraj.phase import Phase
 from robotraj.sample import Sample
 from robotraj.schemes import Mesh
 from robotraj.tangent import normalised

@@ -11,7 +11,8 @@ import numpy as np
 from robotraj.engines import Engine
 from robotraj.errors import InputError, NoSolutionFound
 from robotraj.guess import Guess
-from robotraj.problem import Phase, Problem
+from robotraj.phase import Phase
+from robotraj.problem import Problem
 from robotraj.progress import watching
 from robotraj.schemes import Mesh
 from robotraj.solution import Solution

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from robotraj.phase import Phase
     from robotraj.phase_solution import PhaseSolution
-    from robotraj.problem import Phase
     from robotraj.solution import Solution
 
 Array = NDArray[np.float64]

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.errors import InputError
+from robotraj.phase import Phase
 from robotraj.phase_solution import PhaseSolution
-from robotraj.problem import Phase, Problem
+from robotraj.problem import Problem
 from robotraj.sample import Sample, join
 from robotraj.status import Status
 from robotraj.transcription.guards import Guard

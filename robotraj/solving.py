@@ -13,8 +13,9 @@ import numpy as np
 from robotraj.engines import Engine
 from robotraj.guess import Guess, as_guess
 from robotraj.indirect.duals import LateDuals, PhaseDuals
+from robotraj.phase import Phase
 from robotraj.phase_solution import PhaseSolution
-from robotraj.problem import Phase, Problem
+from robotraj.problem import Problem
 from robotraj.records import added_times
 from robotraj.retries import retried
 from robotraj.schemes import Mesh, MovingMesh, OneStep

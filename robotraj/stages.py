@@ -10,7 +10,8 @@ from typing import Any
 from robotraj.engines import Engine
 from robotraj.errors import InputError, unknown_name
 from robotraj.guess import Guess
-from robotraj.problem import Phase, Problem
+from robotraj.phase import Phase
+from robotraj.problem import Problem
 from robotraj.records import StageRecord
 from robotraj.schemes import Mesh
 from robotraj.solution import Solution

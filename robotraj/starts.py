@@ -17,7 +17,8 @@ from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.links import BoundLink
-    from robotraj.problem import Phase, Problem
+    from robotraj.phase import Phase
+    from robotraj.problem import Problem
 
 
 class Shared:

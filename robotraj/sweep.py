@@ -9,8 +9,9 @@ from inspect import signature
 from typing import Any
 
 from robotraj.errors import InputError, Interrupted, unknown_name
+from robotraj.phase import Phase
 from robotraj.planning import plan
-from robotraj.problem import Phase, Problem
+from robotraj.problem import Problem
 from robotraj.solution import Solution
 from robotraj.transcription.shooting_problem import explicit
 from robotraj.workers import run

@@ -68,7 +68,7 @@ def run(
     if not hasattr(executor, "submit"):
         raise InputError(f"executor= must be a concurrent.futures executor; got {type(executor).__name__}.")
     if isinstance(executor, ThreadPoolExecutor):
-        return _first([executor.submit(work, shared, task) for task in tasks], lambda result: result, enough)
+        return _first(lambda task: executor.submit(work, shared, task), tasks, lambda result: result, enough)
     try:
         common = cloudpickle.dumps((work, shared))
         packed = [cloudpickle.dumps(task) for task in tasks]
@@ -77,8 +77,7 @@ def run(
             f"A problem cannot be sent to workers, because a part of it cannot be pickled: {error}"
         ) from error
     try:
-        futures = [executor.submit(_call, common, task) for task in packed]
-        return _first(futures, cloudpickle.loads, enough)
+        return _first(lambda task: executor.submit(_call, common, task), packed, cloudpickle.loads, enough)
     except BrokenProcessPool as error:
         raise RobotrajError(
             "A worker process died. In a script, start it from under `if __name__ == '__main__':`, because "
@@ -87,18 +86,25 @@ def run(
 
 
 def _first(
-    futures: Sequence[Future[Any]], unpacked: Callable[[Any], Any], enough: Callable[[Sequence[Any]], bool] | None
+    submit: Callable[[Any], Future[Any]],
+    tasks: Sequence[Any],
+    unpacked: Callable[[Any], Any],
+    enough: Callable[[Sequence[Any]], bool] | None,
 ) -> list[Any]:
-    """Wait for results in their order until there are enough of them."""
+    """Hand over the tasks, and wait for results in their order until there are enough of them."""
+    futures: list[Future[Any]] = []
     results: list[Any] = []
     try:
+        # Processes start while tasks are handed over, which takes seconds: Ctrl-C may come then as well.
+        for task in tasks:
+            futures.append(submit(task))
         for future in futures:
             results.append(unpacked(future.result()))
             if enough is not None and enough(results):
                 break
     except KeyboardInterrupt as pressed:
         done = {i: f for i, f in enumerate(futures) if f.done() and not f.cancelled() and f.exception() is None}
-        raise Interrupted({i: unpacked(future.result()) for i, future in done.items()}, len(futures)) from pressed
+        raise Interrupted({i: unpacked(future.result()) for i, future in done.items()}, len(tasks)) from pressed
     finally:
         for future in futures[len(results) :]:
             future.cancel()

@@ -28,7 +28,7 @@ LAYERS: dict[int, tuple[str, ...]] = {
     ),
     1: ("contacts", "design", "dynamics", "trajectory"),
     2: ("constraints", "objectives"),
-    3: ("state", "links", "feasibility", "printing", "problem", "unrolled"),
+    3: ("state", "links", "feasibility", "printing", "phase", "problem", "unrolled"),
     4: ("engines", "schemes", "guess", "guesses", "gait"),
     5: ("transcription", "refinement"),
     6: ("stagewise", "solvers", "status", "progress"),

@@ -229,6 +229,30 @@ def test_ctrl_c_does_not_wait_for_fresh_processes() -> None:
     assert time.monotonic() - began < 10.0
 
 
+def test_ctrl_c_while_tasks_are_handed_over() -> None:
+    class Pressed(ThreadPoolExecutor):
+        """Gives the third task no chance."""
+
+        left = 2
+
+        def submit(self, *given: Any, **named: Any) -> Any:
+            """Hand over, or have Ctrl-C pressed."""
+            if not self.left:
+                raise KeyboardInterrupt
+            self.left -= 1
+            future = super().submit(*given, **named)
+            future.result()
+            return future
+
+    with Pressed(1) as executor, pytest.raises(rt.Interrupted) as pressed:
+        run(_twice, None, [1.0, 2.0, 3.0], executor, None)
+    assert pressed.value.found == {0: 2.0, 1: 4.0} and "3" in str(pressed.value)
+
+
+def _twice(shared: None, number: float) -> float:
+    return 2 * number
+
+
 def _slow(shared: None, seconds: float) -> None:
     time.sleep(seconds)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robotraj.errors import InputError
-from robotraj.problem import Phase
+from robotraj.phase import Phase
 from robotraj.values import dataclass
 
 

@@ -20,7 +20,8 @@ from robotraj.gait.upright import Upright
 from robotraj.guesses.stance import Stance, standing
 from robotraj.links import Continuity, Liftoff, Link, Mirror, Periodic, Touchdown
 from robotraj.objectives import Objective
-from robotraj.problem import Phase, Problem
+from robotraj.phase import Phase
+from robotraj.problem import Problem
 from robotraj.robot import Robot
 from robotraj.state import State
 from robotraj.terrain import Flat, Ground, as_ground

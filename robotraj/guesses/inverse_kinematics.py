@@ -19,7 +19,7 @@ from robotraj.tangent import PLACE, REST
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
     from robotraj.robot import Robot
 
 Array = NDArray[np.float64]

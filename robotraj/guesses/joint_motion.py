@@ -15,7 +15,7 @@ from robotraj.robot import Limits, Robot
 
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 Array = NDArray[np.float64]
 

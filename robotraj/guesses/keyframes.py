@@ -15,7 +15,7 @@ from robotraj.state import State
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 Array = NDArray[np.float64]
 

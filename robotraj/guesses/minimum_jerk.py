@@ -14,7 +14,7 @@ from robotraj.guesses.joint_motion import fractions_of, joint_motion, quintic, s
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,8 @@ from robotraj.values import dataclass
 if TYPE_CHECKING:
     from robotraj.dynamics import Variable
     from robotraj.links import BoundLink
-    from robotraj.problem import Phase, Problem
+    from robotraj.phase import Phase
+    from robotraj.problem import Problem
     from robotraj.robot import Robot
 
 Array = NDArray[np.float64]

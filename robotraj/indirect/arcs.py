@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robotraj.constraints import Where
 from robotraj.errors import InputError
 from robotraj.indirect.costates import PhaseCostates
-from robotraj.problem import Phase
+from robotraj.phase import Phase
 from robotraj.values import dataclass
 
 Array = NDArray[np.float64]

@@ -28,7 +28,8 @@ from robotraj.errors import InputError
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns
 from robotraj.links import BoundLink, Continuity, Link
-from robotraj.problem import Phase, Problem
+from robotraj.phase import Phase
+from robotraj.problem import Problem
 from robotraj.values import dataclass
 
 Array = NDArray[np.float64]

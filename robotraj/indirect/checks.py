@@ -14,7 +14,7 @@ from robotraj.indirect.costates import PhaseCostates
 from robotraj.indirect.hamiltonian import Hamiltonian
 from robotraj.indirect.polished import Polished
 from robotraj.indirect.pontryagin import Pontryagin
-from robotraj.problem import Phase
+from robotraj.phase import Phase
 from robotraj.values import dataclass
 
 Array = NDArray[np.float64]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from robotraj.constraints import Row, Where
 from robotraj.dynamics import Dynamics
 from robotraj.dynamics.rows import as_rows
-from robotraj.problem import Phase
+from robotraj.phase import Phase
 from robotraj.transcription.equations import path_constraints, path_rows
 from robotraj.values import dataclass
 

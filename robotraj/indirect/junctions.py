@@ -24,7 +24,8 @@ from robotraj.errors import InputError, require_solution
 from robotraj.guess import Guess, PhaseGuess
 from robotraj.links import Continuity, Linkage
 from robotraj.objectives import Duration, EndCost
-from robotraj.problem import Phase, Problem
+from robotraj.phase import Phase
+from robotraj.problem import Problem
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:

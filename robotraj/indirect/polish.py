@@ -29,7 +29,7 @@ from robotraj.indirect.flow import Flow, scales
 from robotraj.indirect.newton import Root, find_root
 from robotraj.indirect.polished import Polished, PolishFailed
 from robotraj.indirect.pontryagin import Pontryagin
-from robotraj.problem import Phase
+from robotraj.phase import Phase
 from robotraj.schemes import LobattoIIIA, Mesh
 from robotraj.transcription import transcribe
 from robotraj.transcription.extract import PhaseTrajectory, extract

@@ -23,7 +23,7 @@ from robotraj.dynamics import ForwardDynamics, System
 from robotraj.dynamics.rows import as_rows
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.hamiltonian import Hamiltonian
-from robotraj.problem import Phase
+from robotraj.phase import Phase
 from robotraj.values import dataclass
 
 Array = NDArray[np.float64]

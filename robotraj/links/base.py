@@ -13,7 +13,7 @@ from robotraj.errors import InputError
 from robotraj.values import dataclass, own_fields
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 
 class Ends(NamedTuple):

@@ -17,7 +17,7 @@ from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, check_order
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 
 TIME = Row("continuity", "s", 0.0, 0.0, "time")

@@ -14,7 +14,7 @@ from robotraj.links.base import BoundLink, Ends, Link, normal, phase_at
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from robotraj.links.base import STATE, BoundLink, Carry, Ends, Link, normal, pha
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 
 ALONG_THE_GROUND = {"q.root_x", "q.root_y"}

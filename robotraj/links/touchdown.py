@@ -20,7 +20,7 @@ from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.contacts import BoundContact
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 IMPULSE_UNITS = {"N": "N s", "N m": "N m s"}
 

@@ -19,7 +19,7 @@ from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.guards import guardable
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 Array = NDArray[np.float64]
 

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from robotraj.transcription.extract import PhaseTrajectory
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 Array = NDArray[np.float64]
 

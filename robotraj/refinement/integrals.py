@@ -24,7 +24,7 @@ from robotraj.transcription.equations import path_constraints, path_rows
 from robotraj.transcription.extract import PhaseTrajectory
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 Array = NDArray[np.float64]
 

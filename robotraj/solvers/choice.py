@@ -27,7 +27,8 @@ from robotraj.solvers.fatrop import Fatrop
 from robotraj.solvers.ipopt import Ipopt
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase, Problem
+    from robotraj.phase import Phase
+    from robotraj.problem import Problem
 
 
 def solver_for(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> Solver:

@@ -15,7 +15,8 @@ from robotraj.dynamics import System, Variable
 from robotraj.dynamics.missing import MissingEquations
 from robotraj.errors import InputError
 from robotraj.objectives import Objective, Sum
-from robotraj.problem import Phase, Problem
+from robotraj.phase import Phase
+from robotraj.problem import Problem
 from robotraj.robot import Robot
 from robotraj.storage.codec import NotPlainData, Packer, Unpacker
 from robotraj.storage.shapes import pack_robot, with_shapes

@@ -18,7 +18,8 @@ from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.transcribe import bounds_of, start_of
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase, Problem
+    from robotraj.phase import Phase
+    from robotraj.problem import Problem
     from robotraj.transcription.layout import PhaseLayout
 
 Array = NDArray[np.float64]

@@ -39,7 +39,7 @@ from robotraj.transcription.table import Entry, ScalarTable
 from robotraj.transcription.triplets import Triplets
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]

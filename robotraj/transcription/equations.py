@@ -31,7 +31,7 @@ from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.links import BoundLink
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
     from robotraj.schemes import Collocation
     from robotraj.transcription.layout import PhaseLayout
 

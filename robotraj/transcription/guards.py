@@ -32,7 +32,7 @@ from robotraj.transcription.triplets import Triplets
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
     from robotraj.trajectory import PiecewisePolynomial
 
 PLACES = np.linspace(0.0, 1.0, 49)

@@ -22,7 +22,7 @@ from robotraj.transcription.triplets import Triplets
 
 if TYPE_CHECKING:
     from robotraj.constraints import Bounds
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 Mask = NDArray[np.bool_]
 

@@ -19,7 +19,7 @@ from robotraj.transcription.table import Entry, ScalarTable
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 
 def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLayout:

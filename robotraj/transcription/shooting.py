@@ -35,7 +35,7 @@ from robotraj.transcription.triplets import Triplets
 from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,8 @@ from robotraj.errors import InputError
 from robotraj.schemes import Mesh, MovingMesh, OneStep, Shooting, SingleShooting
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase, Problem
+    from robotraj.phase import Phase
+    from robotraj.problem import Problem
 
 
 def explicit(problem: Problem, meshes: Sequence[Mesh]) -> Problem:

@@ -14,7 +14,7 @@ from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.shooting import Rate
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase
+    from robotraj.phase import Phase
 
 Array = NDArray[np.float64]
 

@@ -37,7 +37,8 @@ from robotraj.transcription.table import ColumnBound, Entry, Scalars, ScalarTabl
 from robotraj.transcription.triplets import Triplets
 
 if TYPE_CHECKING:
-    from robotraj.problem import Phase, Problem
+    from robotraj.phase import Phase
+    from robotraj.problem import Problem
 
 Array = NDArray[np.float64]
 
