@@ -11,7 +11,8 @@ from robotraj.polynomials import _gauss, integrals
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 7, 12, 30])
 def test_points_and_weights_are_numpys(count: int) -> None:
     for found, known in zip(_gauss(count), np.polynomial.legendre.leggauss(count), strict=True):
-        np.testing.assert_array_equal(found, known)
+        # NumPy's own differ in the last digits from release to release.
+        np.testing.assert_allclose(found, known, rtol=1e-13, atol=1e-15)
 
 
 @pytest.mark.parametrize("count", [2, 3, 5, 8])

@@ -123,7 +123,8 @@ class Stance:
         Forces are dual to the rows: J' f does the power f . (J v). Rows that repeat each other, four corners of one
         foot, leave the forces inside of the foot open.
         """
-        known = np.isfinite(held.jacobian).all()
+        # NumPy before 2.4 knows no rank of no rows.
+        known = len(held.gap) > 0 and np.isfinite(held.jacobian).all()
         if known and np.linalg.matrix_rank(held.jacobian, rtol=RANK_TOLERANCE) < len(held.gap):
             return None
         return accelerate(self.robot.model, self._data, q, v, applied, held)[1]
