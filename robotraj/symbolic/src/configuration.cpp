@@ -49,9 +49,7 @@ std::vector<Joint> simple_joints(const Model& model) {
 
 bool is_continuous(const Joint& joint) { return joint.nq() == 2 && joint.nv() == 1; }
 
-bool is_planar(const Joint& joint) {
-  return joint.shortname() == pinocchio::JointModelPlanarTpl<SX>::classname();
-}
+bool is_planar(const Joint& joint) { return joint.shortname() == pinocchio::JointModelPlanarTpl<SX>::classname(); }
 
 void write_rate(const Joint& joint, const Vector& q, const Vector& v, Vector& rate) {
   const int nq = joint.nq(), nv = joint.nv();
@@ -97,8 +95,7 @@ std::string difference(const SymbolicModel& symbolic) {
   Vector dv = pinocchio::difference(model, q0, q1);
   for (const Joint& joint : simple_joints(model)) {
     const auto from = joint.idx_q();
-    if (is_continuous(joint))
-      dv[joint.idx_v()] = angle_between(q0[from], q0[from + 1], q1[from], q1[from + 1]);
+    if (is_continuous(joint)) dv[joint.idx_v()] = angle_between(q0[from], q0[from + 1], q1[from], q1[from + 1]);
     else if (is_planar(joint))
       dv.segment(joint.idx_v(), 3) = planar_difference(q0.segment(from, 4), q1.segment(from, 4));
   }

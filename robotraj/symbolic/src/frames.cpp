@@ -43,8 +43,9 @@ std::string frame_velocity(const SymbolicModel& symbolic, std::size_t frame, Ref
   Graph graph(symbolic);
   graph.input("q", moved.q);
   graph.input("v", moved.v);
-  graph.output("velocity", pinocchio::getFrameVelocity(
-      symbolic.model, moved.data, frame, static_cast<pinocchio::ReferenceFrame>(reference)).toVector());
+  graph.output("velocity", pinocchio::getFrameVelocity(symbolic.model, moved.data, frame,
+                                                       static_cast<pinocchio::ReferenceFrame>(reference))
+                               .toVector());
   return graph.serialize("frame_velocity_" + std::to_string(frame));
 }
 
@@ -55,7 +56,8 @@ std::string frame_acceleration(const SymbolicModel& symbolic, std::size_t frame,
   graph.input("v", moved.v);
   graph.input("a", moved.a);
   graph.output("acceleration", pinocchio::getFrameClassicalAcceleration(
-      symbolic.model, moved.data, frame, static_cast<pinocchio::ReferenceFrame>(reference)).toVector());
+                                   symbolic.model, moved.data, frame, static_cast<pinocchio::ReferenceFrame>(reference))
+                                   .toVector());
   return graph.serialize("frame_acceleration_" + std::to_string(frame));
 }
 
@@ -67,8 +69,8 @@ std::string frame_jacobian(const SymbolicModel& symbolic, std::size_t frame, Ref
   const Matrix q = to_eigen(moved.q);
   Data::Matrix6x J = Data::Matrix6x::Constant(6, model.nv, SX(0));
   // It moves the joints on the frame's branch once more, to the same placements.
-  pinocchio::computeFrameJacobian(
-      model, moved.data, q.col(0), frame, static_cast<pinocchio::ReferenceFrame>(reference), J);
+  pinocchio::computeFrameJacobian(model, moved.data, q.col(0), frame, static_cast<pinocchio::ReferenceFrame>(reference),
+                                  J);
   graph.output("J", J);
   return graph.serialize("frame_jacobian_" + std::to_string(frame));
 }

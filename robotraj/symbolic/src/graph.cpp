@@ -25,9 +25,8 @@ SymbolicModel::SymbolicModel(const std::string& text, bool parametric_)
     // I_origin = I_centre - m [c]x [c]x, in the order Ixx, Ixy, Iyy, Ixz, Iyz, Izz.
     const SX x = lever[0], y = lever[1], z = lever[2];
     Eigen::Matrix<SX, 6, 1> about_centre;
-    about_centre << column[4] - mass * (y * y + z * z), column[5] + mass * x * y,
-        column[6] - mass * (x * x + z * z), column[7] + mass * x * z, column[8] + mass * y * z,
-        column[9] - mass * (x * x + y * y);
+    about_centre << column[4] - mass * (y * y + z * z), column[5] + mass * x * y, column[6] - mass * (x * x + z * z),
+        column[7] + mass * x * z, column[8] + mass * y * z, column[9] - mass * (x * x + y * y);
     model.inertias[joint] = Model::Inertia(mass, lever, Model::Inertia::Symmetric3(about_centre));
     model.jointPlacements[joint].translation() =
         to_eigen(translations(casadi::Slice(), static_cast<casadi_int>(joint)));

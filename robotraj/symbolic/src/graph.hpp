@@ -23,8 +23,7 @@ SX to_casadi(const Eigen::MatrixBase<Derived>& source) {
   SX result = SX::zeros(source.rows(), source.cols());
   auto& elements = result.nonzeros();
   for (Eigen::Index j = 0; j < source.cols(); ++j)
-    for (Eigen::Index i = 0; i < source.rows(); ++i)
-      elements[i + j * source.rows()] = source(i, j).scalar();
+    for (Eigen::Index i = 0; i < source.rows(); ++i) elements[i + j * source.rows()] = source(i, j).scalar();
   return result;
 }
 

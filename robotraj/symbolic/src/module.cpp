@@ -48,10 +48,8 @@ NB_MODULE(_graphs, m) {
       .def("integrate", of_model<robotraj::integrate>)
       .def("difference", of_model<robotraj::difference>)
       .def("configuration_rate", of_model<robotraj::configuration_rate>)
-      .def("frame_placement",
-           [](const SymbolicModel& symbolic, std::size_t frame) {
-             return to_bytes(robotraj::frame_placement(symbolic, frame));
-           })
+      .def("frame_placement", [](const SymbolicModel& symbolic,
+                                 std::size_t frame) { return to_bytes(robotraj::frame_placement(symbolic, frame)); })
       .def("frame_velocity", of_frame<robotraj::frame_velocity>)
       .def("frame_acceleration", of_frame<robotraj::frame_acceleration>)
       .def("frame_jacobian", of_frame<robotraj::frame_jacobian>);
