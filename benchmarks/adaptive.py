@@ -22,7 +22,7 @@ from rich.table import Table
 
 import robotraj as rt
 
-SCHEME = rt.RadauIIA(3)
+SCHEME = rt.schemes.RadauIIA(3)
 INTERVALS = [21, 27, 35, 45, 57, 73, 93, 117, 147, 187, 235, 295, 371, 465, 583]
 """Odd numbers, each a quarter more than the last: no knot stands on a switch at half time."""
 
@@ -32,7 +32,7 @@ def block(pull: float) -> Case:
     system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
     ends = rt.State([10, 0]), rt.State([0, 0])
     phase = rt.Phase(system, (0.1, 200), *ends, rt.Duration(), controls={"u": rt.between(-1, pull)})
-    guess = rt.Keyframes([0, 1], ends, duration=10)
+    guess = rt.guess.Keyframes([0, 1], ends, duration=10)
     return Case(f"block, u <= {pull:.4g}", phase, guess, sqrt(20 * (1 + 1 / pull)), 0.0, "closed form")
 
 

@@ -89,7 +89,9 @@ def same(one: ca.DM, other: ca.DM) -> bool:
     return float(ca.norm_inf(ca.vec(one - other))) <= 1e-9 * float(ca.norm_inf(ca.vec(one)))
 
 
-def points(nlps: dict[str, rt.Nlp], engines: dict[str, Any], w: np.ndarray, runs: int) -> list[dict[str, float]]:
+def points(
+    nlps: dict[str, rt.transcription.Nlp], engines: dict[str, Any], w: np.ndarray, runs: int
+) -> list[dict[str, float]]:
     """Time the functions of the first phase's points alone, as the compiled solver calls them [ms a point]."""
     calls: dict[str, dict[str, Callable[[], Any]]] = {}
     for name, nlp in nlps.items():
@@ -112,12 +114,16 @@ def measure(name: str, runs: int, iterations: int) -> str:
     make, intervals = TASKS[name]
     problem, mesh = make(), rt.Mesh(intervals)
     with tempfile.TemporaryDirectory() as folder:
-        compiled = rt.Compiled(cache=Path(folder) / "cache")
+        compiled = rt.engines.Compiled(cache=Path(folder) / "cache")
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        made = rt.compile(problem, mesh, engine=compiled)
+        made = rt.precompile(problem, mesh, engine=compiled)
         compiler = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-        engines: dict[str, Any] = {"plain": rt.VirtualMachine(), "compiled": compiled, "native": rt.Native()}
-        nlps = {e: rt.transcribe(problem, mesh, engine=engine) for e, engine in engines.items()}
+        engines: dict[str, Any] = {
+            "plain": rt.engines.VirtualMachine(),
+            "compiled": compiled,
+            "native": rt.engines.Native(),
+        }
+        nlps = {e: rt.transcription.transcribe(problem, mesh, engine=engine) for e, engine in engines.items()}
         w = nlps["plain"].guess / nlps["plain"].scale
         m = np.random.default_rng(0).standard_normal(len(nlps["plain"].rows))
         lines = points(nlps, engines, w, runs)

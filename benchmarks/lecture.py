@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 RUNS = 5
 DISTANCE = 10.0
-LECTURE = rt.HermiteSimpson(control=rt.LinearControl(), quadrature=rt.TrapezoidalQuadrature())
+LECTURE = rt.HermiteSimpson(control=rt.schemes.LinearControl(), quadrature=rt.schemes.TrapezoidalQuadrature())
 REPORTED = (2.0, 7.0, 55.0)
 """Seconds in the lecture of the first three ``METHODS``."""
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
@@ -71,7 +71,7 @@ def fixed(name: str, intervals: int, scheme: object, brake: float = 1.0) -> Run:
 
 
 def adaptive(name: str, intervals: int, brake: float) -> Run:
-    first = rt.Mesh(intervals, rt.RadauIIA(3))
+    first = rt.Mesh(intervals, rt.schemes.RadauIIA(3))
     return Run(name, lambda: rt.plan(move(brake), first, tolerance=1e-6), optimum(brake))
 
 
@@ -80,24 +80,27 @@ METHODS = [
     fixed("collocation, lecture's scheme, 101 points", 100, LECTURE),
     fixed("collocation, lecture's scheme, 201 points", 200, LECTURE),
     fixed("collocation, free mid-point, 51 points", 50, rt.HermiteSimpson()),
-    fixed("multiple shooting, RK4, 21 points", 20, rt.MultipleShooting()),
-    fixed("multiple shooting, CVODES, 21 points", 20, rt.MultipleShooting(rt.Adaptive())),
-    fixed("single shooting, RK4, 21 points", 20, rt.SingleShooting()),
+    fixed("multiple shooting, RK4, 21 points", 20, rt.schemes.MultipleShooting()),
+    fixed("multiple shooting, CVODES, 21 points", 20, rt.schemes.MultipleShooting(rt.schemes.Adaptive())),
+    fixed("single shooting, RK4, 21 points", 20, rt.schemes.SingleShooting()),
 ]
 BRAKE = 2.0
 MESHES = [
     adaptive("adaptive, tolerance 1e-6", 10, BRAKE),
-    *(fixed(f"uniform, {k} intervals of Radau 3", k, rt.RadauIIA(3), BRAKE) for k in (10, 20, 40, 80, 160, 320)),
+    *(
+        fixed(f"uniform, {k} intervals of Radau 3", k, rt.schemes.RadauIIA(3), BRAKE)
+        for k in (10, 20, 40, 80, 160, 320)
+    ),
 ]
 """Braking twice as hard as driving: the switch, at 2/3 of the duration, is at no knot of a uniform mesh of these."""
 
 
 SCHEMES = {
-    "trapezoid": rt.Trapezoidal(),
+    "trapezoid": rt.schemes.Trapezoidal(),
     "lecture's scheme": LECTURE,
     "Hermite-Simpson, free mid-point": rt.HermiteSimpson(),
-    "Radau IIA, 3 points": rt.RadauIIA(3),
-    "multiple shooting, constant control": rt.MultipleShooting(),
+    "Radau IIA, 3 points": rt.schemes.RadauIIA(3),
+    "multiple shooting, constant control": rt.schemes.MultipleShooting(),
 }
 """What is drawn against points, on the problem of ``MESHES``."""
 

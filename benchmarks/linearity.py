@@ -84,7 +84,7 @@ def by_ipopt() -> None:
     iterate = np.full((RUNS, len(CARTPOLE)), np.inf)
     for run in range(RUNS):
         for i, count in enumerate(CARTPOLE):
-            nlp = rt.transcribe(problem, rt.Mesh(count))
+            nlp = rt.transcription.transcribe(problem, rt.Mesh(count))
             _ = nlp.functions
             began = time.process_time()
             outcome = solver.solve(nlp)
@@ -115,8 +115,11 @@ def by_fatrop() -> None:
     whole, iterate = (np.full((RUNS, len(ARM)), np.inf) for _ in range(2))
     for run in range(RUNS):
         for i, count in enumerate(ARM):
-            nlp = rt.transcribe(
-                problem, rt.Mesh(count), engine=solver.default_engine(), between=solver.default_between()
+            nlp = rt.transcription.transcribe(
+                problem,
+                rt.Mesh(count),
+                engine=solver.default_engine(),
+                interval_limits=solver.default_interval_limits(),
             )
             began = time.process_time()
             outcome = solver.solve(nlp)

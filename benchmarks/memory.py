@@ -18,7 +18,7 @@ def ur5() -> rt.Solution:
     """Plan T4 on 2,000 intervals."""
     ends = [rt.State(q=q, v=0) for q in ([-1.1, -1.8, 1.6, -1.2, -1.57, 0.0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2])]
     phase = rt.Phase(rt.load("ur5"), 1.0, *ends, objective=rt.Effort())
-    return rt.plan(phase, rt.Mesh(2000), between=rt.ConvexHull(), progress=False)
+    return rt.plan(phase, rt.Mesh(2000), interval_limits=rt.interval_limits.BernsteinBounds(), progress=False)
 
 
 def talos() -> rt.Solution:

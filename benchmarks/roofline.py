@@ -25,7 +25,8 @@ from scipy.linalg.blas import dgemm
 import robotraj as rt
 from robotraj.solvers.fatrop import BARRIERS
 from robotraj.solvers.objective_scale import of_program
-from robotraj.stagewise import native_program, reduce
+from robotraj.solvers.stagewise.native import native_program
+from robotraj.solvers.stagewise.reduction import reduce
 
 RUNS = 9
 INTERVALS = (25, 50, 100, 200, 400, 800, 1600)
@@ -68,7 +69,7 @@ def riccati(program: object) -> float:
     return total
 
 
-def points(nlp: rt.Nlp) -> float:
+def points(nlp: rt.transcription.Nlp) -> float:
     """Operations of values, Jacobians and Hessians at all points."""
     total = 0.0
     for block in nlp.blocks:
@@ -77,7 +78,7 @@ def points(nlp: rt.Nlp) -> float:
     return total
 
 
-def iterations(solver: rt.Fatrop, nlp: rt.Nlp, runs: int) -> Iterator[float]:
+def iterations(solver: rt.Fatrop, nlp: rt.transcription.Nlp, runs: int) -> Iterator[float]:
     """Processor time of an iteration [s], of several solves of one compiled program."""
     reduction = reduce(nlp)
     program = native_program(reduction.program, nlp.engine, threads=1)
@@ -100,8 +101,11 @@ def across(robot: rt.Robot) -> rt.Phase:
 def row(phase: rt.Phase, intervals: int, peak: float, small: float) -> str:
     """One line of a table, after its first cell."""
     solver = rt.Fatrop(threads=1, fallback=None)
-    nlp = rt.transcribe(
-        rt.Problem(phase), rt.Mesh(intervals), engine=solver.default_engine(), between=solver.default_between()
+    nlp = rt.transcription.transcribe(
+        rt.Problem(phase),
+        rt.Mesh(intervals),
+        engine=solver.default_engine(),
+        interval_limits=solver.default_interval_limits(),
     )
     solves, graphs = riccati(reduce(nlp).program), points(nlp)
     took = min(iterations(solver, nlp, RUNS))

@@ -1,7 +1,7 @@
 """IPOPT and fatrop on every case and on the examples' first problems: `python benchmarks/solvers.py`.
 
 Each problem is planned twice, once with each solver, from the same guess, with the same mesh or tolerance and
-`between=rt.Exchange()`; fatrop has nothing to fall back on. Prints and writes solvers.md: which of them solved, which
+`interval_limits=rt.interval_limits.ConstraintGeneration()`; fatrop has nothing to fall back on. Prints and writes solvers.md: which of them solved, which
 found the better optimum, and their processor seconds. Swing-ups of the acrobot, whose optima lie close together, are
 planned on several meshes in several durations as well.
 """
@@ -84,12 +84,18 @@ class Timed(Solver):
         """Give the solver's own."""
         return self.inner.default_engine()
 
-    def solve(self, nlp: rt.Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
+    def solve(
+        self, nlp: rt.transcription.Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None
+    ) -> Outcome:
         """Solve and count."""
         return self._counted(self.inner.solve, nlp, progress, multipliers)
 
     def resolve(
-        self, nlp: rt.Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
+        self,
+        nlp: rt.transcription.Nlp,
+        known: Multipliers,
+        progress: Progress | None = None,
+        multipliers: Multipliers | None = None,
     ) -> Outcome:
         """Solve again and count."""
         return self._counted(self.inner.resolve, nlp, known, progress, multipliers)
@@ -199,10 +205,10 @@ def held() -> Iterator[Task]:
 def smooth() -> Iterator[Task]:
     """Move arms by rates of torques or by jerks, in a given time and in a free one."""
     posed = {
-        "torque rates": (False, 1e-3 * rt.Effort() + 1e-4 * rt.TorqueRate()),
-        "jerks": (False, 1e-3 * rt.Effort() + 1e-4 * rt.Jerk()),
-        "time and torque rates": (True, rt.Duration() + 1e-6 * rt.TorqueRate()),
-        "time and jerks": (True, rt.Duration() + 1e-6 * rt.Jerk()),
+        "torque rates": (False, 1e-3 * rt.Effort() + 1e-4 * rt.objectives.TorqueRate()),
+        "jerks": (False, 1e-3 * rt.Effort() + 1e-4 * rt.objectives.Jerk()),
+        "time and torque rates": (True, rt.Duration() + 1e-6 * rt.objectives.TorqueRate()),
+        "time and jerks": (True, rt.Duration() + 1e-6 * rt.objectives.Jerk()),
     }
     for number, name in enumerate(SMOOTH):
         robot, rng = rt.load(name), np.random.default_rng(number)
@@ -230,7 +236,7 @@ def tasks() -> Iterator[Task]:
         if planned is not None:
             problem, options = planned
             posed = rt.Problem([problem]) if isinstance(problem, rt.Phase) else problem
-            if len(rt.transcribe(posed, options.get("mesh") or rt.Mesh()).variables) <= LARGEST:
+            if len(rt.transcription.transcribe(posed, options.get("mesh") or rt.Mesh()).variables) <= LARGEST:
                 yield Task(f"example {example.stem}", kind_of(posed), posed, options, float("nan"))
 
 
@@ -239,7 +245,12 @@ def run(task: Task, solver: Solver) -> Run:
     timed = Timed(solver)
     try:
         solution = rt.plan(
-            task.problem, solver=timed, between=rt.Exchange(), check=False, progress=False, **task.options
+            task.problem,
+            solver=timed,
+            interval_limits=rt.interval_limits.ConstraintGeneration(),
+            check=False,
+            progress=False,
+            **task.options,
         )
     except rt.InputError as error:
         return Run("no stages" if "stages" in str(error) else "refused", float("inf"), 0, timed.seconds)
@@ -328,7 +339,7 @@ def write(lines: list[Line], more: list[str]) -> None:
         "# IPOPT and fatrop",
         "",
         f"`python benchmarks/solvers.py`, {datetime.date.today().isoformat()}. The same guess, mesh or tolerance "
-        f"({TOLERANCE:g}) and `between=rt.Exchange()` for both, each with its own engine, one thread, fatrop without "
+        f"({TOLERANCE:g}) and `interval_limits=rt.interval_limits.ConstraintGeneration()` for both, each with its own engine, one thread, fatrop without "
         f"anything to fall back on, {LIMIT:.0f} s a mesh. Processor seconds inside the solver, set-up included. "
         f"*uniform*: {UNIFORM.count} intervals of Hermite-Simpson; examples: their first plan, where it has at "
         f"most {LARGEST} variables. Objectives within {EQUAL:g} are the same optimum.",

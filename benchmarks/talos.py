@@ -19,7 +19,7 @@ import robotraj as rt
 LENGTH, DURATION, DOUBLE = 0.2, 0.8, 0.2
 """Step [m], its time [s], and the share of it on both feet."""
 FEET = ("left_sole_link", "right_sole_link")
-MESH = [rt.Mesh(n, rt.LobattoIIIA(4)) for n in (3, 5)]
+MESH = [rt.Mesh(n, rt.schemes.LobattoIIIA(4)) for n in (3, 5)]
 
 
 def step() -> rt.Problem:
@@ -68,7 +68,7 @@ def main() -> None:
     print(f"cost of transport {work / (weight * LENGTH):.3f}")
     if arguments.check:
         print(rt.validate(solution))
-        print(rt.second_opinion(solution, periods=3))
+        print(rt.witness.second_opinion(solution, periods=3))
     if arguments.html:
         print("wrote", rt.replay(solution, "talos.html", periods=4))
 

@@ -16,7 +16,7 @@ move = rt.Phase(
 print(move)
 
 # A constant force in every interval can switch at a knot, and cannot bulge over its limit between two.
-mesh = rt.Mesh(50, rt.HermiteSimpson(control=rt.ConstantControl()))
+mesh = rt.Mesh(50, rt.HermiteSimpson(control=rt.schemes.ConstantControl()))
 solution = rt.plan(move, mesh=mesh)
 print(solution)
 print(f"minimum time {solution.duration:.7f} s, exactly 2 sqrt(10) = {2 * np.sqrt(10):.7f} s")

@@ -26,7 +26,7 @@ weak = rt.Phase(
     limits=pendulum.limits.with_(effort=0.5),
     name="pendulum with a weak motor",
 )
-solution = rt.plan(weak, mesh=rt.Mesh(80, rt.HermiteSimpson(control=rt.LinearControl())))
+solution = rt.plan(weak, mesh=rt.Mesh(80, rt.HermiteSimpson(control=rt.schemes.LinearControl())))
 print(solution)
 report = rt.validate(solution)
 print(report)

@@ -14,8 +14,8 @@ swing_up = rt.Phase(
     name="cart-pole swing-up",
 )
 
-lecture = rt.HermiteSimpson(control=rt.LinearControl(), quadrature=rt.TrapezoidalQuadrature())
-for scheme in (rt.Trapezoidal(), lecture, rt.HermiteSimpson(), rt.FifthDegree()):
+lecture = rt.HermiteSimpson(control=rt.schemes.LinearControl(), quadrature=rt.schemes.TrapezoidalQuadrature())
+for scheme in (rt.schemes.Trapezoidal(), lecture, rt.HermiteSimpson(), rt.schemes.FifthDegree()):
     solution = rt.plan(swing_up, mesh=rt.Mesh(40, scheme))
     print(f"{scheme}: {solution.objective:.6f} (exact 58.807667)")
 

@@ -15,11 +15,11 @@ swing_up = rt.Phase(
 )
 # Swing back, tuck, swing through, stand: shoulder from hanging, elbow relative to the upper link.
 poses = [[0, 0], [-np.pi / 2, np.pi / 2], [np.pi / 2, np.pi / 2], [np.pi, 0]]
-keyframes = rt.Keyframes([0, 0.25, 0.75, 1], [rt.State(q=pose, v=0) for pose in poses])
+keyframes = rt.guess.Keyframes([0, 0.25, 0.75, 1], [rt.State(q=pose, v=0) for pose in poses])
 
 coarse = rt.plan(swing_up, mesh=rt.Mesh(20), guess=keyframes)
 # Refine from there until the error between the knots is below 1e-6: what is balanced on its head drifts fast.
-solution = rt.plan(swing_up, mesh=rt.Mesh(40, rt.FifthDegree()), guess=coarse, tolerance=1e-6)
+solution = rt.plan(swing_up, mesh=rt.Mesh(40, rt.schemes.FifthDegree()), guess=coarse, tolerance=1e-6)
 print(solution)
 
 report = rt.validate(solution)

@@ -8,14 +8,14 @@ import robotraj as rt
 block = rt.System(states=["x", "v"], controls=["u"], dynamics=lambda point: [point.x["v"], point.u["u"]])
 ends = rt.State([0, 0]), rt.State([10, 0])
 move = rt.Phase(block, (0.1, 200.0), *ends, objective=rt.Duration(), controls={"u": rt.between(-1, 1)})
-lecture = rt.HermiteSimpson(control=rt.LinearControl(), quadrature=rt.TrapezoidalQuadrature())
+lecture = rt.HermiteSimpson(control=rt.schemes.LinearControl(), quadrature=rt.schemes.TrapezoidalQuadrature())
 methods = {
     "collocation, 51 points": (rt.Mesh(50, lecture), None),
     "collocation, 101 points": (rt.Mesh(100, lecture), None),
     "collocation, 201 points": (rt.Mesh(200, lecture), None),
-    "multiple shooting, 21 points": (rt.Mesh(20, rt.MultipleShooting()), None),
-    "single shooting, 21 points": (rt.Mesh(20, rt.SingleShooting()), None),
-    "adaptive mesh from 7 intervals": (rt.Mesh(7, rt.RadauIIA(3)), 1e-6),
+    "multiple shooting, 21 points": (rt.Mesh(20, rt.schemes.MultipleShooting()), None),
+    "single shooting, 21 points": (rt.Mesh(20, rt.schemes.SingleShooting()), None),
+    "adaptive mesh from 7 intervals": (rt.Mesh(7, rt.schemes.RadauIIA(3)), 1e-6),
 }
 print(f"exactly 2 sqrt(10) = {2 * np.sqrt(10):.7f} s")
 figure = Figure(figsize=(18, 7), layout="constrained")

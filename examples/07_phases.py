@@ -4,7 +4,7 @@ import robotraj as rt
 
 slider = rt.System(states=["x", "v"], controls=["F"], dynamics=lambda point: [point.x["v"], point.u["F"]])
 force = {"F": rt.between(-20, 20)}
-mesh = rt.MovingMesh(4, rt.RadauIIA(3, control=rt.ConstantControl()))
+mesh = rt.schemes.MovingMesh(4, rt.schemes.RadauIIA(3, control=rt.schemes.ConstantControl()))
 
 for count in (1, 2, 3, 4):
     ends = [rt.State([0, 0]), *(rt.State({"x": k / count}) for k in range(1, count)), rt.State([1, 0])]
@@ -25,8 +25,8 @@ to, back = (
         ("and back", rt.State({"x": 0.5}), rt.State([0, 0])),
     )
 )
-bounce = rt.Linkage((0, 1), lambda a, b: b.start.x["v"] + 0.8 * a.end.x["v"], name="restitution", unit="m/s")
-problem = rt.Problem([to, back], [rt.Jump(0, 1, jumps={"v": None}), bounce])
+bounce = rt.links.Linkage((0, 1), lambda a, b: b.start.x["v"] + 0.8 * a.end.x["v"], name="restitution", unit="m/s")
+problem = rt.Problem([to, back], [rt.links.Jump(0, 1, jumps={"v": None}), bounce])
 solution = rt.plan(problem, mesh=rt.Mesh(20))
 print(solution)
 

@@ -14,7 +14,7 @@ carry = [
     rt.AtStart(rt.FramePosition("tip", {"x": 1.1, "y": -0.5})),
     rt.AtEnd(rt.FramePosition("tip", {"x": 0.6, "y": 1.2})),
 ]
-bent = rt.Keyframes([0, 1], [rt.State(q=[0.5, -1.8], v=0), rt.State(q=[1.9, -1.7], v=0)])
+bent = rt.guess.Keyframes([0, 1], [rt.State(q=[0.5, -1.8], v=0), rt.State(q=[1.9, -1.7], v=0)])
 as_built = rt.plan(rt.Phase(arm, constraints=carry, **task), mesh=rt.Mesh(40), guess=bent)
 
 # A rod of 1 kg a metre weighs what it is long.
@@ -24,9 +24,9 @@ together = rt.Phase(
     constraints=[*carry, rod],
     parameters={"upper": rt.between(0.3, 1.5), "mass": rt.between(0.3, 1.5), "fore": rt.between(0.3, 1.5)},
     design={
-        "upper": rt.LinkLength("shoulder", along=(1, 0, 0)),
-        "mass": rt.BodyMass("upper_arm"),
-        "fore": rt.LinkLength("elbow"),
+        "upper": rt.design.LinkLength("shoulder", along=(1, 0, 0)),
+        "mass": rt.design.BodyMass("upper_arm"),
+        "fore": rt.design.LinkLength("elbow"),
     },
     name="carry",
     **task,

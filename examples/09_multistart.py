@@ -21,8 +21,8 @@ if __name__ == "__main__":  # the sweep's processes import this file
     found = rt.multistart(swing_up(1.0), starts=20, seed=0, mesh=rt.Mesh(40))
     print(found)
 
-    first = rt.Stage(mesh=rt.Mesh(10), objective=rt.Effort() + rt.Duration())
-    print(rt.plan(swing_up(1.0), mesh=rt.Mesh(40), stages=[first]))
+    first = rt.planning.ContinuationStep(mesh=rt.Mesh(10), objective=rt.Effort() + rt.Duration())
+    print(rt.plan(swing_up(1.0), mesh=rt.Mesh(40), continuation=[first]))
 
     for solution in rt.sweep([swing_up(x) for x in (0.5, 1.0, 1.5)], mesh=rt.Mesh(40)):
         print(f"{solution.problem.phases[0].name}: {solution.objective:.3f} N^2 s, {solution.status.value}")

@@ -10,7 +10,7 @@ legs = {"left_hip": "right_hip", "left_foot": "right_foot"}
 motor = rt.PathConstraint(lambda point: point.tau[0] + point.tau[1], 0, 0, name="one motor", unit="N m")
 
 for name, descent, length in (("downhill", 0.0525, rt.between(0.3, 0.8)), ("level", 0.0, 0.4)):
-    ground = rt.Slope(-np.tan(descent))
+    ground = rt.terrain.Slope(-np.tan(descent))
 
     def height(point, ground=ground):
         """Of the swing foot, which scuffs as with every compass: it is on the ground where it comes down."""
@@ -29,7 +29,7 @@ for name, descent, length in (("downhill", 0.0525, rt.between(0.3, 0.8)), ("leve
     )
     mirror = rt.Mirror(legs, displacement={"q.root_x": length, "q.root_z": None})
     gait = rt.Problem([step], [rt.Touchdown(0, 0, repeat=mirror)])
-    solution = rt.plan(gait, mesh=rt.Mesh(8, rt.LobattoIIIA(4)), tolerance=1e-6)
+    solution = rt.plan(gait, mesh=rt.Mesh(8, rt.schemes.LobattoIIIA(4)), tolerance=1e-6)
     print(solution)
     angles, rates = (np.add(state[3:], state[2]) for state in (solution.at(0).q, solution.at(0).v))
     print(f"after the strike: stance, swing leg at {angles} rad, {rates} rad/s; a step takes {solution.duration:.6f} s")

@@ -13,15 +13,15 @@ still = {"root_z": 0.5, "root_pitch": 0.0, "hip": 0.0, "leg": 0.5}
 hop = rt.Phase(
     robot,
     duration=1.0,
-    contacts=[rt.ImplicitContact("foot", friction=0.8, relaxation=1e-4)],
+    contacts=[rt.contacts.ImplicitContact("foot", friction=0.8, relaxation=1e-4)],
     start=rt.State(q=still | {"root_x": 0.0}, v=0),
     end=rt.State(q=still | {"root_x": 0.5}, v=0),
     objective=rt.Effort({"hip": 1.0, "leg": 0.01}),
     name="hop",
 )
 # A stronger barrier than usual: the guess, a straight line, says nothing of the contacts.
-solver, stages = rt.Ipopt(initial_barrier=0.1), rt.tightening(hop, [1.0, 0.1, 1e-2, 1e-3])
-solution = rt.plan(hop, mesh=rt.Mesh(40, rt.RadauIIA(1)), solver=solver, stages=stages)
+solver, stages = rt.Ipopt(initial_barrier=0.1), rt.planning.tightening(hop, [1.0, 0.1, 1e-2, 1e-3])
+solution = rt.plan(hop, mesh=rt.Mesh(40, rt.schemes.RadauIIA(1)), solver=solver, continuation=stages)
 print(solution)
 
 middles = 0.5 * (solution.knots[1:] + solution.knots[:-1])

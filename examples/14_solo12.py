@@ -17,9 +17,9 @@ calm = 1e-5 * rt.Lagrange(lambda point: ca.sumsqr(point.a[6:]))
 # Half a stride, closed on its own mirror image by the impact of the other feet.
 trot = rt.gait.trot(robot, step_length=0.06, duration=0.2, clearance=0.04, contact=foot, objective=posture + calm)
 # Feet that push and land never quite without load: a force of zero is the tip of the cone.
-loaded = partial(foot, cone=rt.Linearised(4), normal_force=(0.5, 40.0))
+loaded = partial(foot, cone=rt.contacts.Linearised(4), normal_force=(0.5, 40.0))
 jump = rt.gait.jump(robot, length=0.1, height=0.08, push=0.25, land=0.25, contact=loaded, objective=posture + 10 * calm)
-meshes = rt.Mesh(5, rt.LobattoIIIA(4)), [rt.Mesh(n, rt.HermiteSimpson()) for n in (14, 8, 12)]
+meshes = rt.Mesh(5, rt.schemes.LobattoIIIA(4)), [rt.Mesh(n, rt.HermiteSimpson()) for n in (14, 8, 12)]
 
 weight = 9.81 * sum(inertia.mass for inertia in robot.model.inertias)
 for name, problem, mesh, periods in (("trot", trot, meshes[0], 4), ("jump", jump, meshes[1], 1)):
@@ -32,6 +32,6 @@ for name, problem, mesh, periods in (("trot", trot, meshes[0], 4), ("jump", jump
     print(f"cost of transport {work / (weight * way):.3f}: positive work by weight and distance")
     print(report := rt.validate(solution))
     report.check(drift=1e-2, contact=1e-4)
-    print(opinion := rt.second_opinion(solution, periods=periods))
+    print(opinion := rt.witness.second_opinion(solution, periods=periods))
     assert opinion.completed and opinion.upright
     print("wrote", rt.replay(solution, f"14_solo12_{name}.html", periods=periods))

@@ -21,8 +21,8 @@ fast = {"step_length": 0.06, "duration": 0.2, "clearance": 0.03}
 slow = {"step_length": 0.2, "duration": 0.8, "clearance": 0.04, "double_support": 0.2}
 
 for robot, on, pace, calm, mesh in (
-    (bolt, small, fast, 1e-5, rt.Mesh(6, rt.LobattoIIIA(4))),
-    (talos, large, slow, 0.3, [rt.Mesh(n, rt.LobattoIIIA(4)) for n in (5, 7)]),
+    (bolt, small, fast, 1e-5, rt.Mesh(6, rt.schemes.LobattoIIIA(4))),
+    (talos, large, slow, 0.3, [rt.Mesh(n, rt.schemes.LobattoIIIA(4)) for n in (5, 7)]),
 ):
     # Torques, distance from the standing posture, and a little of the joints' accelerations: swings get smooth.
     cost = rt.gait.gait_objective(robot, rt.gait.stand(robot, **on)) + calm * rt.Lagrange(lambda p: ca.sumsqr(p.a[6:]))
@@ -34,6 +34,6 @@ for robot, on, pace, calm, mesh in (
     print(f"cost of transport {work / (weight * pace['step_length']):.3f}: positive work by weight and distance")
     print(report := rt.validate(solution))
     report.check(drift=1e-2, phase_drift=1e-2, contact=1e-4)
-    print(opinion := rt.second_opinion(solution, periods=6))
+    print(opinion := rt.witness.second_opinion(solution, periods=6))
     assert opinion.completed and opinion.upright
     print("wrote", rt.replay(solution, f"15_{robot.name}_walking.html", periods=6))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import robotraj as rt
 
 robot = rt.load("five_link", root="planar")
-stairs = rt.Steps.stairs(start=0.2, run=0.4, rise=0.1, count=2)
+stairs = rt.terrain.Steps.stairs(start=0.2, run=0.4, rise=0.1, count=2)
 foot = rt.PointContact("left_foot", friction=0.8, ground=stairs)
 left, right = "left_foot", "right_foot"
 first, second = rt.between(0.25, 0.5), rt.between(0.65, 1.0)
@@ -27,12 +27,12 @@ phases = [replace(phase, parameters=where) for phase, where in zip(written.phase
 climb = rt.Problem(phases, written.links)
 
 coarse = rt.plan(climb, rt.Mesh(6))
-solution = rt.plan(climb, rt.Mesh(12, rt.LobattoIIIA(5)), guess=coarse)
+solution = rt.plan(climb, rt.Mesh(12, rt.schemes.LobattoIIIA(5)), guess=coarse)
 print(solution)
 print("footholds:", *(f"{k} = {v:.3f} m" for phase in solution.phases for k, v in phase.parameters.items()))
 # Standing on points is unstable: each phase holds by itself, the climb as a whole with feedback of the joints.
 report = rt.validate(solution, drift=None)
 print(report)
 report.check()
-print(rt.track(solution, kp=400.0, kd=40.0))
+print(rt.witness.track(solution, kp=400.0, kd=40.0))
 print("wrote", rt.replay(solution, "16_stairs.html"))

@@ -9,9 +9,9 @@ ends = rt.State(q=0, v=0), rt.State(q=10, v=0)
 move = rt.Phase(block, (0.1, 200.0), *ends, objective=rt.Duration(), name="block, minimum time")
 direct = rt.plan(move, tolerance=1e-6)
 print(direct)
-print(rt.conditions(direct))
+print(rt.indirect.conditions(direct))
 
-polished = rt.polish(direct)
+polished = rt.indirect.polish(direct)
 print(polished)
 (switch,) = polished.switching_times["tau.slider"]
 print(f"switching time {switch:.12f} s, exactly sqrt(10) = {np.sqrt(10):.12f} s")
@@ -21,8 +21,8 @@ print(f"switching time {switch:.12f} s, exactly sqrt(10) = {np.sqrt(10):.12f} s"
 mass = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
 effort = rt.Lagrange(lambda point: 0.5 * point.u["u"] ** 2)
 bounce = rt.Phase(mass, 1.0, rt.State([0, 1]), rt.State([0, -1]), effort, states={"x": rt.between(None, 1 / 9)})
-arcs, guess = rt.cut_at_junctions(rt.plan(bounce, tolerance=1e-6))
-entry, arc, _ = rt.costates(rt.plan(arcs, rt.Mesh(3, rt.RadauIIA(3)), guess, rt.Ipopt(1e-12))).phases
+arcs, guess = rt.indirect.cut_at_junctions(rt.plan(bounce, tolerance=1e-6))
+entry, arc, _ = rt.indirect.costates(rt.plan(arcs, rt.Mesh(3, rt.schemes.RadauIIA(3)), guess, rt.Ipopt(1e-12))).phases
 print(f"the bound is met at {arc.solution.t0:.6f} s (exactly 1/3); the costates jump there")
 print(f"from {entry.final.round(4)} (exactly 18, 0) to {arc.initial.round(4)} (exactly 0, 0)\n")
 
@@ -35,4 +35,4 @@ swing_up = rt.Phase(
     objective=rt.Effort(),
     name="cart-pole swing-up",
 )
-print(rt.polish(rt.plan(swing_up, tolerance=1e-6)))
+print(rt.indirect.polish(rt.plan(swing_up, tolerance=1e-6)))

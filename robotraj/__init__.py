@@ -1,10 +1,5 @@
-"""robotraj: plan robot motions by direct collocation and prove them by simulation.
+"""robotraj: plan robot motions by direct collocation and prove them by simulation."""
 
-The public names are listed in ``__init__.pyi``, beside this file.
-"""
+import lazy_loader
 
-from __future__ import annotations
-
-from robotraj.lazily import lazily
-
-__getattr__, __dir__, __all__ = lazily(__name__)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

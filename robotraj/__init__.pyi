@@ -1,262 +1,126 @@
 """robotraj: plan robot motions by direct collocation and prove them by simulation."""
 
-from robotraj.compiling import Compilation, compile
-from robotraj.constraints import (
-    AtEnd,
-    AtStart,
-    CollisionShapes,
-    FramePose,
-    FramePosition,
-    GroundClearance,
-    IntegralConstraint,
-    JointAcceleration,
-    JointEffort,
-    JointPosition,
-    JointVelocity,
-    PathConstraint,
-    RequiredHeight,
-    SwingApex,
-    between,
+from . import (
+    dynamics,
+    gait,
+    guess,
+    indirect,
+    planning,
+    robot,
+    solution,
+    solvers,
+    symbolic,
+    transcription,
+    witness,
 )
-from robotraj.contacts import (
-    FlatFoot,
-    FourCorners,
-    ImplicitContact,
-    Linearised,
-    LineContact,
-    LoopClosure,
-    PointContact,
-    PressureAndTorsion,
-    SecondOrder,
-)
-from robotraj.design import BodyMass, JointDamping, LinkLength, Payload
-from robotraj.dynamics import ForwardDynamics, InverseDynamics, System
-from robotraj.engines import Compiled, Native, VirtualMachine
-from robotraj.errors import InputError, Interrupted, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
-from robotraj.gait import Flight, Upright
-from robotraj.guess import FromSolution, StraightLine
-from robotraj.guesses import InverseKinematics, InvertedPendulum, Keyframes, MinimumJerk, Perturbed
-from robotraj.indirect.conditions import conditions
-from robotraj.indirect.costates import costates
-from robotraj.indirect.junctions import cut_at_junctions
-from robotraj.indirect.polish import polish
-from robotraj.indirect.polished import PolishFailed
-from robotraj.kinematic import Kinematic
-from robotraj.links import (
-    Continuity,
-    EqualDuration,
-    Jump,
-    Liftoff,
-    Linkage,
-    Mirror,
-    Periodic,
-    SameParameter,
-    Touchdown,
-)
-from robotraj.multistart import Multistart, Optimum, multistart
-from robotraj.objectives import (
-    AbsolutePower,
-    CentroidalMomentum,
-    CostOfTransport,
-    Duration,
-    Effort,
-    ForceRate,
-    FrameSmoothness,
-    Jerk,
-    Lagrange,
-    Mayer,
-    MechanicalWork,
-    TerminalPose,
-    TorqueRate,
-    Tracking,
-)
-from robotraj.phase import Phase
-from robotraj.planning import plan
-from robotraj.problem import Problem
-from robotraj.refinement import RaiseOrder, SplitAndMerge, SplitOrRaise
-from robotraj.replay import replay
-from robotraj.robot import Limits, Robot, catalogue, load
-from robotraj.schemes import (
-    Adaptive,
-    CompressedHermiteSimpson,
-    ConstantControl,
-    FifthDegree,
-    GaussLegendre,
-    HermiteSimpson,
-    LinearControl,
-    LobattoIIIA,
-    Mesh,
-    MovingMesh,
-    MultipleShooting,
-    OwnQuadrature,
-    PolynomialControl,
-    RadauIIA,
-    RungeKutta4,
-    SingleShooting,
-    Trapezoidal,
-    TrapezoidalQuadrature,
-)
-from robotraj.solution import Solution, load_solution
-from robotraj.solvers import Fatrop, Ipopt
-from robotraj.stages import Stage, tightening
-from robotraj.state import State
-from robotraj.status import Status
-from robotraj.sweep import sweep
-from robotraj.terrain import Flat, HeightFunction, HeightMap, Slope, Steps
-from robotraj.transcription import Nlp, transcribe
-from robotraj.transcription.between import ConvexHull, Exchange
-from robotraj.witness import (
-    JointFeedback,
-    LinearQuadratic,
-    NoFeedback,
-    Report,
-    SecondOpinion,
-    SoftGround,
-    second_opinion,
-    simulate,
-    track,
-    validate,
-)
+from ._util.errors import InputError, Interrupted, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
+from .dynamics import contacts, design, terrain
+from .dynamics.contacts.flat_foot import FlatFoot
+from .dynamics.contacts.line_contact import LineContact
+from .dynamics.contacts.point_contact import PointContact
+from .dynamics.system import System
+from .guess.guess import Guess
+from .native import engines
+from .planning.compilation import precompile
+from .planning.multistart import multistart
+from .planning.plan import plan
+from .planning.sweep import sweep
+from .problem import constraints, links, objectives
+from .problem.constraints.base import AtEnd, AtStart
+from .problem.constraints.bounds import between
+from .problem.constraints.clearance import GroundClearance
+from .problem.constraints.frame_pose import FramePose, FramePosition
+from .problem.constraints.integral import IntegralConstraint
+from .problem.constraints.path import PathConstraint
+from .problem.links.continuity import Continuity
+from .problem.links.periodic import Mirror, Periodic
+from .problem.links.touchdown import Liftoff, Touchdown
+from .problem.objectives.duration import Duration
+from .problem.objectives.effort import Effort
+from .problem.objectives.lagrange import Lagrange
+from .problem.objectives.mayer import Mayer
+from .problem.phase import Phase
+from .problem.problem import Problem
+from .problem.state import State
+from .replay_page.write import replay
+from .robot.known_robots.catalogue import catalogue
+from .robot.limits import Limits
+from .robot.robot import Robot, load
+from .solution.solution import Solution, load_solution
+from .solvers.fatrop import Fatrop
+from .solvers.ipopt import Ipopt
+from .transcription import interval_limits, refinement, schemes
+from .transcription.schemes.lobatto import HermiteSimpson
+from .transcription.schemes.mesh import Mesh
+from .witness.validation import validate
 
 __all__ = [
-    "AbsolutePower",
-    "Adaptive",
     "AtEnd",
     "AtStart",
-    "BodyMass",
-    "CentroidalMomentum",
-    "CollisionShapes",
-    "Compilation",
-    "Compiled",
-    "CompressedHermiteSimpson",
-    "ConstantControl",
     "Continuity",
-    "ConvexHull",
-    "CostOfTransport",
     "Duration",
     "Effort",
-    "EqualDuration",
-    "Exchange",
     "Fatrop",
-    "FifthDegree",
-    "Flat",
     "FlatFoot",
-    "Flight",
-    "ForceRate",
-    "ForwardDynamics",
-    "FourCorners",
     "FramePose",
     "FramePosition",
-    "FrameSmoothness",
-    "FromSolution",
-    "GaussLegendre",
     "GroundClearance",
-    "HeightFunction",
-    "HeightMap",
+    "Guess",
     "HermiteSimpson",
-    "ImplicitContact",
     "InputError",
     "IntegralConstraint",
     "Interrupted",
-    "InverseDynamics",
-    "InverseKinematics",
-    "InvertedPendulum",
     "Ipopt",
-    "Jerk",
-    "JointAcceleration",
-    "JointDamping",
-    "JointEffort",
-    "JointFeedback",
-    "JointPosition",
-    "JointVelocity",
-    "Jump",
-    "Keyframes",
-    "Kinematic",
     "Lagrange",
     "Liftoff",
     "Limits",
     "LineContact",
-    "LinearControl",
-    "LinearQuadratic",
-    "Linearised",
-    "LinkLength",
-    "Linkage",
-    "LobattoIIIA",
-    "LoopClosure",
     "Mayer",
-    "MechanicalWork",
     "Mesh",
-    "MinimumJerk",
     "Mirror",
-    "MovingMesh",
-    "MultipleShooting",
-    "Multistart",
-    "Native",
-    "Nlp",
-    "NoFeedback",
     "NoSolutionFound",
-    "Optimum",
-    "OwnQuadrature",
     "PathConstraint",
-    "Payload",
     "Periodic",
-    "Perturbed",
     "Phase",
     "PointContact",
-    "PolishFailed",
-    "PolynomialControl",
-    "PressureAndTorsion",
     "Problem",
-    "RadauIIA",
-    "RaiseOrder",
-    "Report",
-    "RequiredHeight",
     "Robot",
     "RobotrajError",
-    "RungeKutta4",
-    "SameParameter",
-    "SecondOpinion",
-    "SecondOrder",
-    "SingleShooting",
-    "Slope",
-    "SoftGround",
     "Solution",
-    "SplitAndMerge",
-    "SplitOrRaise",
-    "Stage",
     "State",
-    "Status",
-    "Steps",
-    "StraightLine",
-    "SwingApex",
     "System",
-    "TerminalPose",
-    "TorqueRate",
     "Touchdown",
-    "Tracking",
-    "Trapezoidal",
-    "TrapezoidalQuadrature",
     "UnknownName",
-    "Upright",
     "ValidationFailed",
-    "VirtualMachine",
     "between",
     "catalogue",
-    "compile",
-    "conditions",
-    "costates",
-    "cut_at_junctions",
+    "constraints",
+    "contacts",
+    "design",
+    "dynamics",
+    "engines",
+    "gait",
+    "guess",
+    "indirect",
+    "interval_limits",
+    "links",
     "load",
     "load_solution",
     "multistart",
+    "objectives",
     "plan",
-    "polish",
+    "planning",
+    "precompile",
+    "refinement",
     "replay",
-    "second_opinion",
-    "simulate",
+    "robot",
+    "schemes",
+    "solution",
+    "solvers",
     "sweep",
-    "tightening",
-    "track",
-    "transcribe",
+    "symbolic",
+    "terrain",
+    "transcription",
     "validate",
+    "witness",
 ]

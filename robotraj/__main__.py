@@ -1,5 +1,5 @@
 """``python -m robotraj`` is ``robotraj``."""
 
-from robotraj.cli import app
+from robotraj.cli.app import app
 
 app()

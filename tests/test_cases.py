@@ -13,16 +13,16 @@ import pytest
 import yaml
 
 import robotraj as rt
-from robotraj.guess import Guess, PhaseGuess, default_parameters
+from robotraj.guess.guess import Guess, PhaseGuess, default_parameters
 
 CASES = {case["id"]: case for case in yaml.safe_load((Path(__file__).parent / "cases" / "systems.yaml").read_text())}
-LECTURE = rt.HermiteSimpson(control=rt.LinearControl(), quadrature=rt.TrapezoidalQuadrature())
+LECTURE = rt.HermiteSimpson(control=rt.schemes.LinearControl(), quadrature=rt.schemes.TrapezoidalQuadrature())
 SCHEMES = {
-    "trap": rt.Trapezoidal(),
+    "trap": rt.schemes.Trapezoidal(),
     "hs": rt.HermiteSimpson(),
     "lecture": LECTURE,
-    "fifth": rt.FifthDegree(),
-    "radau3": rt.RadauIIA(points=3),
+    "fifth": rt.schemes.FifthDegree(),
+    "radau3": rt.schemes.RadauIIA(points=3),
 }
 SLOW = {("space_reorientation", 120), ("hypersensitive", 400), ("block_move_min_work", 160)}
 

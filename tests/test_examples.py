@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj import solving
+from robotraj.planning import solve as solving
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("[0-9]*.py"))
 
 
-def small(problem: rt.Problem, meshes: object) -> rt.Nlp:
+def small(problem: rt.Problem, meshes: object) -> rt.transcription.Nlp:
     """Transcribe a problem of an example on meshes of two intervals, with the example's schemes."""
     given = [meshes] * len(problem.phases) if isinstance(meshes, rt.Mesh) else list(meshes)  # type: ignore[call-overload]
-    return rt.transcribe(problem, [type(mesh)(2, mesh.schemes[0]) for mesh in given])
+    return rt.transcription.transcribe(problem, [type(mesh)(2, mesh.schemes[0]) for mesh in given])
 
 
-def assert_derivatives(nlp: rt.Nlp) -> None:
+def assert_derivatives(nlp: rt.transcription.Nlp) -> None:
     """Gradient, Jacobian and Hessian along random directions agree with differences of fourth order to 1e-6.
 
     Differences of second order err by more than that on the short ramps of stairs.
@@ -59,7 +59,7 @@ def test_an_example_runs_and_its_derivatives_agree_with_finite_differences(
     seen: list[tuple[rt.Problem, object]] = []
     real = solving.transcribe
 
-    def recorded(problem: rt.Problem, mesh: object, *more: object) -> rt.Nlp:
+    def recorded(problem: rt.Problem, mesh: object, *more: object) -> rt.transcription.Nlp:
         seen.append((problem, mesh))
         return real(problem, mesh, *more)  # type: ignore[arg-type]
 

@@ -122,9 +122,9 @@ def test_imports_in_functions_and_for_types_alone_are_seen(tmp_path: Path) -> No
     path = tmp_path / "module.py"
     path.write_text(
         "from typing import TYPE_CHECKING\n"
-        "import robotraj.errors\n"
+        "import robotraj._util.errors\n"
         "if TYPE_CHECKING:\n"
-        "    from robotraj.solution import Solution\n"
+        "    from robotraj.solution.solution import Solution\n"
         "def late():\n"
         "    from robotraj import planning\n"
     )

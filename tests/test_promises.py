@@ -43,7 +43,7 @@ def test_an_error_crosses_processes_with_its_solution() -> None:
     move = rt.Phase(block, 1.0, rt.State([0, 0]), rt.State([9, 0]), controls={"u": rt.between(-1, 1)})
     failed = rt.plan(move, mesh=rt.Mesh(4), check=False)
     error = pickle.loads(pickle.dumps(rt.NoSolutionFound("no way", failed.status)))
-    assert str(error) == "no way" and error.solution is failed.status is rt.Status.INFEASIBLE
+    assert str(error) == "no way" and error.solution is failed.status is rt.solvers.Status.INFEASIBLE
 
 
 def test_objectives_subtract_negate_and_divide() -> None:

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 import robotraj as rt
-from robotraj.stagewise import reduce
-from robotraj.transcription import Nlp, transcribe
+from robotraj.solution.violations import violations
+from robotraj.solvers.stagewise.reduction import reduce
 from robotraj.transcription.extract import extract
-from robotraj.transcription.guarded import guarded
-from robotraj.transcription.guards import Guard, find_bulges, guardable
-from robotraj.violations import violations
+from robotraj.transcription.interval_limits.added_rows import guarded
+from robotraj.transcription.interval_limits.constraint_generation import Guard, find_bulges, guardable
+from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.transcribe import transcribe
 
 Call = Callable[[], Any]
 
@@ -58,7 +59,7 @@ def phase(name: str) -> rt.Phase:
 
 
 @lru_cache(maxsize=8)
-def nlp(name: str, intervals: int, engine: rt.Native | None = None) -> Nlp:
+def nlp(name: str, intervals: int, engine: rt.engines.Native | None = None) -> Nlp:
     return transcribe(rt.Problem([phase(name)]), rt.Mesh(intervals, rt.HermiteSimpson()), engine=engine)
 
 
@@ -71,7 +72,7 @@ def posing(name: str) -> Call:
     return partial(phase, name)
 
 
-def transcribing(name: str, intervals: int, engine: rt.Native | None = None) -> Call:
+def transcribing(name: str, intervals: int, engine: rt.engines.Native | None = None) -> Call:
     # A phase keeps what was differentiated for it: every call has a new one.
     return lambda: transcribe(rt.Problem([phase(name)]), rt.Mesh(intervals, rt.HermiteSimpson()), engine=engine)
 
@@ -83,7 +84,7 @@ def assembling(name: str, intervals: int) -> Call:
 
 
 def reducing(name: str, intervals: int) -> Call:
-    known = nlp(name, intervals, rt.Native())
+    known = nlp(name, intervals, rt.engines.Native())
     return lambda: reduce(known)
 
 
@@ -111,9 +112,9 @@ def point_function(name: str, intervals: int, which: str) -> Call:
 
 def native_function(name: str, intervals: int, which: str) -> Call:
     """Make the same of the compiled module: inverse dynamics by analysis, one thread."""
-    known = nlp(name, intervals, rt.Native())
+    known = nlp(name, intervals, rt.engines.Native())
     (block,) = (b for b in known.blocks if b.count > 1)
-    compiled = rt.Native().block(block.stage, block.count, block.costs)
+    compiled = rt.engines.Native().block(block.stage, block.count, block.costs)
     arguments = [np.ascontiguousarray(each.T).ravel() for each in (block.places(known.guess), block.constants)]
     if which == "hessian":
         arguments.append(np.ones(block.stage.outputs * block.count))
@@ -158,13 +159,19 @@ PIECES = (
     ),
     *(
         Piece(
-            "point functions", f"{which} of {name}, 101 places, rt.Native()", partial(native_function, name, 50, which)
+            "point functions",
+            f"{which} of {name}, 101 places, rt.engines.Native()",
+            partial(native_function, name, 50, which),
         )
         for name in ARMS
         for which in COMPILED
     ),
     *(Piece("transcription", f"transcribe ur5, N = {n}", partial(transcribing, "ur5", n)) for n in (50, 200)),
-    Piece("transcription", "transcribe ur5, N = 50, rt.Native()", partial(transcribing, "ur5", 50, rt.Native())),
+    Piece(
+        "transcription",
+        "transcribe ur5, N = 50, rt.engines.Native()",
+        partial(transcribing, "ur5", 50, rt.engines.Native()),
+    ),
     Piece("transcription", "functions for IPOPT of ur5, N = 50", partial(assembling, "ur5", 50)),
     Piece("transcription", "guards of ur5, N = 50", partial(guarding, "ur5", 50)),
     *(Piece("reduction", f"reduce ur5, N = {n}", partial(reducing, "ur5", n)) for n in (50, 200)),

@@ -58,12 +58,18 @@ TOOLS: dict[str, Tool] = {
     "robotraj": _robotraj(""),
     "robotraj-compiled": _robotraj(", compiled", True, PEERS_ENGINE="Compiled"),
     "robotraj-ipopt": _robotraj(", IPOPT, virtual machine", PEERS_SOLVER="Ipopt", PEERS_ENGINE="VirtualMachine"),
-    "robotraj-fatrop": _robotraj(", fatrop", PEERS_SOLVER="Fatrop", PEERS_ENGINE="Native", PEERS_BETWEEN="Exchange"),
+    "robotraj-fatrop": _robotraj(
+        ", fatrop", PEERS_SOLVER="Fatrop", PEERS_ENGINE="Native", PEERS_INTERVAL_LIMITS="ConstraintGeneration"
+    ),
     "robotraj-hull": _robotraj(
-        ", fatrop, hull", PEERS_SOLVER="Fatrop", PEERS_ENGINE="Native", PEERS_BETWEEN="ConvexHull"
+        ", fatrop, hull", PEERS_SOLVER="Fatrop", PEERS_ENGINE="Native", PEERS_INTERVAL_LIMITS="BernsteinBounds"
     ),
     "robotraj-hull-compiled": _robotraj(
-        ", fatrop, hull, compiled", True, PEERS_SOLVER="Fatrop", PEERS_ENGINE="Compiled", PEERS_BETWEEN="ConvexHull"
+        ", fatrop, hull, compiled",
+        True,
+        PEERS_SOLVER="Fatrop",
+        PEERS_ENGINE="Compiled",
+        PEERS_INTERVAL_LIMITS="BernsteinBounds",
     ),
     "robotraj-starts": _several(10),
     "robotraj-starts-20": _several(20),
@@ -72,7 +78,7 @@ TOOLS: dict[str, Tool] = {
             ", fatrop, hull, twice as many intervals at Chebyshev knots",
             PEERS_SOLVER="Fatrop",
             PEERS_ENGINE="Native",
-            PEERS_BETWEEN="ConvexHull",
+            PEERS_INTERVAL_LIMITS="BernsteinBounds",
             PEERS_MESH="Chebyshev",
         ),
         cannot=dict.fromkeys(("T1", "T2", "T3", "T4"), "not run: a mesh for an arm's minimum time"),

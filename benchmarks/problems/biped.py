@@ -102,7 +102,7 @@ def system(chain: Chain) -> rt.System:
     return rt.System(Q + RATE, TORQUE, rates, algebraic=ACCELERATION, residual=residual, units=units)
 
 
-def heel_strike(chain: Chain) -> rt.Linkage:
+def heel_strike(chain: Chain) -> rt.links.Linkage:
     """Start the step as the last one ended: legs changed, angular momentum kept about new foot, knees and hip."""
 
     def momentum(q: Sequence[Any], dq: Sequence[Any], about: int, links: Sequence[int]) -> Any:
@@ -124,7 +124,7 @@ def heel_strike(chain: Chain) -> rt.Linkage:
         ]
         return pose + kept
 
-    return rt.Linkage((0,), rows, name="heel strike")
+    return rt.links.Linkage((0,), rows, name="heel strike")
 
 
 def biped(torso_from_hip: bool) -> Case:
@@ -159,7 +159,7 @@ def biped(torso_from_hip: bool) -> Case:
         controls=dict.fromkeys(TORQUE, rt.between(-100, 100)),
         name="step",
     )
-    guess = rt.Keyframes([0, 1], [rt.State([*first, *rate]), rt.State([*last, *rate])])
+    guess = rt.guess.Keyframes([0, 1], [rt.State([*first, *rate]), rt.State([*last, *rate])])
     exact, of = (390.7905, "table") if torso_from_hip else (469.6500, "code")
     return Case(
         f"biped, torso of the {of}",

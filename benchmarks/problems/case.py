@@ -6,8 +6,8 @@ import time
 from dataclasses import dataclass
 
 import robotraj as rt
-from robotraj.guess import Guess
-from robotraj.schemes import Collocation
+from robotraj.guess.guess import Guess
+from robotraj.transcription.schemes.collocation import Collocation
 
 TOLERANCE = 1e-6
 

@@ -30,4 +30,4 @@ def sliding_mass(count: int) -> Case:
 
     problem = rt.Problem([phase(k) for k in range(count)], [rt.Continuity(k, k + 1) for k in range(count - 1)])
     name = f"sliding mass, {count} phase{'s' if count > 1 else ''}"
-    return Case(name, problem, rt.StraightLine(), 2 / sqrt(20), 0.0, "closed form: 2 / sqrt(20)")
+    return Case(name, problem, rt.guess.StraightLine(), 2 / sqrt(20), 0.0, "closed form: 2 / sqrt(20)")

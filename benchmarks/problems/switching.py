@@ -28,7 +28,7 @@ class Bang:
     """
 
     case: Case
-    mesh: rt.MovingMesh
+    mesh: rt.schemes.MovingMesh
     switches: Mapping[str, tuple[float, ...]]
     accuracy: float
 
@@ -36,14 +36,19 @@ class Bang:
 def bangs() -> list[Bang]:
     """Give the two-link arm (arcs integrated to 1e-12, printed to 1e-5) and the S-curve (closed form)."""
     cases = {case.name: case for case in written(TABLE)}
-    constant = rt.ConstantControl()
+    constant = rt.schemes.ConstantControl()
     arm = {"u1": (1.49114,), "u2": (0.94314, 2.62755)}
     jerk = {"j": (0.1, 0.5, 0.6, 2.0, 2.1, 2.5)}
     return [
-        Bang(cases["two_link_arm"], rt.MovingMesh(20, rt.RadauIIA(5, control=constant)), arm, 1e-5),
-        Bang(cases["min_time_bvp_jerk"], rt.MovingMesh(10, rt.RadauIIA(3, control=constant)), jerk, 0.0),
+        Bang(cases["two_link_arm"], rt.schemes.MovingMesh(20, rt.schemes.RadauIIA(5, control=constant)), arm, 1e-5),
         Bang(
-            cases["double_integrator"], rt.MovingMesh(5, rt.RadauIIA(2, control=constant)), {"u": (np.sqrt(10),)}, 0.0
+            cases["min_time_bvp_jerk"], rt.schemes.MovingMesh(10, rt.schemes.RadauIIA(3, control=constant)), jerk, 0.0
+        ),
+        Bang(
+            cases["double_integrator"],
+            rt.schemes.MovingMesh(5, rt.schemes.RadauIIA(2, control=constant)),
+            {"u": (np.sqrt(10),)},
+            0.0,
         ),
     ]
 

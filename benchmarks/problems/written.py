@@ -33,7 +33,7 @@ def case_of(entry: Mapping[str, Any]) -> Case:
     """One entry as a phase with its guess and optimum."""
     guess = entry["guess"]
     states = [state(row) for row in guess["x"]]
-    start = rt.Keyframes(guess.get("s", [0, 1]), states, duration=guess.get("T"))
+    start = rt.guess.Keyframes(guess.get("s", [0, 1]), states, duration=guess.get("T"))
     return Case(entry["id"], phase_of(entry), start, number(entry["exact"]), entry["accuracy"], entry["source"])
 
 

@@ -1,5 +1,5 @@
 """Dynamics as semi-explicit DAEs: user systems and rigid bodies."""
 
-from robotraj.lazily import lazily
+import lazy_loader
 
-__getattr__, __dir__, __all__ = lazily(__name__)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,12 +1,16 @@
 """Dynamics as semi-explicit DAEs: user systems and rigid bodies."""
 
-from robotraj.dynamics.dae import Dynamics, TimeOrders
-from robotraj.dynamics.point import Point, RobotPoint
-from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics, RigidBody
-from robotraj.dynamics.system import System, SystemDynamics
-from robotraj.dynamics.variable import Named, Variable
+from . import contacts, design, terrain
+from .dae import Dynamics, TimeOrders
+from .point import Point, RobotPoint
+from .rigid_body import ForwardDynamics, InverseDynamics, RigidBody
+from .system import System, SystemDynamics
+from .variable import Named, Variable
 
 __all__ = [
+    "contacts",
+    "design",
+    "terrain",
     "Dynamics",
     "ForwardDynamics",
     "InverseDynamics",

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
-from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.contacts import BoundContact
-    from robotraj.robot import Robot
+    from robotraj.dynamics.contacts.base import BoundContact
+    from robotraj.robot.robot import Robot
 
 ROOT_FREEDOMS = {"fixed": (0, 0), "planar": (2, 3), "floating": (3, 6)}
 """How many of the first velocities of a root translate, and how many there are."""

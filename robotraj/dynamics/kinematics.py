@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody, refuse_contacts
 from robotraj.dynamics.variable import Named, Variable
-from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.contacts import BoundContact
-    from robotraj.design import Design
-    from robotraj.robot import Robot
+    from robotraj.dynamics.contacts.base import BoundContact
+    from robotraj.dynamics.design.binding import Design
+    from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
+from robotraj._util.errors import InputError
 from robotraj.dynamics.variable import Named
-from robotraj.errors import InputError
 
 if TYPE_CHECKING:
-    from robotraj.design.model import DesignedModel
-    from robotraj.robot import Robot
+    from robotraj.dynamics.design.model import DesignedModel
+    from robotraj.robot.robot import Robot
     from robotraj.symbolic import SymbolicModel
 
 
@@ -31,7 +31,7 @@ class Point:
         States, algebraic variables, controls and parameters by name. At the ends of a phase (Mayer terms and
         links) only ``t``, ``x`` and ``p`` exist.
     extra : dict of str
-        Variables that the phase's objective brought along (``robotraj.objectives.augmentation``), by name.
+        Variables that the phase's objective brought along (``robotraj.problem.augmentation``), by name.
     """
 
     def __init__(self, t: Any, x: Named, z: Named, u: Named, p: Named) -> None:

@@ -16,17 +16,17 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.holding import correct, hold, pinned, share_of
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Named, Variable
-from robotraj.errors import InputError
-from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.contacts import BoundContact
-    from robotraj.design import Design
-    from robotraj.robot import Robot
+    from robotraj.dynamics.contacts.base import BoundContact
+    from robotraj.dynamics.design.binding import Design
+    from robotraj.robot.robot import Robot
 
 RATE_UNITS = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
 
@@ -289,4 +289,6 @@ def refuse_contacts(contacts: Sequence[BoundContact], who: str) -> None:
     """Raise InputError where dynamics that know no contact forces are given contacts."""
     if contacts:
         names = ", ".join(repr(contact.name) for contact in contacts)
-        raise InputError(f"{who} knows no contact forces, but the phase holds {names}; use rt.InverseDynamics().")
+        raise InputError(
+            f"{who} knows no contact forces, but the phase holds {names}; use rt.dynamics.InverseDynamics()."
+        )

@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from robotraj.errors import InputError, called
+from robotraj._util.errors import InputError, called
 
 SOMEWHERE = 0.7
 """What symbols are where an expression is tried: roots, logarithms and divisions have values there."""

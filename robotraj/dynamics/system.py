@@ -9,11 +9,11 @@ from typing import Any
 
 import casadi as ca
 
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rows import rows_of
 from robotraj.dynamics.variable import Named, Variable
-from robotraj.errors import InputError, unknown_name
-from robotraj.values import dataclass
 
 Expression = Callable[[Any], Any]
 

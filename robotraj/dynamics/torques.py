@@ -10,10 +10,10 @@ import casadi as ca
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
 from robotraj.native.torque_chain import read_tree
 from robotraj.symbolic import SymbolicModel
-from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.native._native import RigidTree

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from robotraj.errors import unknown_name
-from robotraj.values import dataclass
+from robotraj._util.errors import unknown_name
+from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,10 @@ from robotraj.gait.crawls import crawl
 from robotraj.gait.feet import feet_of, limb_ends
 from robotraj.gait.flight import Flight
 from robotraj.gait.jumps import jump
-from robotraj.gait.mirror import mirror
+from robotraj.gait.mirroring import mirror
+from robotraj.gait.phase_sequence import Support, Terms, sequence
 from robotraj.gait.posture import gait_objective
-from robotraj.gait.sequence import Support, Terms, sequence
-from robotraj.gait.stand import stand
+from robotraj.gait.standing import stand
 from robotraj.gait.upright import Upright
 from robotraj.gait.walks import run, trot, walk
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
+from robotraj.dynamics.terrain.base import Ground
 from robotraj.gait.upright import Upright
-from robotraj.links import Mirror, Periodic
-from robotraj.robot import Robot
-from robotraj.terrain import Ground
+from robotraj.problem.links.periodic import Mirror, Periodic
+from robotraj.robot.robot import Robot
 
 PERIODS = 3
 """Repetitions that a ground is looked at for."""
@@ -43,7 +43,7 @@ def check_kinds(repeat: Any, upright: Any) -> None:
     if repeat is not None and not isinstance(repeat, Mirror | Periodic):
         raise InputError(f"repeat= must be rt.gait.mirror(robot) or rt.Periodic(...), got {repeat!r}.")
     if upright is not None and not isinstance(upright, Upright):
-        raise InputError(f"upright= must be rt.Upright(...), or None for no bounds, got {upright!r}.")
+        raise InputError(f"upright= must be rt.gait.Upright(...), or None for no bounds, got {upright!r}.")
 
 
 def check_ground_repeats(

@@ -7,19 +7,20 @@ from typing import Any
 
 import pinocchio as pin
 
-from robotraj.contacts import PointContact
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
 from robotraj.gait.checks import share
 from robotraj.gait.feet import FootKind
 from robotraj.gait.halves import pace, repeated, some_feet
-from robotraj.gait.sequence import Support, Terms, shares
+from robotraj.gait.phase_sequence import Support, Terms, shares
 from robotraj.gait.sides import other_side
 from robotraj.gait.upright import Upright
-from robotraj.links import Mirror, Periodic
-from robotraj.objectives import Objective
-from robotraj.problem import Problem
-from robotraj.robot import Robot
-from robotraj.terrain import Flat, Ground
+from robotraj.problem.links.periodic import Mirror, Periodic
+from robotraj.problem.objectives.base import Objective
+from robotraj.problem.problem import Problem
+from robotraj.robot.robot import Robot
 
 LEVEL = Flat()
 UPRIGHT = Upright()

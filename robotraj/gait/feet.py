@@ -9,9 +9,9 @@ from typing import Any, cast
 
 import pinocchio as pin
 
-from robotraj.contacts import Contact
-from robotraj.errors import InputError
-from robotraj.robot import Robot
+from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.base import Contact
+from robotraj.robot.robot import Robot
 
 FootKind = Contact | Callable[[str], Contact]
 """What a foot stands with: ``rt.PointContact``, a function of the frame, or a contact to copy to other frames."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from robotraj.errors import InputError
-from robotraj.phase import Phase
-from robotraj.values import dataclass
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.problem.phase import Phase
 
 
 @dataclass(frozen=True, eq=False)

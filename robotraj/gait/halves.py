@@ -8,16 +8,18 @@ from typing import Any, cast
 
 import numpy as np
 
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.checks import check_ground_repeats, check_kinds, number
 from robotraj.gait.feet import FootKind, feet_of, stands
-from robotraj.gait.mirror import mirror
-from robotraj.gait.sequence import Support, Terms, sequence
-from robotraj.links import Linkage, Mirror, Periodic
-from robotraj.problem import Problem
-from robotraj.robot import Robot
-from robotraj.terrain import Flat, as_ground
-from robotraj.values import dataclass
+from robotraj.gait.mirroring import mirror
+from robotraj.gait.phase_sequence import Support, Terms, sequence
+from robotraj.problem.links.linkage import Linkage
+from robotraj.problem.links.periodic import Mirror, Periodic
+from robotraj.problem.problem import Problem
+from robotraj.robot.robot import Robot
 
 
 def repeated(

@@ -8,19 +8,21 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from robotraj.contacts import PointContact
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.checks import check_kinds, number
 from robotraj.gait.feet import FootKind, feet_of, stands
 from robotraj.gait.halves import grounded
-from robotraj.gait.sequence import Support, Terms, sequence
+from robotraj.gait.phase_sequence import Support, Terms, sequence
 from robotraj.gait.upright import Upright
-from robotraj.guesses.stance import Stance, standing
-from robotraj.objectives import Objective
-from robotraj.problem import Problem
-from robotraj.robot import Robot
-from robotraj.state import State
-from robotraj.terrain import Flat, Ground, as_ground
+from robotraj.guess.legs.stance import Stance, standing
+from robotraj.problem.objectives.base import Objective
+from robotraj.problem.problem import Problem
+from robotraj.problem.state import State
+from robotraj.robot.robot import Robot
 
 LEVEL = Flat()
 LEAPING = Upright(least_height=0.4, greatest_height=np.inf)

@@ -9,9 +9,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotraj.objectives import Effort, Objective, Tracking
-from robotraj.robot import Robot
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
+from robotraj.problem.objectives.base import Objective
+from robotraj.problem.objectives.effort import Effort
+from robotraj.problem.objectives.tracking import Tracking
+from robotraj.robot.robot import Robot
 
 SHARE = 0.2
 """Torque [as a share of weight times height of the centre of mass] that a radian away from the posture costs."""
@@ -19,7 +21,7 @@ SHARE = 0.2
 
 @dataclass(frozen=True)
 class Still:
-    """The reference of ``rt.Tracking`` that does not move.
+    """The reference of ``rt.objectives.Tracking`` that does not move.
 
     Attributes
     ----------

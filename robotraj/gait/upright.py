@@ -8,11 +8,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotraj.constraints import Constraint, PathConstraint, between
-from robotraj.errors import InputError
-from robotraj.robot import Robot
-from robotraj.terrain import Ground
-from robotraj.values import dataclass
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.constraints.bounds import between
+from robotraj.problem.constraints.path import PathConstraint
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -7,19 +7,20 @@ from typing import Any
 
 import pinocchio as pin
 
-from robotraj.contacts import PointContact
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
 from robotraj.gait.checks import share
 from robotraj.gait.feet import FootKind
 from robotraj.gait.halves import pace, repeated, some_feet
-from robotraj.gait.sequence import Support, Terms, shares
+from robotraj.gait.phase_sequence import Support, Terms, shares
 from robotraj.gait.sides import other_side
 from robotraj.gait.upright import Upright
-from robotraj.links import Mirror, Periodic
-from robotraj.objectives import Objective
-from robotraj.problem import Problem
-from robotraj.robot import Robot
-from robotraj.terrain import Flat, Ground
+from robotraj.problem.links.periodic import Mirror, Periodic
+from robotraj.problem.objectives.base import Objective
+from robotraj.problem.problem import Problem
+from robotraj.robot.robot import Robot
 
 LEVEL = Flat()
 UPRIGHT = Upright()
@@ -46,7 +47,7 @@ def walk(
     With it the step begins with both feet on the ground, "double support", until the rear one lifts (``Liftoff``). With
     ``repeat=rt.Periodic(...)`` both steps of a stride are written, for robots that are not symmetric.
 
-    What comes back is a ``Problem`` to plan with ``rt.plan``, which starts from ``rt.InvertedPendulum`` where no guess
+    What comes back is a ``Problem`` to plan with ``rt.plan``, which starts from ``rt.guess.InvertedPendulum`` where no guess
     is given, or to edit: ``dataclasses.replace(problem, phases=[dataclasses.replace(problem.phases[0], ...)])``.
 
     Parameters
@@ -63,7 +64,7 @@ def walk(
     double_support : float
         Share of the step with both feet on the ground, 0 to less than 1.
     clearance : float or None
-        Height [m] at which the swing foot passes the standing one, ``rt.SwingApex``; 0 asks it to stay above the
+        Height [m] at which the swing foot passes the standing one, ``rt.constraints.SwingApex``; 0 asks it to stay above the
         ground, None for nothing at all, as for walkers without knees.
     objective : Objective, optional
         Of every phase. ``rt.Effort()`` by default; in space with the distance of the joints from how the robot stands,

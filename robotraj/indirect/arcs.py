@@ -9,11 +9,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.constraints import Where
-from robotraj.errors import InputError
-from robotraj.indirect.costates import PhaseCostates
-from robotraj.phase import Phase
-from robotraj.values import dataclass
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.indirect.costate_trajectory import PhaseCostates
+from robotraj.problem.constraints.base import Where
+from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
 

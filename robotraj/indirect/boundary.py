@@ -21,16 +21,18 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.constraints import AtEnd, AtStart, PathConstraint, Row, Where, between
-from robotraj.constraints.base import BoundConstraint, Constraint
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
-from robotraj.errors import InputError
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns
-from robotraj.links import BoundLink, Continuity, Link
-from robotraj.phase import Phase
-from robotraj.problem import Problem
-from robotraj.values import dataclass
+from robotraj.problem.constraints.base import AtEnd, AtStart, BoundConstraint, Constraint, Row, Where
+from robotraj.problem.constraints.bounds import between
+from robotraj.problem.constraints.path import PathConstraint
+from robotraj.problem.links.base import BoundLink, Link
+from robotraj.problem.links.continuity import Continuity
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 
 Array = NDArray[np.float64]
 

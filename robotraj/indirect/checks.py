@@ -6,16 +6,16 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.constraints import Row, Where
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
-from robotraj.errors import InputError
 from robotraj.indirect.arcs import Side
-from robotraj.indirect.costates import PhaseCostates
-from robotraj.indirect.hamiltonian import Hamiltonian
+from robotraj.indirect.costate_trajectory import PhaseCostates
 from robotraj.indirect.polished import Polished
 from robotraj.indirect.pontryagin import Pontryagin
-from robotraj.phase import Phase
-from robotraj.values import dataclass
+from robotraj.problem.constraints.base import Row, Where
+from robotraj.problem.phase import Phase
+from robotraj.solution.costates.hamiltonian import Hamiltonian
 
 Array = NDArray[np.float64]
 

@@ -13,10 +13,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.values import dataclass
 
 Array = NDArray[np.float64]
 

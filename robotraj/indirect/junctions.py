@@ -19,19 +19,22 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.constraints import AtEnd, AtStart, PathConstraint, Row, Where
-from robotraj.errors import InputError, require_solution
-from robotraj.guess import Guess, PhaseGuess
-from robotraj.links import Continuity, Linkage
-from robotraj.objectives import Duration, EndCost
-from robotraj.phase import Phase
-from robotraj.problem import Problem
-from robotraj.values import dataclass
+from robotraj._util.errors import InputError, require_solution
+from robotraj._util.values import dataclass
+from robotraj.guess.guess import Guess, PhaseGuess
+from robotraj.problem.constraints.base import AtEnd, AtStart, Row, Where
+from robotraj.problem.constraints.path import PathConstraint
+from robotraj.problem.links.continuity import Continuity
+from robotraj.problem.links.linkage import Linkage
+from robotraj.problem.objectives.base import EndCost
+from robotraj.problem.objectives.duration import Duration
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 
 if TYPE_CHECKING:
-    from robotraj.dynamics import Variable
-    from robotraj.phase_solution import PhaseSolution
-    from robotraj.solution import Solution
+    from robotraj.dynamics.variable import Variable
+    from robotraj.solution.phase_solution import PhaseSolution
+    from robotraj.solution.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -93,8 +96,8 @@ def cut_at_junctions(solution: Solution) -> tuple[Problem, Guess]:
     intervals, and tightly, since the objective hardly moves with the durations of the arcs; by Radau IIA or Lobatto
     IIIA, since Gauss-Legendre has no node at knots, where a bound's multiplier then makes a step of the costate::
 
-        problem, guess = rt.cut_at_junctions(rt.plan(phase, tolerance=1e-6))
-        rt.costates(rt.plan(problem, rt.Mesh(3, rt.RadauIIA(3)), guess, rt.Ipopt(1e-12)))
+        problem, guess = rt.indirect.cut_at_junctions(rt.plan(phase, tolerance=1e-6))
+        rt.indirect.costates(rt.plan(problem, rt.Mesh(3, rt.schemes.RadauIIA(3)), guess, rt.Ipopt(1e-12)))
 
     Parameters
     ----------
@@ -113,7 +116,7 @@ def cut_at_junctions(solution: Solution) -> tuple[Problem, Guess]:
         Several phases, no arc on a bound of a state, or what cannot be shared out over phases: unknown parameters,
         integral constraints, end costs other than ``Duration``.
     """
-    require_solution(solution, "rt.cut_at_junctions")
+    require_solution(solution, "rt.indirect.cut_at_junctions")
     if len(solution.phases) != 1:
         raise InputError(f"cut_at_junctions takes a solution of one phase; this one has {len(solution.phases)}.")
     part = solution.phases[0]

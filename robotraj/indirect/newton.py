@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from robotraj.transcription import Nlp
-from robotraj.transcription.triplets import scaled
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
+from robotraj.transcription.assembly.triplets import scaled
+from robotraj.transcription.nlp import Nlp
 
 Array = NDArray[np.float64]
 

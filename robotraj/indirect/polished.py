@@ -8,21 +8,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.dynamics import Named
-from robotraj.errors import InputError, NoSolutionFound
+from robotraj._util.errors import InputError, NoSolutionFound
+from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Named
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.flow import Flow
 from robotraj.indirect.pontryagin import Pontryagin
-from robotraj.problem import Problem
-from robotraj.schemes import LobattoIIIA, Mesh
-from robotraj.status import Status
-from robotraj.tangent import normalised
-from robotraj.trajectory import PiecewisePolynomial
+from robotraj.problem.problem import Problem
+from robotraj.robot.tangent import normalised
+from robotraj.solvers.status import Status
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.values import dataclass
+from robotraj.transcription.schemes.lobatto import LobattoIIIA
+from robotraj.transcription.schemes.mesh import Mesh
 
 if TYPE_CHECKING:
-    from robotraj.solution import Solution
+    from robotraj.solution.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -178,8 +179,8 @@ class Polished:
 
         Between the knots its controls are polynomials through their exact values at the collocation points.
         """
-        from robotraj.phase_solution import PhaseSolution
-        from robotraj.solution import Solution
+        from robotraj.solution.phase_solution import PhaseSolution
+        from robotraj.solution.solution import Solution
 
         equations, parts = self.equations, self.trajectories
         nx, nz = equations.nx, len(equations.phase.dae.algebraic)

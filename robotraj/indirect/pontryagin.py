@@ -19,12 +19,13 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.dynamics import ForwardDynamics, System
+from robotraj._util.values import dataclass
+from robotraj.dynamics.rigid_body import ForwardDynamics
 from robotraj.dynamics.rows import as_rows
+from robotraj.dynamics.system import System
 from robotraj.indirect.arcs import Side
-from robotraj.indirect.hamiltonian import Hamiltonian
-from robotraj.phase import Phase
-from robotraj.values import dataclass
+from robotraj.problem.phase import Phase
+from robotraj.solution.costates.hamiltonian import Hamiltonian
 
 Array = NDArray[np.float64]
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from robotraj.errors import ValidationFailed
-from robotraj.values import dataclass
+from robotraj._util.errors import ValidationFailed
+from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True)

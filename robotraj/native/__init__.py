@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import lazy_loader
+
 from robotraj.native.build import load_native
 
 if TYPE_CHECKING:
@@ -16,5 +18,7 @@ else:
     _native = load_native()
     CasadiBlock, PointBlock, Csr = _native.CasadiBlock, _native.PointBlock, _native.Csr
     Outcome, Program, Stacked, Term = _native.Outcome, _native.Program, _native.Stacked, _native.Term
+
+__getattr__, _, _ = lazy_loader.attach(__name__, submodules=["engines"])
 
 __all__ = ["CasadiBlock", "Csr", "Outcome", "PointBlock", "Program", "Stacked", "Term"]

@@ -16,10 +16,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.native.tape import nonzeros, tape
 from robotraj.native.terms import Entries, Indices, Sums, copied
-from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -11,7 +11,7 @@ from types import ModuleType
 
 import casadi
 
-from robotraj.errors import BuildMismatch
+from robotraj._util.errors import BuildMismatch
 from robotraj.symbolic.build import check_versions
 
 

@@ -11,7 +11,7 @@ from dataclasses import field
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
 
 Indices = NDArray[np.int64]
 Sums = tuple[Indices, Indices, Indices, Indices]

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.values import dataclass
 from robotraj.native.addend import Calls
 from robotraj.native.build import load_native
 from robotraj.native.tapes import Pattern, Tapes, plain
 from robotraj.native.terms import Entries, Indices, Sums, Terms, copied, entries, flipped, joined, lower, matched
-from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -1,5 +1,8 @@
-"""Solvers are values: one file each, the only ones that know its options."""
+"""Solvers of nonlinear programs, as values: one file each, the only ones that know its options.
 
-from robotraj.lazily import lazily
+Start with ``base.py``. The room may import ``transcription`` and what lies below.
+"""
 
-__getattr__, __dir__, __all__ = lazily(__name__)
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,8 +1,9 @@
 """Solvers are values: one file each, the only ones that know its options."""
 
-from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
-from robotraj.solvers.fatrop import Fatrop
-from robotraj.solvers.ipopt import Ipopt
+from .base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
+from .fatrop import Fatrop
+from .ipopt import Ipopt
+from .status import Status
 
 __all__ = [
     "Fatrop",
@@ -14,4 +15,5 @@ __all__ = [
     "Outcome",
     "Progress",
     "Solver",
+    "Status",
 ]

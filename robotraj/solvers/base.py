@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.engines import Engine, VirtualMachine
-from robotraj.status import Status
-from robotraj.transcription.between import Exchange
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
+from robotraj.native.engines.base import Engine, VirtualMachine
+from robotraj.solvers.status import Status
+from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 
 if TYPE_CHECKING:
-    from robotraj.transcription import Nlp
+    from robotraj.transcription.nlp import Nlp
 
 Array = NDArray[np.float64]
 
@@ -154,9 +154,9 @@ class Solver(ABC):
         """Give what evaluates the point functions where the user does not say."""
         return VirtualMachine()
 
-    def default_between(self) -> Exchange:
+    def default_interval_limits(self) -> ConstraintGeneration:
         """Give what holds rows on states between collocation points where the user does not say."""
-        return Exchange()
+        return ConstraintGeneration()
 
     def resolve(
         self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
 
 LARGEST = 2**31 - 1
 """Solvers count in C's int."""

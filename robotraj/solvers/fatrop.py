@@ -1,6 +1,6 @@
 """fatrop, driven stage by stage through its own interface, with point functions evaluated in place.
 
-The problem is rewritten in stages (``robotraj.stagewise``) and handed to C++ once; an iteration runs no Python, and its
+The problem is rewritten in stages (``robotraj.solvers.stagewise``) and handed to C++ once; an iteration runs no Python, and its
 time grows with the number of intervals and no faster.
 Source: Vanroye, Sathya, De Schutter, Decre, FATROP: a fast constrained optimal control problem solver for robot
 trajectory optimization and control, IROS 2023.
@@ -17,19 +17,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robotraj.engines import Engine, Native
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.native.engines.base import Engine
+from robotraj.native.engines.native import Native
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted, named_options
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
-from robotraj.stagewise import NotStagewise, Reduction, carried_over, native_program, recover, reduce, refresh
-from robotraj.status import Status
-from robotraj.transcription.between import ConvexHull, Exchange
-from robotraj.values import dataclass
+from robotraj.solvers.stagewise.multipliers import recover
+from robotraj.solvers.stagewise.native import native_program, refresh
+from robotraj.solvers.stagewise.reduction import NotStagewise, Reduction, reduce
+from robotraj.solvers.stagewise.warm import carried_over
+from robotraj.solvers.status import Status
+from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
 
 if TYPE_CHECKING:
-    from robotraj.transcription import Nlp
+    from robotraj.transcription.nlp import Nlp
 
 WARM_BARRIER = 1e-4
 """Barrier parameter of a solve that starts from multipliers."""
@@ -126,9 +130,9 @@ class Fatrop(Solver):
         """Machine code that needs no compiler."""
         return Native()
 
-    def default_between(self) -> Exchange:
+    def default_interval_limits(self) -> ConstraintGeneration:
         """Hold speeds everywhere in one solve: rows of stages are cheap, further solves are not."""
-        return ConvexHull()
+        return BernsteinBounds()
 
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
         """Solve from ``nlp.guess``."""

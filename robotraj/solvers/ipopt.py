@@ -16,15 +16,15 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted, named_options
-from robotraj.status import Status
-from robotraj.values import dataclass
+from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
-    from robotraj.transcription import Nlp
+    from robotraj.transcription.nlp import Nlp
 
 STATUSES = {
     "Solve_Succeeded": Status.SOLVED,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from robotraj.stagewise.program import Program
+    from robotraj.solvers.stagewise.program import Program
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from types import ModuleType
 import casadi
 import pinocchio
 
-from robotraj.errors import BuildMismatch
+from robotraj._util.errors import BuildMismatch
 
 _WHEELS = {"pinocchio": "pin"}  # where the wheel's name is another than the library's
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from robotraj.errors import InputError, unknown_name
+from robotraj._util.errors import InputError, unknown_name
 from robotraj.symbolic.build import load_graphs
 
 _graphs = load_graphs()

@@ -1,6 +1,8 @@
-"""Transcription: a problem on meshes becomes an inspectable nonlinear program."""
+"""Transcription: a problem on meshes becomes a nonlinear program with named rows.
 
-from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.transcribe import transcribe
+Start with ``transcribe.py``. The room may import ``guess``, ``problem`` and what lies below.
+"""
 
-__all__ = ["Nlp", "transcribe"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

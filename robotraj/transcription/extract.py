@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.polynomials import basis, integrals, lobatto_sites
-from robotraj.schemes import OneStep
-from robotraj.trajectory import PiecewisePolynomial
+from robotraj._util.polynomials import basis, integrals, lobatto_sites
+from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.values import dataclass
 from robotraj.transcription.nlp import Nlp
-from robotraj.values import dataclass
+from robotraj.transcription.schemes.onestep import OneStep
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ def _phase(nlp: Nlp, index: int, w: Array, outputs: Array) -> PhaseTrajectory:
     t0, duration = layout.t0.of(w), layout.duration.of(w)
     parameters = {name: s.of(w) for name, s in zip(phase.parameter_names, layout.parameters, strict=True)}
     if isinstance(layout.scheme, OneStep):
-        from robotraj.transcription.shooting_trajectory import shot_polynomials
+        from robotraj.transcription.shooting.trajectory import shot_polynomials
 
         curves = shot_polynomials(phase, layout, outputs, w)
         return PhaseTrajectory(t0, duration, *curves, curves[0].breaks, parameters)

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.schemes import Mesh, MovingMesh
+from robotraj._util.values import dataclass
+from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.table import Entry
-from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.dynamics import Variable
+    from robotraj.dynamics.variable import Variable
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]

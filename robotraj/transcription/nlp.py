@@ -16,21 +16,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.engines import Engine, StageMapped, VirtualMachine
-from robotraj.sparse import csr_array
-from robotraj.transcription.assembly import Functions, assemble, point_functions
-from robotraj.transcription.between import Exchange
-from robotraj.transcription.block import Block
+from robotraj._util.sparse import csr_array
+from robotraj._util.values import dataclass
+from robotraj.native.engines.base import Engine, StageMapped, VirtualMachine
+from robotraj.transcription.assembly.assembly import Functions, assemble, point_functions
+from robotraj.transcription.assembly.block import Block
+from robotraj.transcription.assembly.triplets import scaled
+from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.table import Scalars
-from robotraj.transcription.triplets import scaled
-from robotraj.values import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from scipy import sparse
 
-    from robotraj.problem import Problem
+    from robotraj.problem.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ class Nlp:
         The columns without the bounds of the phases.
     engine : Engine
         Evaluates the blocks' functions.
-    between : Exchange
+    interval_limits : ConstraintGeneration
         What holds rows on states between the collocation points.
     """
 
@@ -76,7 +76,7 @@ class Nlp:
     guess: Array
     free: Scalars
     engine: Engine = field(default_factory=VirtualMachine)
-    between: Exchange = field(default_factory=Exchange)
+    interval_limits: ConstraintGeneration = field(default_factory=ConstraintGeneration)
 
     @cached_property
     def functions(self) -> Functions:

@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robotraj.errors import InputError
-from robotraj.schemes import Mesh, MovingMesh, OneStep
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.transcription.layout import Array, Indices, PhaseLayout, Run, Scalar, entries_of
+from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
+from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.table import Entry, ScalarTable
-from robotraj.values import dataclass
 
 if TYPE_CHECKING:
-    from robotraj.phase import Phase
+    from robotraj.problem.phase import Phase
 
 
 def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLayout:
@@ -136,7 +137,7 @@ def _check_holds(phase: Phase, schemes: Sequence[Any]) -> None:
             names = ", ".join(dict.fromkeys(v.label for v in phase.dae.invariants))
             raise InputError(
                 f"Phase {phase.name!r} holds {names} at its knots, but {type(scheme).__name__} collocates nothing "
-                "there; use a Lobatto or Radau scheme such as rt.HermiteSimpson() or rt.RadauIIA(3)."
+                "there; use a Lobatto or Radau scheme such as rt.HermiteSimpson() or rt.schemes.RadauIIA(3)."
             )
 
 

@@ -16,8 +16,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.sparse import csr_array
-from robotraj.transcription.block import Block
+from robotraj._util.sparse import csr_array
+from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.table import Entry, Scalars
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from dataclasses import field
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]

@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.constraints import Where
-from robotraj.engines import Engine, VirtualMachine
-from robotraj.errors import InputError
-from robotraj.guess import Guess, PhaseGuess
-from robotraj.guesses import default_guess
-from robotraj.schemes import Mesh, MovingMesh, OneStep
-from robotraj.transcription.between import Exchange
-from robotraj.transcription.block import Block
-from robotraj.transcription.collocation import collocate
-from robotraj.transcription.ends import (
+from robotraj._util.errors import InputError
+from robotraj.guess.default import default_guess
+from robotraj.guess.guess import Guess, PhaseGuess
+from robotraj.native.engines.base import Engine, VirtualMachine
+from robotraj.problem.constraints.base import Where
+from robotraj.transcription.assembly.block import Block
+from robotraj.transcription.assembly.triplets import Triplets
+from robotraj.transcription.collocation.collocation import collocate
+from robotraj.transcription.collocation.ends import (
     end_constraint_blocks,
     equations_block,
     link_block,
@@ -27,18 +26,25 @@ from robotraj.transcription.ends import (
     start_block,
     widen,
 )
-from robotraj.transcription.equations import carried
-from robotraj.transcription.hull import columns_beside_rows, covered_in, hold_controls, is_held
+from robotraj.transcription.collocation.index_reduction import carried
+from robotraj.transcription.interval_limits.bernstein_bounds import (
+    columns_beside_rows,
+    covered_in,
+    hold_controls,
+    is_held,
+)
+from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.numbering import lay_out
 from robotraj.transcription.scaling import row_scale, variable_scale
+from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
+from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.table import ColumnBound, Entry, Scalars, ScalarTable
-from robotraj.transcription.triplets import Triplets
 
 if TYPE_CHECKING:
-    from robotraj.phase import Phase
-    from robotraj.problem import Problem
+    from robotraj.problem.phase import Phase
+    from robotraj.problem.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -51,7 +57,7 @@ def transcribe(
     mesh: Mesh | Sequence[Mesh],
     guess: Guess | None = None,
     engine: Engine | None = None,
-    between: Exchange | None = None,
+    interval_limits: ConstraintGeneration | None = None,
 ) -> Nlp:
     """Transcribe a problem by the schemes of its meshes.
 
@@ -63,9 +69,9 @@ def transcribe(
     guess : Guess, optional
         Where the solver starts; ``default_guess`` by default.
     engine : Engine, optional
-        Evaluates the point functions; ``rt.VirtualMachine()`` by default.
-    between : Exchange, optional
-        What holds rows between the collocation points; ``rt.Exchange()``, which adds nothing yet, by default.
+        Evaluates the point functions; ``rt.engines.VirtualMachine()`` by default.
+    interval_limits : ConstraintGeneration, optional
+        What holds rows between the collocation points; ``rt.interval_limits.ConstraintGeneration()``, which adds nothing yet, by default.
 
     Returns
     -------
@@ -73,10 +79,10 @@ def transcribe(
         Every row and variable named; solve it with a solver value such as ``rt.Ipopt()``.
     """
     engine = engine or VirtualMachine()
-    between = between or Exchange()
+    interval_limits = interval_limits or ConstraintGeneration()
     meshes = _meshes(problem, mesh)
     if any(isinstance(scheme, OneStep) for m in meshes for scheme in m.given):
-        from robotraj.transcription.shooting_problem import explicit
+        from robotraj.transcription.shooting.problem import explicit
 
         problem = explicit(problem, meshes)
     columns, rows, linear = ScalarTable(), ScalarTable(), Triplets()
@@ -89,14 +95,14 @@ def transcribe(
         collocated = not isinstance(layout.scheme, OneStep)
         known = carried(problem.phases, i, problem.bound_links)
         if not collocated:
-            from robotraj.transcription.shooting import shoot
+            from robotraj.transcription.shooting.shooting import shoot
 
             point, more = shoot(phase, i, layout, columns, rows, linear)
             points.append(point)
             blocks += more
         else:
-            points.append(collocate(phase, i, layout, rows, linear, engine.torques_apart, between, known))
-        hold_controls(between, phase, i, layout, rows, linear)
+            points.append(collocate(phase, i, layout, rows, linear, engine.torques_apart, interval_limits, known))
+        hold_controls(interval_limits, phase, i, layout, rows, linear)
         blocks += end_constraint_blocks(phase, i, layout, rows)
         chosen = equations_block(phase, i, layout, rows, known) if collocated and known is not None else None
         started = start_block(problem.phases, i, layout, problem.bound_links, rows)
@@ -107,7 +113,7 @@ def transcribe(
         for link, own in zip(problem.bound_links, unknowns, strict=True)
     ]
     free, constraints = columns.finish(), rows.finish()
-    variables = free.bounded(bounds_of(problem, layouts, between))
+    variables = free.bounded(bounds_of(problem, layouts, interval_limits))
     shape = (len(constraints), len(variables))
     every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]
     every += [widen(block, *shape) for block in blocks]
@@ -129,7 +135,7 @@ def transcribe(
         start,
         free,
         engine,
-        between,
+        interval_limits,
     )
 
 
@@ -149,11 +155,13 @@ def start_of(
     return np.clip(start, variables.lower, variables.upper)
 
 
-def bounds_of(problem: Problem, layouts: Sequence[PhaseLayout], between: Exchange) -> list[ColumnBound]:
+def bounds_of(
+    problem: Problem, layouts: Sequence[PhaseLayout], interval_limits: ConstraintGeneration
+) -> list[ColumnBound]:
     """Give the bounds of columns: ends first, then the rows that are single variables."""
     bounds = []
     for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
-        bounds += _bounds(phase, i, layout, covered_in(between, phase, layout))
+        bounds += _bounds(phase, i, layout, covered_in(interval_limits, phase, layout))
     return bounds
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
 from robotraj.witness.integration import Motion
 from robotraj.witness.plant import Plant
 from robotraj.witness.protocols import Array

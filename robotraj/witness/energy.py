@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from robotraj.design import realised
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import realised
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import stretches
 from robotraj.witness.stance import Stance, forces_in

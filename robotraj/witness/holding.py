@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.constraints.base import Row
-from robotraj.design import realised
-from robotraj.terrain import as_ground
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import realised
+from robotraj.dynamics.terrain.function import as_ground
+from robotraj.problem.constraints.base import Row
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
 from robotraj.witness.protocols import Array, PhaseSolutionLike

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.constraints.base import Row
-from robotraj.design import realised
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import realised
+from robotraj.problem.constraints.base import Row
 from robotraj.witness.constrained import mass_and_bias
 from robotraj.witness.holding import FORCE_NOISE, part_of, weight_of
 from robotraj.witness.numbers import as_numbers

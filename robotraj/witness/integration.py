@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
 from robotraj.witness.protocols import Array
 
 Rates = Callable[[float, Array, int], Array]

@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
 from robotraj.witness.protocols import Array
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
 from robotraj.witness import drift as drifts
 from robotraj.witness.drift import Drift, DriftRow, drift_of
 from robotraj.witness.integration import Motion, integrate

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
 from robotraj.witness.protocols import Array
 
 

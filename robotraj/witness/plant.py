@@ -8,9 +8,9 @@ from typing import Any, Protocol
 import numpy as np
 import scipy
 
-from robotraj.design import realised
-from robotraj.tangent import PLACE, difference, floats, normalised
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import realised
+from robotraj.robot.tangent import PLACE, difference, floats, normalised
 from robotraj.witness.integration import Rates, Settle
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.point import system_point

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 
-from robotraj.errors import ValidationFailed, unknown_name
-from robotraj.values import dataclass
+from robotraj._util.errors import ValidationFailed, unknown_name
+from robotraj._util.values import dataclass
 from robotraj.witness.contact_complaints import contact_complaints
 from robotraj.witness.drift import Drift, DriftRow
 from robotraj.witness.energy import Energy

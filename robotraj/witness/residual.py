@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 import pinocchio as pin
 
-from robotraj.design import realised
-from robotraj.tangent import velocities
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import realised
+from robotraj.robot.tangent import velocities
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak, peaks
 from robotraj.witness.plant import RATE_UNITS, columns, plant_of

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from robotraj.errors import InputError
-from robotraj.loading.configuration import unit_quaternion
-from robotraj.loading.root import QUATERNION
-from robotraj.tangent import floats, normalised
-from robotraj.tangent import rates as rates_of
-from robotraj.values import dataclass
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.robot.configuration import unit_quaternion
+from robotraj.robot.root import QUATERNION
+from robotraj.robot.tangent import floats, normalised
+from robotraj.robot.tangent import rates as rates_of
 from robotraj.witness.integration import Motion, Rates, integrate
 from robotraj.witness.protocols import Array, RobotLike
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from robotraj.design import realised
-from robotraj.errors import InputError, require_solution
-from robotraj.tangent import difference
-from robotraj.values import dataclass
+from robotraj._util.errors import InputError, require_solution
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import realised
+from robotraj.robot.tangent import difference
 from robotraj.witness import drift as drifts
 from robotraj.witness.drift import Drift, DriftRow, drift_of
 from robotraj.witness.integration import integrate
@@ -85,7 +85,7 @@ def track(
     InputError
         The solution moves a System, or the gains do not fit the actuated joints.
     """
-    require_solution(solution, "rt.track")
+    require_solution(solution, "rt.witness.track")
     if not solution.phases or any(planned.phase.robot is None for planned in solution.phases):
         raise InputError("track() adds joint feedback: it needs a plan of a robot; use validate() for Systems.")
     rows: list[tuple[DriftRow, ...]] = []

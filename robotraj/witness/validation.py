@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotraj.errors import InputError, require_solution
+from robotraj._util.errors import InputError, require_solution
 from robotraj.witness import energy as energies
 from robotraj.witness.holding import holding_of
 from robotraj.witness.impact import impacts_of

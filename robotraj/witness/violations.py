@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.constraints.base import Row, Where
-from robotraj.design import realised
-from robotraj.errors import InputError
-from robotraj.values import dataclass
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import realised
+from robotraj.problem.constraints.base import Row, Where
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.plant import RATE_UNITS, columns
 from robotraj.witness.point import NumericPoint, system_point

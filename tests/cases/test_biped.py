@@ -9,8 +9,8 @@ import pytest
 from problems.biped import FLIP, RATE, Q, biped
 
 import robotraj as rt
-from robotraj.solvers import Ipopt
-from robotraj.solving import solve
+from robotraj.planning.solve import solve
+from robotraj.solvers.ipopt import Ipopt
 
 MESHES = [
     (False, "trap", 9, 494.713063),
@@ -27,7 +27,7 @@ MESHES = [
     (True, "hs", 15, 390.789836),
     (True, "hs", 25, 390.790437),
 ]
-SCHEMES = {"trap": rt.Trapezoidal(), "hs": rt.HermiteSimpson()}
+SCHEMES = {"trap": rt.schemes.Trapezoidal(), "hs": rt.HermiteSimpson()}
 
 
 @pytest.mark.parametrize(("from_hip", "scheme", "intervals", "value"), MESHES)
@@ -37,7 +37,11 @@ def test_optimum_on_a_mesh_is_that_of_an_independent_implementation(
     """Rows hold at the collocation points alone, as in the reference: nothing is imposed between them."""
     case = biped(from_hip)
     solution = solve(
-        case.problem, rt.Mesh(intervals, SCHEMES[scheme]), case.guess, Ipopt(), between=rt.Exchange(rounds=0)
+        case.problem,
+        rt.Mesh(intervals, SCHEMES[scheme]),
+        case.guess,
+        Ipopt(),
+        interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0),
     )
     assert solution.success
     assert solution.objective == pytest.approx(value, abs=2e-6)

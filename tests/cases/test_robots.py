@@ -13,10 +13,10 @@ import robotraj as rt
 
 TABLE = {case["id"]: case for case in yaml.safe_load((Path(__file__).parent / "systems.yaml").read_text())}
 SCHEMES = {
-    "trap": rt.Trapezoidal(),
+    "trap": rt.schemes.Trapezoidal(),
     "hs": rt.HermiteSimpson(),
-    "lecture": rt.HermiteSimpson(control=rt.LinearControl(), quadrature=rt.TrapezoidalQuadrature()),
-    "radau3": rt.RadauIIA(points=3),
+    "lecture": rt.HermiteSimpson(control=rt.schemes.LinearControl(), quadrature=rt.schemes.TrapezoidalQuadrature()),
+    "radau3": rt.schemes.RadauIIA(points=3),
 }
 
 
@@ -24,32 +24,32 @@ def rest(*q: float) -> rt.State:
     return rt.State(q=list(q), v=0)
 
 
-def block() -> tuple[rt.Phase, rt.StraightLine]:
+def block() -> tuple[rt.Phase, rt.guess.StraightLine]:
     phase = rt.Phase(rt.load("block"), (0, 200), rest(10), rest(0), objective=rt.Duration())
-    return phase, rt.StraightLine(duration=10)
+    return phase, rt.guess.StraightLine(duration=10)
 
 
-def cartpole() -> tuple[rt.Phase, rt.StraightLine]:
+def cartpole() -> tuple[rt.Phase, rt.guess.StraightLine]:
     phase = rt.Phase(rt.load("cartpole"), 2.0, rest(0, 0), rest(1, np.pi), objective=rt.Effort())
-    return phase, rt.StraightLine()
+    return phase, rt.guess.StraightLine()
 
 
-def acrobot() -> tuple[rt.Phase, rt.Keyframes]:
+def acrobot() -> tuple[rt.Phase, rt.guess.Keyframes]:
     """Relative angles: the elbow is q2 - q1 of the literature."""
     phase = rt.Phase(rt.load("acrobot"), 2.0, rest(0, 0), rest(np.pi, 0), objective=rt.Effort())
     half = np.pi / 2
     poses = [[0, 0], [-half, half], [half, half], [np.pi, 0]]
-    return phase, rt.Keyframes([0, 0.25, 0.75, 1], [rt.State(q=pose) for pose in poses])
+    return phase, rt.guess.Keyframes([0, 0.25, 0.75, 1], [rt.State(q=pose) for pose in poses])
 
 
-def pendulum() -> tuple[rt.Phase, rt.StraightLine]:
+def pendulum() -> tuple[rt.Phase, rt.guess.StraightLine]:
     phase = rt.Phase(rt.load("pendulum"), (0.5, 2.5), rest(0), rest(np.pi), objective=rt.Effort())
-    return phase, rt.StraightLine(duration=1)
+    return phase, rt.guess.StraightLine(duration=1)
 
 
-def two_link_arm() -> tuple[rt.Phase, rt.StraightLine]:
+def two_link_arm() -> tuple[rt.Phase, rt.guess.StraightLine]:
     phase = rt.Phase(rt.load("two_link_arm"), (1, 10), rest(0, 0.5), rest(0.522, 0.5), objective=rt.Duration())
-    return phase, rt.StraightLine(duration=3)
+    return phase, rt.guess.StraightLine(duration=3)
 
 
 ROBOTS = {

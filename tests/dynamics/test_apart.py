@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.constraints.base import symbols_of
-from robotraj.dynamics.apart import contacts_apart, taken_out, written_out
+from robotraj.dynamics.contact_terms import contacts_apart, taken_out, written_out
 from robotraj.dynamics.point import RobotPoint
+from robotraj.problem.constraints.base import symbols_of
 
 
 @pytest.fixture(scope="module")

@@ -60,7 +60,12 @@ def tumble(robot: rt.Robot, mesh: rt.Mesh, tolerance: float = 1e-8) -> rt.Soluti
 
 @pytest.mark.parametrize(
     ("scheme", "order"),
-    [(rt.HermiteSimpson(), 4), (rt.LobattoIIIA(4), 6), (rt.RadauIIA(2), 3), (rt.RadauIIA(3), 5)],
+    [
+        (rt.HermiteSimpson(), 4),
+        (rt.schemes.LobattoIIIA(4), 6),
+        (rt.schemes.RadauIIA(2), 3),
+        (rt.schemes.RadauIIA(3), 5),
+    ],
     ids=lambda value: str(value),
 )
 def test_a_tumbling_body_agrees_with_scipy_to_the_order_of_the_scheme(
@@ -81,7 +86,7 @@ def test_quaternions_have_length_one_at_every_collocation_point(robot: rt.Robot)
 
 
 def test_angular_momentum_in_the_world_is_kept(robot: rt.Robot) -> None:
-    solution = tumble(robot, rt.Mesh(60, rt.LobattoIIIA(5)))
+    solution = tumble(robot, rt.Mesh(60, rt.schemes.LobattoIIIA(5)))
     data = robot.model.createData()
     momenta = []
     for t in solution.knots:
@@ -94,4 +99,4 @@ def test_angular_momentum_in_the_world_is_kept(robot: rt.Robot) -> None:
 
 def test_schemes_without_a_point_at_the_knots_are_refused(robot: rt.Robot) -> None:
     with pytest.raises(rt.InputError, match=r"holds root at its knots, but GaussLegendre .* rt.HermiteSimpson"):
-        tumble(robot, rt.Mesh(4, rt.GaussLegendre(2)))
+        tumble(robot, rt.Mesh(4, rt.schemes.GaussLegendre(2)))

@@ -10,7 +10,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.constraints.base import symbols_of
+from robotraj.problem.constraints.base import symbols_of
 
 
 def evaluate(dae: Any, expression: Any, q: Any, v: Any, a: Any, tau: Any) -> np.ndarray:
@@ -42,7 +42,7 @@ def acceleration(robot: rt.Robot, q: Any, v: Any, tau: Any) -> np.ndarray:
 
 def test_forward_dynamics_are_abas(robot: rt.Robot) -> None:
     q, v, a, tau = somewhere(robot)
-    dae = rt.ForwardDynamics().of(robot)
+    dae = rt.dynamics.ForwardDynamics().of(robot)
     found = evaluate(dae, dae.rates, q, v, a, tau)
     np.testing.assert_allclose(found, np.concatenate([v, acceleration(robot, q, v, tau)]), rtol=1e-9, atol=1e-9)
     assert dae.algebraic == dae.residuals == ()
@@ -50,7 +50,7 @@ def test_forward_dynamics_are_abas(robot: rt.Robot) -> None:
 
 def test_the_residual_of_inverse_dynamics_vanishes_at_abas_acceleration_alone(robot: rt.Robot) -> None:
     q, v, a, tau = somewhere(robot)
-    dae = rt.InverseDynamics().of(robot)
+    dae = rt.dynamics.InverseDynamics().of(robot)
     found = evaluate(dae, dae.residual, q, v, acceleration(robot, q, v, tau), tau)
     np.testing.assert_allclose(found, 0, atol=1e-8)
     mass = pin.crba(robot.model, robot.model.createData(), q)
@@ -63,14 +63,14 @@ def test_the_residual_of_inverse_dynamics_vanishes_at_abas_acceleration_alone(ro
 def test_damping_and_friction_oppose_the_motion() -> None:
     robot = rt.load("pendulum")
     assert robot.damping[0] == pytest.approx(0.1)
-    dae = rt.InverseDynamics().of(robot)
+    dae = rt.dynamics.InverseDynamics().of(robot)
     still = evaluate(dae, dae.residual, [0.3], [0.0], [0.0], [0.0])
     moving = evaluate(dae, dae.residual, [0.3], [2.0], [0.0], [0.0])
     np.testing.assert_allclose(moving - still, robot.dissipation(np.array([2.0])), atol=1e-12)
 
 
 def test_variables_are_named_by_joint_with_units() -> None:
-    dae = rt.InverseDynamics().of(rt.load("cartpole"))
+    dae = rt.dynamics.InverseDynamics().of(rt.load("cartpole"))
     assert [(v.name, v.unit) for v in dae.states] == [
         ("q.slider", "m"),
         ("q.pole", "rad"),
@@ -92,7 +92,7 @@ def test_a_point_knows_frames_centre_of_mass_and_momentum() -> None:
     pin.ccrba(robot.model, data, q, v)
     frame = robot.frame("tip")
     axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-    dae = rt.InverseDynamics().of(robot)
+    dae = rt.dynamics.InverseDynamics().of(robot)
     expected = {
         "position": data.oMf[frame].translation,
         "velocity": pin.getFrameVelocity(robot.model, data, frame, axes).vector,

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj._util.errors import InputError
 from robotraj.dynamics.rows import as_rows, rows_of
-from robotraj.errors import InputError
 
 
 def phase(**changes: Any) -> rt.Phase:

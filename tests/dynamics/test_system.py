@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.constraints.base import symbols_of
-from robotraj.dynamics import SystemDynamics
+from robotraj.dynamics.system import SystemDynamics
+from robotraj.problem.constraints.base import symbols_of
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_a_constant_rate_needs_no_symbols() -> None:
 
 def test_a_single_rate_needs_no_list() -> None:
     decay = rt.System(["x"], [], lambda point: -point.x["x"])
-    solution = rt.plan(rt.Phase(decay, 1.0, rt.State([1])), rt.Mesh(4, rt.GaussLegendre(points=5)))
+    solution = rt.plan(rt.Phase(decay, 1.0, rt.State([1])), rt.Mesh(4, rt.schemes.GaussLegendre(points=5)))
     assert solution.at(1.0).x["x"] == pytest.approx(np.exp(-1), abs=1e-12)
 
 

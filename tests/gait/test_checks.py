@@ -92,7 +92,7 @@ def test_a_free_duration_may_be_open(duration: Any, biped: rt.Robot) -> None:
 
 def test_shares_are_kept_where_nothing_bounds_the_duration(biped: rt.Robot) -> None:
     gait = rt.gait.run(biped, step_length=0.9, duration=rt.between(None, None), flight=0.4, contact=FOOT)
-    (tie,) = (link for link in gait.links if isinstance(link, rt.Linkage))
+    (tie,) = (link for link in gait.links if isinstance(link, rt.links.Linkage))
     assert tie.expression == InProportion(pytest.approx(2 / 3))
 
 
@@ -104,19 +104,19 @@ def test_heights_to_stand_at_are_met(biped: rt.Robot, height: float) -> None:
 
 def test_grounds_that_do_not_repeat_are_refused(biped: rt.Robot, solo: rt.Robot) -> None:
     with pytest.raises(rt.InputError, match="The gait repeats, and the ground does not: under 'left_foot'"):
-        step(biped, step_length=0.5, ground=rt.Steps([0.3], [0, 0.1]))
+        step(biped, step_length=0.5, ground=rt.terrain.Steps([0.3], [0, 0.1]))
     trot = partial(rt.gait.trot, solo, step_length=0.06, duration=0.2, contact=PAW)
     with pytest.raises(rt.InputError, match="the ground does not"):
-        trot(ground=rt.Slope(0.0, 0.15))
+        trot(ground=rt.terrain.Slope(0.0, 0.15))
 
 
 def test_grounds_that_repeat_are_not(biped: rt.Robot, solo: rt.Robot) -> None:
-    step(biped, ground=rt.Slope(0.1))
-    step(biped, step_length=0.4, ground=rt.Steps.stairs(start=0.2, run=0.4, rise=0.1, count=4))
+    step(biped, ground=rt.terrain.Slope(0.1))
+    step(biped, step_length=0.4, ground=rt.terrain.Steps.stairs(start=0.2, run=0.4, rise=0.1, count=4))
     trot = partial(rt.gait.trot, solo, step_length=0.06, duration=0.2, contact=PAW)
-    trot(ground=rt.Slope(0.15, 0.0))
+    trot(ground=rt.terrain.Slope(0.15, 0.0))
     # The other half of the stride is written out: nothing is mirrored.
-    trot(ground=rt.Slope(0.0, 0.15), repeat=rt.Periodic())
+    trot(ground=rt.terrain.Slope(0.0, 0.15), repeat=rt.Periodic())
 
 
 def test_feet_that_stand_off_their_frames_origin_are_the_ones_kept_clear(biped: rt.Robot) -> None:
@@ -133,7 +133,7 @@ def test_feet_that_stand_off_their_frames_origin_are_the_ones_kept_clear(biped: 
 def test_a_turn_does_not_change_the_quaternions_sign(solo: rt.Robot) -> None:
     turn = {"q.root_qz": 0.1, "q.root_qw": None, "q.root_x": None, "q.root_y": None}
     gait = rt.gait.trot(solo, step_length=0.0, duration=0.2, contact=PAW, repeat=rt.Periodic(displacement=turn))
-    solution = rt.plan(gait, rt.Mesh(5, rt.LobattoIIIA(4)))
+    solution = rt.plan(gait, rt.Mesh(5, rt.schemes.LobattoIIIA(4)))
     assert np.all(solution.at(np.linspace(0, solution.duration, 101)).q[:, 6] > 0.99)
 
 
@@ -182,7 +182,7 @@ def test_all_of_a_sole_stays_above_the_ground() -> None:
     sole = partial(rt.FlatFoot, length=0.2, width=0.12, friction=0.8)
     feet = "left_sole_link", "right_sole_link"
     gait = rt.gait.walk(robot, step_length=0.45, duration=0.8, double_support=0.2, feet=feet, contact=sole)
-    solution = rt.plan(gait, rt.Mesh(6, rt.LobattoIIIA(4)))
+    solution = rt.plan(gait, rt.Mesh(6, rt.schemes.LobattoIIIA(4)))
     data, lowest = robot.model.createData(), np.inf
     for q in solution.at(np.linspace(0, solution.duration, 201)).q:
         pin.framesForwardKinematics(robot.model, data, q)

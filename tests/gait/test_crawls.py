@@ -39,7 +39,13 @@ def test_all_feet_stand_for_their_share(dog: rt.Robot) -> None:
     assert [phase.duration_bounds for phase in problem.phases] == [
         pytest.approx(b) for b in ((0.1, 0.2),) + ((0.2, 0.4),) * 2
     ]
-    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Continuity, rt.Mirror, rt.Linkage, rt.Linkage]
+    assert [type(link) for link in problem.links] == [
+        rt.Liftoff,
+        rt.Continuity,
+        rt.Mirror,
+        rt.links.Linkage,
+        rt.links.Linkage,
+    ]
 
 
 def test_periodic_writes_four_swings(dog: rt.Robot) -> None:
@@ -62,7 +68,7 @@ def test_what_cannot_crawl_is_refused(dog: rt.Robot) -> None:
 @pytest.mark.slow
 def test_solo_crawls_from_its_own_guess(dog: rt.Robot) -> None:
     still = Still(tuple(gait.stand(dog).tolist()))
-    posture = rt.Tracking(still, q=dict.fromkeys(dog.joint_names[-dog.nu :], 1.0))
+    posture = rt.objectives.Tracking(still, q=dict.fromkeys(dog.joint_names[-dog.nu :], 1.0))
     problem = gait.crawl(
         dog, step_length=0.05, duration=0.5, full_support=0.1, clearance=0.03, objective=0.1 * rt.Effort() + posture
     )

@@ -7,8 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.gait import mirror
-from robotraj.gait.mirror import REFLECTION
+from robotraj.gait.mirroring import REFLECTION, mirror
 from robotraj.gait.sides import other_side
 
 FEET = {

@@ -10,7 +10,8 @@ import pytest
 
 import robotraj as rt
 from robotraj import gait
-from robotraj.contacts import FlatFoot, PointContact
+from robotraj.dynamics.contacts.flat_foot import FlatFoot
+from robotraj.dynamics.contacts.point_contact import PointContact
 
 ROBOTS = [
     ("five_link", "planar", PointContact),

@@ -13,8 +13,9 @@ import pytest
 
 import robotraj as rt
 from robotraj import gait
-from robotraj.contacts import FlatFoot, PointContact
-from robotraj.gait.sequence import Arc
+from robotraj.dynamics.contacts.flat_foot import FlatFoot
+from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.gait.phase_sequence import Arc
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +91,7 @@ def test_double_support_comes_first_and_is_landed_on_at_rest(biped: rt.Robot) ->
         (0.15, 0.3),
         (pytest.approx(0.45), pytest.approx(0.9)),
     ]
-    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Mirror, rt.Linkage]
+    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Mirror, rt.links.Linkage]
 
 
 def test_a_run_has_a_flight(biped: rt.Robot) -> None:
@@ -161,7 +162,7 @@ def test_a_compass_falls_down_a_slope_without_torque() -> None:
     # Goswami, Thuilot and Espiau, A study of the passive gait of a compass-like biped robot, Int. J. Robotics Research
     # 17 (1998): on 3 degrees steps of 0.535 m in 0.734 s, without any torque.
     robot = rt.load("compass_walker", root="planar")
-    slope = rt.Slope(-float(np.tan(np.radians(3.0))))
+    slope = rt.terrain.Slope(-float(np.tan(np.radians(3.0))))
     problem = gait.walk(
         robot,
         step_length=0.535,

@@ -11,9 +11,9 @@ import robotraj as rt
 
 TIGHT = rt.Ipopt(tolerance=1e-13)
 MESHES = [
-    rt.Mesh(1, rt.RadauIIA(points=3)),
-    rt.Mesh(3, rt.RadauIIA(points=3)),
-    rt.Mesh(2, rt.GaussLegendre(points=3)),
+    rt.Mesh(1, rt.schemes.RadauIIA(points=3)),
+    rt.Mesh(3, rt.schemes.RadauIIA(points=3)),
+    rt.Mesh(2, rt.schemes.GaussLegendre(points=3)),
     rt.Mesh(4, rt.HermiteSimpson()),
 ]
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
@@ -23,7 +23,7 @@ PEAK, REACH = 1.2, 0.25
 
 def cut(phase: rt.Phase, mesh: rt.Mesh) -> rt.Solution:
     """Plan without knowing anything of the arcs, cut, and plan again."""
-    problem, guess = rt.cut_at_junctions(rt.plan(phase, tolerance=1e-6))
+    problem, guess = rt.indirect.cut_at_junctions(rt.plan(phase, tolerance=1e-6))
     return rt.plan(problem, mesh, guess, TIGHT)
 
 
@@ -39,12 +39,12 @@ def test_bryson_denhams_costates_from_a_plan_that_knows_nothing_of_its_arcs(
 ) -> None:
     """Second order: the bound is met without speed, and the costate of x jumps there. Each side has its limit."""
     top, direct = bounce
-    problem, guess = rt.cut_at_junctions(direct)
+    problem, guess = rt.indirect.cut_at_junctions(direct)
     solution = rt.plan(problem, mesh, guess, TIGHT)
     assert solution.objective == pytest.approx(4 / (9 * top), rel=1e-9)
     size = np.abs(bryson_denham.costates(np.array([0.0]), top)[0])
     sides = [(0.0, 3 * top - 1e-9), (3 * top + 1e-9, 1 - 3 * top - 1e-9), (1 - 3 * top + 1e-9, 1.0)]
-    for part, side in zip(rt.costates(solution).phases, sides, strict=True):
+    for part, side in zip(rt.indirect.costates(solution).phases, sides, strict=True):
         first, last = part.solution.t0, part.solution.t0 + part.solution.duration
         assert (first, last) == pytest.approx(side, abs=1e-6)
         t = np.linspace(first, last, 401)
@@ -61,13 +61,15 @@ def hurry(**more: Any) -> rt.Phase:
     return rt.Phase(BLOCK, 1.0, rt.State([0, 0]), rt.State([1, 0]), EFFORT, states=limit, **more)
 
 
-@pytest.mark.parametrize("mesh", [MESHES[0], MESHES[1], MESHES[3], rt.Mesh(3, rt.LobattoIIIA(points=4))], ids=str)
+@pytest.mark.parametrize(
+    "mesh", [MESHES[0], MESHES[1], MESHES[3], rt.Mesh(3, rt.schemes.LobattoIIIA(points=4))], ids=str
+)
 def test_a_speed_limit_is_of_first_order_and_its_costates_run_on(mesh: rt.Mesh) -> None:
     solution = cut(hurry(), mesh)
     force = 2 * PEAK / REACH
     assert solution.objective == pytest.approx(force**2 * REACH / 3, rel=1e-9)
     assert [part.t0 for part in solution.phases] == pytest.approx([0, REACH, 1 - REACH], abs=1e-6)
-    for part in rt.costates(solution).phases:
+    for part in rt.indirect.costates(solution).phases:
         t = np.linspace(part.solution.t0, part.solution.t0 + part.solution.duration, 201)
         rising = np.maximum(1 - t / REACH, 0) - np.maximum(1 - (1 - t) / REACH, 0)
         exact = np.column_stack([np.full(len(t), -force / REACH), -force * rising])
@@ -78,7 +80,7 @@ def test_a_robot_at_its_speed_limit_is_cut_too() -> None:
     robot = rt.load("block")
     limits = robot.limits.with_(velocity=PEAK, effort=100.0)
     phase = rt.Phase(robot, 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort(), limits=limits)
-    solution = cut(phase, rt.Mesh(2, rt.RadauIIA(3)))
+    solution = cut(phase, rt.Mesh(2, rt.schemes.RadauIIA(3)))
     assert [part.t0 for part in solution.phases] == pytest.approx([0, REACH, 1 - REACH], abs=1e-6)
     assert solution.at(0.5).v == pytest.approx([PEAK], abs=1e-8)
 
@@ -93,12 +95,12 @@ def test_a_free_duration_stays_free() -> None:
         EFFORT + 20 * rt.Duration(),
         states={"v": rt.between(None, PEAK)},
     )
-    solution, ramp = cut(phase, rt.Mesh(2, rt.RadauIIA(3))), PEAK / np.sqrt(10)
+    solution, ramp = cut(phase, rt.Mesh(2, rt.schemes.RadauIIA(3))), PEAK / np.sqrt(10)
     total = 1 / PEAK + 2 * ramp / 3
     assert solution.objective == pytest.approx(4 * PEAK**2 / (3 * ramp) + 20 * total, rel=1e-9)
     assert [part.duration for part in solution.phases] == pytest.approx([ramp, total - 2 * ramp, ramp], abs=1e-6)
     # Time is a cost of the end: the Hamiltonian, of the effort alone, is minus its price all along.
-    for part in rt.costates(solution).phases:
+    for part in rt.indirect.costates(solution).phases:
         t = np.linspace(part.solution.t0, part.solution.t0 + part.solution.duration, 21)
         assert part.at(t).hamiltonian == pytest.approx(np.full(21, -20.0), rel=1e-5)
 
@@ -114,23 +116,23 @@ def test_constraints_of_the_ends_go_with_the_ends() -> None:
         [rt.AtStart(at_rest), rt.AtEnd(at_rest)],
         states={"v": rt.between(None, PEAK)},
     )
-    problem, _ = rt.cut_at_junctions(rt.plan(phase, tolerance=1e-6))
+    problem, _ = rt.indirect.cut_at_junctions(rt.plan(phase, tolerance=1e-6))
     kinds = [[type(constraint) for constraint in part.constraints] for part in problem.phases]
     assert kinds == [[rt.AtStart, rt.AtEnd], [rt.AtEnd], [rt.AtEnd]]
-    solution = cut(phase, rt.Mesh(2, rt.RadauIIA(3)))
+    solution = cut(phase, rt.Mesh(2, rt.schemes.RadauIIA(3)))
     assert solution.objective == pytest.approx((2 * PEAK / REACH) ** 2 * REACH / 3, rel=1e-8)
 
 
 def test_what_cannot_be_cut_is_refused(kirk: Any) -> None:
     with pytest.raises(rt.InputError, match="nothing to cut"):
-        rt.cut_at_junctions(rt.plan(kirk.phase(), rt.Mesh(10)))
+        rt.indirect.cut_at_junctions(rt.plan(kirk.phase(), rt.Mesh(10)))
     two = rt.Problem([hurry(), hurry()], [])
     with pytest.raises(rt.InputError, match="one phase; this one has 2"):
-        rt.cut_at_junctions(rt.plan(two, rt.Mesh(10)))
+        rt.indirect.cut_at_junctions(rt.plan(two, rt.Mesh(10)))
     mayer = rt.Phase(BLOCK, 1.0, rt.State([0, 0]), None, EFFORT + rt.Mayer(lambda a, b: (b.x["x"] - 1) ** 2))
     with pytest.raises(rt.InputError, match="a cost of its end points"):
-        rt.cut_at_junctions(rt.plan(mayer, rt.Mesh(10)))
+        rt.indirect.cut_at_junctions(rt.plan(mayer, rt.Mesh(10)))
     scaled = rt.System(["x"], ["u"], lambda point: [point.p["k"] * point.u["u"]])
     unknown = rt.Phase(scaled, 1.0, rt.State([0]), rt.State([1]), EFFORT, parameters={"k": rt.between(1, 2)})
     with pytest.raises(rt.InputError, match="parameters that are unknown"):
-        rt.cut_at_junctions(rt.plan(unknown, rt.Mesh(10)))
+        rt.indirect.cut_at_junctions(rt.plan(unknown, rt.Mesh(10)))

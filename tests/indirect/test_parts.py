@@ -9,9 +9,9 @@ import pytest
 
 import robotraj as rt
 from robotraj.indirect.arcs import Side, _bang_bang, find_arcs
-from robotraj.indirect.densities import split
-from robotraj.indirect.hamiltonian import Hamiltonian
 from robotraj.indirect.newton import find_root
+from robotraj.solution.costates.densities import split
+from robotraj.solution.costates.hamiltonian import Hamiltonian
 
 SEED = 20261121
 
@@ -46,10 +46,10 @@ def test_gradients_of_the_hamiltonian_are_its_differences(swing_up: Any) -> None
 
 def test_newton_solves_a_problem_without_freedom_and_refuses_one_with_some(kirk: Any) -> None:
     fall = rt.System(["x"], [], lambda p: [-(p.x["x"] ** 2)])
-    closed = rt.transcribe(rt.Problem([rt.Phase(fall, 3.0)]), rt.Mesh(4, rt.FifthDegree()))
+    closed = rt.transcription.transcribe(rt.Problem([rt.Phase(fall, 3.0)]), rt.Mesh(4, rt.schemes.FifthDegree()))
     root = find_root(closed, 1e-12)
     assert "equations" in root.trouble
-    freed = find_root(rt.transcribe(rt.Problem([kirk.phase()]), rt.Mesh(4)), 1e-12)
+    freed = find_root(rt.transcription.transcribe(rt.Problem([kirk.phase()]), rt.Mesh(4)), 1e-12)
     assert not np.isfinite(freed.residual)
 
 
@@ -60,7 +60,7 @@ def test_the_switch_between_two_nodes_is_where_the_control_crosses_the_middle() 
 
 
 def test_arcs_of_a_saturated_swing_up_are_read_off_the_direct_solution(swing_up: Any) -> None:
-    part = rt.costates(rt.plan(swing_up(force=12.0), rt.Mesh(60))).phases[0]
+    part = rt.indirect.costates(rt.plan(swing_up(force=12.0), rt.Mesh(60))).phases[0]
     arcs = find_arcs(part)
     assert [arc.sides[0] for arc in arcs] == [Side.INTERIOR, Side.LOWER, Side.INTERIOR]
     assert arcs[0].start == 0.0

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 import robotraj as rt
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.boundary import end_data
-from robotraj.indirect.polish import _solve
+from robotraj.indirect.polishing import _solve
 from robotraj.indirect.pontryagin import Pontryagin
 
 HALF = np.sqrt(10.0)
@@ -23,16 +23,16 @@ HALF = np.sqrt(10.0)
     [
         rt.Mesh(20),
         rt.Mesh(21),
-        rt.Mesh(15, rt.Trapezoidal()),
-        rt.Mesh(20, rt.RadauIIA(3)),
-        rt.Mesh(7, rt.GaussLegendre(3)),
-        rt.Mesh(21, rt.MultipleShooting()),
-        rt.Mesh(21, rt.SingleShooting()),
+        rt.Mesh(15, rt.schemes.Trapezoidal()),
+        rt.Mesh(20, rt.schemes.RadauIIA(3)),
+        rt.Mesh(7, rt.schemes.GaussLegendre(3)),
+        rt.Mesh(21, rt.schemes.MultipleShooting()),
+        rt.Mesh(21, rt.schemes.SingleShooting()),
     ],
     ids=str,
 )
 def test_the_block_switches_half_way(block: Any, mesh: rt.Mesh) -> None:
-    polished = rt.polish(rt.plan(block(), mesh))
+    polished = rt.indirect.polish(rt.plan(block(), mesh))
     assert polished.success
     assert polished.switching_times["u"] == pytest.approx([HALF], abs=1e-9)
     assert polished.duration == pytest.approx(2 * HALF, abs=1e-9)
@@ -45,13 +45,13 @@ def test_the_block_switches_half_way(block: Any, mesh: rt.Mesh) -> None:
 
 def test_the_block_as_a_robot() -> None:
     phase = rt.Phase(rt.load("block"), (0.1, 20), rt.State(q=0, v=0), rt.State(q=1.6, v=0), rt.Duration())
-    polished = rt.polish(rt.plan(phase, rt.Mesh(15)))
+    polished = rt.indirect.polish(rt.plan(phase, rt.Mesh(15)))
     assert polished.duration == pytest.approx(2 * np.sqrt(1.6), abs=1e-9)
     assert polished.at(polished.duration).q == pytest.approx([1.6], abs=1e-9)
 
 
 def test_kirk_to_round_off(kirk: Any) -> None:
-    polished = rt.polish(rt.plan(kirk.phase(), rt.Mesh(10)))
+    polished = rt.indirect.polish(rt.plan(kirk.phase(), rt.Mesh(10)))
     t = np.linspace(0, 2, 101)
     exact, sample = kirk.costates(t), polished.at(t)
     assert np.column_stack([sample.costate["x"], sample.costate["v"]]) == pytest.approx(exact, abs=1e-9)
@@ -92,7 +92,7 @@ def robot_rates(robot: rt.Robot) -> Any:
 @pytest.mark.parametrize("force", [20.0, 12.0, 10.0])
 def test_swing_up_with_and_without_saturation(swing_up: Any, force: float) -> None:
     solution = rt.plan(swing_up(force=force), rt.Mesh(50))
-    polished = rt.polish(solution)
+    polished = rt.indirect.polish(solution)
     assert polished.error <= 1e-9
     assert len(polished.arcs) == {20.0: 1, 12.0: 3, 10.0: 5}[force]
     end = arrives(polished, robot_rates(polished.equations.phase.robot), [0, 0, 0, 0])
@@ -109,7 +109,7 @@ def test_six_joints() -> None:
     phase = rt.Phase(robot, 2.0, rt.State(q=first, v=0), rt.State(q=last, v=0), rt.Effort(), limits=None)
     # fatrop finds another, lower optimum (483.8 against 489.6), whose polishing does not converge.
     solution = rt.plan(phase, rt.Mesh(50), solver=rt.Ipopt())
-    polished = rt.polish(solution)
+    polished = rt.indirect.polish(solution)
     assert max(polished.error, polished.residual) <= 1e-9
     assert polished.objective == pytest.approx(solution.objective, rel=2e-3)
     end = arrives(polished, robot_rates(robot), [*first, *[0] * 6])
@@ -118,7 +118,7 @@ def test_six_joints() -> None:
 
 @pytest.mark.slow
 def test_a_polished_cost_falls_with_the_start_as_its_costate_says(swing_up: Any) -> None:
-    costs = [rt.polish(rt.plan(swing_up((h, 0.0)), rt.Mesh(40))) for h in (1e-3, 0.0, -1e-3)]
+    costs = [rt.indirect.polish(rt.plan(swing_up((h, 0.0)), rt.Mesh(40))) for h in (1e-3, 0.0, -1e-3)]
     slope = (costs[0].objective - costs[2].objective) / 2e-3
     assert costs[1].at(0.0).costate["q.slider"] == pytest.approx(slope, rel=1e-5)
 
@@ -149,7 +149,7 @@ def test_two_link_arm_in_minimum_time_as_a_system_and_as_a_robot() -> None:
     robot = rt.Phase(
         rt.load("two_link_arm"), (0.3, 6), rt.State(q=[0, 0.5], v=0), rt.State(q=[0.522, 0.5], v=0), rt.Duration()
     )
-    found = [rt.polish(rt.plan(phase, rt.Mesh(60), rt.StraightLine(3.0))) for phase in (system, robot)]
+    found = [rt.indirect.polish(rt.plan(phase, rt.Mesh(60), rt.guess.StraightLine(3.0))) for phase in (system, robot)]
     for polished in found:
         assert polished.duration == pytest.approx(2.98227994, abs=5e-9)
         first, second = polished.switching_times.values()
@@ -160,7 +160,7 @@ def test_two_link_arm_in_minimum_time_as_a_system_and_as_a_robot() -> None:
 
 
 def test_end_cost_and_free_end_of_a_dae(algebraic: Any) -> None:
-    polished = rt.polish(rt.plan(algebraic(), rt.Mesh(10)))
+    polished = rt.indirect.polish(rt.plan(algebraic(), rt.Mesh(10)))
     end = polished.at(1.0)
     assert end.costate["x"] == pytest.approx(10 * (end.x["x"] - 2), abs=1e-9)
 
@@ -178,7 +178,7 @@ def test_end_constraints_on_the_pose_of_a_robot() -> None:
     tip = rt.PathConstraint(lambda p: [p.frame("tip").position[i] for i in (0, 1)], goal, goal, "tip")
     phase = rt.Phase(arm, 2.0, rt.State(q=[0.3, 0.2], v=0), rt.State(v=0), rt.Effort(), constraints=[rt.AtEnd(tip)])
     solution = rt.plan(phase, rt.Mesh(40))
-    polished = rt.polish(solution)
+    polished = rt.indirect.polish(solution)
     q = polished.at(2.0).q
     reached = np.array(arm.symbolic.frame_placement("tip")(q)[0]).ravel()[:2]
     assert reached == pytest.approx(goal, abs=1e-9)
@@ -195,7 +195,7 @@ def test_free_duration_explicit_time_and_a_fixed_parameter() -> None:
         parameters={"k": 2.0},
         objective=rt.Lagrange(lambda p: p.u["u"] ** 2) + rt.Duration(),
     )
-    polished = rt.polish(rt.plan(phase, rt.Mesh(30)))
+    polished = rt.indirect.polish(rt.plan(phase, rt.Mesh(30)))
 
     def cost(duration: float) -> float:
         fixed = rt.Phase(
@@ -206,7 +206,7 @@ def test_free_duration_explicit_time_and_a_fixed_parameter() -> None:
             parameters={"k": 2.0},
             objective=rt.Lagrange(lambda p: p.u["u"] ** 2),
         )
-        return rt.polish(rt.plan(fixed, rt.Mesh(30))).objective + duration
+        return rt.indirect.polish(rt.plan(fixed, rt.Mesh(30))).objective + duration
 
     best = polished.duration
     assert cost(best) == pytest.approx(polished.objective, abs=1e-9)
@@ -221,7 +221,9 @@ def test_a_motion_without_controls() -> None:
     # x0 is free within bounds, J = x(1)^2 falls with it: x0 stands at its lower bound.
     system = rt.System(["x"], [], lambda p: [-p.x["x"]])
     cost = rt.Mayer(lambda a, b: b.x["x"] ** 2)
-    polished = rt.polish(rt.plan(rt.Phase(system, 1.0, rt.State([rt.between(0.5, 2)]), objective=cost), rt.Mesh(5)))
+    polished = rt.indirect.polish(
+        rt.plan(rt.Phase(system, 1.0, rt.State([rt.between(0.5, 2)]), objective=cost), rt.Mesh(5))
+    )
     assert polished.objective == pytest.approx(0.25 * np.exp(-2), abs=1e-9)
     assert polished.at(0.0).costate["x"] == pytest.approx(np.exp(-2), abs=1e-9)
 
@@ -230,7 +232,7 @@ def test_a_motion_without_controls() -> None:
 def test_hyper_sensitive_motions_are_no_trouble() -> None:
     system = rt.System(["x"], ["u"], lambda p: [-(p.x["x"] ** 3) + p.u["u"]])
     cost = rt.Lagrange(lambda p: 0.5 * (p.x["x"] ** 2 + p.u["u"] ** 2))
-    polished = rt.polish(rt.plan(rt.Phase(system, 50.0, rt.State([1.5]), rt.State([1.0]), cost), rt.Mesh(80)))
+    polished = rt.indirect.polish(rt.plan(rt.Phase(system, 50.0, rt.State([1.5]), rt.State([1.0]), cost), rt.Mesh(80)))
     assert polished.objective == pytest.approx(1.33080691, abs=1e-8)
 
 
@@ -244,19 +246,19 @@ def singular() -> rt.Solution:
         rt.Lagrange(lambda p: 0.5 * (1 + p.x["v"] ** 2)),
         controls={"u": rt.between(-1, 1)},
     )
-    return rt.plan(phase, rt.Mesh(40, rt.RadauIIA(2)), rt.StraightLine(4.0))
+    return rt.plan(phase, rt.Mesh(40, rt.schemes.RadauIIA(2)), rt.guess.StraightLine(4.0))
 
 
 def test_a_singular_arc_is_refused() -> None:
     with pytest.raises(rt.InputError, match="'u' enters the Hamiltonian linearly.*singular arc"):
-        rt.polish(singular())
+        rt.indirect.polish(singular())
 
 
 @pytest.mark.parametrize(("as_path", "name"), [(False, "state bound, x"), (True, "path constraint")])
 def test_an_active_state_constraint_is_refused_by_name(bryson_denham: Any, as_path: bool, name: str) -> None:
     solution = rt.plan(bryson_denham.phase(as_path=as_path), rt.Mesh(30))
     with pytest.raises(rt.InputError, match=f"{name} is active at t = 0.33"):
-        rt.polish(solution)
+        rt.indirect.polish(solution)
 
 
 def test_several_phases_and_unknown_parameters_are_refused(kirk: Any) -> None:
@@ -267,24 +269,24 @@ def test_several_phases_and_unknown_parameters_are_refused(kirk: Any) -> None:
         [rt.Continuity(0, 1)],
     )
     with pytest.raises(rt.InputError, match="one phase; this one has 2"):
-        rt.polish(rt.plan(two, rt.Mesh(5)))
+        rt.indirect.polish(rt.plan(two, rt.Mesh(5)))
     free = rt.System(["x"], ["u"], lambda p: [p.p["k"] * p.u["u"]])
     phase = rt.Phase(free, 1.0, rt.State([0]), rt.State([1]), cost, parameters={"k": rt.between(1, 2)})
     with pytest.raises(rt.InputError, match="'k' is unknown; fix it"):
-        rt.polish(rt.plan(phase, rt.Mesh(5)))
+        rt.indirect.polish(rt.plan(phase, rt.Mesh(5)))
     with pytest.raises(rt.InputError, match="above 0"):
-        rt.polish(rt.plan(kirk.phase(), rt.Mesh(5)), tolerance=-1.0)
+        rt.indirect.polish(rt.plan(kirk.phase(), rt.Mesh(5)), tolerance=-1.0)
 
 
 def test_the_swing_up_to_1e_9(swing_up: Any) -> None:
-    polished = rt.polish(rt.plan(swing_up(), rt.Mesh(40)), tolerance=1e-9)
+    polished = rt.indirect.polish(rt.plan(swing_up(), rt.Mesh(40)), tolerance=1e-9)
     assert max(polished.error, polished.residual) <= 1e-9
     assert polished.objective == pytest.approx(58.8076674582, abs=1e-9)
 
 
 def test_a_tolerance_out_of_reach_is_not_claimed(swing_up: Any) -> None:
-    with pytest.raises(rt.PolishFailed, match="not polished") as caught:
-        rt.polish(rt.plan(swing_up(), rt.Mesh(40)), tolerance=1e-17)
+    with pytest.raises(rt.indirect.PolishFailed, match="not polished") as caught:
+        rt.indirect.polish(rt.plan(swing_up(), rt.Mesh(40)), tolerance=1e-17)
     last = caught.value.solution
     assert not last.success
     assert last.trouble
@@ -294,7 +296,7 @@ def test_a_tolerance_out_of_reach_is_not_claimed(swing_up: Any) -> None:
 def test_a_sequence_of_arcs_that_is_no_optimum_is_not_claimed(block: Any) -> None:
     # Braking before accelerating: no costates make that an extremal.
     solution = rt.plan(block(), rt.Mesh(20))
-    costates = rt.costates(solution).phases[0]
+    costates = rt.indirect.costates(solution).phases[0]
     equations = Pontryagin(solution.phases[0].phase, np.zeros(0), np.array([[-1.0], [1.0]]))
     ends = end_data(equations, np.array([0.0, 0.0]), np.array([10.0, 0.0]), solution.duration)
     half = solution.duration / 2
@@ -305,7 +307,7 @@ def test_a_sequence_of_arcs_that_is_no_optimum_is_not_claimed(block: Any) -> Non
 
 @pytest.mark.parametrize("force", [20.0, 12.0])
 def test_a_polished_plan_is_a_solution_that_the_witness_proves(swing_up: Any, force: float, tmp_path: Any) -> None:
-    polished = rt.polish(rt.plan(swing_up(force=force), rt.Mesh(40)))
+    polished = rt.indirect.polish(rt.plan(swing_up(force=force), rt.Mesh(40)))
     solution = polished.solution()
     assert solution.success
     assert solution.objective == polished.objective
@@ -317,11 +319,11 @@ def test_a_polished_plan_is_a_solution_that_the_witness_proves(swing_up: Any, fo
     again = rt.load_solution(solution.save(tmp_path / "polished.npz"))
     assert np.array_equal(again.at(t).q, solution.at(t).q)
     # The direct method agrees on a fine mesh of high order with knots where the arcs meet.
-    direct = rt.plan(swing_up(force=force), rt.Mesh(polished.knots / 2.0, rt.LobattoIIIA(5)), guess=solution)
+    direct = rt.plan(swing_up(force=force), rt.Mesh(polished.knots / 2.0, rt.schemes.LobattoIIIA(5)), guess=solution)
     assert direct.objective == pytest.approx(polished.objective, rel=1e-6)
 
 
 def test_times_outside_the_motion_are_refused(kirk: Any) -> None:
-    polished = rt.polish(rt.plan(kirk.phase(), rt.Mesh(10)))
+    polished = rt.indirect.polish(rt.plan(kirk.phase(), rt.Mesh(10)))
     with pytest.raises(rt.InputError, match="0 s to 2 s"):
         polished.at(3.0)

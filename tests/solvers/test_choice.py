@@ -6,10 +6,10 @@ import casadi as ca
 import pytest
 
 import robotraj as rt
-from robotraj.objectives import Objective
+from robotraj.planning.solver_choice import engine_for, solver_for
+from robotraj.problem.objectives.base import Objective
 from robotraj.solvers.base import Solver
-from robotraj.solvers.choice import engine_for, solver_for
-from robotraj.stagewise import reduce
+from robotraj.solvers.stagewise.reduction import reduce
 
 
 def chain(states: int, controls: int, **options: object) -> rt.Problem:
@@ -40,10 +40,10 @@ def test_rates_of_torques_and_jerks_leave_an_arm_to_fatrop_and_corners_do_not() 
     def chosen(objective: Objective) -> Solver:
         return solver_for(rt.Problem([rt.Phase(arm, 1.0, objective=objective)]), rt.Mesh())
 
-    assert isinstance(chosen(rt.TorqueRate() + rt.Effort()), rt.Fatrop)
-    assert isinstance(chosen(rt.Jerk()), rt.Fatrop)
-    assert isinstance(chosen(rt.AbsolutePower()), rt.Ipopt)
-    assert isinstance(chosen(rt.AbsolutePower() + rt.TorqueRate()), rt.Ipopt)
+    assert isinstance(chosen(rt.objectives.TorqueRate() + rt.Effort()), rt.Fatrop)
+    assert isinstance(chosen(rt.objectives.Jerk()), rt.Fatrop)
+    assert isinstance(chosen(rt.objectives.AbsolutePower()), rt.Ipopt)
+    assert isinstance(chosen(rt.objectives.AbsolutePower() + rt.objectives.TorqueRate()), rt.Ipopt)
 
 
 def test_every_phase_has_a_say() -> None:
@@ -70,13 +70,13 @@ def test_an_integral_over_an_arms_motion_widens_every_stage_and_is_for_ipopt() -
     bounded = rt.Problem([rt.Phase(arm, 1.0, objective=rt.Duration(), constraints=[budget])])
     assert isinstance(solver_for(bounded, rt.Mesh()), rt.Ipopt)
     # Every later stage carries what the integral has read so far.
-    carried = [reduce(rt.transcribe(bounded, rt.Mesh(n))).program.nx.max() for n in (5, 10)]
+    carried = [reduce(rt.transcription.transcribe(bounded, rt.Mesh(n))).program.nx.max() for n in (5, 10)]
     assert carried[1] > 1.8 * carried[0]
 
 
 def test_what_has_no_stages_is_for_ipopt() -> None:
-    assert isinstance(solver_for(chain(2, 1), rt.Mesh(10, rt.MultipleShooting())), rt.Ipopt)
-    assert isinstance(solver_for(chain(2, 1), [rt.MovingMesh(5)]), rt.Ipopt)
+    assert isinstance(solver_for(chain(2, 1), rt.Mesh(10, rt.schemes.MultipleShooting())), rt.Ipopt)
+    assert isinstance(solver_for(chain(2, 1), [rt.schemes.MovingMesh(5)]), rt.Ipopt)
 
 
 def test_a_system_reaches_the_optimum_of_its_mesh_and_keeps_nothing_from_its_bounds() -> None:
@@ -90,7 +90,7 @@ def test_a_system_reaches_the_optimum_of_its_mesh_and_keeps_nothing_from_its_bou
         controls={"u": rt.between(-1, 1)},
         objective=rt.Duration(),
     )
-    mesh = rt.Mesh(20, rt.HermiteSimpson(control=rt.ConstantControl()))
+    mesh = rt.Mesh(20, rt.HermiteSimpson(control=rt.schemes.ConstantControl()))
     plans = [rt.plan(phase, mesh, solver=solver) for solver in (None, rt.Ipopt())]
     assert plans[0].message.startswith("fatrop")
     assert plans[0].objective == pytest.approx(plans[1].objective, rel=1e-6)
@@ -100,9 +100,9 @@ def test_a_system_reaches_the_optimum_of_its_mesh_and_keeps_nothing_from_its_bou
 @pytest.mark.parametrize(
     ("name", "root", "actuated", "solver", "engine"),
     [
-        ("ur5", "fixed", None, rt.Fatrop(), rt.Native()),
-        ("double_pendulum", "fixed", [], rt.Fatrop(), rt.Native()),
-        ("solo12", "floating", None, rt.Ipopt(), rt.Native()),
+        ("ur5", "fixed", None, rt.Fatrop(), rt.engines.Native()),
+        ("double_pendulum", "fixed", [], rt.Fatrop(), rt.engines.Native()),
+        ("solo12", "floating", None, rt.Ipopt(), rt.engines.Native()),
     ],
 )
 def test_the_robot_decides(name: str, root: str, actuated: list[str] | None, solver: object, engine: object) -> None:

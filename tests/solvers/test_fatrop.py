@@ -12,19 +12,23 @@ import pytest
 
 import robotraj as rt
 from robotraj.solvers import fatrop as module
-from tests.stagewise.problems import EVERY
+from tests.solvers.stagewise.problems import EVERY
 
 MESH = rt.Mesh(8)
 SAME = [name for name in EVERY if name != "step"]
 
 
 @pytest.mark.parametrize(
-    "between", [rt.Exchange(rounds=0), rt.ConvexHull(rounds=0, controls=True)], ids=["plain", "hull"]
+    "interval_limits",
+    [rt.interval_limits.ConstraintGeneration(rounds=0), rt.interval_limits.BernsteinBounds(rounds=0, controls=True)],
+    ids=["plain", "hull"],
 )
 @pytest.mark.parametrize("name", SAME)
-def test_fatrop_finds_the_optimum_of_ipopt_and_its_multipliers_prove_it(name: str, between: rt.Exchange) -> None:
+def test_fatrop_finds_the_optimum_of_ipopt_and_its_multipliers_prove_it(
+    name: str, interval_limits: rt.interval_limits.ConstraintGeneration
+) -> None:
     fatrop, ipopt = (
-        rt.plan(EVERY[name](), MESH, solver=solver, between=between, progress=False)
+        rt.plan(EVERY[name](), MESH, solver=solver, interval_limits=interval_limits, progress=False)
         for solver in (rt.Fatrop(fallback=None), rt.Ipopt())
     )
     assert "fatrop" in fatrop.message
@@ -57,7 +61,13 @@ def test_the_acrobot_swings_up_as_with_ipopt(duration: float, intervals: int) ->
     ends = {"start": rt.State(q=[0, 0], v=0), "end": rt.State(q=[np.pi, 0], v=0)}
     phase = rt.Phase(robot, duration=duration, objective=rt.Effort(), limits=None, **ends)  # type: ignore[arg-type]
     fatrop, ipopt = (
-        rt.plan(phase, rt.Mesh(intervals), solver=solver, between=rt.Exchange(), progress=False)
+        rt.plan(
+            phase,
+            rt.Mesh(intervals),
+            solver=solver,
+            interval_limits=rt.interval_limits.ConstraintGeneration(),
+            progress=False,
+        )
         for solver in (rt.Fatrop(fallback=None), rt.Ipopt())
     )
     assert fatrop.success
@@ -65,7 +75,7 @@ def test_the_acrobot_swings_up_as_with_ipopt(duration: float, intervals: int) ->
 
 
 def test_a_contact_and_a_mirror_are_solved_in_stages() -> None:
-    from tests.test_five_link import guess
+    from tests.gait.test_five_link import guess
 
     problem = EVERY["step"]()
     solution = rt.plan(
@@ -73,18 +83,20 @@ def test_a_contact_and_a_mirror_are_solved_in_stages() -> None:
         rt.Mesh(6),
         guess=guess(problem.phases[0].robot),
         solver=rt.Fatrop(fallback=None),
-        between=rt.Exchange(rounds=0),
+        interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0),
         progress=False,
     )
     assert solution.objective == pytest.approx(469.547244, abs=2e-6)
 
 
 def test_shooting_falls_back_and_says_why() -> None:
-    solution = rt.plan(EVERY["pendulum"](), rt.Mesh(10, rt.MultipleShooting()), solver=rt.Fatrop(), progress=False)
+    solution = rt.plan(
+        EVERY["pendulum"](), rt.Mesh(10, rt.schemes.MultipleShooting()), solver=rt.Fatrop(), progress=False
+    )
     assert solution.success
     assert "by Ipopt, since phase 'phase' is planned by MultipleShooting" in solution.message
     with pytest.raises(rt.InputError, match="MultipleShooting"):
-        rt.plan(EVERY["pendulum"](), rt.Mesh(10, rt.MultipleShooting()), solver=rt.Fatrop(fallback=None))
+        rt.plan(EVERY["pendulum"](), rt.Mesh(10, rt.schemes.MultipleShooting()), solver=rt.Fatrop(fallback=None))
 
 
 def test_wide_stages_fall_back_and_say_why(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,7 +128,7 @@ def overdetermined() -> rt.Phase:
 @pytest.mark.parametrize("fallback", [None, rt.Ipopt()], ids=["alone", "with ipopt"])
 def test_more_equations_than_unknowns_are_told_by_the_status(fallback: rt.Ipopt | None) -> None:
     solution = rt.plan(overdetermined(), rt.Mesh(5), solver=rt.Fatrop(fallback=fallback), check=False)
-    assert solution.status is rt.Status.OVERDETERMINED
+    assert solution.status is rt.solvers.Status.OVERDETERMINED
     assert "equations for" in solution.message
     assert solution.iterations == 0
 
@@ -137,8 +149,10 @@ def test_plans_in_threads_may_start_from_the_same_solution() -> None:
         np.testing.assert_allclose(together, alone, rtol=1e-6)
 
 
-@pytest.mark.parametrize("engine", [rt.Native(), rt.VirtualMachine()], ids=["native", "virtual machine"])
-def test_the_parts_of_a_solve_do_not_overlap(engine: rt.Native | rt.VirtualMachine) -> None:
+@pytest.mark.parametrize(
+    "engine", [rt.engines.Native(), rt.engines.VirtualMachine()], ids=["native", "virtual machine"]
+)
+def test_the_parts_of_a_solve_do_not_overlap(engine: rt.engines.Native | rt.engines.VirtualMachine) -> None:
     times = rt.plan(EVERY["arm"](), rt.Mesh(30), solver=rt.Fatrop(threads=1), engine=engine, progress=False).times
     parts = [times[f"solve: {name}"] for name in ("functions", "combinations", "linear algebra")]
     # Vectors and the line search take their time as well.
@@ -149,12 +163,12 @@ def test_the_parts_of_a_solve_do_not_overlap(engine: rt.Native | rt.VirtualMachi
 def test_another_solver_gets_the_time_that_is_left() -> None:
     def plan(time_limit: float | None) -> rt.Solution:
         solver = rt.Fatrop(time_limit=time_limit, fallback=rt.Ipopt(time_limit=50.0))
-        mesh = rt.Mesh(100, rt.MultipleShooting())
+        mesh = rt.Mesh(100, rt.schemes.MultipleShooting())
         return rt.plan(EVERY["pendulum"](), mesh, solver=solver, check=False, progress=False)
 
     assert plan(None).success
     cut = plan(1e-4)
-    assert cut.status is rt.Status.TIME_LIMIT
+    assert cut.status is rt.solvers.Status.TIME_LIMIT
     assert "by Ipopt" in cut.message
     assert rt.Ipopt(time_limit=2.0).within(3.0).time_limit == 2.0
     assert rt.Fatrop().within(3.0).time_limit == 3.0
@@ -162,23 +176,30 @@ def test_another_solver_gets_the_time_that_is_left() -> None:
 
 def test_limits_of_iterations_and_time_keep_the_last_iterate() -> None:
     few = rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(max_iterations=3), check=False, progress=False)
-    assert few.status is rt.Status.ITERATION_LIMIT and few.iterations == 3
+    assert few.status is rt.solvers.Status.ITERATION_LIMIT and few.iterations == 3
     assert np.all(np.isfinite(few.at(0.5).q))
     none = rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(time_limit=1e-6), check=False, progress=False)
-    assert none.status is rt.Status.TIME_LIMIT
+    assert none.status is rt.solvers.Status.TIME_LIMIT
 
 
 def test_as_many_iterations_as_a_solve_takes_are_enough() -> None:
     def plan(iterations: int) -> rt.Solution:
         solver = rt.Fatrop(max_iterations=iterations, fallback=None)
-        return rt.plan(EVERY["arm"](), MESH, solver=solver, between=rt.Exchange(rounds=0), check=False, progress=False)
+        return rt.plan(
+            EVERY["arm"](),
+            MESH,
+            solver=solver,
+            interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0),
+            check=False,
+            progress=False,
+        )
 
     needed = plan(1000)
     assert needed.success
     assert (again := plan(needed.iterations)).success and again.iterations == needed.iterations
     short = plan(needed.iterations - 1)
-    assert short.status is rt.Status.ITERATION_LIMIT and short.iterations == needed.iterations - 1
-    assert plan(1).status is rt.Status.ITERATION_LIMIT and plan(1).iterations <= 1
+    assert short.status is rt.solvers.Status.ITERATION_LIMIT and short.iterations == needed.iterations - 1
+    assert plan(1).status is rt.solvers.Status.ITERATION_LIMIT and plan(1).iterations <= 1
 
 
 def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -206,15 +227,15 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
             EVERY["arm"](),
             MESH,
             # Of a guess of one's own no variations are tried.
-            rt.StraightLine(),
+            rt.guess.StraightLine(),
             solver=rt.Fatrop(max_iterations=n, fallback=None),
             check=False,
             progress=False,
         )
         for n in (7, 10)
     )
-    assert few.iterations == 7 and few.status is rt.Status.STALLED
-    assert more.iterations == 10 and more.status is rt.Status.ITERATION_LIMIT
+    assert few.iterations == 7 and few.status is rt.solvers.Status.STALLED
+    assert more.iterations == 10 and more.status is rt.solvers.Status.ITERATION_LIMIT
     assert asked == [7, 10, 3]
 
 
@@ -231,7 +252,7 @@ def test_what_runs_off_is_diverged_and_is_not_handed_on(objective: rt.Objective)
     push = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
     phase = rt.Phase(push, 1.0, rt.State([0, 0]), rt.State([1, None]), objective)
     solution = rt.plan(phase, solver=rt.Fatrop(), check=False, progress=False)
-    assert solution.status is rt.Status.DIVERGED
+    assert solution.status is rt.solvers.Status.DIVERGED
     assert "Ipopt" not in solution.message and "Bound the states and controls" in str(solution)
     assert np.all(np.isfinite(solution.at(0.5).x["v"]))
 
@@ -239,7 +260,7 @@ def test_what_runs_off_is_diverged_and_is_not_handed_on(objective: rt.Objective)
 def test_multipliers_converge_where_steps_are_near_rounding() -> None:
     system = rt.System(["q", "w"], ["u"], lambda p: [p.x["w"], p.u["u"] - 9.81 * ca.sin(p.x["q"])])
     phase = rt.Phase(system, 1.5, rt.State([0, 0]), rt.State([np.pi, 0]), rt.Effort())
-    mesh = rt.Mesh(6, rt.Trapezoidal())
+    mesh = rt.Mesh(6, rt.schemes.Trapezoidal())
     solution = rt.plan(phase, mesh, solver=rt.Fatrop(fallback=None), progress=False)
     assert solution.iterations < 20
     assert solution.objective == pytest.approx(rt.plan(phase, mesh, solver=rt.Ipopt()).objective, rel=1e-8)
@@ -251,4 +272,4 @@ def test_an_objective_that_is_no_number_is_not_solved() -> None:
     ends, controls = (rt.State([0, 0]), rt.State([0, 0])), {"u": rt.between(-1, 1)}
     phase = rt.Phase(block, 2.0, *ends, cost, controls=controls)
     solution = rt.plan(phase, rt.Mesh(10), solver=rt.Fatrop(fallback=None), check=False, progress=False)
-    assert solution.status is rt.Status.INVALID_NUMBER
+    assert solution.status is rt.solvers.Status.INVALID_NUMBER

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.solvers import Iteration
+from robotraj.solvers.base import Iteration
 from robotraj.solvers.ipopt import LINEAR_SOLVERS
 
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
@@ -31,7 +31,7 @@ def test_a_tighter_tolerance_comes_closer() -> None:
 
 def test_own_options_win_over_the_fields() -> None:
     solution = rt.plan(MOVE, solver=rt.Ipopt(max_iterations=500, options={"max_iter": 2}), check=False)
-    assert solution.status is rt.Status.ITERATION_LIMIT and solution.iterations == 2
+    assert solution.status is rt.solvers.Status.ITERATION_LIMIT and solution.iterations == 2
 
 
 @pytest.mark.parametrize("barrier", ["monotone", "adaptive"])
@@ -41,7 +41,7 @@ def test_both_barriers_find_the_minimum_time(barrier: str) -> None:
 
 def test_progress_tells_every_iteration_in_order() -> None:
     seen: list[Iteration] = []
-    nlp = rt.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
+    nlp = rt.transcription.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
     outcome = rt.Ipopt().solve(nlp, seen.append)
     assert [iteration.number for iteration in seen] == list(range(outcome.iterations + 1))
     assert seen[0].infeasibility > 1e-2 > 1e-7 > seen[-1].infeasibility
@@ -50,7 +50,7 @@ def test_progress_tells_every_iteration_in_order() -> None:
 
 def test_its_answer_is_a_stationary_point_in_physical_units() -> None:
     """Gradient plus the rows' and the bounds' multipliers is zero: grad f + J' lam_g + lam_x = 0."""
-    nlp = rt.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
+    nlp = rt.transcription.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
     outcome = rt.Ipopt(tolerance=1e-10).solve(nlp)
     rows, bounds = outcome.multipliers.rows, outcome.multipliers.bounds
     residual = nlp.gradient(outcome.w) + nlp.jacobian(outcome.w).T @ rows + bounds
@@ -73,7 +73,7 @@ def test_bounds_hold_exactly_at_the_answer() -> None:
 
 
 def test_every_factorisation_takes_the_same_steps() -> None:
-    nlp = rt.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
+    nlp = rt.transcription.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
     own, *others = (rt.Ipopt(linear_solver=name).solve(nlp) for name in LINEAR_SOLVERS)
     for other in others:
         assert own.iterations == other.iterations
@@ -82,7 +82,7 @@ def test_every_factorisation_takes_the_same_steps() -> None:
 
 
 def test_factors_of_robotraj_are_those_that_ipopt_calls(capfd: pytest.CaptureFixture[str]) -> None:
-    rt.Ipopt(options={"print_level": 5}).solve(rt.transcribe(rt.Problem([MOVE]), rt.Mesh(10)))
+    rt.Ipopt(options={"print_level": 5}).solve(rt.transcription.transcribe(rt.Problem([MOVE]), rt.Mesh(10)))
     assert "running with linear solver ma97" in capfd.readouterr().out
 
 

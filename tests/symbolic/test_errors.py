@@ -12,7 +12,7 @@ import casadi as ca
 import pinocchio as pin
 import pytest
 
-from robotraj.errors import BuildMismatch, InputError, UnknownName
+from robotraj._util.errors import BuildMismatch, InputError, UnknownName
 from robotraj.symbolic import SymbolicModel
 from robotraj.symbolic.build import check_versions, wheel_version
 

@@ -35,7 +35,7 @@ def ode() -> tuple[rt.Problem, rt.Mesh]:
 def free_duration() -> tuple[rt.Problem, rt.Mesh]:
     """The duration is unknown and costs."""
     phase = rt.Phase(_pendulum(), (0.5, 4), rt.State([0, 0]), rt.State([3, 0]), _effort() + 2 * rt.Duration())
-    return rt.Problem([phase]), rt.Mesh(3, rt.Trapezoidal())
+    return rt.Problem([phase]), rt.Mesh(3, rt.schemes.Trapezoidal())
 
 
 def dae() -> tuple[rt.Problem, rt.Mesh]:
@@ -48,7 +48,7 @@ def dae() -> tuple[rt.Problem, rt.Mesh]:
         residual=lambda point: [point.z["a"] + 0.05 * point.z["a"] ** 3 - point.u["u"] + ca.sin(point.x["q"])],
     )
     phase = rt.Phase(system, (1, 3), rt.State([0, 0]), rt.State([2, 0]), _effort(), algebraic={"a": rt.between(-9, 9)})
-    return rt.Problem([phase]), rt.Mesh(3, rt.FifthDegree())
+    return rt.Problem([phase]), rt.Mesh(3, rt.schemes.FifthDegree())
 
 
 def parameters() -> tuple[rt.Problem, rt.Mesh]:
@@ -67,7 +67,7 @@ def parameters() -> tuple[rt.Problem, rt.Mesh]:
         [rt.PathConstraint(lambda point: point.x["v"] * point.p["mass"], upper=3, name="momentum", unit="kg m/s")],
         parameters={"mass": rt.between(0.5, 2), "drag": 0.3},
     )
-    return rt.Problem([phase]), rt.Mesh(HALF, rt.RadauIIA(points=2))
+    return rt.Problem([phase]), rt.Mesh(HALF, rt.schemes.RadauIIA(points=2))
 
 
 def _mass_cost() -> object:
@@ -85,7 +85,7 @@ def time_dependent() -> tuple[rt.Problem, rt.Mesh]:
         objective=rt.Lagrange(lambda point: (point.x["x"] - point.t**2) ** 2 + point.u["u"] ** 2),
         constraints=[rt.PathConstraint(lambda point: point.x["x"] - ca.exp(point.t), upper=0)],
     )
-    return rt.Problem([phase]), rt.Mesh(3, rt.GaussLegendre(points=2))
+    return rt.Problem([phase]), rt.Mesh(3, rt.schemes.GaussLegendre(points=2))
 
 
 def ends() -> tuple[rt.Problem, rt.Mesh]:
@@ -121,13 +121,18 @@ def two_phases() -> tuple[rt.Problem, Sequence[rt.Mesh]]:
     )
     return rt.Problem([first, second], [rt.Continuity(0, 1)]), [
         rt.Mesh(2),
-        rt.Mesh(HALF, rt.RadauIIA(points=2)),
+        rt.Mesh(HALF, rt.schemes.RadauIIA(points=2)),
     ]
 
 
 def mixed_schemes() -> tuple[rt.Problem, rt.Mesh]:
     """Another scheme on every interval."""
-    schemes = [rt.HermiteSimpson(), rt.GaussLegendre(points=2), rt.Trapezoidal(), rt.RadauIIA(points=2)]
+    schemes = [
+        rt.HermiteSimpson(),
+        rt.schemes.GaussLegendre(points=2),
+        rt.schemes.Trapezoidal(),
+        rt.schemes.RadauIIA(points=2),
+    ]
     phase = rt.Phase(_pendulum(), (1, 3), rt.State([0, 0]), rt.State([3, 0]), _effort())
     return rt.Problem([phase]), rt.Mesh([0, 0.2, 0.5, 0.6, 1], schemes)
 
@@ -142,12 +147,12 @@ def _with_control(control: object, scheme: type) -> Callable[[], tuple[rt.Proble
 
 def cartpole() -> tuple[rt.Problem, rt.Mesh]:
     """A robot by inverse dynamics, with a frame kept above the ground."""
-    return _cartpole(rt.InverseDynamics())
+    return _cartpole(rt.dynamics.InverseDynamics())
 
 
 def cartpole_forward() -> tuple[rt.Problem, rt.Mesh]:
     """The same by forward dynamics."""
-    return _cartpole(rt.ForwardDynamics())
+    return _cartpole(rt.dynamics.ForwardDynamics())
 
 
 def _cartpole(dynamics: object) -> tuple[rt.Problem, rt.Mesh]:
@@ -158,8 +163,8 @@ def _cartpole(dynamics: object) -> tuple[rt.Problem, rt.Mesh]:
         rt.State(q=[1, np.pi], v=0),
         rt.Effort() + rt.Duration(),
         [
-            rt.GroundClearance("tip", -0.6, rt.Slope(0.1)),
-            rt.JointAcceleration(rt.between(-100, 100)),
+            rt.GroundClearance("tip", -0.6, rt.terrain.Slope(0.1)),
+            rt.constraints.JointAcceleration(rt.between(-100, 100)),
             rt.PathConstraint(lambda point: point.tau[0] * point.v[0] + point.momentum[0] + point.com[2], upper=50),
         ],
         dynamics=dynamics,
@@ -176,12 +181,14 @@ PROBLEMS = {
     "ends": ends,
     "two phases": two_phases,
     "mixed schemes": mixed_schemes,
-    "linear control": _with_control(rt.LinearControl(), rt.HermiteSimpson),
-    "constant control": _with_control(rt.ConstantControl(), rt.HermiteSimpson),
-    "constant control, Radau": _with_control(rt.ConstantControl(), rt.RadauIIA),
+    "linear control": _with_control(rt.schemes.LinearControl(), rt.HermiteSimpson),
+    "constant control": _with_control(rt.schemes.ConstantControl(), rt.HermiteSimpson),
+    "constant control, Radau": _with_control(rt.schemes.ConstantControl(), rt.schemes.RadauIIA),
     "lecture": lambda: (
         ode()[0],
-        rt.Mesh(3, rt.HermiteSimpson(control=rt.LinearControl(), quadrature=rt.TrapezoidalQuadrature())),
+        rt.Mesh(
+            3, rt.HermiteSimpson(control=rt.schemes.LinearControl(), quadrature=rt.schemes.TrapezoidalQuadrature())
+        ),
     ),
     "cartpole": cartpole,
     "cartpole, forward": cartpole_forward,
@@ -189,9 +196,9 @@ PROBLEMS = {
 
 
 @pytest.fixture(params=PROBLEMS)
-def nlp(request: pytest.FixtureRequest) -> rt.Nlp:
+def nlp(request: pytest.FixtureRequest) -> rt.transcription.Nlp:
     """Every problem in turn, transcribed."""
-    return rt.transcribe(*PROBLEMS[request.param]())
+    return rt.transcription.transcribe(*PROBLEMS[request.param]())
 
 
 @pytest.fixture

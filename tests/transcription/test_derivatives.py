@@ -11,13 +11,13 @@ import pytest
 from numpy.typing import NDArray
 
 import robotraj as rt
-from robotraj.transcription.callbacks import NlpFunction
+from robotraj.transcription.assembly.callbacks import NlpFunction
 
 Array = NDArray[np.float64]
 STEP = 1e-5
 
 
-def somewhere(nlp: rt.Nlp) -> tuple[Array, Array]:
+def somewhere(nlp: rt.transcription.Nlp) -> tuple[Array, Array]:
     """A point near the guess and multipliers, seeded."""
     random = np.random.default_rng(7)
     w = nlp.guess + nlp.scale * random.uniform(-0.1, 0.1, len(nlp.guess))
@@ -40,19 +40,19 @@ def assert_close(found: Array, expected: Array) -> None:
     assert np.max(np.abs(found - expected)) <= 1e-6 * max(1.0, float(np.max(np.abs(expected))))
 
 
-def test_gradient_agrees_with_finite_differences(nlp: rt.Nlp) -> None:
+def test_gradient_agrees_with_finite_differences(nlp: rt.transcription.Nlp) -> None:
     w, _ = somewhere(nlp)
     expected = differences(lambda v: np.array([nlp.objective(v)]), w, nlp.scale).ravel()
     assert_close(nlp.gradient(w), expected)
     assert np.any(expected)
 
 
-def test_jacobian_agrees_with_finite_differences(nlp: rt.Nlp) -> None:
+def test_jacobian_agrees_with_finite_differences(nlp: rt.transcription.Nlp) -> None:
     w, _ = somewhere(nlp)
     assert_close(nlp.jacobian(w).toarray(), differences(nlp.values, w, nlp.scale))
 
 
-def test_hessian_agrees_with_finite_differences(nlp: rt.Nlp) -> None:
+def test_hessian_agrees_with_finite_differences(nlp: rt.transcription.Nlp) -> None:
     w, multipliers = somewhere(nlp)
 
     def lagrangian_gradient(v: Array) -> Array:
@@ -63,7 +63,7 @@ def test_hessian_agrees_with_finite_differences(nlp: rt.Nlp) -> None:
     assert_close(found, differences(lagrangian_gradient, w, nlp.scale))
 
 
-def graph(nlp: rt.Nlp) -> tuple[ca.MX, ca.MX, ca.MX]:
+def graph(nlp: rt.transcription.Nlp) -> tuple[ca.MX, ca.MX, ca.MX]:
     """w, objective and rows as one graph of the blocks, which CasADi can differentiate."""
     w = ca.MX.sym("w", len(nlp.variables))
     f, g = ca.MX(0), ca.mtimes(ca.DM(nlp.linear.toarray()), w)
@@ -78,7 +78,7 @@ def graph(nlp: rt.Nlp) -> tuple[ca.MX, ca.MX, ca.MX]:
 
 @pytest.mark.parametrize("name", ["ends", "two phases", "mixed schemes", "cartpole"])
 def test_derivatives_are_those_of_the_whole_graph(name: str, problems: dict) -> None:
-    nlp = rt.transcribe(*problems[name]())
+    nlp = rt.transcription.transcribe(*problems[name]())
     w, f, g = graph(nlp)
     lam = ca.MX.sym("lam", len(nlp.rows))
     hessian, _ = ca.hessian(0.7 * f + ca.dot(lam, g), w)
@@ -123,7 +123,7 @@ def test_results_nobody_asked_for_are_not_evaluated_and_a_failure_is_told() -> N
 
 def test_the_jacobian_has_no_entry_that_cannot_be_nonzero(problems: dict) -> None:
     """No row reads more than its own interval, the duration and the parameters."""
-    nlp = rt.transcribe(*problems["ode"]())
+    nlp = rt.transcription.transcribe(*problems["ode"]())
     w, _ = somewhere(nlp)
     jacobian = nlp.jacobian(w)
     dense = np.abs(jacobian.toarray()) > 0

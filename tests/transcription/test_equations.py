@@ -13,24 +13,24 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import robotraj as rt
-from robotraj.transcription import Nlp
-from robotraj.transcription.again import transcribed_again
-from robotraj.transcription.equations import equations_of
+from robotraj.transcription.collocation.index_reduction import equations_of
+from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.reuse import transcribed_again
 from robotraj.transcription.transcribe import transcribe
 
 Array = NDArray[np.float64]
 
 SCHEMES: list[tuple[Any, int]] = [
     (rt.HermiteSimpson(), 20),
-    (rt.LobattoIIIA(4), 12),
-    (rt.FifthDegree(), 12),
-    (rt.RadauIIA(1), 40),
-    (rt.RadauIIA(2), 20),
-    (rt.RadauIIA(3), 12),
-    (rt.RadauIIA(5), 8),
-    (rt.GaussLegendre(2), 20),
-    (rt.GaussLegendre(3), 12),
-    (rt.Trapezoidal(), 40),
+    (rt.schemes.LobattoIIIA(4), 12),
+    (rt.schemes.FifthDegree(), 12),
+    (rt.schemes.RadauIIA(1), 40),
+    (rt.schemes.RadauIIA(2), 20),
+    (rt.schemes.RadauIIA(3), 12),
+    (rt.schemes.RadauIIA(5), 8),
+    (rt.schemes.GaussLegendre(2), 20),
+    (rt.schemes.GaussLegendre(3), 12),
+    (rt.schemes.Trapezoidal(), 40),
 ]
 each_scheme = pytest.mark.parametrize(("scheme", "intervals"), SCHEMES, ids=lambda value: str(value)[:16])
 ALONE = rt.Fatrop(fallback=None)
@@ -120,7 +120,7 @@ def test_orders_beyond_two_and_inequalities() -> None:
     assert not equations_of(moved(rt.PathConstraint(lambda p: p.x["x"] - p.x["y"], 0, 0.1)))
 
 
-@pytest.mark.parametrize("objective", [rt.Effort(), rt.Jerk()], ids=["accelerations", "jerks"])
+@pytest.mark.parametrize("objective", [rt.Effort(), rt.objectives.Jerk()], ids=["accelerations", "jerks"])
 def test_poses_are_of_the_order_of_accelerations(ur5: rt.Robot, objective: rt.Objective) -> None:
     phase = drawing(ur5, objective)
     assert [equation.order for equation in equations_of(phase)] == [2] * 4
@@ -133,9 +133,9 @@ def test_poses_are_of_the_order_of_accelerations(ur5: rt.Robot, objective: rt.Ob
     ("scheme", "held", "rates"),
     [
         (rt.HermiteSimpson(), [0, 1 / 3, 2 / 3, 1], [1 / 3, 2 / 3]),
-        (rt.Trapezoidal(), [0, 1 / 3, 1], []),
-        (rt.RadauIIA(2), [1 / 3, 2 / 3, 1], [1 / 3, 2 / 3]),
-        (rt.LobattoIIIA(3), [0, 1 / 3, 2 / 3, 1], [1 / 3, 2 / 3]),
+        (rt.schemes.Trapezoidal(), [0, 1 / 3, 1], []),
+        (rt.schemes.RadauIIA(2), [1 / 3, 2 / 3, 1], [1 / 3, 2 / 3]),
+        (rt.schemes.LobattoIIIA(3), [0, 1 / 3, 2 / 3, 1], [1 / 3, 2 / 3]),
     ],
     ids=str,
 )
@@ -158,7 +158,7 @@ def test_a_rate_stands_at_an_end_that_does_not_settle_it(end: Any, last: float) 
 def test_a_straight_line_is_the_closed_form(scheme: Any, intervals: int, solver: rt.Solver) -> None:
     """Along x = y both move by the same acceleration a: 12 times the distance squared of (1 + 4) a^2, 60."""
     solution = rt.plan(moved(diagonal()), rt.Mesh(intervals, scheme), solver=solver, progress=False)
-    exact = scheme not in (rt.Trapezoidal(), rt.RadauIIA(1))
+    exact = scheme not in (rt.schemes.Trapezoidal(), rt.schemes.RadauIIA(1))
     assert solution.objective == pytest.approx(60.0, rel=1e-8 if exact else 0.08)
     assert solution.iterations < 30
     x = solution.at(np.linspace(0, 1, 101)).x
@@ -181,14 +181,20 @@ def test_between_the_points_it_is_of_the_order_of_the_scheme(ur5: rt.Robot) -> N
     coarse, fine = (off(ur5, rt.plan(phase, rt.Mesh(n), solver=ALONE, progress=False)) for n in (10, 20))
     assert fine < coarse / 7
     few = rt.plan(phase, rt.Mesh(2), solver=ALONE, progress=False, check=False)
-    assert any("frame position" in violation.name for violation in few.between)
+    assert any("frame position" in violation.name for violation in few.interval_violations)
     assert not few.guards
 
 
 def test_fatrop_and_ipopt_find_one_optimum(ur5: rt.Robot) -> None:
     phase = drawing(ur5, rt.Effort())
     one, other = (
-        rt.plan(phase, rt.Mesh(12), solver=solver, between=rt.Exchange(rounds=0), progress=False)
+        rt.plan(
+            phase,
+            rt.Mesh(12),
+            solver=solver,
+            interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0),
+            progress=False,
+        )
         for solver in (ALONE, rt.Ipopt())
     )
     assert one.objective == pytest.approx(other.objective, rel=1e-7)
@@ -208,7 +214,9 @@ def test_an_orientation_is_held_with_free_positions(ur5: rt.Robot, free: dict[st
     assert (heights < 1e-4) == bool(free)
 
 
-@pytest.mark.parametrize("scheme", [rt.HermiteSimpson(), rt.RadauIIA(3), rt.GaussLegendre(3)], ids=lambda s: str(s)[:9])
+@pytest.mark.parametrize(
+    "scheme", [rt.HermiteSimpson(), rt.schemes.RadauIIA(3), rt.schemes.GaussLegendre(3)], ids=lambda s: str(s)[:9]
+)
 def test_an_end_of_the_line_may_be_left_open(ur5: rt.Robot, scheme: Any) -> None:
     goal = rt.AtEnd(rt.FramePosition("tool0", {"y": -0.2}))
     phase = drawing(ur5, rt.Effort(), rt.State(v=0), goal)
@@ -262,7 +270,10 @@ def test_another_goal_takes_the_transcription_over_where_its_rows_are_the_same()
         alone = rt.plan(other, mesh, solver=ALONE, progress=False)
         assert solution.objective == pytest.approx(alone.objective, rel=1e-7)
         known = transcribe(problem, mesh)
-        assert (transcribed_again(known, other, mesh, None, rt.Exchange(), known.guess) is not None) == again
+        assert (
+            transcribed_again(known, other, mesh, None, rt.interval_limits.ConstraintGeneration(), known.guess)
+            is not None
+        ) == again
 
 
 def test_an_end_across_the_equation_is_not_taken_over() -> None:
@@ -319,7 +330,7 @@ def test_an_open_start_is_on_the_equation_and_along_it(scheme: Any, intervals: i
     """From 0 at 1 m/s to rest at 1 m in 1 s a cubic has the integral 4 of a^2, five times."""
     phase = moved(diagonal(), start=(0, None, 1, None))
     solution = rt.plan(phase, rt.Mesh(intervals, scheme), solver=ALONE, progress=False)
-    exact = scheme not in (rt.Trapezoidal(), rt.RadauIIA(1))
+    exact = scheme not in (rt.schemes.Trapezoidal(), rt.schemes.RadauIIA(1))
     assert solution.objective == pytest.approx(20.0, rel=1e-7 if exact else 0.1)
     first = solution.at(0.0).x
     assert first["y"] == pytest.approx(0.0, abs=1e-8)
@@ -348,4 +359,4 @@ def test_a_phase_that_was_planned_goes_to_other_processes() -> None:
 def test_costates_are_not_made_up() -> None:
     solution = rt.plan(moved(diagonal()), rt.Mesh(10), solver=ALONE, progress=False)
     with pytest.raises(rt.InputError, match="diagonal.*costates are not unique"):
-        rt.costates(solution)
+        rt.indirect.costates(solution)

@@ -9,8 +9,8 @@ import pytest
 
 import robotraj as rt
 from robotraj.transcription.extract import extract
-from robotraj.transcription.guarded import guarded
-from robotraj.transcription.guards import Guard, guardable
+from robotraj.transcription.interval_limits.added_rows import guarded
+from robotraj.transcription.interval_limits.constraint_generation import Guard, guardable
 
 
 def tip(point: Any) -> Any:
@@ -18,7 +18,7 @@ def tip(point: Any) -> Any:
 
 
 @pytest.fixture(scope="module")
-def nlp() -> rt.Nlp:
+def nlp() -> rt.transcription.Nlp:
     phase = rt.Phase(
         rt.load("cartpole"),
         duration=(1.0, 3.0),
@@ -27,10 +27,10 @@ def nlp() -> rt.Nlp:
         objective=rt.Effort(),
         constraints=[rt.PathConstraint(tip, upper=5.0, name="tip")],
     )
-    return rt.transcribe(rt.Problem([phase]), rt.Mesh(4), rt.StraightLine(2.0))
+    return rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4), rt.guess.StraightLine(2.0))
 
 
-def test_rows_and_states_between_points_come_last_and_read_the_polynomial(nlp: rt.Nlp) -> None:
+def test_rows_and_states_between_points_come_last_and_read_the_polynomial(nlp: rt.transcription.Nlp) -> None:
     w = nlp.guess + 0.1 * np.random.default_rng(0).normal(size=len(nlp.guess))
     known = guardable(nlp.problem.phases[0])
     (variable,) = ((c, r) for c, r, _, row in known if row.variable == "q.slider")
@@ -52,7 +52,7 @@ def test_rows_and_states_between_points_come_last_and_read_the_polynomial(nlp: r
     assert np.array_equal(more.scale[n:], more.scale[nlp.layouts[0].knots[0]])
 
 
-def test_derivatives_with_guards_are_those_of_finite_differences(nlp: rt.Nlp) -> None:
+def test_derivatives_with_guards_are_those_of_finite_differences(nlp: rt.transcription.Nlp) -> None:
     (path,) = ((c, r) for c, r, _, row in guardable(nlp.problem.phases[0]) if row.variable is None)
     more = guarded(nlp, [Guard(0, 1, *path, 0.7)], nlp.guess)
     w = more.guess + 0.1 * np.random.default_rng(1).normal(size=len(more.guess))
@@ -62,7 +62,7 @@ def test_derivatives_with_guards_are_those_of_finite_differences(nlp: rt.Nlp) ->
     assert more.jacobian(w) @ along == pytest.approx(slope, rel=1e-5, abs=1e-5)
 
 
-def test_a_row_at_many_places_is_one_block(nlp: rt.Nlp) -> None:
+def test_a_row_at_many_places_is_one_block(nlp: rt.transcription.Nlp) -> None:
     """A block for each would be differentiated, compiled and called one by one."""
     known = guardable(nlp.problem.phases[0])
     (path,) = ((c, r) for c, r, _, row in known if row.variable is None)

@@ -12,27 +12,27 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
 import robotraj as rt
-from robotraj.polynomials import basis
-from robotraj.schemes.collocation import Scheme
-from robotraj.solvers import Solver
-from robotraj.transcription.hull import are_coefficients, control_weights
-from robotraj.violations import violations
-from tests.stagewise.problems import block, hurried_arm
+from robotraj._util.polynomials import basis
+from robotraj.solution.violations import violations
+from robotraj.solvers.base import Solver
+from robotraj.transcription.interval_limits.bernstein_bounds import are_coefficients, control_weights
+from robotraj.transcription.schemes.collocation import Scheme
+from tests.solvers.stagewise.problems import block, hurried_arm
 from tests.transcription.test_derivatives import assert_close, differences, somewhere
 
 Array = NDArray[np.float64]
 SCHEMES: dict[str, Scheme] = {
     "Hermite-Simpson": rt.HermiteSimpson(),
-    "fifth degree": rt.FifthDegree(),
-    "Lobatto 5": rt.LobattoIIIA(5),
-    "Radau 2": rt.RadauIIA(2),
-    "Radau 4": rt.RadauIIA(4),
-    "Gauss 1": rt.GaussLegendre(1),
-    "Gauss 2": rt.GaussLegendre(2),
-    "Gauss 3": rt.GaussLegendre(3),
+    "fifth degree": rt.schemes.FifthDegree(),
+    "Lobatto 5": rt.schemes.LobattoIIIA(5),
+    "Radau 2": rt.schemes.RadauIIA(2),
+    "Radau 4": rt.schemes.RadauIIA(4),
+    "Gauss 1": rt.schemes.GaussLegendre(1),
+    "Gauss 2": rt.schemes.GaussLegendre(2),
+    "Gauss 3": rt.schemes.GaussLegendre(3),
 }
 LOWER, UPPER = -1.0, 0.6
-HULL = rt.ConvexHull(controls=True)
+HULL = rt.interval_limits.BernsteinBounds(controls=True)
 
 
 def drive(**more: Any) -> rt.Problem:
@@ -58,9 +58,19 @@ def stop_and_go() -> rt.Problem:
     return rt.Problem([replace(phase, name="go"), replace(last, name="stop")], links=[rt.Continuity(0, 1)])
 
 
-def planned(problem: rt.Problem, mesh: rt.Mesh, between: rt.Exchange, solver: Solver | None = None) -> rt.Solution:
+def planned(
+    problem: rt.Problem,
+    mesh: rt.Mesh,
+    interval_limits: rt.interval_limits.ConstraintGeneration,
+    solver: Solver | None = None,
+) -> rt.Solution:
     return rt.plan(
-        problem, mesh, rt.StraightLine(4.0), solver or rt.Fatrop(fallback=None), between=between, progress=False
+        problem,
+        mesh,
+        rt.guess.StraightLine(4.0),
+        solver or rt.Fatrop(fallback=None),
+        interval_limits=interval_limits,
+        progress=False,
     )
 
 
@@ -97,11 +107,13 @@ def test_the_parabola_of_hermite_simpson_has_the_published_coefficient() -> None
     assert places == pytest.approx([0.5])
 
 
-@pytest.mark.parametrize("control", [rt.LinearControl(), rt.ConstantControl()])
+@pytest.mark.parametrize("control", [rt.schemes.LinearControl(), rt.schemes.ConstantControl()])
 def test_linear_and_constant_controls_need_no_rows(control: Any) -> None:
     plain, hull = (
-        rt.transcribe(drive(), rt.Mesh(4, rt.HermiteSimpson(control=control)), between=between)
-        for between in (rt.Exchange(), HULL)
+        rt.transcription.transcribe(
+            drive(), rt.Mesh(4, rt.HermiteSimpson(control=control)), interval_limits=interval_limits
+        )
+        for interval_limits in (rt.interval_limits.ConstraintGeneration(), HULL)
     )
     assert "u" not in {entry.label for nlp in (plain, hull) for entry in nlp.rows.entries}
     controls = np.unique(np.concatenate([i.controls.ravel() for i in hull.layouts[0].intervals]))
@@ -110,7 +122,10 @@ def test_linear_and_constant_controls_need_no_rows(control: Any) -> None:
 
 def test_controls_have_rows_where_asked_for_alone() -> None:
     """Without, the optimum of a scheme is the published one; states are held either way."""
-    held, plain = (rt.transcribe(drive(), rt.Mesh(4), between=b) for b in (HULL, rt.ConvexHull()))
+    held, plain = (
+        rt.transcription.transcribe(drive(), rt.Mesh(4), interval_limits=b)
+        for b in (HULL, rt.interval_limits.BernsteinBounds())
+    )
     bounded = [{str(entry) for entry in nlp.rows.entries if "bound" in str(entry)} for nlp in (held, plain)]
     assert bounded == [{"state bound, v", "control bound, u"}, {"state bound, v"}]
 
@@ -118,7 +133,10 @@ def test_controls_have_rows_where_asked_for_alone() -> None:
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_controls_hold_everywhere_bulge_without_and_the_time_hardly_grows(scheme: str) -> None:
     mesh = rt.Mesh(13, SCHEMES[scheme])
-    held, free = (planned(drive(), mesh, between) for between in (HULL, rt.Exchange(rounds=0)))
+    held, free = (
+        planned(drive(), mesh, interval_limits)
+        for interval_limits in (HULL, rt.interval_limits.ConstraintGeneration(rounds=0))
+    )
     assert largest_excess(held) < 1e-6
     # A single Gauss point leaves nothing to bulge.
     assert scheme == "Gauss 1" or largest_excess(free) > 0.05 * UPPER
@@ -135,10 +153,14 @@ def test_fatrop_and_ipopt_find_the_same_optimum(scheme: Scheme) -> None:
     ("problem", "mesh", "solver"),
     [
         (stop_and_go(), rt.Mesh(6), None),
-        (drive(), rt.MovingMesh(6), rt.Ipopt()),
-        (drive(), rt.Mesh(8, rt.CompressedHermiteSimpson()), rt.Ipopt()),
-        (drive(), rt.Mesh([0, 0.2, 0.6, 1], [rt.HermiteSimpson(), rt.RadauIIA(3), rt.GaussLegendre(2)]), None),
-        (drive(), rt.Mesh(8, rt.SingleShooting(control=rt.LinearControl())), rt.Ipopt()),
+        (drive(), rt.schemes.MovingMesh(6), rt.Ipopt()),
+        (drive(), rt.Mesh(8, rt.schemes.CompressedHermiteSimpson()), rt.Ipopt()),
+        (
+            drive(),
+            rt.Mesh([0, 0.2, 0.6, 1], [rt.HermiteSimpson(), rt.schemes.RadauIIA(3), rt.schemes.GaussLegendre(2)]),
+            None,
+        ),
+        (drive(), rt.Mesh(8, rt.schemes.SingleShooting(control=rt.schemes.LinearControl())), rt.Ipopt()),
     ],
     ids=["two phases", "moving mesh", "compressed", "mixed schemes", "single shooting"],
 )
@@ -150,20 +172,26 @@ def test_torques_of_an_arm_hold_in_minimum_time_by_both_solvers() -> None:
     mesh, problem = rt.Mesh(12), hurried_arm()
     joints = [control.name for control in problem.phases[0].dae.controls]
     fatrop, ipopt = (
-        rt.plan(problem, mesh, solver=solver, between=HULL, progress=False)
+        rt.plan(problem, mesh, solver=solver, interval_limits=HULL, progress=False)
         for solver in (rt.Fatrop(fallback=None), rt.Ipopt(tolerance=1e-9))
     )
     assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
     assert largest_excess(fatrop, joints) < 1e-4
     assert largest_excess(ipopt, joints) < 1e-4
-    free = rt.plan(problem, mesh, solver=rt.Fatrop(fallback=None), between=rt.Exchange(rounds=0), progress=False)
+    free = rt.plan(
+        problem,
+        mesh,
+        solver=rt.Fatrop(fallback=None),
+        interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0),
+        progress=False,
+    )
     effort = problem.phases[0].robot.limits.effort  # type: ignore[union-attr]
     assert largest_excess(free, joints) > 0.05 * float(np.min(effort))
 
 
 @pytest.mark.parametrize("scheme", ["Hermite-Simpson", "Radau 2", "Gauss 2", "fifth degree"])
 def test_derivatives_of_the_rows(scheme: str) -> None:
-    nlp = rt.transcribe(stop_and_go(), rt.Mesh(2, SCHEMES[scheme]), between=HULL)
+    nlp = rt.transcription.transcribe(stop_and_go(), rt.Mesh(2, SCHEMES[scheme]), interval_limits=HULL)
     w, multipliers = somewhere(nlp)
     assert_close(nlp.jacobian(w).toarray(), differences(nlp.values, w, nlp.scale))
 
@@ -174,7 +202,7 @@ def test_derivatives_of_the_rows(scheme: str) -> None:
 
 
 def test_a_bulge_is_named_with_its_control_and_time() -> None:
-    nlp = rt.transcribe(drive(duration=4.0), rt.Mesh(4), between=HULL)
+    nlp = rt.transcription.transcribe(drive(duration=4.0), rt.Mesh(4), interval_limits=HULL)
     w = np.zeros(len(nlp.variables))
     # Knots at the limit, 0.1 above it in the middle of the third interval: the coefficient is 0.2 above.
     for interval in nlp.layouts[0].intervals:
@@ -185,9 +213,11 @@ def test_a_bulge_is_named_with_its_control_and_time() -> None:
 
 
 def test_bounds_that_fix_a_control_or_leave_it_free_are_no_rows() -> None:
-    fixed = rt.transcribe(drive(controls={"u": rt.between(0.5, 0.5)}, end=None), rt.Mesh(3), between=HULL)
-    free = rt.transcribe(drive(controls={}), rt.Mesh(3), between=HULL)
-    upper = rt.transcribe(drive(controls={"u": rt.between(None, 0.5)}), rt.Mesh(3), between=HULL)
+    fixed = rt.transcription.transcribe(
+        drive(controls={"u": rt.between(0.5, 0.5)}, end=None), rt.Mesh(3), interval_limits=HULL
+    )
+    free = rt.transcription.transcribe(drive(controls={}), rt.Mesh(3), interval_limits=HULL)
+    upper = rt.transcription.transcribe(drive(controls={"u": rt.between(None, 0.5)}), rt.Mesh(3), interval_limits=HULL)
     for nlp, rows in ((fixed, 0), (free, 0), (upper, 3)):
         labels = [nlp.rows.entries[meaning].label for meaning in nlp.rows.meaning]
         assert labels.count("u") == rows
@@ -204,8 +234,8 @@ def test_the_panda_moves_in_minimum_time_within_its_limits() -> None:
         end=rt.State(q=[1.5, 0.5, -0.5, -1.2, 0.6, 2.2, -0.8], v=0),
         objective=rt.Duration(),
     )
-    mesh, solver = rt.Mesh.chebyshev(100, rt.RadauIIA(2)), rt.Fatrop(fallback=None)
-    solution = rt.plan(phase, mesh, solver=solver, between=HULL, progress=False)
+    mesh, solver = rt.Mesh.chebyshev(100, rt.schemes.RadauIIA(2)), rt.Fatrop(fallback=None)
+    solution = rt.plan(phase, mesh, solver=solver, interval_limits=HULL, progress=False)
     assert solution.objective == pytest.approx(0.692778, rel=1e-4)
     assert largest_excess(solution, [control.name for control in phase.dae.controls]) < 1e-5
     assert phase.robot is not None

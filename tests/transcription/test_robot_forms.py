@@ -22,7 +22,7 @@ TASKS = {
 
 @pytest.mark.parametrize(
     "scheme",
-    [rt.Trapezoidal(), rt.HermiteSimpson(), rt.RadauIIA(points=3)],
+    [rt.schemes.Trapezoidal(), rt.HermiteSimpson(), rt.schemes.RadauIIA(points=3)],
     ids=["trapezoid", "Hermite-Simpson", "Radau"],
 )
 @pytest.mark.parametrize("name", TASKS)
@@ -32,7 +32,7 @@ def test_both_forms_have_the_same_optimum(name: str, scheme: rt.HermiteSimpson) 
     limits = robot.limits.with_(effort=100.0)
     inverse, forward = (
         rt.Phase(robot, duration, start, end, rt.Effort(), limits=limits, dynamics=form)
-        for form in (rt.InverseDynamics(), rt.ForwardDynamics())
+        for form in (rt.dynamics.InverseDynamics(), rt.dynamics.ForwardDynamics())
     )
     mesh = rt.Mesh(30, scheme)
     first = rt.plan(inverse, mesh)
@@ -58,7 +58,7 @@ def test_rows_of_a_robot_name_joint_unit_and_time() -> None:
     start, end, duration = TASKS["cartpole"]
     tip = rt.GroundClearance("tip", -0.6)
     phase = rt.Phase(rt.load("cartpole"), duration, start, end, rt.Effort(), [tip], name="swing")
-    nlp = rt.transcribe(rt.Problem([phase]), rt.Mesh(2, rt.Trapezoidal()))
+    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(2, rt.schemes.Trapezoidal()))
     assert "swing: torque balance, pole, t = 1 s" in nlp.row_names
     assert "swing: defect, q.slider, t = 2 s" in nlp.row_names
     assert "swing: ground clearance, tip, t = 0 s" in nlp.row_names

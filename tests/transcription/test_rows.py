@@ -35,12 +35,12 @@ def rates(x: np.ndarray, u: np.ndarray) -> np.ndarray:
     return np.stack([x[..., 1], u[..., 0] - np.sin(x[..., 0])], axis=-1)
 
 
-def random_point(nlp: rt.Nlp) -> np.ndarray:
+def random_point(nlp: rt.transcription.Nlp) -> np.ndarray:
     return np.random.default_rng(3).normal(size=len(nlp.variables))
 
 
 def test_trapezoid_rows_and_cost_are_the_rules() -> None:
-    nlp = rt.transcribe(rt.Problem([phase_of()]), rt.Mesh([0, 0.3, 1], rt.Trapezoidal()))
+    nlp = rt.transcription.transcribe(rt.Problem([phase_of()]), rt.Mesh([0, 0.3, 1], rt.schemes.Trapezoidal()))
     w = random_point(nlp)
     layout = nlp.layouts[0]
     x = w[layout.knots]
@@ -55,7 +55,7 @@ def test_trapezoid_rows_and_cost_are_the_rules() -> None:
 
 def test_hermite_simpson_rows_and_cost_are_those_of_the_separated_form() -> None:
     """x_m = (x_0 + x_1)/2 + h/8 (f_0 - f_1) and x_1 = x_0 + h/6 (f_0 + 4 f_m + f_1) span the same rows."""
-    nlp = rt.transcribe(rt.Problem([phase_of()]), rt.Mesh(1))
+    nlp = rt.transcription.transcribe(rt.Problem([phase_of()]), rt.Mesh(1))
     w = random_point(nlp)
     interval = nlp.layouts[0].intervals[0]
     x, u = w[interval.states], w[interval.controls]
@@ -72,7 +72,9 @@ def test_hermite_simpson_rows_and_cost_are_those_of_the_separated_form() -> None
 def test_rows_and_columns_are_named_with_phase_meaning_and_time() -> None:
     speed = rt.PathConstraint(lambda point: point.x["w"] ** 2, upper=9, name="speed", unit="rad^2/s^2")
     phase = phase_of(constraints=[speed], duration=(1, 3), name="swing")
-    nlp = rt.transcribe(rt.Problem([phase]), rt.Mesh(2, rt.Trapezoidal()), rt.StraightLine(duration=2))
+    nlp = rt.transcription.transcribe(
+        rt.Problem([phase]), rt.Mesh(2, rt.schemes.Trapezoidal()), rt.guess.StraightLine(duration=2)
+    )
     assert nlp.row_names == [
         *(f"swing: defect, {s}, t = {t} s" for t in (1, 2) for s in ("q", "w")),
         *(f"swing: speed, t = {t} s" for t in (0, 1, 2)),
@@ -84,7 +86,7 @@ def test_rows_and_columns_are_named_with_phase_meaning_and_time() -> None:
 
 def test_fixed_ends_and_bounds_of_single_variables_are_bounds_not_rows() -> None:
     phase = phase_of(states={"w": rt.between(-4, 4)}, controls={"u": rt.between(-1, 2)})
-    nlp = rt.transcribe(rt.Problem([phase]), rt.Mesh(2))
+    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(2))
     layout = nlp.layouts[0]
     assert {entry.name for entry in nlp.rows.entries} == {"defect"}
     np.testing.assert_array_equal(nlp.variables.lower[layout.knots[0]], [0, 0])
@@ -97,23 +99,25 @@ def test_fixed_ends_and_bounds_of_single_variables_are_bounds_not_rows() -> None
 
 def test_one_end_is_bounded_alone() -> None:
     slow = rt.AtEnd(rt.PathConstraint(lambda point: point.x["w"], upper=0.5, name="slow"))
-    nlp = rt.transcribe(rt.Problem([phase_of(end=None, constraints=[slow])]), rt.Mesh(3))
+    nlp = rt.transcription.transcribe(rt.Problem([phase_of(end=None, constraints=[slow])]), rt.Mesh(3))
     names = [name for name in nlp.row_names if "slow" in name]
     assert names == ["phase: slow, t = 2 s"]
 
 
 def test_a_phase_has_one_stage_on_every_mesh_that_frees_the_same_scalars() -> None:
     phase = phase_of()
-    meshes = (rt.Mesh(3), rt.Mesh(8, rt.RadauIIA(3)), rt.MovingMesh(3), rt.MovingMesh(8))
-    fixed, finer, moving, more = (rt.transcribe(rt.Problem([phase]), mesh).blocks[0].stage for mesh in meshes)
+    meshes = (rt.Mesh(3), rt.Mesh(8, rt.schemes.RadauIIA(3)), rt.schemes.MovingMesh(3), rt.schemes.MovingMesh(8))
+    fixed, finer, moving, more = (
+        rt.transcription.transcribe(rt.Problem([phase]), mesh).blocks[0].stage for mesh in meshes
+    )
     assert fixed is finer
     assert moving is more is not fixed
-    assert rt.transcribe(rt.Problem([phase_of()]), meshes[0]).blocks[0].stage is not fixed
+    assert rt.transcription.transcribe(rt.Problem([phase_of()]), meshes[0]).blocks[0].stage is not fixed
 
 
 def test_stages_go_with_their_phase() -> None:
     phase = phase_of()
-    stage = weakref.ref(rt.transcribe(rt.Problem([phase]), rt.Mesh(3)).blocks[0].stage)
+    stage = weakref.ref(rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(3)).blocks[0].stage)
     assert stage() is not None
     del phase
     gc.collect()
@@ -121,7 +125,7 @@ def test_stages_go_with_their_phase() -> None:
 
 
 def test_spy_draws_both_matrices(problems: dict) -> None:
-    figure = rt.transcribe(*problems["two phases"]()).spy()
+    figure = rt.transcription.transcribe(*problems["two phases"]()).spy()
     assert isinstance(figure, Figure)
     titles = [axes.get_title() for axes in figure.axes]
     assert "Jacobian" in titles[0] and "Hessian" in titles[1]
@@ -130,16 +134,16 @@ def test_spy_draws_both_matrices(problems: dict) -> None:
 @pytest.mark.parametrize("name", ["ode", "free duration", "dae", "ends", "cartpole"])
 def test_scaling_does_not_change_the_answer(name: str, problems: dict) -> None:
     problem, mesh = problems[name]()
-    nlp = rt.transcribe(problem, mesh)
+    nlp = rt.transcription.transcribe(problem, mesh)
     plain = dataclasses.replace(nlp, scale=np.ones_like(nlp.scale), row_scale=np.ones_like(nlp.row_scale))
     assert np.any(nlp.scale != 1) and np.any(nlp.row_scale != 1)
     scaled, unscaled = (rt.Ipopt(tolerance=1e-10).solve(each) for each in (nlp, plain))
-    assert scaled.status is unscaled.status is rt.Status.SOLVED
+    assert scaled.status is unscaled.status is rt.solvers.Status.SOLVED
     assert nlp.objective(scaled.w) == pytest.approx(plain.objective(unscaled.w), rel=1e-7)
     np.testing.assert_allclose(scaled.w, unscaled.w, atol=1e-4)
 
 
-def test_physical_vectors_do_not_depend_on_the_scales(nlp: rt.Nlp) -> None:
+def test_physical_vectors_do_not_depend_on_the_scales(nlp: rt.transcription.Nlp) -> None:
     plain = dataclasses.replace(nlp, scale=np.ones_like(nlp.scale), row_scale=np.ones_like(nlp.row_scale))
     w = nlp.guess + 0.1
     np.testing.assert_allclose(nlp.values(w), plain.values(w), rtol=1e-12, atol=1e-12)

@@ -9,12 +9,12 @@ import robotraj as rt
 
 
 @pytest.fixture(scope="module")
-def nlp() -> rt.Nlp:
+def nlp() -> rt.transcription.Nlp:
     robot = rt.load("solo12", root="floating")
-    return rt.transcribe(rt.gait.trot(robot, step_length=0.1, duration=0.25, clearance=0.03), rt.Mesh(4))
+    return rt.transcription.transcribe(rt.gait.trot(robot, step_length=0.1, duration=0.25, clearance=0.03), rt.Mesh(4))
 
 
-def columns(nlp: rt.Nlp, name: str, unit: str) -> np.ndarray:
+def columns(nlp: rt.transcription.Nlp, name: str, unit: str) -> np.ndarray:
     which = [i for i, e in enumerate(nlp.variables.entries) if (e.name, e.unit) == (name, unit)]
     return np.isin(nlp.variables.meaning, which)
 
@@ -22,13 +22,15 @@ def columns(nlp: rt.Nlp, name: str, unit: str) -> np.ndarray:
 @pytest.mark.parametrize(
     ("name", "unit"), [("acceleration", "m/s^2"), ("acceleration", "rad/s^2"), ("contact force", "N")]
 )
-def test_unbounded_quantities_of_one_unit_share_the_largest_guess(nlp: rt.Nlp, name: str, unit: str) -> None:
+def test_unbounded_quantities_of_one_unit_share_the_largest_guess(
+    nlp: rt.transcription.Nlp, name: str, unit: str
+) -> None:
     own = columns(nlp, name, unit)
     assert len(set(nlp.variables.meaning[own])) > 1
     np.testing.assert_allclose(nlp.scale[own], np.max(np.abs(nlp.guess[own])))
 
 
-def test_bounds_come_before_the_guess(nlp: rt.Nlp) -> None:
+def test_bounds_come_before_the_guess(nlp: rt.transcription.Nlp) -> None:
     effort = columns(nlp, "effort", "N m")
     np.testing.assert_allclose(nlp.scale[effort], nlp.variables.upper[effort])
 
@@ -38,5 +40,5 @@ def test_states_of_a_system_keep_their_own() -> None:
         ["near", "far"], ["u"], lambda point: [point.u["u"], point.x["near"]], units={"near": "m", "far": "m"}
     )
     phase = rt.Phase(system, 1.0, rt.State([0.0, 0.0]), rt.State([0.01, 50.0]), rt.Lagrange(lambda p: p.u["u"] ** 2))
-    nlp = rt.transcribe(rt.Problem([phase]), rt.Mesh(4))
+    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4))
     assert set(nlp.scale[columns(nlp, "state", "m")].tolist()) == {0.01, 50.0}

@@ -15,16 +15,16 @@ import robotraj as rt
 Array = NDArray[np.float64]
 
 SCHEMES = {
-    "multiple, constant": rt.MultipleShooting(rt.RungeKutta4(2)),
-    "multiple, linear": rt.MultipleShooting(rt.RungeKutta4(2), control=rt.LinearControl()),
-    "single, constant": rt.SingleShooting(rt.RungeKutta4(2)),
-    "single, linear": rt.SingleShooting(rt.RungeKutta4(2), control=rt.LinearControl()),
-    "compressed": rt.CompressedHermiteSimpson(),
-    "compressed, linear": rt.CompressedHermiteSimpson(control=rt.LinearControl()),
+    "multiple, constant": rt.schemes.MultipleShooting(rt.schemes.RungeKutta4(2)),
+    "multiple, linear": rt.schemes.MultipleShooting(rt.schemes.RungeKutta4(2), control=rt.schemes.LinearControl()),
+    "single, constant": rt.schemes.SingleShooting(rt.schemes.RungeKutta4(2)),
+    "single, linear": rt.schemes.SingleShooting(rt.schemes.RungeKutta4(2), control=rt.schemes.LinearControl()),
+    "compressed": rt.schemes.CompressedHermiteSimpson(),
+    "compressed, linear": rt.schemes.CompressedHermiteSimpson(control=rt.schemes.LinearControl()),
 }
 ADAPTIVE = {
-    "multiple, adaptive": rt.MultipleShooting(rt.Adaptive(1e-12)),
-    "single, adaptive": rt.SingleShooting(rt.Adaptive(1e-12), control=rt.LinearControl()),
+    "multiple, adaptive": rt.schemes.MultipleShooting(rt.schemes.Adaptive(1e-12)),
+    "single, adaptive": rt.schemes.SingleShooting(rt.schemes.Adaptive(1e-12), control=rt.schemes.LinearControl()),
 }
 KNOTS = [0, 0.3, 0.5, 1]
 
@@ -54,7 +54,7 @@ def phase_of(**more: object) -> rt.Phase:
     return rt.Phase(system, **(given | more))
 
 
-def somewhere(nlp: rt.Nlp) -> tuple[Array, Array]:
+def somewhere(nlp: rt.transcription.Nlp) -> tuple[Array, Array]:
     random = np.random.default_rng(11)
     return nlp.guess + nlp.scale * random.uniform(-0.1, 0.1, len(nlp.guess)), random.normal(size=len(nlp.rows))
 
@@ -73,8 +73,8 @@ def differences(function: Callable[[Array], Array], w: Array, scale: Array, step
     [(s, 1e-8) for s in SCHEMES.values()] + [(s, 2e-6) for s in ADAPTIVE.values()],
     ids=[*SCHEMES, *ADAPTIVE],
 )
-def test_derivatives_agree_with_finite_differences(scheme: rt.MultipleShooting, within: float) -> None:
-    nlp = rt.transcribe(rt.Problem([phase_of()]), rt.Mesh(KNOTS, scheme))
+def test_derivatives_agree_with_finite_differences(scheme: rt.schemes.MultipleShooting, within: float) -> None:
+    nlp = rt.transcription.transcribe(rt.Problem([phase_of()]), rt.Mesh(KNOTS, scheme))
     w, multipliers = somewhere(nlp)
     step = 1e-4 if within < 1e-7 else 1e-3
 
@@ -92,11 +92,15 @@ def test_derivatives_agree_with_finite_differences(scheme: rt.MultipleShooting, 
         np.testing.assert_allclose(ours, theirs, atol=within * max(1.0, float(np.max(np.abs(theirs)))))
 
 
-@pytest.mark.parametrize("scheme", [rt.MultipleShooting, rt.SingleShooting])
-@pytest.mark.parametrize("control", [rt.ConstantControl(), rt.LinearControl()], ids=["constant", "linear"])
-def test_trajectories_and_costs_are_the_initial_value_problem_s(scheme: type, control: rt.LinearControl) -> None:
+@pytest.mark.parametrize("scheme", [rt.schemes.MultipleShooting, rt.schemes.SingleShooting])
+@pytest.mark.parametrize(
+    "control", [rt.schemes.ConstantControl(), rt.schemes.LinearControl()], ids=["constant", "linear"]
+)
+def test_trajectories_and_costs_are_the_initial_value_problem_s(
+    scheme: type, control: rt.schemes.LinearControl
+) -> None:
     """Independently integrated by SciPy from the first state, with the found control, duration and parameter."""
-    solution = rt.plan(phase_of(), rt.Mesh(KNOTS, scheme(rt.Adaptive(1e-11), control=control)))
+    solution = rt.plan(phase_of(), rt.Mesh(KNOTS, scheme(rt.schemes.Adaptive(1e-11), control=control)))
     part = solution.phases[0]
     mass = part.parameters["mass"]
     x, cost = np.array([0.0, 0.0]), 0.0
@@ -115,7 +119,9 @@ def test_trajectories_and_costs_are_the_initial_value_problem_s(scheme: type, co
 
 
 def test_a_runge_kutta_defect_is_the_method_s() -> None:
-    nlp = rt.transcribe(rt.Problem([phase_of(constraints=[])]), rt.Mesh(KNOTS, rt.MultipleShooting(rt.RungeKutta4(3))))
+    nlp = rt.transcription.transcribe(
+        rt.Problem([phase_of(constraints=[])]), rt.Mesh(KNOTS, rt.schemes.MultipleShooting(rt.schemes.RungeKutta4(3)))
+    )
     w, _ = somewhere(nlp)
     layout = nlp.layouts[0]
     duration, mass = layout.duration.of(w), layout.parameters[0].of(w)
@@ -140,7 +146,7 @@ def test_a_runge_kutta_defect_is_the_method_s() -> None:
 def test_compressed_and_separated_hermite_simpson_have_one_answer() -> None:
     tight = rt.Ipopt(tolerance=1e-11)
     separated = rt.plan(phase_of(), rt.Mesh(10), solver=tight)
-    compressed = rt.plan(phase_of(), rt.Mesh(10, rt.CompressedHermiteSimpson()), solver=tight)
+    compressed = rt.plan(phase_of(), rt.Mesh(10, rt.schemes.CompressedHermiteSimpson()), solver=tight)
     assert compressed.objective == pytest.approx(separated.objective, rel=1e-10)
     times = np.linspace(0, 1, 41)
     for name in ("q", "w"):
@@ -158,7 +164,7 @@ def test_single_shooting_has_no_states_between_the_ends_but_holds_their_rows() -
             )
         ]
     )
-    nlp = rt.transcribe(problem, rt.Mesh(8, rt.SingleShooting()))
+    nlp = rt.transcription.transcribe(problem, rt.Mesh(8, rt.schemes.SingleShooting()))
     names = nlp.variable_names
     assert sum("state, w" in name for name in names) == 2
     held = [row.split(", t")[0] for row in nlp.row_names]
@@ -166,7 +172,7 @@ def test_single_shooting_has_no_states_between_the_ends_but_holds_their_rows() -
     # A constant control jumps at knots: the power is held on both sides.
     assert held.count("phase: power") == 2 * 7 + 2
     solution, multiple = (
-        rt.plan(problem, rt.Mesh(8, scheme)) for scheme in (rt.SingleShooting(), rt.MultipleShooting())
+        rt.plan(problem, rt.Mesh(8, scheme)) for scheme in (rt.schemes.SingleShooting(), rt.schemes.MultipleShooting())
     )
     speed = solution.at(solution.phases[0].knots).x["w"]
     assert np.max(speed) == pytest.approx(1.5, abs=1e-6)
@@ -174,16 +180,16 @@ def test_single_shooting_has_no_states_between_the_ends_but_holds_their_rows() -
 
 
 GUARDED = {
-    "multiple": rt.MultipleShooting(control=rt.LinearControl()),
-    "multiple, adaptive": rt.MultipleShooting(rt.Adaptive(), control=rt.LinearControl()),
-    "single": rt.SingleShooting(control=rt.LinearControl()),
-    "compressed": rt.CompressedHermiteSimpson(control=rt.LinearControl()),
+    "multiple": rt.schemes.MultipleShooting(control=rt.schemes.LinearControl()),
+    "multiple, adaptive": rt.schemes.MultipleShooting(rt.schemes.Adaptive(), control=rt.schemes.LinearControl()),
+    "single": rt.schemes.SingleShooting(control=rt.schemes.LinearControl()),
+    "compressed": rt.schemes.CompressedHermiteSimpson(control=rt.schemes.LinearControl()),
 }
 
 
 @pytest.mark.parametrize("as_row", [False, True], ids=["bound", "path row"])
 @pytest.mark.parametrize("scheme", GUARDED.values(), ids=GUARDED)
-def test_rows_on_states_are_held_between_knots(scheme: rt.MultipleShooting, as_row: bool) -> None:
+def test_rows_on_states_are_held_between_knots(scheme: rt.schemes.MultipleShooting, as_row: bool) -> None:
     """At 0.3 s and 0.7 s a block with least effort keeps below 1.4 m/s, half-way it would reach 1.5 m/s."""
     block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
     row = rt.PathConstraint(lambda point: point.x["v"] ** 2, upper=1.4**2, name="speed squared")
@@ -202,7 +208,7 @@ def test_knots_move_with_multiple_shooting_onto_the_switching_time() -> None:
     phase = rt.Phase(
         block, (1, 9), rt.State([0, 0]), rt.State([1, 0]), rt.Duration(), controls={"u": rt.between(-1, 0.5)}
     )
-    solution = rt.plan(phase, rt.MovingMesh(2, rt.MultipleShooting(rt.RungeKutta4(1))))
+    solution = rt.plan(phase, rt.schemes.MovingMesh(2, rt.schemes.MultipleShooting(rt.schemes.RungeKutta4(1))))
     # Full ahead for t1, full back for t2: t1 / 2 = t2 and (t1 + t2) t1 / 4 = 1.
     assert solution.duration == pytest.approx(np.sqrt(6), rel=1e-7)
     assert solution.phases[0].knots[1] == pytest.approx(2 * np.sqrt(6) / 3, rel=1e-6)
@@ -210,15 +216,15 @@ def test_knots_move_with_multiple_shooting_onto_the_switching_time() -> None:
 
 @pytest.mark.parametrize(
     "scheme",
-    [rt.MultipleShooting(), rt.SingleShooting(), rt.CompressedHermiteSimpson()],
+    [rt.schemes.MultipleShooting(), rt.schemes.SingleShooting(), rt.schemes.CompressedHermiteSimpson()],
     ids=lambda s: type(s).__name__,
 )
-def test_a_robot_is_planned_by_forward_dynamics_and_proved(scheme: rt.MultipleShooting) -> None:
+def test_a_robot_is_planned_by_forward_dynamics_and_proved(scheme: rt.schemes.MultipleShooting) -> None:
     robot = rt.load("pendulum")
     limits = robot.limits.with_(effort=100.0)
     phase = rt.Phase(robot, 2.5, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort(), limits=limits)
     solution = rt.plan(phase, rt.Mesh(20, scheme))
-    assert isinstance(solution.phases[0].phase.dynamics, rt.ForwardDynamics)
+    assert isinstance(solution.phases[0].phase.dynamics, rt.dynamics.ForwardDynamics)
     report = rt.validate(solution)
     assert report.passed, str(report)
 
@@ -229,9 +235,13 @@ def test_phases_of_different_schemes_are_linked() -> None:
         for name, start, end in (("first", rt.State([0, 0]), None), ("second", None, rt.State([2, None])))
     )
     problem = rt.Problem([first, second], [rt.Continuity(0, 1)])
-    reference = rt.plan(problem, rt.Mesh(10, rt.GaussLegendre(3)))
+    reference = rt.plan(problem, rt.Mesh(10, rt.schemes.GaussLegendre(3)))
     mixed = rt.plan(
-        problem, [rt.Mesh(10, rt.RadauIIA(3)), rt.Mesh(40, rt.MultipleShooting(control=rt.LinearControl()))]
+        problem,
+        [
+            rt.Mesh(10, rt.schemes.RadauIIA(3)),
+            rt.Mesh(40, rt.schemes.MultipleShooting(control=rt.schemes.LinearControl())),
+        ],
     )
     assert mixed.objective == pytest.approx(reference.objective, rel=1e-4)
     np.testing.assert_allclose(mixed.phases[0].at(1.0).x["w"], mixed.phases[1].at(1.0).x["w"], atol=1e-8)
@@ -240,7 +250,7 @@ def test_phases_of_different_schemes_are_linked() -> None:
 def test_a_shot_solution_survives_the_file(tmp_path: object) -> None:
     robot = rt.load("pendulum")
     phase = rt.Phase(robot, 1.0, rt.State(q=0, v=0), rt.State(q=0.5, v=0), rt.Effort())
-    solution = rt.plan(phase, rt.Mesh(6, rt.SingleShooting(control=rt.LinearControl())))
+    solution = rt.plan(phase, rt.Mesh(6, rt.schemes.SingleShooting(control=rt.schemes.LinearControl())))
     again = rt.load_solution(solution.save(f"{tmp_path}/shot.npz"))
     times = np.linspace(0, 1, 13)
     np.testing.assert_array_equal(solution.at(times).q, again.at(times).q)
@@ -259,18 +269,18 @@ DAE = rt.System(
 @pytest.mark.parametrize(
     ("phase", "mesh", "words"),
     [
-        (rt.Phase(DAE, 1.0), rt.Mesh(4, rt.MultipleShooting()), "algebraic variables 'a'"),
-        (phase_of(), rt.Mesh(2, [rt.MultipleShooting(), rt.HermiteSimpson()]), "mixes MultipleShooting"),
-        (phase_of(), rt.Mesh(2, [rt.RadauIIA(), rt.SingleShooting()]), "mixes SingleShooting"),
-        (phase_of(), rt.MovingMesh(4, rt.SingleShooting()), "cannot move the knots"),
+        (rt.Phase(DAE, 1.0), rt.Mesh(4, rt.schemes.MultipleShooting()), "algebraic variables 'a'"),
+        (phase_of(), rt.Mesh(2, [rt.schemes.MultipleShooting(), rt.HermiteSimpson()]), "mixes MultipleShooting"),
+        (phase_of(), rt.Mesh(2, [rt.schemes.RadauIIA(), rt.schemes.SingleShooting()]), "mixes SingleShooting"),
+        (phase_of(), rt.schemes.MovingMesh(4, rt.schemes.SingleShooting()), "cannot move the knots"),
         (
-            phase_of(objective=rt.AbsolutePower(speeds={"u": "w"})),
-            rt.Mesh(4, rt.MultipleShooting()),
+            phase_of(objective=rt.objectives.AbsolutePower(speeds={"u": "w"})),
+            rt.Mesh(4, rt.schemes.MultipleShooting()),
             "slacks that are held at collocation points",
         ),
         (
             phase_of(constraints=[rt.IntegralConstraint(lambda point: point.u["u"] ** 2, upper=9)]),
-            rt.Mesh(4, rt.CompressedHermiteSimpson()),
+            rt.Mesh(4, rt.schemes.CompressedHermiteSimpson()),
             "bounds an integral",
         ),
     ],
@@ -285,17 +295,17 @@ def test_bounds_of_accelerations_point_to_the_constraint() -> None:
     robot = rt.load("pendulum")
     joint = robot.joint_names[0]
     phase = rt.Phase(robot, 1.0, algebraic={f"a.{joint}": rt.between(-1, 1)})
-    with pytest.raises(rt.InputError, match="rt.JointAcceleration"):
-        rt.transcribe(rt.Problem([phase]), rt.Mesh(4, rt.SingleShooting()))
+    with pytest.raises(rt.InputError, match="rt.constraints.JointAcceleration"):
+        rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4, rt.schemes.SingleShooting()))
 
 
 @pytest.mark.parametrize(
     "make",
     [
-        lambda: rt.RungeKutta4(0),
-        lambda: rt.RungeKutta4(1.5),
-        lambda: rt.Adaptive(0.0),
-        lambda: rt.Adaptive(1.0),
+        lambda: rt.schemes.RungeKutta4(0),
+        lambda: rt.schemes.RungeKutta4(1.5),
+        lambda: rt.schemes.Adaptive(0.0),
+        lambda: rt.schemes.Adaptive(1.0),
     ],
 )
 def test_integrators_check_their_settings(make: Callable[[], object]) -> None:

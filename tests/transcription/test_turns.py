@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.transcription.turns import unwound
+from robotraj.transcription.collocation.unwrap_angles import unwound
 
 
 def boat(**more: Any) -> rt.Phase:
@@ -22,13 +22,15 @@ def boat(**more: Any) -> rt.Phase:
     return rt.Phase(system, 5.0, rt.State([3, -1]), rt.State([0, 0]), rt.Lagrange(lambda p: p.u["sail"] ** 2), **more)
 
 
-def headings(nlp: rt.Nlp) -> np.ndarray:
+def headings(nlp: rt.transcription.Nlp) -> np.ndarray:
     return np.unique(np.concatenate([run.controls[..., 0].ravel() for run in nlp.layouts[0].runs]))
 
 
-@pytest.mark.parametrize("scheme", [rt.HermiteSimpson(), rt.RadauIIA(3), rt.GaussLegendre(2), rt.MultipleShooting()])
+@pytest.mark.parametrize(
+    "scheme", [rt.HermiteSimpson(), rt.schemes.RadauIIA(3), rt.schemes.GaussLegendre(2), rt.schemes.MultipleShooting()]
+)
 def test_turns_that_no_row_sees_are_taken_out(scheme: rt.HermiteSimpson) -> None:
-    nlp = rt.transcribe(rt.Problem([boat()]), rt.Mesh(5, scheme))
+    nlp = rt.transcription.transcribe(rt.Problem([boat()]), rt.Mesh(5, scheme))
     rng = np.random.default_rng(0)
     columns = headings(nlp)
     smooth = nlp.guess.copy()
@@ -44,14 +46,14 @@ def test_turns_that_no_row_sees_are_taken_out(scheme: rt.HermiteSimpson) -> None
 def test_what_a_row_sees_or_a_bound_forbids_stays() -> None:
     seen = rt.PathConstraint(lambda point: point.u["heading"], upper=100.0, name="heading")
     for phase in (boat(constraints=[seen]), boat(controls={"heading": rt.between(3, 8)})):
-        nlp = rt.transcribe(rt.Problem([phase]), rt.Mesh(5))
+        nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(5))
         w = nlp.guess.copy()
         w[headings(nlp)] = np.tile([3.1, 7.9], 6)[:11]
         assert unwound(nlp, w) == pytest.approx(w, abs=0)
 
 
 def test_a_control_that_is_no_angle_may_jump() -> None:
-    nlp = rt.transcribe(rt.Problem([boat()]), rt.Mesh(5))
+    nlp = rt.transcription.transcribe(rt.Problem([boat()]), rt.Mesh(5))
     w = nlp.guess.copy()
     w[headings(nlp) + 1] = np.tile([0.0, 2 * np.pi], 6)[:11]
     assert unwound(nlp, w) is w

@@ -11,9 +11,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from robotraj.errors import unknown_name
-from robotraj.polynomials import lobatto_sites
-from robotraj.trajectory import PiecewisePolynomial
+from robotraj._util.errors import unknown_name
+from robotraj._util.polynomials import lobatto_sites
+from robotraj._util.trajectory import PiecewisePolynomial
 
 INF = np.inf
 

@@ -12,9 +12,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
-from robotraj.contacts import FlatFoot, PointContact
-from robotraj.errors import ValidationFailed
-from robotraj.links import Touchdown
+from robotraj._util.errors import ValidationFailed
+from robotraj.dynamics.contacts.flat_foot import FlatFoot
+from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.problem.links.touchdown import Touchdown
 from robotraj.witness import NumericPoint, track, validate
 from robotraj.witness.integration import integrate
 from robotraj.witness.simulation import robot_rates
@@ -277,7 +278,7 @@ def test_a_wrong_flight_drifts_through_the_landing_but_the_stance_by_itself_does
 )
 def test_a_body_on_a_slope_slides_or_tips_by_what_is_missing(make, rod, friction, length, row, amount):
     # Standing square on a slope that falls towards +x by 0.3 rad, its foot at the origin.
-    ground = rt.Slope(-np.tan(0.3), 0.0)
+    ground = rt.terrain.Slope(-np.tan(0.3), 0.0)
     contact = FlatFoot("foot", length=length, friction=friction, ground=ground)
     phase = rt.Phase(rod, duration=0.2, contacts=[contact], name="stand")
     (bound,) = phase.bound_contacts
@@ -317,7 +318,7 @@ def test_a_body_that_slides_on_a_contact_that_comes_and_goes_loses_its_energy_to
     model.appendBodyToJoint(z, pin.Inertia(2.0, np.zeros(3), 1e-2 * np.eye(3)), pin.SE3.Identity())
     model.addFrame(pin.Frame("body", z, 0, pin.SE3.Identity(), pin.FrameType.BODY))
     mu, speed, brake = 0.4, 2.0, 0.4 * 9.81
-    contact = rt.ImplicitContact("body", friction=mu, relaxation=1e-6)
+    contact = rt.contacts.ImplicitContact("body", friction=mu, relaxation=1e-6)
     phase = rt.Phase(rt.load(model, actuated=[]), duration=0.3, contacts=[contact], limits=None, name="slide")
     (bound,) = phase.bound_contacts
     # Normal force, friction along +x and -x, slipping speed.
@@ -351,7 +352,7 @@ SOLE = "left_sole_link"
         rt.PointContact(SOLE, offset=(0.1, 0.02, 0.0)),
         rt.FlatFoot(SOLE, length=0.2, width=0.1),
         rt.LineContact(SOLE, width=0.1),
-        rt.LoopClosure(SOLE, "right_sole_link", rigid=True),
+        rt.contacts.LoopClosure(SOLE, "right_sole_link", rigid=True),
     ],
     ids=lambda contact: type(contact).__name__,
 )

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
-from robotraj.contacts import LoopClosure
+from robotraj.dynamics.contacts.loop_closure import LoopClosure
 from robotraj.witness.integration import integrate
 from robotraj.witness.simulation import robot_rates
 from robotraj.witness.stance import Stance

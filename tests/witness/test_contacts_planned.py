@@ -29,7 +29,9 @@ def step() -> rt.Solution:
         name="step",
     )
     mirror = rt.Mirror(partners=SIDES, displacement={"q.root_x": 0.5})
-    return rt.plan(rt.Problem([stance], links=[rt.Touchdown(0, 0, repeat=mirror)]), mesh=rt.Mesh(20, rt.RadauIIA(5)))
+    return rt.plan(
+        rt.Problem([stance], links=[rt.Touchdown(0, 0, repeat=mirror)]), mesh=rt.Mesh(20, rt.schemes.RadauIIA(5))
+    )
 
 
 @pytest.mark.slow

@@ -2,7 +2,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
 from robotraj.witness.numbers import as_numbers
 
 

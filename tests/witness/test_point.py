@@ -3,7 +3,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from robotraj.errors import UnknownName
+from robotraj._util.errors import UnknownName
 from robotraj.witness import NumericPoint
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
-from robotraj.constraints.base import symbols_of
+from robotraj.problem.constraints.base import symbols_of
 from robotraj.witness import NumericPoint, simulate, track, validate
 
 
@@ -101,10 +101,10 @@ def test_every_kind_of_constraint_reads_the_same_on_numbers_as_on_symbols(arm):
         limits=None,
         parameters={"c": 2.0},
         constraints=[
-            rt.GroundClearance("tip", 0.05, ground=rt.Slope(0.1, 0.2)),
+            rt.GroundClearance("tip", 0.05, ground=rt.terrain.Slope(0.1, 0.2)),
             rt.FramePosition("tip", {"x": rt.between(0, 1), "z": 0.3}),
             rt.FramePose("tip", pose),
-            rt.JointVelocity({"lift": rt.between(-1, 1)}),
+            rt.constraints.JointVelocity({"lift": rt.between(-1, 1)}),
             rt.PathConstraint(lambda p: ca.mtimes(p.tau.T, p.v) * p.p["c"], upper=5.0, name="power"),
             rt.PathConstraint(lambda p: [p.com[1], p.momentum[4], p.x["q.lift"] * p.z["a.turn"]], upper=9.0),
             rt.PathConstraint(lambda p: p.frame("tip").acceleration, upper=9.0),

@@ -3,7 +3,7 @@ import pinocchio as pin
 import pytest
 from scipy.integrate import solve_ivp
 
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
 from robotraj.witness import simulate
 
 

@@ -2,9 +2,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from robotraj.constraints.base import BoundConstraint, Row
+from robotraj._util.errors import ValidationFailed
 from robotraj.dynamics.system import System
-from robotraj.errors import ValidationFailed
+from robotraj.problem.constraints.base import BoundConstraint, Row
 from robotraj.witness import validate
 
 KNOTS = np.linspace(0.0, 1.0, 11)

@@ -2,8 +2,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from robotraj._util.errors import InputError
 from robotraj.dynamics.system import System
-from robotraj.errors import InputError
 from robotraj.witness import track, validate
 
 

@@ -7,8 +7,8 @@ import pinocchio as pin
 import pytest
 from scipy.integrate import solve_ivp
 
-from robotraj.constraints.base import BoundConstraint, Row, Where
-from robotraj.errors import InputError, ValidationFailed
+from robotraj._util.errors import InputError, ValidationFailed
+from robotraj.problem.constraints.base import BoundConstraint, Row, Where
 from robotraj.witness import validate
 
 

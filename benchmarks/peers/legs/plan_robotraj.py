@@ -30,8 +30,8 @@ POSTURES = {
 
 
 @dataclass(frozen=True)
-class Swing(rt.RequiredHeight):
-    """The parabola of a swing foot between two places, a tenth of a millimetre lower than ``rt.SwingApex``.
+class Swing(rt.constraints.RequiredHeight):
+    """The parabola of a swing foot between two places, a tenth of a millimetre lower than ``rt.constraints.SwingApex``.
 
     At both ends the phases before and after say as well that the foot is on the ground.
     """
@@ -99,7 +99,7 @@ def from_rest(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
     plan = [*walk.phases(), ((), 0.0, walk.dt)]
     for i, (swinging, length, duration) in enumerate(plan):
         stands = [foot for foot in walk.feet if foot not in swinging]
-        rows = upright.constraints(robot, q, rt.Flat())
+        rows = upright.constraints(robot, q, rt.terrain.Flat())
         for foot in swinging:
             x = float(places[foot][0])
             rows.append(rt.GroundClearance(foot, Swing(walk.height, x, x + length)))
@@ -153,7 +153,7 @@ def objective_of(walk: Walk, robot: rt.Robot) -> rt.Objective:
     worth = (0.2 * pin.computeTotalMass(robot.model) * 9.81 * height) ** 2
     joints = robot.joint_names[-robot.nu :]
     still = Still(tuple(q.tolist()), (0.0,) * robot.nv)
-    calm = rt.Tracking(still, q=dict.fromkeys(joints, 1.0), v=dict.fromkeys(joints, CALM**2))
+    calm = rt.objectives.Tracking(still, q=dict.fromkeys(joints, 1.0), v=dict.fromkeys(joints, CALM**2))
     return (1.0 / worth) * rt.Effort() + calm
 
 
@@ -183,7 +183,7 @@ def clocked(solver: rt.Ipopt) -> rt.Ipopt:
     """Have a solver's processor seconds noted, which a busy machine does not stretch."""
 
     class Clocked(type(solver)):  # type: ignore[misc]
-        def solve(self, nlp: rt.Nlp, *given: Any, **named: Any) -> Any:
+        def solve(self, nlp: rt.transcription.Nlp, *given: Any, **named: Any) -> Any:
             """Solve and note the time."""
             if isinstance(self, rt.Ipopt):
                 # Assembling the functions that IPOPT calls is building the problem.

@@ -1,4 +1,4 @@
-"""A task with robotraj: PEERS_SOLVER, PEERS_ENGINE and PEERS_BETWEEN name values that rt.plan is given.
+"""A task with robotraj: PEERS_SOLVER, PEERS_ENGINE and PEERS_INTERVAL_LIMITS name values that rt.plan is given.
 
 PEERS_STARTS is a number of starts of rt.multistart, all in this process; 1 by default, rt.plan itself.
 PEERS_MESH=Chebyshev asks for a mesh that suits the minimum time of an arm.
@@ -23,8 +23,8 @@ USED = (
     rt.Duration,
     rt.Mesh,
     rt.HermiteSimpson,
-    rt.RadauIIA,
-    rt.StraightLine,
+    rt.schemes.RadauIIA,
+    rt.guess.StraightLine,
     rt.load,
     rt.plan,
 )
@@ -33,7 +33,7 @@ USED = (
 
 AWAY = -0.05
 """How far every joint of another goal is [rad, m]."""
-SETTINGS: dict[str, dict[str, Any]] = {"Fatrop": {"threads": 1}, "ConvexHull": {"controls": True}}
+SETTINGS: dict[str, dict[str, Any]] = {"Fatrop": {"threads": 1}, "BernsteinBounds": {"controls": True}}
 """One thread, as all the others have; limits of torques held everywhere, as those of speeds."""
 SEED = 0
 """Of the starts; benchmarks/starts.py tells what others find."""
@@ -69,7 +69,7 @@ def search(task: Task, mesh: rt.Mesh, starts: int, settings: dict[str, Any]) -> 
     """Plan from many starts; give the best plan and the iterations of all of them."""
     settings = settings | {"solver": rt.Fatrop(fallback=None, **SETTINGS["Fatrop"])}
     with ThreadPoolExecutor(1) as here:
-        guess = rt.StraightLine(task.guess)
+        guess = rt.guess.StraightLine(task.guess)
         found = rt.multistart(phase_of(task), starts, SEED, guess=guess, executor=here, mesh=mesh, **settings)
     return found.best, found.iterations
 
@@ -97,9 +97,9 @@ def curves_of(solution: rt.Solution) -> tuple[np.ndarray, ...]:
 def mesh_of(task: Task) -> rt.Mesh:
     """Give equal intervals of Hermite-Simpson, or twice as many of lower order that crowd at both ends."""
     if os.environ.get("PEERS_MESH") == "Chebyshev":
-        return rt.Mesh.chebyshev(2 * task.intervals, rt.RadauIIA(2))
+        return rt.Mesh.chebyshev(2 * task.intervals, rt.schemes.RadauIIA(2))
     # A bang-bang force is constant within each interval, so that it cannot bulge over its limit.
-    scheme = rt.HermiteSimpson(control=rt.ConstantControl()) if task.urdf == "block" else rt.HermiteSimpson()
+    scheme = rt.HermiteSimpson(control=rt.schemes.ConstantControl()) if task.urdf == "block" else rt.HermiteSimpson()
     return rt.Mesh(task.intervals, scheme)
 
 
@@ -107,18 +107,18 @@ def solve(task: Task, settings: dict[str, Any]) -> None:
     """Plan, report; plan the same again and another goal in the same process."""
     mesh = mesh_of(task)
 
-    def plan(problem: rt.Problem, guess: rt.StraightLine | rt.Solution) -> rt.Solution:
+    def plan(problem: rt.Problem, guess: rt.guess.StraightLine | rt.Solution) -> rt.Solution:
         return rt.plan(problem, mesh, guess, check=False, progress=False, **settings)
 
     with Clock() as first:
         problem = rt.Problem([phase_of(task)])
-        solution = plan(problem, rt.StraightLine(task.guess))
+        solution = plan(problem, rt.guess.StraightLine(task.guess))
     # Its own clock tells seconds on the wall; the plan's share of the processor tells how many were its own.
     solving = solution.times["solve"]
     spent = solving * first.processor / first.wall
     report = Report((solving, spent), solution.iterations, solution.success, solution.status.value)
     with Clock() as clock:
-        second = plan(rt.Problem([phase_of(task)]), rt.StraightLine(task.guess))
+        second = plan(rt.Problem([phase_of(task)]), rt.guess.StraightLine(task.guess))
     with Clock() as other:
         moved = plan(problem.with_(end=rt.State(q=np.add(task.end, AWAY), v=0)), solution)
     again = {
@@ -134,7 +134,7 @@ def solve(task: Task, settings: dict[str, Any]) -> None:
 
 def main() -> None:
     """Read what is asked for."""
-    named = {what: os.environ.get(f"PEERS_{what.upper()}") for what in ("solver", "engine", "between")}
+    named = {what: os.environ.get(f"PEERS_{what.upper()}") for what in ("solver", "engine", "interval_limits")}
     settings = {what: value(name) for what, name in named.items() if name}
     starts = int(os.environ.get("PEERS_STARTS", "1"))
     if starts > 1:

@@ -1,6 +1,6 @@
 """A plan run through several times: every period displaced from the last, and mirrored if the plan is half a gait.
 
-How the plan closes on itself, and so what a later period is, says ``robotraj.unrolled``.
+How the plan closes on itself, and so what a later period is, says ``robotraj.solution.gait_cycles``.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robotraj.contacts.implicit import BoundImplicitContact
-from robotraj.design import realised
-from robotraj.errors import InputError
-from robotraj.unrolled import Return, closing_of
+from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.implicit import BoundImplicitContact
+from robotraj.dynamics.design.binding import realised
+from robotraj.solution.gait_cycles import Return, closing_of
 from robotraj.witness.mujoco.roots import QUATERNION, Root
 from robotraj.witness.protocols import Array, SolutionLike
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from robotraj.terrain import Ground
+from robotraj.dynamics.terrain.base import Ground
 from robotraj.witness.drift import Drift, DriftRow
 from robotraj.witness.mujoco.roots import Root
 from robotraj.witness.plant import RATE_UNITS, VELOCITY_SCALE

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.errors import InputError
-from robotraj.values import dataclass
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.witness.constrained import mass_and_bias
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.feet import feet_of

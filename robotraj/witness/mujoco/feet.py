@@ -14,14 +14,15 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from robotraj.contacts.flat_foot import BoundFlatFoot
-from robotraj.contacts.implicit import BoundImplicitContact
-from robotraj.contacts.line_contact import BoundLineContact
-from robotraj.contacts.loop_closure import BoundLoopClosure
-from robotraj.contacts.point_contact import BoundPointContact
-from robotraj.errors import InputError
-from robotraj.terrain import Ground, as_ground
-from robotraj.values import dataclass
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
+from robotraj.dynamics.contacts.implicit import BoundImplicitContact
+from robotraj.dynamics.contacts.line_contact import BoundLineContact
+from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
+from robotraj.dynamics.contacts.point_contact import BoundPointContact
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.model import wxyz
 from robotraj.witness.mujoco.package import load_mujoco

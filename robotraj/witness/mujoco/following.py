@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.errors import InputError, require_solution
-from robotraj.terrain import Flat
+from robotraj._util.errors import InputError, require_solution
+from robotraj.dynamics.terrain.flat import Flat
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.deviation import Fall
 from robotraj.witness.mujoco.feedback import Feedback, LinearQuadratic
@@ -61,16 +61,18 @@ def second_opinion(
     InputError
         MuJoCo is not installed, the plan is one of a System, or does not repeat as often as asked.
     """
-    require_solution(solution, "rt.second_opinion")
+    require_solution(solution, "rt.witness.second_opinion")
     course = Course(solution, periods)
     if not (isinstance(step, int | float) and np.isfinite(step) and step > 0):
         raise InputError(f"step = {step!r}; give a positive time [s].")
     if not (feedback is None or isinstance(feedback, Feedback)):
         raise InputError(
-            f"feedback = {feedback!r}; give rt.LinearQuadratic(), rt.JointFeedback() or rt.NoFeedback(), or nothing."
+            f"feedback = {feedback!r}; give rt.witness.LinearQuadratic(), rt.witness.JointFeedback() or rt.witness.NoFeedback(), or nothing."
         )
     if not (ground is None or isinstance(ground, SoftGround)):
-        raise InputError(f"ground = {ground!r}; give rt.SoftGround(...): where the ground is, the contacts say.")
+        raise InputError(
+            f"ground = {ground!r}; give rt.witness.SoftGround(...): where the ground is, the contacts say."
+        )
     away = np.asarray(offset, dtype=float).ravel()
     if away.size not in (1, 2 * course.robot.model.nv):
         raise InputError(

@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 import scipy
 
-from robotraj.contacts.implicit import BoundImplicitContact
+from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.witness.constrained import Held, accelerate, impact
 from robotraj.witness.mujoco.feet import Foot, place
 from robotraj.witness.mujoco.roots import Root

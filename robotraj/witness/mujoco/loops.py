@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.contacts.loop_closure import BoundLoopClosure
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.model import wxyz
 from robotraj.witness.mujoco.package import load_mujoco

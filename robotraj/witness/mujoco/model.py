@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from robotraj.errors import InputError
-from robotraj.values import dataclass
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.witness.mujoco.coordinates import Coordinates
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.protocols import Array, RobotLike

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
 
 
 def load_mujoco() -> Any:

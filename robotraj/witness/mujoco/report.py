@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
 from robotraj.witness.drift import Drift
 from robotraj.witness.mujoco.table import render
 from robotraj.witness.peak import Peak

@@ -19,8 +19,8 @@ def test_bolt_walks_on_point_feet():
     foot = partial(rt.PointContact, friction=0.5, normal_force=(0.0, 60.0))
     step = gait.walk(bolt, step_length=0.05, duration=0.3, clearance=0.03, contact=foot, objective=calm)
     solution = rt.plan(step, mesh=rt.Mesh(10, rt.HermiteSimpson()))
-    assert not rt.second_opinion(solution, feedback=rt.NoFeedback()).upright
-    opinion = rt.second_opinion(solution, periods=8)
+    assert not rt.witness.second_opinion(solution, feedback=rt.witness.NoFeedback()).upright
+    opinion = rt.witness.second_opinion(solution, periods=8)
     assert opinion.completed and opinion.upright
     assert opinion.deviation.largest("q.") < 0.1
     assert opinion.slip < 5e-3 and opinion.sink < 5e-3

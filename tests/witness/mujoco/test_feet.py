@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
 from robotraj.witness.mujoco import mujoco_robot
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.feet import feet_of, furnish
@@ -15,9 +15,9 @@ from robotraj.witness.mujoco.feet import feet_of, furnish
 mujoco = pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
 
 GROUNDS = {
-    "flat": (rt.Flat(0.2), 1e-12),
-    "slope": (rt.Slope(0.3, -0.2, 0.1), 1e-12),
-    "waves": (rt.HeightFunction(lambda x, y: 0.05 * ca.sin(3 * x) + 0.03 * ca.cos(2 * y)), 1e-4),
+    "flat": (rt.terrain.Flat(0.2), 1e-12),
+    "slope": (rt.terrain.Slope(0.3, -0.2, 0.1), 1e-12),
+    "waves": (rt.terrain.HeightFunction(lambda x, y: 0.05 * ca.sin(3 * x) + 0.03 * ca.cos(2 * y)), 1e-4),
 }
 
 
@@ -54,7 +54,7 @@ def distances(robot, contact, q):
     """Distances [m] of MuJoCo's contacts where the plan's foot stands on the ground."""
     course = Course(resting(robot, [contact], q))
     feet = feet_of(course)
-    soft = rt.SoftGround(radius=0.01)
+    soft = rt.witness.SoftGround(radius=0.01)
     second = mujoco_robot(robot, None, lambda spec, bodies: furnish(course, feet, soft, spec, bodies))
     # Contacts are made from 1 mm above the ground on, so that those that just touch are seen.
     second.model.geom_margin[:] = 1e-3
@@ -99,10 +99,15 @@ def test_soles_and_edges_lie_on_the_ground(monopod, ground, tolerance):
 
 def test_feet_touch_their_own_ground_alone(monopod):
     q = standing(monopod, "foot", [0.0, 0.0, 0.0])
-    low, high = rt.PointContact("foot"), rt.PointContact("foot", name="other", ground=rt.Flat(0.5), offset=(0, 0, 0.5))
+    low, high = (
+        rt.PointContact("foot"),
+        rt.PointContact("foot", name="other", ground=rt.terrain.Flat(0.5), offset=(0, 0, 0.5)),
+    )
     course = Course(resting(monopod, [low, high], q))
     feet = feet_of(course)
-    second = mujoco_robot(monopod, None, lambda spec, bodies: furnish(course, feet, rt.SoftGround(), spec, bodies))
+    second = mujoco_robot(
+        monopod, None, lambda spec, bodies: furnish(course, feet, rt.witness.SoftGround(), spec, bodies)
+    )
     second.model.geom_margin[:] = 1e-3
     data = mujoco.MjData(second.model)
     q[2] -= 1e-4
@@ -140,7 +145,7 @@ def squat():
 
 
 def test_a_squatting_foot_stays_and_carries_the_weight(squat):
-    opinion = rt.second_opinion(squat)
+    opinion = rt.witness.second_opinion(squat)
     assert opinion.completed and opinion.upright
     assert opinion.slip < 1e-9 and opinion.sink < 1e-3
     assert opinion.deviation.largest("q.") < 2e-3
@@ -170,7 +175,7 @@ def test_a_flat_foot_balances_a_robot_in_space(monopod):
         contacts=[sole],
         objective=rt.Effort(),
     )
-    opinion = rt.second_opinion(rt.plan(shift, mesh=rt.Mesh(6, rt.HermiteSimpson())))
+    opinion = rt.witness.second_opinion(rt.plan(shift, mesh=rt.Mesh(6, rt.HermiteSimpson())))
     assert opinion.completed and opinion.deviation.largest("q.") < 0.02
     assert opinion.slip < 1e-3 and opinion.sink < 1e-3
     (report,) = opinion.feet
@@ -178,12 +183,16 @@ def test_a_flat_foot_balances_a_robot_in_space(monopod):
 
 
 def test_harder_ground_gives_way_less(squat):
-    soft, hard = (rt.second_opinion(squat, ground=rt.SoftGround(time=time)).sink for time in (0.02, 0.004))
+    soft, hard = (
+        rt.witness.second_opinion(squat, ground=rt.witness.SoftGround(time=time)).sink for time in (0.02, 0.004)
+    )
     assert hard < 0.2 * soft
 
 
 def test_a_robot_that_topples_is_told(squat):
-    opinion = rt.second_opinion(squat, feedback=rt.NoFeedback(), offset=[0, 0, 0, 0, 0, 0, 0, 4.0, 0, 0])
+    opinion = rt.witness.second_opinion(
+        squat, feedback=rt.witness.NoFeedback(), offset=[0, 0, 0, 0, 0, 0, 0, 4.0, 0, 0]
+    )
     assert not opinion.completed and not opinion.upright and opinion.failure is None
     assert 0.05 < opinion.fell < 0.5
     assert opinion.deviation["q.root_pitch"].final == np.inf
@@ -201,6 +210,6 @@ def test_ice_is_slippery():
         objective=rt.Effort(),
     )
     solution = rt.plan(lean, mesh=rt.Mesh(8, rt.HermiteSimpson()))
-    rough, ice = (rt.second_opinion(solution, ground=rt.SoftGround(grip=grip)) for grip in (1.5, 0.05))
+    rough, ice = (rt.witness.second_opinion(solution, ground=rt.witness.SoftGround(grip=grip)) for grip in (1.5, 0.05))
     assert rough.slip < 2e-3 < 2e-2 < ice.slip
     assert replace(rough, fell=0.1).completed is False

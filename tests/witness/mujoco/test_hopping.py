@@ -14,16 +14,16 @@ def test_a_hop_of_found_contacts_is_followed():
     hop = rt.Phase(
         hopper,
         duration=1.0,
-        contacts=[rt.ImplicitContact("foot", friction=0.8, relaxation=1e-4)],
+        contacts=[rt.contacts.ImplicitContact("foot", friction=0.8, relaxation=1e-4)],
         start=rt.State(q=still | {"root_x": 0.0}, v=0),
         end=rt.State(q=still | {"root_x": 0.5}, v=0),
         objective=rt.Effort({"hip": 1.0, "leg": 0.01}),
     )
-    mesh, stages = rt.Mesh(40, rt.RadauIIA(1)), rt.tightening(hop, [1.0, 0.1, 1e-2, 1e-3])
+    mesh, stages = rt.Mesh(40, rt.schemes.RadauIIA(1)), rt.planning.tightening(hop, [1.0, 0.1, 1e-2, 1e-3])
     # Hops are many, and few are landed. On this mesh three guesses 1e-10 apart ended, from this barrier, in hops that
     # land within 5 mm; from the usual one two of five, within 7 mm. On 30 and 60 intervals neither is to be relied on.
-    solution = rt.plan(hop, mesh=mesh, solver=rt.Ipopt(initial_barrier=0.1), stages=stages)
-    alone, held = (rt.second_opinion(solution, feedback=f) for f in (rt.NoFeedback(), None))
+    solution = rt.plan(hop, mesh=mesh, solver=rt.Ipopt(initial_barrier=0.1), continuation=stages)
+    alone, held = (rt.witness.second_opinion(solution, feedback=f) for f in (rt.witness.NoFeedback(), None))
     assert alone.deviation["q.root_x"].final > 0.05
     assert held.completed and held.deviation["q.root_x"].final < 0.03
     (foot,) = held.feet

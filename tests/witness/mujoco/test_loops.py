@@ -3,7 +3,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
 
 pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
 
@@ -35,9 +35,9 @@ def swing(robot, contacts, name="swing", **phase):
 
 def test_a_four_bar_moves_as_planned(four_bar):
     start, end = rt.State(q=angles(-1.0), v=0), rt.State(q=angles(-2.0), v=0)
-    closed = swing(four_bar, [rt.LoopClosure("end", "pivot")], duration=0.8, start=start, end=end)
+    closed = swing(four_bar, [rt.contacts.LoopClosure("end", "pivot")], duration=0.8, start=start, end=end)
     solution = rt.plan(closed, mesh=rt.Mesh(12, rt.HermiteSimpson()))
-    alone, held = (rt.second_opinion(solution, feedback=f, step=2e-4) for f in (rt.NoFeedback(), None))
+    alone, held = (rt.witness.second_opinion(solution, feedback=f, step=2e-4) for f in (rt.witness.NoFeedback(), None))
     assert alone.completed and alone.deviation.largest("q.") < 0.02
     assert held.completed and held.deviation.largest("q.") < 2e-3
     assert not held.feet
@@ -49,10 +49,10 @@ def test_a_four_bar_moves_as_planned(four_bar):
 
 def test_loops_stay_closed(four_bar):
     closed = swing(
-        four_bar, [rt.LoopClosure("end", "pivot")], "closed", duration=0.2, start=rt.State(q=angles(-1.0), v=0)
+        four_bar, [rt.contacts.LoopClosure("end", "pivot")], "closed", duration=0.2, start=rt.State(q=angles(-1.0), v=0)
     )
     opened = swing(four_bar, [], "opened", duration=0.2)
     problem = rt.Problem([closed, opened], links=[rt.Liftoff(0, 1)])
     solution = rt.plan(problem, mesh=rt.Mesh(4, rt.HermiteSimpson()), check=False)
     with pytest.raises(InputError, match="keeps loops closed all the time; phase 'opened' opens 'end-pivot'"):
-        rt.second_opinion(solution)
+        rt.witness.second_opinion(solution)

@@ -6,7 +6,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.errors import InputError
+from robotraj._util.errors import InputError
 from robotraj.witness.mujoco import mujoco_robot
 
 mujoco = pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")

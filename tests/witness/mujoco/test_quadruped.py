@@ -48,7 +48,7 @@ def test_four_feet_stay_while_the_body_sways():
         objective=calm(),
     )
     solution = rt.plan(sway, mesh=rt.Mesh(6, rt.HermiteSimpson()))
-    alone, held = (rt.second_opinion(solution, feedback=f, step=1e-3) for f in (rt.NoFeedback(), None))
+    alone, held = (rt.witness.second_opinion(solution, feedback=f, step=1e-3) for f in (rt.witness.NoFeedback(), None))
     assert alone.completed and held.completed
     assert held.deviation.largest("q.") < 0.01 < alone.deviation.largest("q.")
     assert held.slip < 1e-3 and held.sink < 1e-3
@@ -62,9 +62,9 @@ def test_it_trots_on_for_a_dozen_half_strides():
     foot = partial(rt.PointContact, friction=0.5, normal_force=(1.0, 60.0))
     trot = gait.trot(solo, step_length=0.05, duration=0.2, clearance=0.03, contact=foot, objective=calm())
     solution = rt.plan(trot, mesh=rt.Mesh(8, rt.HermiteSimpson()))
-    assert not rt.second_opinion(solution, feedback=rt.NoFeedback()).upright
+    assert not rt.witness.second_opinion(solution, feedback=rt.witness.NoFeedback()).upright
     # A ground a little rougher than the plan counts on, as it should be.
-    opinion = rt.second_opinion(solution, periods=12, ground=rt.SoftGround(grip=1.4))
+    opinion = rt.witness.second_opinion(solution, periods=12, ground=rt.witness.SoftGround(grip=1.4))
     assert opinion.completed and opinion.upright
     assert opinion.deviation.largest("q.") < 0.1
     q = opinion.simulation.q

@@ -33,20 +33,20 @@ def walk():
         duration=DURATION,
         contacts=[rt.PointContact("left_foot", friction=0.8)],
         parameters={"left_foot.x": 0.0},
-        constraints=[rt.GroundClearance("right_foot", rt.SwingApex(0.03, -STEP, STEP))],
+        constraints=[rt.GroundClearance("right_foot", rt.constraints.SwingApex(0.03, -STEP, STEP))],
         objective=rt.Effort(),
         name="step",
     )
     mirror = rt.Mirror(partners=sides, displacement={"q.root_x": STEP})
     problem = rt.Problem([step], links=[rt.Touchdown(0, 0, repeat=mirror)])
-    guess = rt.Keyframes([0, 1], [standing(biped, FIRST), standing(biped, FIRST[::-1])])
+    guess = rt.guess.Keyframes([0, 1], [standing(biped, FIRST), standing(biped, FIRST[::-1])])
     return rt.plan(problem, mesh=rt.Mesh(12, rt.HermiteSimpson()), guess=guess)
 
 
 def test_it_falls_without_feedback_and_walks_on_with_it(walk):
-    alone = rt.second_opinion(walk, feedback=rt.NoFeedback())
+    alone = rt.witness.second_opinion(walk, feedback=rt.witness.NoFeedback())
     assert alone.periods == 3 and alone.fell is not None and not alone.completed
-    opinion = rt.second_opinion(walk, periods=6)
+    opinion = rt.witness.second_opinion(walk, periods=6)
     assert opinion.completed and opinion.upright
     assert opinion.simulation.q[-1, 0] - opinion.simulation.q[0, 0] == pytest.approx(6 * STEP, abs=0.1)
     assert opinion.deviation["q.root_pitch"].largest < 0.05
@@ -55,7 +55,7 @@ def test_it_falls_without_feedback_and_walks_on_with_it(walk):
 
 
 def test_feet_take_turns_and_carry_the_weight(walk):
-    left, right = rt.second_opinion(walk, periods=4).feet
+    left, right = rt.witness.second_opinion(walk, periods=4).feet
     assert (left.name, right.name) == ("left_foot", "right_foot")
     for foot in (left, right):
         assert foot.stances in (2, 3) and 0.4 < foot.loaded < 0.6
@@ -68,7 +68,7 @@ def test_feet_take_turns_and_carry_the_weight(walk):
 def test_a_push_is_recovered(walk):
     push = np.zeros(14)
     push[7] = 0.1
-    opinion = rt.second_opinion(walk, periods=5, offset=push)
+    opinion = rt.witness.second_opinion(walk, periods=5, offset=push)
     assert opinion.completed
     assert opinion.deviation["q.root_pitch"].final < 0.05
 
@@ -76,11 +76,11 @@ def test_a_push_is_recovered(walk):
 @pytest.mark.slow
 def test_it_climbs_stairs():
     rise, depth = 0.05, 0.3
-    stairs = rt.Steps([(k + 0.3) * depth for k in range(-4, 12)], [(k - 3) * rise for k in range(17)])
+    stairs = rt.terrain.Steps([(k + 0.3) * depth for k in range(-4, 12)], [(k - 3) * rise for k in range(17)])
     biped = rt.load("five_link", root="planar")
     upwards = gait.mirror(biped, displacement={"q.root_x": depth, "q.root_z": rise})
     step = gait.walk(biped, step_length=depth, duration=0.7, clearance=0.03, ground=stairs, repeat=upwards)
-    opinion = rt.second_opinion(rt.plan(step, mesh=rt.Mesh(14, rt.HermiteSimpson())), periods=6)
+    opinion = rt.witness.second_opinion(rt.plan(step, mesh=rt.Mesh(14, rt.HermiteSimpson())), periods=6)
     assert opinion.completed
     assert opinion.deviation.largest("q.") < 0.05
     assert opinion.simulation.q[-1, 1] - opinion.simulation.q[0, 1] == pytest.approx(6 * rise, abs=0.01)

@@ -1,0 +1,90 @@
+"""Splines in B-spline form: the interpolating one of odd degree, and the cubic through values and slopes.
+
+Source: de Boor, A Practical Guide to Splines (2001), chapters IX to XIII. SciPy's are the same curves; importing them
+takes longer than the guess of a walk does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robotraj._util.values import dataclass
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """The curve sum_i c_i B_i(x) of B-splines of one degree.
+
+    Attributes
+    ----------
+    knots : ndarray (n + degree + 1,)
+        Ascending; the first and the last ``degree`` + 1 are the ends.
+    coefficients : ndarray (n, ...)
+        c_i.
+    degree : int
+    """
+
+    knots: Array
+    coefficients: Array
+    degree: int
+
+    def __call__(self, x: ArrayLike, order: int = 0) -> Array:
+        """Give values, or derivatives of an order, at places x (...) inside the ends: the shape of x, then c_i's."""
+        if order:
+            return self.derivative(order)(x)
+        at = np.asarray(x, dtype=float)
+        span, values = _basis(self.knots, self.degree, at.ravel())
+        near = self.coefficients[span[:, None] + np.arange(-self.degree, 1)]
+        found = np.einsum("mi,mi...->m...", values, near)
+        return np.asarray(found.reshape(at.shape + self.coefficients.shape[1:]))
+
+    def derivative(self, order: int = 1) -> Spline:
+        """Give the derivative of an order, at most the degree, as a spline."""
+        if order == 0:
+            return self
+        k, t, c = self.degree, self.knots, self.coefficients
+        widths = t[k + 1 : -1] - t[1 : -k - 1]
+        slopes = k * np.diff(c, axis=0) / widths.reshape(-1, *[1] * (c.ndim - 1))
+        return Spline(t[1:-1], slopes, k - 1).derivative(order - 1)
+
+
+def through(x: Array, y: Array, degree: int) -> Spline:
+    """Interpolate y (n, ...) at ascending x (n,) by an odd degree below n, with no knots at the places near the ends.
+
+    The knots are x without the (degree + 1) / 2 - 1 places next to each end.
+    """
+    aside = (degree + 1) // 2
+    ends = np.ones(degree + 1)
+    knots = np.concatenate([x[0] * ends, x[aside:-aside], x[-1] * ends])
+    span, values = _basis(knots, degree, x)
+    matrix = np.zeros((len(x), len(x)))
+    matrix[np.arange(len(x))[:, None], span[:, None] + np.arange(-degree, 1)] = values
+    coefficients = np.asarray(np.linalg.solve(matrix, y.reshape(len(x), -1)), dtype=float)
+    return Spline(knots, coefficients.reshape(y.shape), degree)
+
+
+def hermite(x: Array, y: Array, slopes: Array) -> Spline:
+    """Give the piecewise cubic with values y (n,) and slopes (n,) at ascending x (n,)."""
+    third = np.diff(x) / 3.0
+    inner = np.column_stack([y[:-1] + third * slopes[:-1], y[1:] - third * slopes[1:]]).ravel()
+    knots = np.concatenate([x[[0, 0]], np.repeat(x, 2), x[[-1, -1]]])
+    return Spline(knots, np.concatenate([y[:1], inner, y[-1:]]), 3)
+
+
+def _basis(knots: Array, degree: int, x: Array) -> tuple[NDArray[np.int_], Array]:
+    """Spans (m,) that places x (m,) lie in, and the values (m, degree + 1) of the B-splines that are not zero there."""
+    last = len(knots) - degree - 2
+    span = np.clip(np.searchsorted(knots, x, side="right") - 1, degree, last)
+    values = np.ones((len(x), 1))
+    for k in range(1, degree + 1):
+        first = span[:, None] + np.arange(1 - k, 1)
+        left, right = knots[first], knots[first + k]
+        shares = values / (right - left)
+        nothing = np.zeros((len(x), 1))
+        # Each B-spline of the degree below gives one part to its left and one to its right neighbour.
+        values = np.hstack([(right - x[:, None]) * shares, nothing])
+        values[:, 1:] += (x[:, None] - left) * shares
+    return span, values

@@ -1,0 +1,84 @@
+"""Words of the command line as values: configurations, durations, limits, motions from rest to rest."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj.problem.objectives.base import Objective
+from robotraj.problem.objectives.duration import Duration
+from robotraj.problem.objectives.effort import Effort
+from robotraj.problem.phase import Phase
+from robotraj.problem.state import State
+from robotraj.robot.robot import Limits, Robot
+
+
+class Minimise(str, Enum):
+    """What ``robotraj plan`` minimises."""
+
+    effort = "effort"
+    duration = "duration"
+
+
+def rest_to_rest(
+    robot: Robot, objective: Minimise, duration: str | None, start: Any, end: Any, limits: Limits | None
+) -> Phase:
+    """Pose the motion that ``robotraj plan`` plans; 2 s long, or as long as is least, if no duration is given."""
+    free = (0.05, 60.0) if objective is Minimise.duration else 2.0
+    cost: Objective = Duration() if objective is Minimise.duration else Effort()
+    return Phase(
+        robot,
+        duration=free if duration is None else duration_of(duration),
+        start=State(q=start, v=0),
+        end=State(q=end, v=0),
+        objective=cost,
+        limits=limits,
+        name=f"{robot.name}, least {objective.value}",
+    )
+
+
+def limits_of(robot: Robot, own: bool, velocity: float | None, effort: float | None) -> Limits | None:
+    """Give the robot's limits, with one speed or torque for all joints where it is given; or none at all."""
+    if own:
+        return robot.limits.with_(velocity=velocity, effort=effort)
+    if velocity is not None or effort is not None:
+        raise InputError("--no-limits takes all limits away; leave out --velocity and --effort with it.")
+    return None
+
+
+def configuration_of(robot: Robot, text: str | None, option: str) -> Any:
+    """Read ``"0,1.57"`` in the order of the joints, or ``"elbow=1.57"`` by name (the others neutral)."""
+    if text is None:
+        return robot.neutral
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    if not any("=" in part for part in parts):
+        return robot.configuration([_number(part, option) for part in parts], option)
+    values = {}
+    for part in parts:
+        joint, equals, value = part.partition("=")
+        if not equals:
+            raise InputError(f"{option} {text!r} mixes 'joint=value' with values alone ({part!r}); name every joint.")
+        values[joint.strip()] = _number(value, option)
+    neutral = dict(zip(robot.position_names, robot.neutral, strict=True))
+    return robot.configuration({**neutral, **values}, option)
+
+
+def duration_of(text: str) -> float | tuple[float, float]:
+    """Read ``"2"`` or ``"0.5:3"`` [s]."""
+    least, separator, greatest = text.partition(":")
+    if not separator:
+        return _number(text, "--duration")
+    return _number(least, "--duration"), _number(greatest, "--duration")
+
+
+def _number(text: str, option: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        raise InputError(f"{option} holds {text!r}, which is no number.")
+    return value

@@ -1,0 +1,164 @@
+"""What contacts add to a robot's equations, as functions that all phases in which they stand have in common.
+
+A contact adds to the rows of a point its reaction -J' f, its acceleration, place and velocity, and J' c for the
+corrections c of these; nothing else of it is in the equations, and no contact knows of another. So a foot's share is
+one function of the root, its own leg, its forces and its foothold, and differentiated once for all phases of a walk.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.holding import Share, anchors, pinned, pull
+from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.native.addend import Added, Addend, where_in
+from robotraj.robot.memory import PerRobot
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from robotraj.dynamics.contacts.base import BoundContact
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.robot.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Apart:
+    """An addend whose values stand as symbols in the outputs of a stage, each in one row with the factor 1.
+
+    Attributes
+    ----------
+    symbols : casadi.SX
+        (n_s,).
+    addend : Addend
+    arguments : casadi.SX
+        u, expressions of the stage's symbols, (n_u,).
+    """
+
+    symbols: ca.SX
+    addend: Addend
+    arguments: ca.SX
+
+    @property
+    def values(self) -> ca.SX:
+        """The addend's graph of the arguments, (n_s,)."""
+        values: ca.SX = self.addend.function(self.arguments)
+        return values
+
+
+def written_out(y: ca.SX, apart: Sequence[Apart]) -> ca.SX:
+    """Put the graphs of what stands apart in the place of its symbols."""
+    if not apart:
+        return y
+    return ca.substitute(y, ca.vertcat(*(each.symbols for each in apart)), ca.vertcat(*(each.values for each in apart)))
+
+
+def taken_out(y: ca.SX, known: ca.SX, apart: Sequence[Apart]) -> tuple[ca.SX, list[Added]]:
+    """Give outputs without what stands apart, and where that belongs in them.
+
+    Parameters
+    ----------
+    y : casadi.SX
+        Outputs of a stage.
+    known : casadi.SX
+        Its unknowns and constants. What reads other expressions than these stays in y, written out.
+    """
+    plain, inputs = [], []
+    for each in apart:
+        places = where_in(known, each.arguments)
+        if (places >= 0).all():
+            plain.append(each)
+            inputs.append(places)
+    y = written_out(y, [each for each in apart if each not in plain])
+    if not plain:
+        return y, []
+    symbols = ca.vertcat(*(each.symbols for each in plain))
+    rows, columns = ca.jacobian(y, symbols).sparsity().get_triplet()
+    row_of = np.full(symbols.numel(), -1, dtype=np.int64)
+    row_of[columns] = rows
+    ends = np.cumsum([each.symbols.numel() for each in plain])[:-1]
+    own = zip(plain, inputs, np.split(row_of, ends), strict=True)
+    added = [Added(each.addend, places, at) for each, places, at in own]
+    return ca.substitute(y, symbols, ca.SX.zeros(symbols.numel())), added
+
+
+@dataclass(frozen=True, eq=False)
+class ApartShare:
+    """What a contact adds, as symbols; read like a ``Share``.
+
+    Attributes
+    ----------
+    reaction : casadi.SX
+    accelerations, places, rates : list of casadi.SX
+    corrected : casadi.SX
+        Rates (nq + nv,) of the state along the corrections.
+    """
+
+    reaction: ca.SX
+    accelerations: Sequence[ca.SX]
+    places: Sequence[ca.SX]
+    rates: Sequence[ca.SX]
+    corrected: ca.SX
+
+
+_ADDENDS: PerRobot[tuple[Addend, list[int]]] = PerRobot()
+"""By contact and part: the function, and which entries of ``_column`` it reads."""
+
+PARTS = ("reaction", "accelerations", "places", "rates", "corrected")
+"""Of a share: apart from each other, since their derivatives have little in common."""
+
+
+def contacts_apart(body: Any, point: Any, c: ca.SX) -> tuple[Apart, ...]:
+    """Have what contacts add stand as symbols in every expression that is made of a point.
+
+    Parameters
+    ----------
+    body, point
+        A phase's dynamics without what objectives added, and its point.
+    c : casadi.SX
+        Corrections of the invariants.
+    """
+    if not isinstance(body, InverseRigidBody) or body.design is not None:
+        return ()
+    kept = PARTS[:-1] if pinned(body.robot, body.contacts) else PARTS
+    held = [len(contact.holds) for contact in body.contacts]
+    parts: list[Apart] = []
+    ends = np.cumsum([c.numel() - 2 * sum(held), *held, *held]).tolist()
+    for i, (contact, m) in enumerate(zip(body.contacts, held, strict=True)):
+        column = _column(contact, point, *(c[ends[k] : ends[k] + m] for k in (i, i + len(held))))
+        own = {name: _apart(body.robot, contact, name, column) for name in kept}
+        symbols = {name: own[name].symbols if name in own else ca.SX(0, 1) for name in PARTS}
+        rows = {name: ca.vertsplit(symbols[name]) for name in ("accelerations", "places", "rates")}
+        point.shares[contact.name] = ApartShare(**(symbols | rows))
+        parts += own.values()
+    return tuple(parts)
+
+
+def _apart(robot: Robot, contact: BoundContact, name: str, column: ca.SX) -> Apart:
+    addend, read = _ADDENDS.get(robot, (contact.contact, name), lambda: _made(robot, contact, name))
+    return Apart(ca.SX.sym(f"{name}.{contact.name}", addend.s.numel()), addend, column[read])
+
+
+def _made(robot: Robot, contact: BoundContact, name: str) -> tuple[Addend, list[int]]:
+    alone, names = InverseRigidBody(robot, None, (contact,)), [anchor.name for anchor in contact.anchors]
+    x, z, p = (ca.SX.sym(n, len(g)) for n, g in (("x", alone.states), ("z", alone.algebraic), ("p", names)))
+    places, rates = (ca.SX.sym(name, len(contact.holds)) for name in ("places", "rates"))
+    point = alone.point(ca.SX.sym("t"), x, z, None, p, names)
+    if name == "corrected":
+        s = alone.along(point, *(pull((contact,), point, part) for part in (places, rates)))
+    else:
+        part = getattr(Share(contact, point), name)
+        s = part if isinstance(part, ca.SX) else ca.vertcat(*part)
+    column = _column(contact, point, places, rates)
+    read = np.flatnonzero(ca.which_depends(s, column, 1, False)).tolist()
+    return Addend(column[read], s), read
+
+
+def _column(contact: BoundContact, point: RobotPoint, places: ca.SX, rates: ca.SX) -> ca.SX:
+    """All that a contact's share may depend on, as one column."""
+    forces = [point.z[force.name] for force in contact.forces]
+    return ca.vertcat(point.q, point.v, point.a, *forces, places, rates, *anchors(contact, point.p).values())

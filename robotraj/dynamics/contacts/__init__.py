@@ -1,0 +1,5 @@
+"""Contacts: what holds the robot, with which forces. Values, bound to a robot by ``bind``."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

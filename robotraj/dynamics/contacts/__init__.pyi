@@ -1,0 +1,27 @@
+"""Contacts: what holds the robot, with which forces. Values, bound to a robot by ``bind``."""
+
+from .base import BoundContact, Contact, LimitRow
+from .cones import FrictionCone, Linearised, SecondOrder
+from .flat_foot import FlatFoot
+from .implicit import ImplicitContact
+from .line_contact import LineContact
+from .loop_closure import LoopClosure
+from .point_contact import PointContact
+from .soles import FourCorners, PressureAndTorsion, Sole
+
+__all__ = [
+    "BoundContact",
+    "Contact",
+    "FlatFoot",
+    "FourCorners",
+    "FrictionCone",
+    "ImplicitContact",
+    "LimitRow",
+    "LineContact",
+    "Linearised",
+    "LoopClosure",
+    "PointContact",
+    "PressureAndTorsion",
+    "SecondOrder",
+    "Sole",
+]

@@ -1,0 +1,224 @@
+"""What a contact is: a value that names a frame and, bound to a robot, gives rows to hold and forces that hold them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.mobility import AXES
+from robotraj.dynamics.variable import Variable
+from robotraj.robot.memory import PerRobot
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+Wrench = tuple[str, list[Any]]
+"""A frame, and force then moment (6,) [N, N m] on its body, in world axes at the frame's origin."""
+
+
+@dataclass(frozen=True)
+class LimitRow:
+    """One row on a contact's forces: lower <= value <= upper.
+
+    Attributes
+    ----------
+    name : str
+        What is bounded, for example ``"friction cone"``.
+    unit : str
+    lower, upper : float
+        Bounds, infinite where open.
+    joint : str
+        Name of the contact.
+    variable : str or None
+        The force variable that the row is, where it is one alone.
+    """
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    joint: str
+    variable: str | None = None
+
+    def of_impulses(self) -> LimitRow | None:
+        """Give what an impulse keeps of it: cones and signs, whatever the newtons; None where that is nothing."""
+        lower, upper = 0.0 if self.lower >= 0.0 else -inf, 0.0 if self.upper <= 0.0 else inf
+        if lower == -inf and upper == inf:
+            return None
+        return replace(self, lower=lower, upper=upper)
+
+
+class Contact(ABC):
+    """A place where the robot is held: by the ground, or by itself. A new kind is one new class and its bound form."""
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """Its name: the one given, else that of its frame."""
+
+    @abstractmethod
+    def bind(self, robot: Robot) -> BoundContact:
+        """Check names against a robot and write out variables and rows.
+
+        Raises
+        ------
+        InputError
+            The frame does not exist or leaves the plane, or the robot cannot move in the rows.
+        """
+
+    def bound_to(self, robot: Robot) -> BoundContact:
+        """Bind once for every robot, however many phases it stands in; a contact without a hash is bound every time."""
+        return _BOUND.get(robot, self, lambda: self.bind(robot))
+
+
+@dataclass(frozen=True, eq=False)
+class BoundContact(ABC):
+    """A contact of one robot: m held rows, the forces that hold them, and where it stands.
+
+    Every method takes a point of the NLP (symbols) or of the witness (numbers) and answers in kind. The forces are
+    dual to the velocity rows: J' f does the power f . velocity on any motion, whatever the wrench acts on.
+
+    Attributes
+    ----------
+    contact : Contact
+    name : str
+    frame : str
+        The frame at whose origin the wrench acts.
+    forces : tuple of Variable
+        ``force.<name>.x`` ... ``force.<name>.mz`` [N, N m], m of them.
+    anchors : tuple of Variable
+        Where it stands, ``<name>.x`` [m], ``<name>.y``, ``<name>.yaw`` [rad]: constant while it holds, unknown.
+    holds : tuple of Variable
+        The held rows, named for reports; those that say where it stands are named as the anchors.
+    limit_rows : tuple of LimitRow
+        The rows of ``limits``: force normal to the ground, friction, centre of pressure.
+    footing_rows : tuple of LimitRow
+        The rows of ``footing``: where on the ground a foot may stand.
+    """
+
+    contact: Contact
+    name: str
+    frame: str
+    forces: tuple[Variable, ...]
+    anchors: tuple[Variable, ...]
+    holds: tuple[Variable, ...]
+    limit_rows: tuple[LimitRow, ...]
+    footing_rows: tuple[LimitRow, ...]
+
+    def outline(self) -> list[tuple[str, tuple[float, float, float]]]:
+        """Places that must not sink while the foot swings, as (frame, offset [m]): the frame's origin."""
+        return [(self.frame, (0.0, 0.0, 0.0))]
+
+    @abstractmethod
+    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+        """Rows (m) [m, rad] that are zero while the contact stands at its anchors.
+
+        Where they are zero, their rate is ``velocity``: both see the same motions.
+        """
+
+    @abstractmethod
+    def velocity(self, point: Any) -> list[Any]:
+        """Rows (m) [m/s, rad/s] that are zero while the contact holds."""
+
+    @abstractmethod
+    def acceleration(self, point: Any) -> list[Any]:
+        """Rows (m) [m/s^2, rad/s^2]: the time derivative of ``velocity``."""
+
+    @abstractmethod
+    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+        """Wrenches on the robot for values of ``forces``: pairs of a frame and 6 entries."""
+
+    @abstractmethod
+    def vector(self, forces: Sequence[Any]) -> list[Any]:
+        """Force (3) or force and moment (6) in world axes [N, N m], with zeros for what the contact does not carry."""
+
+    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+        """Values of ``limit_rows``."""
+        return []
+
+    def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
+        """Values of ``footing_rows``: once a phase, since anchors are constant."""
+        return []
+
+    def locate(self, robot: Robot, q: Any) -> dict[str, float]:
+        """Anchors of the contact as it stands in configuration q, in numbers, for guesses."""
+        return {}
+
+
+_BOUND: PerRobot[BoundContact] = PerRobot()
+
+
+def force_variables(name: str, linear: Sequence[int], angular: Sequence[int] = ()) -> tuple[Variable, ...]:
+    """``force.<name>.x`` ... along and ``force.<name>.mx`` ... about world axes."""
+    forces = [Variable(f"force.{name}.{AXES[i]}", "N", "contact force", name) for i in linear]
+    return (*forces, *(Variable(f"force.{name}.m{AXES[i]}", "N m", "contact moment", name) for i in angular))
+
+
+def held_rows(
+    name: str, linear: Sequence[int], angular: Sequence[int] = (), upright: str = "yaw"
+) -> tuple[Variable, ...]:
+    """``<name>.x`` ... along and ``<name>.rx``, ``<name>.ry``, ``<name>.yaw`` about world axes.
+
+    A row that finds out an anchor has its name; ``upright`` is the row's about z.
+    """
+    rows = [Variable(f"{name}.{AXES[i]}", "m", "contact position", name) for i in linear]
+    turns = [("rx", "ry", upright)[i] for i in angular]
+    return (*rows, *(Variable(f"{name}.{turn}", "rad", "contact position", name) for turn in turns))
+
+
+def spread(values: Sequence[Any], axes: Sequence[int]) -> list[Any]:
+    """Put values at their axes among x, y and z, zeros elsewhere."""
+    full: list[Any] = [0.0, 0.0, 0.0]
+    for axis, i in zip(axes, range(len(axes)), strict=True):
+        full[axis] = values[i]
+    return full
+
+
+def label_of(name: Any, frame: Any) -> str:
+    """Return the name given, or the frame's."""
+    return frame if name is None else name
+
+
+def checked_name(name: Any, who: str) -> None:
+    """Refuse a name that could not be part of a variable's."""
+    if name is not None and (not isinstance(name, str) or not name):
+        raise InputError(f"The name of {who} is {name!r}; give some text, or leave it out for the frame's name.")
+
+
+def positive(value: Any, what: str, unit: str) -> float:
+    """Read a positive finite number."""
+    number = _number(value)
+    if not (np.isfinite(number) and number > 0.0):
+        raise InputError(f"The {what} is {value!r}; give a positive number{f' [{unit}]' if unit else ''}.")
+    return number
+
+
+def force_range(value: Any, who: str) -> tuple[float, float]:
+    """Read (least, greatest) normal force [N], 0 <= least < greatest; the greatest may be infinite."""
+    least, greatest = (_number(entry) for entry in (value if np.shape(value) == (2,) else (None, None)))
+    if not 0.0 <= least < greatest or np.isinf(least):
+        raise InputError(
+            f"The normal_force of {who} is {value!r}; give (least, greatest) [N] with 0 <= least < greatest: the "
+            "ground only pushes."
+        )
+    return least, greatest
+
+
+def keep(contact: Contact, **values: Any) -> None:
+    """Replace fields by what was read of them, tuples of floats: contacts then compare and are stored by value."""
+    for name, value in values.items():
+        object.__setattr__(contact, name, value)
+
+
+def _number(value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return np.nan

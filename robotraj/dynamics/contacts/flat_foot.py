@@ -1,0 +1,290 @@
+"""A flat foot: its sole lies on the ground and neither slides, turns nor tips."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import (
+    BoundContact,
+    Contact,
+    LimitRow,
+    Wrench,
+    checked_name,
+    force_range,
+    force_variables,
+    held_rows,
+    keep,
+    label_of,
+    positive,
+    spread,
+)
+from robotraj.dynamics.contacts.foot_axes import FootAxes, foot_axes, unit
+from robotraj.dynamics.contacts.footing import Footing
+from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
+from robotraj.dynamics.contacts.point_contact import require_vertical
+from robotraj.dynamics.contacts.soles import PressureAndTorsion, Rectangle, Sole
+from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import as_ground
+from robotraj.dynamics.variable import Variable
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class FlatFoot(Contact):
+    """A rectangular sole held on the ground: six rows and a wrench, three (x, z, pitch) in a plane.
+
+    The point at ``offset`` stands at (x, y, h(x, y)); the foot's up axis e is along the ground's normal n there, and
+    its forward axis f points along t_1 cos(yaw) + t_2 sin(yaw); x, y and yaw are unknown and constant. The rows of
+    orientation are the world components of the small rotation between foot and ground,
+
+        r = -(e . t_2) t_1 + (e . t_1) t_2 + (f . l) n,    l = -t_1 sin(yaw) + t_2 cos(yaw),
+
+    whose rate is the angular velocity where r = 0. The force along e is not negative, which also excludes the root of
+    r where the foot is upside down; the sole says which tangential forces and moments go with it.
+
+    Parameters
+    ----------
+    frame : str
+    length : float or (float, float)
+        Of the sole, about the point or (back, front) of it [m].
+    width : float
+        Of the sole [m]; only a robot that moves in a plane does without.
+    friction : float
+        Coefficient mu.
+    ground : Ground or callable
+        As for ``PointContact``.
+    name : str, optional
+        The frame's name where none is given.
+    sole : Sole
+        ``PressureAndTorsion(cone, radius)`` or ``FourCorners()``.
+    normal_force : (float, float)
+        Least and greatest f_n [N].
+    offset : sequence of 3 float
+        The sole's point in the frame's axes [m], (0, 0, -0.1) for a frame 0.1 m above the sole.
+    normal, forward : sequence of 3 float, optional
+        Up and forward axis of the foot in the frame's axes. Default: the frame's axes nearest the ground's normal
+        and world x (the horizontal of the plane, in a plane) where the robot is neutral.
+
+    Raises
+    ------
+    InputError
+        A sole without size, friction not positive, axes along each other, bounds that cross.
+    """
+
+    frame: str
+    length: float | tuple[float, float]
+    width: float | None = None
+    friction: float = 0.7
+    ground: Ground | Any = field(default_factory=Flat)
+    name: str | None = None
+    sole: Sole = field(default_factory=PressureAndTorsion)
+    normal_force: tuple[float, float] = (0.0, np.inf)
+    offset: Triple = (0.0, 0.0, 0.0)
+    normal: Triple | None = None
+    forward: Triple | None = None
+
+    def __post_init__(self) -> None:
+        who = f"FlatFoot {self.label!r}"
+        checked_name(self.name, who)
+        positive(self.friction, f"friction of {who}", "")
+        if not isinstance(self.sole, Sole):
+            raise InputError(
+                f"The sole of {who} is {self.sole!r}; give rt.contacts.PressureAndTorsion() or rt.contacts.FourCorners()."
+            )
+        keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
+        keep(self, length=_length(self.length, f"length of {who}"))
+        if self.width is not None:
+            keep(self, width=positive(self.width, f"width of {who}", "m"))
+        if self.normal is not None:
+            keep(self, normal=unit(self.normal, f"normal of {who}"))
+        if self.forward is not None:
+            keep(self, forward=unit(self.forward, f"forward axis of {who}"))
+        if self.normal is not None and self.forward is not None:
+            foot_axes(np.eye(3), self.normal, self.normal, self.forward, who)
+        keep(self, ground=as_ground(self.ground))
+
+    @property
+    def label(self) -> str:
+        """Its name."""
+        return label_of(self.name, self.frame)
+
+    def bind(self, robot: Robot) -> BoundFlatFoot:
+        """Find the foot's axes and whether it moves in a plane, and write out rows and forces."""
+        who = f"FlatFoot {self.label!r}"
+        robot.frame(self.frame)
+        spot = Spot(self.frame, self.offset)
+        axes, about = mobility(robot, lambda q: spot.jacobian(robot, q))
+        require_plane(robot, self.frame, axes, about)
+        require_vertical(robot, self.frame, axes)
+        require_rank(
+            robot, lambda q: spot.jacobian(robot, q)[[*axes, *(3 + i for i in about)]], len(axes) + len(about), who
+        )
+        spatial = (axes, about) == ((0, 1, 2), (0, 1, 2))
+        if not spatial and not (len(axes) == 2 and about == (1 - axes[0],)):
+            raise InputError(
+                f"Frame {self.frame!r} of {robot.name!r} can neither move and turn freely nor in an upright plane "
+                "alone, so that no flat foot fits; use PointContact."
+            )
+        if spatial and self.width is None:
+            raise InputError(f"{who} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
+        place, rotation = spot.placed(robot, robot.neutral)
+        ground = as_ground(self.ground)
+        normal = ground.normal(float(place[0]), float(place[1]))
+        feet = foot_axes(rotation, normal, self.normal, self.forward, who, np.eye(3)[axes[0]])
+        where = Footing(self.label, ground, axes, (float(place[0]), float(place[1]), float(place[2])))
+        yaw = (Variable(f"{self.label}.yaw", "rad", "foothold", self.label),) if spatial else ()
+        return BoundFlatFoot(
+            self,
+            self.label,
+            self.frame,
+            force_variables(self.label, axes, about),
+            (*where.anchors, *yaw),
+            held_rows(self.label, axes, about),
+            self._limit_rows(spatial),
+            where.rows(),
+            spot,
+            where,
+            about,
+            feet,
+            self._shape() if spatial else self._section(rotation @ np.array(feet.left), about[0], robot),
+        )
+
+    def _shape(self) -> Rectangle:
+        """Write the sizes of the sole as its rectangle."""
+        back, front = self.length  # type: ignore[misc]  # as __post_init__ keeps it
+        return Rectangle(back, front, 0.0 if self.width is None else self.width / 2.0)
+
+    def _section(self, left: Any, axis: int, robot: Robot) -> Rectangle:
+        """Turn the rectangle to where the axis out of the plane, the foot's left or right, has its left."""
+        if abs(left[axis]) < 0.99:
+            raise InputError(
+                f"The normal and forward axes of FlatFoot {self.label!r} do not lie in the plane that {robot.name!r} "
+                "moves in; give others, or leave them out."
+            )
+        shape = self._shape()
+        return shape if left[axis] > 0.0 else Rectangle(shape.front, shape.back, shape.half)
+
+    def _limit_rows(self, spatial: bool) -> tuple[LimitRow, ...]:
+        least, greatest = self.normal_force
+        planar = [("friction cone", "N")] * 2 + [("centre of pressure", "N m")] * 2
+        labels = self.sole.labels() if spatial else planar
+        normal = LimitRow("normal force", "N", float(least), float(greatest), self.label)
+        return (normal, *(LimitRow(name, unit, 0.0, np.inf, self.label) for name, unit in labels))
+
+
+def _length(value: Any, what: str) -> tuple[float, float]:
+    """Read how far a sole reaches backwards and forwards [m]: one way it may end at its point."""
+    if np.ndim(value) == 0:
+        half = positive(value, what, "m") / 2.0
+        return half, half
+    if np.shape(value) != (2,):
+        raise InputError(f"The {what} is {value!r}; give one number or (back, front) [m].")
+    back, front = (0.0 if entry == 0.0 else positive(entry, what, "m") for entry in value)
+    positive(back + front, what, "m")
+    return back, front
+
+
+@dataclass(frozen=True, eq=False)
+class BoundFlatFoot(BoundContact):
+    """A held sole with a wrench."""
+
+    spot: Spot
+    where: Footing
+    about: tuple[int, ...]
+    feet: FootAxes
+    shape: Rectangle
+
+    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+        """Place of the sole's point [m], then the rotation r from ground to foot [rad near zero]."""
+        spot, place = self.spot.position(point), self.where.place(anchors)
+        turn = self._rotation(point, anchors)
+        return [spot[i] - place[i] for i in self.where.axes] + [turn[i] for i in self.about]
+
+    def velocity(self, point: Any) -> list[Any]:
+        """Velocity of the sole's point, then angular velocity [m/s, rad/s]."""
+        return self._kept(self.spot.velocity(point), self.spot.angular_velocity(point))
+
+    def acceleration(self, point: Any) -> list[Any]:
+        """Acceleration of the sole's point, then angular acceleration [m/s^2, rad/s^2]."""
+        return self._kept(self.spot.acceleration(point), self.spot.angular_acceleration(point))
+
+    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+        """Move the wrench to the frame's origin."""
+        vector = self.vector(forces)
+        return [(self.frame, self.spot.wrench(point, vector[:3], vector[3:]))]
+
+    def vector(self, forces: Sequence[Any]) -> list[Any]:
+        """Force and moment at the sole's point (6) [N, N m]."""
+        values = [forces[i] for i in range(len(self.forces))]
+        count = len(self.where.axes)
+        return spread(values[:count], self.where.axes) + spread(values[count:], self.about)
+
+    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+        """Evaluate normal force, friction, centre of pressure and torsion, in the foot's own axes."""
+        vector, friction = self.vector(forces), float(self.contact.friction)  # type: ignore[attr-defined]
+        up = self.spot.axis(point, self.feet.up)
+        if len(self.about) == 1:
+            return self._planar(vector, up, friction)
+        axes = [self.spot.axis(point, self.feet.forward), self.spot.axis(point, self.feet.left), up]
+        force, moment = ([dot(part, axis) for axis in axes] for part in (vector[:3], vector[3:]))
+        sole: Sole = self.contact.sole  # type: ignore[attr-defined]
+        return [force[2], *sole.rows(friction, self.shape, force, moment)]
+
+    def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
+        """Evaluate what the ground asks of the whole sole."""
+        return self.where.values(anchors, (self.shape.back, self.shape.front, self.shape.half))
+
+    def outline(self) -> list[tuple[str, Triple]]:
+        """Give the corners of the sole, its ends in a plane."""
+        ahead, left, shape = np.array(self.feet.forward), np.array(self.feet.left), self.shape
+        corners = itertools.product((-shape.back, shape.front), sorted({-shape.half, shape.half}))
+        places = (np.array(self.spot.offset) + x * ahead + y * left for x, y in corners)
+        return [(self.frame, (float(p[0]), float(p[1]), float(p[2]))) for p in places]
+
+    def locate(self, robot: Robot, q: Any) -> dict[str, float]:
+        """Place of the sole's point and heading of the foot in configuration q."""
+        place, rotation = self.spot.placed(robot, q)
+        found = {anchor.name: float(place[i]) for anchor, i in zip(self.anchors, self.where.horizontal, strict=False)}
+        if len(self.about) == 3:
+            (first, second), _ = self.where.tangents(found)
+            ahead = rotation @ np.array(self.feet.forward)
+            found[f"{self.name}.yaw"] = float(np.arctan2(ahead @ np.array(second), ahead @ np.array(first)))
+        return found
+
+    def _rotation(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+        """Rotation r from ground to foot in world axes, to first order (3) [rad]."""
+        up = self.spot.axis(point, self.feet.up)
+        tangents, normal = self.where.tangents(anchors)
+        if len(self.about) == 1:
+            axis = spread([1.0], self.about)
+            return scale(dot(up, cross(axis, normal)), axis)
+        first, second = tangents
+        yaw = anchors[f"{self.name}.yaw"]
+        across = add(scale(-ca.sin(yaw), first), scale(ca.cos(yaw), second))
+        ahead = self.spot.axis(point, self.feet.forward)
+        return add(scale(-dot(up, second), first), scale(dot(up, first), second), scale(dot(ahead, across), normal))
+
+    def _planar(self, vector: Sequence[Any], up: Sequence[Any], friction: float) -> list[Any]:
+        """Rows of a foot in an upright plane: forward is along left x up, and left is out of the plane."""
+        axis = spread([1.0], self.about)
+        along, normal, moment = dot(vector[:3], cross(axis, up)), dot(vector[:3], up), dot(vector[3:], axis)
+        reach = friction * normal
+        # A force f up at c forward has the moment -c f about the axis to the left.
+        front, back = self.shape.front * normal + moment, self.shape.back * normal - moment
+        return [normal, reach - along, reach + along, front, back]
+
+    def _kept(self, linear: Sequence[Any], angular: Sequence[Any]) -> list[Any]:
+        return [linear[i] for i in self.where.axes] + [angular[i] for i in self.about]

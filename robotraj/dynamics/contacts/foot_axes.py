@@ -1,0 +1,100 @@
+"""Which way a foot points: axes fixed in its frame, found where they are not given."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.spot import Triple, vector_of
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FootAxes:
+    """Right-handed unit vectors of a foot in its frame's axes: forward x left = up.
+
+    Attributes
+    ----------
+    forward, left, up : tuple of 3 float
+    """
+
+    forward: Triple
+    left: Triple
+    up: Triple
+
+
+def foot_axes(
+    rotation: Array, normal: Sequence[Any], up: Any, forward: Any, who: str, ahead: Any = (1.0, 0.0, 0.0)
+) -> FootAxes:
+    """Take the axes given; else the frame's axis nearest the ground's normal, and of the rest that nearest ``ahead``.
+
+    Parameters
+    ----------
+    rotation : (3, 3) array
+        Of the frame, where the robot is neutral.
+    normal : sequence of 3 float
+        Of the ground there, in world axes.
+    up, forward : sequence of 3 float or None
+        In the frame's axes, of any length. What ``forward`` has along ``up`` is taken away.
+    who : str
+        The contact, for errors.
+    ahead : sequence of 3 float
+        World axis that a foot not given otherwise points along.
+
+    Raises
+    ------
+    InputError
+        Vectors of length zero, or along each other.
+    """
+    upward = (
+        _nearest(rotation, np.asarray(normal, dtype=float), _signed_axes())
+        if up is None
+        else np.array(unit(up, f"normal of {who}"))
+    )
+    if forward is None:
+        level = [axis for axis in _signed_axes() if abs(axis @ upward) < 0.8]
+        along = _nearest(rotation, np.asarray(ahead, dtype=float), level)
+    else:
+        along = np.array(unit(forward, f"forward axis of {who}"))
+    along = along - (along @ upward) * upward
+    size = float(np.linalg.norm(along))
+    if size < 1e-6:
+        raise InputError(f"The forward axis of {who} is along its normal; give one that lies in the sole.")
+    along = along / size
+    return FootAxes(_triple(along), _triple(np.cross(upward, along)), _triple(upward))
+
+
+def _nearest(rotation: Array, direction: Array, axes: list[Array]) -> Array:
+    """Of axes of the frame the one nearest a direction of the world."""
+    return max(axes, key=lambda axis: float(rotation @ axis @ direction))
+
+
+def _signed_axes() -> list[Array]:
+    return [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
+
+
+def unit(value: Any, what: str) -> Triple:
+    """Make a direction in the frame's axes a unit vector.
+
+    Raises
+    ------
+    InputError
+        No three finite numbers, or zeros.
+    """
+    array = np.array(vector_of(value, what, "in the frame's axes"))
+    size = float(np.linalg.norm(array))
+    if size == 0.0:
+        raise InputError(f"The {what} has length zero; give a direction in the frame's axes.")
+    return _triple(array / size)
+
+
+def _triple(vector: Array) -> Triple:
+    """Numbers with the noise of rounding and the sign of zeros taken away."""
+    x, y, z = (float(v) if abs(v) > 1e-12 else 0.0 for v in vector)
+    return x, y, z

@@ -1,0 +1,123 @@
+"""Where a contact stands on the ground: its anchors, the ground's axes there, and forces measured in them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import casadi as ca
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import LimitRow, spread
+from robotraj.dynamics.contacts.mobility import AXES
+from robotraj.dynamics.contacts.vectors import dot
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.variable import Variable
+
+
+@dataclass(frozen=True, eq=False)
+class Footing:
+    """A place (x, y, h(x, y)) on the ground, unknown in the horizontal axes in which the contact can move.
+
+    Attributes
+    ----------
+    name : str
+        The contact's.
+    ground : Ground
+    axes : tuple of int
+        World axes along which the contact can move.
+    still : tuple of 3 float
+        Its place [m] along the others.
+    """
+
+    name: str
+    ground: Ground
+    axes: tuple[int, ...]
+    still: tuple[float, float, float]
+
+    @property
+    def horizontal(self) -> tuple[int, ...]:
+        """Horizontal axes among them."""
+        return tuple(axis for axis in self.axes if axis < 2)
+
+    @property
+    def anchors(self) -> tuple[Variable, ...]:
+        """``<name>.x``, ``<name>.y`` [m] where the contact can move along them."""
+        return tuple(Variable(f"{self.name}.{AXES[i]}", "m", "foothold", self.name) for i in self.horizontal)
+
+    def place(self, anchors: Mapping[str, Any]) -> list[Any]:
+        """Point [x, y, h] of the ground [m]."""
+        return self.ground.at(*self._plan(anchors))
+
+    def tangents(self, anchors: Mapping[str, Any]) -> tuple[list[list[Any]], list[Any]]:
+        """Tangents along which the contact can move (two, one or none), and the normal, unit vectors in world axes.
+
+        In a plane, tangent and normal are those of the ground's section with it.
+        """
+        first, second, normal = self.ground.axes(*self._plan(anchors))
+        if len(self.horizontal) == 2:
+            return [first, second], normal
+        if not self.horizontal:
+            return [], [0.0, 0.0, 1.0]
+        (axis,) = self.horizontal
+        across, up = normal[axis], normal[2]
+        size = (across * across + up * up) ** -0.5
+        tangent: list[Any] = [0.0, 0.0, -across * size]
+        section: list[Any] = [0.0, 0.0, up * size]
+        tangent[axis], section[axis] = up * size, across * size
+        return [tangent], section
+
+    def components(self, force: Sequence[Any], anchors: Mapping[str, Any]) -> tuple[Any, list[Any]]:
+        """Split a force in world axes into its normal part and its tangential parts [N]."""
+        tangents, normal = self.tangents(anchors)
+        return dot(force, normal), [dot(force, tangent) for tangent in tangents]
+
+    def normal_variable(self, forces: Sequence[Variable]) -> str | None:
+        """Name of the force variable that is the normal force on level ground, where its bound is one of a variable."""
+        symbols = ca.SX.sym("f", len(self.axes))
+        anchors = {anchor.name: ca.SX.sym(anchor.name) for anchor in self.anchors}
+        normal, _ = self.components(spread(ca.vertsplit(symbols), self.axes), anchors)
+        up = self.axes.index(2)
+        slope = ca.jacobian(normal, symbols) - ca.DM.eye(len(self.axes))[up, :]
+        return forces[up].name if ca.simplify(slope).is_zero() else None
+
+    def rows(self) -> tuple[LimitRow, ...]:
+        """Rows of ``values``: what the ground asks of a place to stand, such as staying off a step's edge."""
+        count = len(self.values({anchor.name: ca.SX.sym(anchor.name) for anchor in self.anchors}))
+        return tuple(LimitRow("foothold", "m", 0.0, float("inf"), self.name) for _ in range(count))
+
+    def values(self, anchors: Mapping[str, Any], sole: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> list[Any]:
+        """Evaluate what must not be negative where the contact stands [m].
+
+        Parameters
+        ----------
+        anchors : mapping of str
+        sole : (back, front, half)
+            How far it extends from the place along the foot's heading, and half its width [m].
+        """
+        x, y = self._plan(anchors)
+        back, front, half = sole
+        if not any(sole):
+            return list(self.ground.footing(x, y))
+        ahead = self._ahead(anchors)
+        x, y = (value + 0.5 * (front - back) * part for value, part in zip((x, y), ahead, strict=True))
+        along, across = (_size(part) for part in ahead)
+        length = 0.5 * (front + back)
+        return list(self.ground.footing(x, y, (length * along + half * across, length * across + half * along)))
+
+    def _ahead(self, anchors: Mapping[str, Any]) -> tuple[Any, Any]:
+        """Heading of a foot on level ground, world x and y: by its yaw, or in the plane."""
+        if self.horizontal == (0, 1):
+            yaw = anchors[f"{self.name}.yaw"]
+            return ca.cos(yaw), ca.sin(yaw)
+        return (1.0, 0.0) if self.horizontal == (0,) else (0.0, -1.0)
+
+    def _plan(self, anchors: Mapping[str, Any]) -> tuple[Any, Any]:
+        """World x and y [m] of the anchor."""
+        x, y = (anchors[f"{self.name}.{AXES[i]}"] if i in self.axes else self.still[i] for i in (0, 1))
+        return x, y
+
+
+def _size(value: Any) -> Any:
+    """Absolute value without its corner, on the safe side by at most 0.01."""
+    return abs(value) if isinstance(value, float) else (value * value + 1e-4) ** 0.5

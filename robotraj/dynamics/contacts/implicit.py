@@ -1,0 +1,178 @@
+"""A contact that comes and goes as the optimum has it: the sequence is found, not given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact, Contact, LimitRow, Wrench, checked_name, label_of, positive
+from robotraj.dynamics.contacts.footing import Footing
+from robotraj.dynamics.contacts.mobility import mobility, require_plane
+from robotraj.dynamics.contacts.point_contact import require_vertical
+from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.vectors import dot
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import as_ground
+from robotraj.dynamics.terrain.slope import Slope
+from robotraj.dynamics.variable import Variable
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class ImplicitContact(Contact):
+    """A point that touches the ground where the optimum wants it to, by relaxed complementarity.
+
+    With the gap phi(q) >= 0 above the ground, the normal force n >= 0, friction parts b_k >= 0 along directions d_k in
+    the ground (two in a plane, four in space) and the slipping speed s >= 0,
+
+        phi n <= e,    mu n - sum b_k >= 0,    (mu n - sum b_k) s <= e,
+        s + d_k' v >= 0,    (s + d_k' v) b_k <= e,
+
+    where e, the relaxation, goes to zero in stages (``rt.planning.tightening``): a force only where the foot touches, sticking
+    inside the friction cone and the most dissipating force where it slips. At the end of a step an impact is a force
+    that lasts one interval: plan with one collocation point at the end of each, ``rt.schemes.RadauIIA(1)`` (implicit Euler), on
+    short motions.
+    Source: Posa, Cantu and Tedrake, A direct method for trajectory optimization of rigid bodies through contact, Int.
+    J. Robotics Research 33 (2014), section 3.
+
+    Parameters
+    ----------
+    frame : str
+    friction : float
+        Coefficient mu.
+    relaxation : float
+        e, in [N m] for the gap and in [W] for friction.
+    ground : Ground
+        A plane: ``rt.terrain.Flat()`` or ``rt.terrain.Slope(...)``.
+    name : str, optional
+        The frame's name where none is given.
+    offset : sequence of 3 float
+        The point in the frame's axes [m].
+
+    Raises
+    ------
+    InputError
+        Friction or relaxation not positive, a ground that is no plane.
+    """
+
+    frame: str
+    friction: float = 0.7
+    relaxation: float = 1e-3
+    ground: Ground | Any = field(default_factory=Flat)
+    name: str | None = None
+    offset: Triple = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        who = f"ImplicitContact {self.label!r}"
+        checked_name(self.name, who)
+        positive(self.friction, f"friction of {who}", "")
+        positive(self.relaxation, f"relaxation of {who}", "N m")
+        object.__setattr__(self, "offset", offset_of(self.offset, who))
+        if not isinstance(as_ground(self.ground), Flat | Slope):
+            raise InputError(
+                f"{who} finds its contacts on a plane, rt.terrain.Flat() or rt.terrain.Slope(...); the ground is {self.ground!r}. Give "
+                "the sequence of contacts by phases with rt.PointContact on other grounds."
+            )
+
+    @property
+    def label(self) -> str:
+        """Its name."""
+        return label_of(self.name, self.frame)
+
+    def bind(self, robot: Robot) -> BoundImplicitContact:
+        """Find the axes in which the point can move, and write out forces and rows."""
+        robot.frame(self.frame)
+        spot = Spot(self.frame, self.offset)
+        axes, _ = mobility(robot, lambda q: spot.jacobian(robot, q))
+        require_plane(robot, self.frame, axes)
+        require_vertical(robot, self.frame, axes)
+        still, _ = spot.placed(robot, robot.neutral)
+        footing = Footing(self.label, as_ground(self.ground), axes, (float(still[0]), float(still[1]), float(still[2])))
+        anywhere = {anchor.name: 0.0 for anchor in footing.anchors}
+        tangents, normal = footing.tangents(anywhere)
+        directions = tuple(
+            tuple(sign * float(part) for part in tangent) for tangent in tangents for sign in (1.0, -1.0)
+        )
+        name = self.label
+        forces = (
+            Variable(f"force.{name}.normal", "N", "contact force", name),
+            *(Variable(f"force.{name}.friction{k}", "N", "contact force", name) for k in range(len(directions))),
+            Variable(f"force.{name}.slip", "m/s", "slipping speed", name),
+        )
+        rows = [LimitRow("gap", "m", 0.0, np.inf, name)]
+        rows += [LimitRow("no force apart", "N m", -np.inf, self.relaxation, name)]
+        rows += [LimitRow(v.name.rsplit(".", 1)[-1], v.unit, 0.0, np.inf, name, v.name) for v in forces]
+        rows += [LimitRow("friction cone", "N", 0.0, np.inf, name)]
+        rows += [LimitRow("no slip inside the cone", "W", -np.inf, self.relaxation, name)]
+        rows += [LimitRow("slipping speed", "m/s", 0.0, np.inf, name) for _ in directions]
+        rows += [LimitRow("friction against the slip", "W", -np.inf, self.relaxation, name) for _ in directions]
+        up = tuple(float(part) for part in normal)
+        ground, friction = as_ground(self.ground), float(self.friction)
+        return BoundImplicitContact(
+            self, name, self.frame, forces, (), (), tuple(rows), (), friction, spot, ground, up, directions
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class BoundImplicitContact(BoundContact):
+    """A point that no row holds: forces, and rows that say when they act.
+
+    Attributes
+    ----------
+    friction : float
+    spot : Spot
+    ground : Ground
+    normal : tuple of 3 float
+        Of the plane.
+    directions : tuple of tuples of 3 float
+        Along which friction acts.
+    """
+
+    friction: float
+    spot: Spot
+    ground: Ground
+    normal: tuple[float, ...]
+    directions: tuple[tuple[float, ...], ...]
+
+    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+        """Nothing is held."""
+        return []
+
+    def velocity(self, point: Any) -> list[Any]:
+        """Nothing is held."""
+        return []
+
+    def acceleration(self, point: Any) -> list[Any]:
+        """Nothing is held."""
+        return []
+
+    def gap(self, point: Any) -> Any:
+        """Height above the plane along its normal [m]."""
+        x, y, z = self.spot.position(point)
+        return (z - self.ground.height(x, y)) * self.normal[2]
+
+    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+        """Force at the spot, as a wrench at the frame's origin."""
+        return [(self.frame, self.spot.wrench(point, self.vector(forces), [0.0, 0.0, 0.0]))]
+
+    def vector(self, forces: Sequence[Any]) -> list[Any]:
+        """Force n normal + sum b_k d_k (3) [N]."""
+        parts = list(zip((self.normal, *self.directions), forces[:-1], strict=True))
+        return [sum((axis[i] * value for axis, value in parts if axis[i]), 0.0) for i in range(3)]
+
+    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+        """Evaluate gap, complementarities and cone."""
+        normal, *friction, slip = forces
+        gap, motion = self.gap(point), self.spot.velocity(point)
+        inside = self.friction * normal - sum(friction)
+        against = [slip + dot(direction, motion) for direction in self.directions]
+        dissipated = [speed * part for speed, part in zip(against, friction, strict=True)]
+        return [gap, gap * normal, *forces, inside, inside * slip, *against, *dissipated]

@@ -1,0 +1,243 @@
+"""A foot that stands on an edge, heel or toe: it rolls about that line and does nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import (
+    BoundContact,
+    Contact,
+    LimitRow,
+    Wrench,
+    checked_name,
+    force_range,
+    held_rows,
+    keep,
+    label_of,
+    positive,
+)
+from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
+from robotraj.dynamics.contacts.foot_axes import foot_axes, unit
+from robotraj.dynamics.contacts.footing import Footing
+from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
+from robotraj.dynamics.contacts.point_contact import bind_point
+from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import as_ground
+from robotraj.dynamics.variable import Variable
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+VERTICAL = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class LineContact(Contact):
+    """An edge of a foot held on the ground: five rows; in a plane the two of a point.
+
+    The edge's middle stands at (x, y, h(x, y)); its direction l lies in the ground's tangent plane, across the heading
+    t_1 cos(yaw) + t_2 sin(yaw) = c; x, y and yaw are unknown and constant, and the foot turns about l. Beside the force
+    it carries two moments, about two axes that stay in the world while the foot rolls,
+
+        u = l x z,    w = z - (z . l) l:
+
+    forward and upward where the ground is level. The pressure's centre stays on the edge, |m . c| <= f_n width / 2,
+    and torsion |m . n| <= mu r f_n, with r = width / 4, what even pressure along the edge can carry.
+
+    Parameters
+    ----------
+    frame : str
+    width : float
+        Length of the edge [m]; only a robot that moves in a plane does without.
+    friction, ground, name, cone, normal_force
+        As for ``PointContact``.
+    offset : sequence of 3 float
+        Middle of the edge in the frame's axes [m], (0.1, 0, 0) for a toe 0.1 m before the frame.
+    direction : sequence of 3 float, optional
+        l, to the foot's left, in the frame's axes. Default: the frame's axis that points left of a flat foot.
+
+    Raises
+    ------
+    InputError
+        A width or friction not positive, bounds that cross, no direction.
+    """
+
+    frame: str
+    width: float | None = None
+    friction: float = 0.7
+    ground: Ground | Any = field(default_factory=Flat)
+    name: str | None = None
+    cone: FrictionCone = field(default_factory=SecondOrder)
+    normal_force: tuple[float, float] = (0.0, np.inf)
+    offset: Triple = (0.0, 0.0, 0.0)
+    direction: Triple | None = None
+
+    def __post_init__(self) -> None:
+        who = f"LineContact {self.label!r}"
+        checked_name(self.name, who)
+        positive(self.friction, f"friction of {who}", "")
+        if self.width is not None:
+            positive(self.width, f"width of {who}", "m")
+        if not isinstance(self.cone, FrictionCone):
+            raise InputError(
+                f"The cone of {who} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
+            )
+        keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
+        if self.direction is not None:
+            keep(self, direction=unit(self.direction, f"direction of {who}"))
+        keep(self, ground=as_ground(self.ground))
+
+    @property
+    def label(self) -> str:
+        """Its name."""
+        return label_of(self.name, self.frame)
+
+    def bind(self, robot: Robot) -> BoundContact:
+        """In space an edge, in a plane the point that it is there."""
+        who = f"LineContact {self.label!r}"
+        robot.frame(self.frame)
+        spot = Spot(self.frame, self.offset)
+        axes, about = mobility(robot, lambda q: spot.jacobian(robot, q))
+        require_plane(robot, self.frame, axes, about)
+        if len(axes) < 3:
+            return bind_point(self, robot, spot)
+        if self.width is None:
+            raise InputError(f"{who} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
+        place, rotation = spot.placed(robot, robot.neutral)
+        ground = as_ground(self.ground)
+        along = self._along(rotation, ground.normal(float(place[0]), float(place[1])))
+
+        def held(q: Any) -> Any:
+            jacobian = spot.jacobian(robot, q)
+            left = spot.placed(robot, q)[1] @ np.array(along)
+            return np.vstack([jacobian[:3], np.array(_across(left)) @ jacobian[3:]])
+
+        require_rank(robot, held, 5, who)
+        where = Footing(self.label, ground, axes, (float(place[0]), float(place[1]), float(place[2])))
+        least, greatest = self.normal_force
+        rows = [("friction cone", unit) for unit in self.cone.units]
+        rows += [("centre of pressure", "N m")] * 2 + [("torsional friction", "N m")] * 2
+        forces = _forces(self.label)
+        normal = LimitRow(
+            "normal force", "N", float(least), float(greatest), self.label, where.normal_variable(forces[:3])
+        )
+        return BoundLineContact(
+            self,
+            self.label,
+            self.frame,
+            forces,
+            (*where.anchors, Variable(f"{self.label}.yaw", "rad", "foothold", self.label)),
+            held_rows(self.label, axes, (0, 2)),
+            (normal, *(LimitRow(name, unit, 0.0, np.inf, self.label) for name, unit in rows)),
+            where.rows(),
+            spot,
+            where,
+            along,
+            float(self.width),
+        )
+
+    def _along(self, rotation: Any, normal: Sequence[Any]) -> Triple:
+        """Direction of the edge in the frame's axes, a unit vector."""
+        if self.direction is None:
+            return foot_axes(rotation, normal, None, None, f"LineContact {self.label!r}").left
+        return self.direction
+
+
+@dataclass(frozen=True, eq=False)
+class BoundLineContact(BoundContact):
+    """A held edge with a force and two moments."""
+
+    spot: Spot
+    where: Footing
+    along: Triple
+    width: float
+
+    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+        """Place of the edge's middle [m], then the rotation of l from where it lay, about u and w [rad near zero]."""
+        spot, place = self.spot.position(point), self.where.place(anchors)
+        left = self.spot.axis(point, self.along)
+        ahead, normal = self._lying(anchors)
+        turn = add(scale(dot(left, normal), ahead), scale(-dot(left, ahead), normal))
+        return [spot[i] - place[i] for i in range(3)] + [dot(turn, axis) for axis in _across(left)]
+
+    def velocity(self, point: Any) -> list[Any]:
+        """Velocity of the edge's middle [m/s], then angular velocity about u and w [rad/s]."""
+        spin = self.spot.angular_velocity(point)
+        return self.spot.velocity(point) + [dot(spin, axis) for axis in _across(self.spot.axis(point, self.along))]
+
+    def acceleration(self, point: Any) -> list[Any]:
+        """Time derivative of ``velocity``; l turns at w x l."""
+        left, spin = self.spot.axis(point, self.along), self.spot.angular_velocity(point)
+        rate = cross(spin, left)
+        forward, upward = _across(left)
+        # spin . dw/dt = -(z . dl/dt) (spin . l), since dl/dt = spin x l is at right angles to spin.
+        turning = [dot(spin, cross(rate, VERTICAL)), -rate[2] * dot(left, spin)]
+        angular = self.spot.angular_acceleration(point)
+        rows = [dot(angular, axis) + more for axis, more in zip((forward, upward), turning, strict=True)]
+        return self.spot.acceleration(point) + rows
+
+    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+        """Force at the edge's middle and moments about u and w, as a wrench at the frame's origin."""
+        return [(self.frame, self.spot.wrench(point, [forces[i] for i in range(3)], self._moment(point, forces)))]
+
+    def vector(self, forces: Sequence[Any]) -> list[Any]:
+        """Force in world axes, moment about u, zero, and moment about w (6) [N, N m]."""
+        return [forces[0], forces[1], forces[2], forces[3], 0.0, forces[4]]
+
+    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+        """Evaluate normal force, friction, centre of pressure on the edge, torsion."""
+        contact: LineContact = self.contact  # type: ignore[assignment]
+        normal, tangential = self.where.components([forces[i] for i in range(3)], anchors)
+        moment = self._moment(point, forces)
+        ahead, upward = self._lying(anchors)
+        tipping, twist = dot(moment, ahead), dot(moment, upward)
+        reach, grip = 0.5 * self.width * normal, 0.25 * self.width * float(contact.friction) * normal
+        friction = contact.cone.rows(float(contact.friction), normal, *tangential)
+        return [normal, *friction, reach - tipping, reach + tipping, grip - twist, grip + twist]
+
+    def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
+        """Evaluate what the ground asks of the whole edge."""
+        return self.where.values(anchors, (0.0, 0.0, 0.5 * self.width))
+
+    def outline(self) -> list[tuple[str, Triple]]:
+        """Give the middle of the edge."""
+        return [(self.frame, self.spot.offset)]
+
+    def locate(self, robot: Robot, q: Any) -> dict[str, float]:
+        """Place of the edge's middle and heading across it in configuration q."""
+        place, rotation = self.spot.placed(robot, q)
+        found = {f"{self.name}.x": float(place[0]), f"{self.name}.y": float(place[1])}
+        (first, second), _ = self.where.tangents(found)
+        left = rotation @ np.array(self.along)
+        return {**found, f"{self.name}.yaw": float(np.arctan2(-left @ np.array(first), left @ np.array(second)))}
+
+    def _moment(self, point: Any, forces: Sequence[Any]) -> list[Any]:
+        forward, upward = _across(self.spot.axis(point, self.along))
+        return add(scale(forces[3], forward), scale(forces[4], upward))
+
+    def _lying(self, anchors: Mapping[str, Any]) -> tuple[list[Any], list[Any]]:
+        """Heading across the edge where it lies, and the ground's normal there."""
+        (first, second), normal = self.where.tangents(anchors)
+        yaw = anchors[f"{self.name}.yaw"]
+        return add(scale(ca.cos(yaw), first), scale(ca.sin(yaw), second)), normal
+
+
+def _across(left: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+    """Axes u = l x z and w = z - (z . l) l at right angles to l, of equal length; they vanish where l is upright."""
+    up = left[2]
+    return [left[1], -left[0], 0.0], [-up * left[0], -up * left[1], 1.0 - up * up]
+
+
+def _forces(name: str) -> tuple[Variable, ...]:
+    force = [Variable(f"force.{name}.{axis}", "N", "contact force", name) for axis in "xyz"]
+    return (*force, *(Variable(f"force.{name}.m{axis}", "N m", "contact moment", name) for axis in "xz"))

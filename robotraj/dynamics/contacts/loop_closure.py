@@ -1,0 +1,149 @@
+"""A closed kinematic loop: two frames of the robot that a URDF's tree keeps apart are one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import (
+    BoundContact,
+    Contact,
+    Wrench,
+    checked_name,
+    force_variables,
+    held_rows,
+    keep,
+    spread,
+)
+from robotraj.dynamics.contacts.mobility import mobility, require_rank
+from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.vectors import add, cross, scale, subtract
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class LoopClosure(Contact):
+    """Two points of frames that coincide (three rows), or whose frames also have the same axes (six).
+
+    Along and about world axes in which the frames cannot move against each other there are neither rows nor forces, so
+    that a linkage in a plane has two rows. The rows of orientation are half the sum over the axes of b_i x a_i, the
+    rotation from b to a to first order, whose rate is the difference of the angular velocities where they are zero. The
+    force and moment act at the point on a's body, and their opposites on b's.
+
+    Parameters
+    ----------
+    frame_a, frame_b : str
+        One may be ``"universe"``, the world.
+    rigid : bool
+        Whether the frames' axes coincide too.
+    name : str, optional
+        ``"<frame_a>-<frame_b>"`` where none is given.
+    offset_a, offset_b : sequence of 3 float
+        The points in the frames' axes [m].
+
+    Raises
+    ------
+    InputError
+        One frame twice; on binding frames that do not exist, do not move against each other, or only askew.
+    """
+
+    frame_a: str
+    frame_b: str
+    rigid: bool = False
+    name: str | None = None
+    offset_a: Triple = (0.0, 0.0, 0.0)
+    offset_b: Triple = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        who = f"LoopClosure {self.label!r}"
+        checked_name(self.name, who)
+        keep(self, offset_a=offset_of(self.offset_a, who), offset_b=offset_of(self.offset_b, who))
+        if self.frame_a == self.frame_b:
+            raise InputError(f"LoopClosure joins frame {self.frame_a!r} to itself; give two frames.")
+
+    @property
+    def label(self) -> str:
+        """Its name."""
+        return f"{self.frame_a}-{self.frame_b}" if self.name is None else self.name
+
+    def bind(self, robot: Robot) -> BoundLoopClosure:
+        """Find the axes in which the frames move against each other."""
+        ends = Spot(self.frame_a, self.offset_a), Spot(self.frame_b, self.offset_b)
+        for end in ends:
+            robot.frame(end.frame)
+
+        def relative(q: Any) -> Any:
+            return ends[0].jacobian(robot, q) - ends[1].jacobian(robot, q)
+
+        if len({robot.model.frames[robot.frame(end.frame)].parentJoint for end in ends}) == 1:
+            raise InputError(
+                f"Frames {self.frame_a!r} and {self.frame_b!r} of {robot.name!r} are fixed to one body: there is no "
+                "loop to close."
+            )
+        axes, about = mobility(robot, relative)
+        about = about if self.rigid else ()
+        if not axes and not about:
+            raise InputError(
+                f"Frames {self.frame_a!r} and {self.frame_b!r} of {robot.name!r} do not move against each other: "
+                "there is no loop to close."
+            )
+        rows = [*axes, *(3 + i for i in about)]
+        require_rank(robot, lambda q: relative(q)[rows], len(rows), f"LoopClosure {self.label!r}")
+        forces, holds = force_variables(self.label, axes, about), held_rows(self.label, axes, about, "rz")
+        return BoundLoopClosure(self, self.label, self.frame_a, forces, (), holds, (), (), *ends, axes, about)
+
+
+@dataclass(frozen=True, eq=False)
+class BoundLoopClosure(BoundContact):
+    """Two spots held together by a wrench between them."""
+
+    first: Spot
+    second: Spot
+    axes: tuple[int, ...]
+    about: tuple[int, ...]
+
+    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+        """Way from b to a [m], then the rotation from b to a [rad near zero]."""
+        gap = subtract(self.first.position(point), self.second.position(point))
+        return self._kept(gap, self._rotation(point) if self.about else [])
+
+    def velocity(self, point: Any) -> list[Any]:
+        """Velocity of a less that of b [m/s, rad/s]."""
+        gap = subtract(self.first.velocity(point), self.second.velocity(point))
+        return self._kept(gap, subtract(self.first.angular_velocity(point), self.second.angular_velocity(point)))
+
+    def acceleration(self, point: Any) -> list[Any]:
+        """Acceleration of a less that of b [m/s^2, rad/s^2]."""
+        gap = subtract(self.first.acceleration(point), self.second.acceleration(point))
+        turn = subtract(self.first.angular_acceleration(point), self.second.angular_acceleration(point))
+        return self._kept(gap, turn)
+
+    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+        """Act on a, and oppositely on b, each at its own origin."""
+        values = self._spread(forces)
+        back = [-1.0 * value for value in values]
+        return [
+            (self.first.frame, self.first.wrench(point, values[:3], values[3:])),
+            (self.second.frame, self.second.wrench(point, back[:3], back[3:])),
+        ]
+
+    def vector(self, forces: Sequence[Any]) -> list[Any]:
+        """Force (3), with the moment where placements coincide (6), on a's body [N, N m]."""
+        return self._spread(forces)[: 6 if self.about else 3]
+
+    def _rotation(self, point: Any) -> list[Any]:
+        """Rotation from b to a in world axes, to first order (3) [rad]."""
+        a, b = point.frame(self.first.frame).rotation, point.frame(self.second.frame).rotation
+        turns = [cross([b[j, i] for j in range(3)], [a[j, i] for j in range(3)]) for i in range(3)]
+        return scale(0.5, add(*turns))
+
+    def _spread(self, forces: Sequence[Any]) -> list[Any]:
+        values, count = [forces[i] for i in range(len(self.forces))], len(self.axes)
+        return spread(values[:count], self.axes) + spread(values[count:], self.about)
+
+    def _kept(self, linear: Sequence[Any], angular: Sequence[Any]) -> list[Any]:
+        return [linear[i] for i in self.axes] + [angular[i] for i in self.about]

@@ -1,0 +1,201 @@
+"""A point foot: it neither slides nor sinks, and turns as it likes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import (
+    BoundContact,
+    Contact,
+    LimitRow,
+    Wrench,
+    checked_name,
+    force_range,
+    force_variables,
+    held_rows,
+    keep,
+    label_of,
+    positive,
+    spread,
+)
+from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
+from robotraj.dynamics.contacts.footing import Footing
+from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
+from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import as_ground
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class PointContact(Contact):
+    """A point of the robot held on the ground: p(q) = (x, y, h(x, y)) with x, y unknown and constant.
+
+    Its force f pushes, f_n >= 0, and stays inside the friction cone, |f_t| <= mu f_n, in the ground's axes where it
+    stands. In a plane the cone is two lines, mu f_n - f_t >= 0 and mu f_n + f_t >= 0, whatever ``cone`` is. Along world
+    axes in which the frame cannot move at all there are neither rows nor forces.
+
+    Parameters
+    ----------
+    frame : str
+    friction : float
+        Coefficient mu.
+    ground : Ground or callable
+        ``rt.terrain.Flat()``, ``rt.terrain.Slope(...)`` ... or a function of (x, y) written with CasADi.
+    name : str, optional
+        The frame's name where none is given.
+    cone : FrictionCone
+        ``SecondOrder()``, exact, or ``Linearised(faces)``, inside it.
+    normal_force : (float, float)
+        Least and greatest f_n [N].
+    offset : sequence of 3 float
+        The point in the frame's axes [m].
+
+    Raises
+    ------
+    InputError
+        Friction not positive, bounds of the normal force that cross, no such ground or cone.
+    """
+
+    frame: str
+    friction: float = 0.7
+    ground: Ground | Any = field(default_factory=Flat)
+    name: str | None = None
+    cone: FrictionCone = field(default_factory=SecondOrder)
+    normal_force: tuple[float, float] = (0.0, np.inf)
+    offset: Triple = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        who = f"PointContact {self.label!r}"
+        checked_name(self.name, who)
+        positive(self.friction, f"friction of {who}", "")
+        if not isinstance(self.cone, FrictionCone):
+            raise InputError(
+                f"The cone of {who} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
+            )
+        keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
+        keep(self, ground=as_ground(self.ground))
+
+    @property
+    def label(self) -> str:
+        """Its name."""
+        return label_of(self.name, self.frame)
+
+    def bind(self, robot: Robot) -> BoundPointContact:
+        """Find the axes in which the point can move, and write one row and one force for each."""
+        return bind_point(self, robot, Spot(self.frame, self.offset))
+
+
+def bind_point(contact: Any, robot: Robot, spot: Spot) -> BoundPointContact:
+    """Bind a contact that holds a spot and leaves its frame free to turn.
+
+    Raises
+    ------
+    InputError
+        The frame does not exist, leaves a planar robot's plane, cannot move up and down, or moves in a plane askew.
+    """
+    who = f"{type(contact).__name__} {contact.label!r}"
+    robot.frame(spot.frame)
+    axes, _ = mobility(robot, lambda q: spot.jacobian(robot, q))
+    require_plane(robot, spot.frame, axes)
+    require_vertical(robot, spot.frame, axes)
+    require_rank(robot, lambda q: spot.jacobian(robot, q)[list(axes)], len(axes), who)
+    still, _ = spot.placed(robot, robot.neutral)
+    footing = Footing(
+        contact.label, as_ground(contact.ground), axes, (float(still[0]), float(still[1]), float(still[2]))
+    )
+    forces = force_variables(contact.label, axes)
+    least, greatest = contact.normal_force
+    normal = LimitRow(
+        "normal force", "N", float(least), float(greatest), contact.label, footing.normal_variable(forces)
+    )
+    return BoundPointContact(
+        contact,
+        contact.label,
+        spot.frame,
+        forces,
+        footing.anchors,
+        held_rows(contact.label, axes),
+        (normal, *friction_rows(contact, len(footing.horizontal), contact.label)),
+        footing.rows(),
+        spot,
+        footing,
+    )
+
+
+def require_vertical(robot: Robot, frame: str, axes: tuple[int, ...]) -> None:
+    """Refuse a contact with the ground that could neither be lifted nor put down."""
+    if 2 not in axes:
+        raise InputError(f"Frame {frame!r} of {robot.name!r} cannot move up or down, so that no ground can hold it.")
+
+
+@dataclass(frozen=True, eq=False)
+class BoundPointContact(BoundContact):
+    """A held spot with a force in a friction cone."""
+
+    spot: Spot
+    where: Footing
+
+    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+        """p(q) - (x, y, h(x, y)) [m]."""
+        spot, place = self.spot.position(point), self.where.place(anchors)
+        return [spot[i] - place[i] for i in self.where.axes]
+
+    def velocity(self, point: Any) -> list[Any]:
+        """Velocity of the spot [m/s]."""
+        motion = self.spot.velocity(point)
+        return [motion[i] for i in self.where.axes]
+
+    def acceleration(self, point: Any) -> list[Any]:
+        """Acceleration of the spot [m/s^2]."""
+        motion = self.spot.acceleration(point)
+        return [motion[i] for i in self.where.axes]
+
+    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+        """Force at the spot, as a wrench at the frame's origin."""
+        return [(self.frame, self.spot.wrench(point, self.vector(forces), [0.0, 0.0, 0.0]))]
+
+    def vector(self, forces: Sequence[Any]) -> list[Any]:
+        """Force (3) [N]."""
+        return spread(forces, self.where.axes)
+
+    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+        """Evaluate normal force, then friction."""
+        normal, tangential = self.where.components(self.vector(forces), anchors)
+        return [normal, *friction_values(self.contact, normal, tangential)]
+
+    def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
+        """Evaluate what the ground asks of the place."""
+        return self.where.values(anchors)
+
+    def outline(self) -> list[tuple[str, Triple]]:
+        """Give the spot."""
+        return [(self.frame, self.spot.offset)]
+
+    def locate(self, robot: Robot, q: Any) -> dict[str, float]:
+        """Place of the spot in configuration q."""
+        place, _ = self.spot.placed(robot, q)
+        return {anchor.name: float(place[i]) for anchor, i in zip(self.anchors, self.where.horizontal, strict=True)}
+
+
+def friction_values(contact: Any, normal: Any, tangential: Sequence[Any]) -> list[Any]:
+    """Friction rows for two tangents (the contact's cone), for one (two lines) or for none."""
+    if len(tangential) == 2:
+        return contact.cone.rows(float(contact.friction), normal, *tangential)
+    reach = float(contact.friction) * normal
+    return [row for along in tangential for row in (reach - along, reach + along)]
+
+
+def friction_rows(contact: Any, tangents: int, name: str) -> tuple[LimitRow, ...]:
+    """Rows that ``friction_values`` gives."""
+    units = contact.cone.units if tangents == 2 else ("N", "N") * tangents
+    return tuple(LimitRow("friction cone", unit, 0.0, np.inf, name) for unit in units)

@@ -1,0 +1,147 @@
+"""What a rectangular sole can carry, as values: centre of pressure, friction and torsion of one wrench."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import field
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import positive
+from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A sole, seen from the point that the wrench acts at.
+
+    Attributes
+    ----------
+    back, front : float
+        How far it reaches backwards and forwards [m].
+    half : float
+        Half its width [m].
+    """
+
+    back: float
+    front: float
+    half: float
+
+
+class Sole(ABC):
+    """Rows that are not negative while the sole can carry a wrench. A new model is one new class."""
+
+    @abstractmethod
+    def labels(self) -> tuple[tuple[str, str], ...]:
+        """Name and unit of each row."""
+
+    @abstractmethod
+    def rows(self, friction: float, shape: Rectangle, force: Sequence[Any], moment: Sequence[Any]) -> list[Any]:
+        """Evaluate the rows, len(labels) of them.
+
+        Parameters
+        ----------
+        friction : float
+        shape : Rectangle
+        force, moment : sequence of 3
+            In the foot's axes: forward, left, up [N, N m].
+        """
+
+
+@dataclass(frozen=True)
+class PressureAndTorsion(Sole):
+    """Friction of the whole force, centre of pressure inside the rectangle, torsion |m_n| <= mu r f_n.
+
+    The centre of pressure is (-m_left, m_forward) / f_n. Each is held for itself; ``FourCorners`` holds them together.
+
+    Parameters
+    ----------
+    cone : FrictionCone
+        ``SecondOrder()`` or ``Linearised(faces)``.
+    radius : float, optional
+        r [m]. Default: two thirds of the greatest circle about the middle of the sole that fits in it, which is what
+        even pressure on that circle can carry.
+    """
+
+    cone: FrictionCone = field(default_factory=SecondOrder)
+    radius: float | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.cone, FrictionCone):
+            raise InputError(
+                f"The cone of a sole is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
+            )
+        if self.radius is not None:
+            positive(self.radius, "radius of a sole's torsion", "m")
+
+    def labels(self) -> tuple[tuple[str, str], ...]:
+        """Friction, then centre of pressure (front, back, left, right), then torsion."""
+        pressure = [("centre of pressure", "N m")] * 4
+        return (*(("friction cone", unit) for unit in self.cone.units), *pressure, *[("torsional friction", "N m")] * 2)
+
+    def rows(self, friction: float, shape: Rectangle, force: Sequence[Any], moment: Sequence[Any]) -> list[Any]:
+        """Evaluate the rows."""
+        radius = 2.0 / 3.0 * min((shape.front + shape.back) / 2.0, shape.half) if self.radius is None else self.radius
+        reach = friction * float(radius) * force[2]
+        return [
+            *self.cone.rows(friction, force[2], force[0], force[1]),
+            *pressure_rows(shape, force[2], moment),
+            reach - moment[2],
+            reach + moment[2],
+        ]
+
+
+@dataclass(frozen=True)
+class FourCorners(Sole):
+    """A sole that touches at its four corners, each with a force in a pyramid inside the friction cone.
+
+    The wrenches that four such forces add up to are given by linear rows of the wrench, without the forces (twelve
+    unknowns for six rows): with X, Y half the length and width, m about the middle and mu' = mu / sqrt(2),
+
+        |f_x| <= mu' f_n,  |f_y| <= mu' f_n,  |m_x| <= Y f_n,  |m_y| <= X f_n,
+        |m_n| <= mu' (X + Y) f_n - |Y f_x -+ mu' m_x| - |X f_y -+ mu' m_y|   (upper signs for m_n < 0).
+
+    Source: Caron, Pham and Nakamura, Stability of surface contacts for humanoid robots: closed-form formulae of the
+    contact wrench cone for rectangular support areas, ICRA 2015.
+    """
+
+    def labels(self) -> tuple[tuple[str, str], ...]:
+        """Friction (4), centre of pressure (4), then the eight rows of the torsion."""
+        return (
+            *[("friction cone", "N")] * 4,
+            *[("centre of pressure", "N m")] * 4,
+            *[("torsional friction", "N m")] * 8,
+        )
+
+    def rows(self, friction: float, shape: Rectangle, force: Sequence[Any], moment: Sequence[Any]) -> list[Any]:
+        """Evaluate the rows."""
+        mu, half_length = friction / float(np.sqrt(2.0)), (shape.front + shape.back) / 2.0
+        reach = mu * force[2]
+        middle = (shape.front - shape.back) / 2.0  # m about the middle c forward of the point: m - c e_x x f
+        about = [moment[0], moment[1] + middle * force[2], moment[2] - middle * force[1]]
+        torsion = [
+            mu * (half_length + shape.half) * force[2]
+            + way * about[2]
+            - (
+                one * (shape.half * force[0] - way * mu * about[0])
+                + two * (half_length * force[1] - way * mu * about[1])
+            )
+            for way, one, two in product((1.0, -1.0), (1.0, -1.0), (1.0, -1.0))
+        ]
+        friction_rows = [reach - force[0], reach + force[0], reach - force[1], reach + force[1]]
+        return [*friction_rows, *pressure_rows(shape, force[2], moment), *torsion]
+
+
+def pressure_rows(shape: Rectangle, normal: Any, moment: Sequence[Any]) -> list[Any]:
+    """Centre of pressure within the front, the back, the left and the right edge, times the normal force [N m]."""
+    return [
+        shape.front * normal + moment[1],
+        shape.back * normal - moment[1],
+        shape.half * normal - moment[0],
+        shape.half * normal + moment[0],
+    ]

@@ -1,0 +1,116 @@
+"""A point fixed in a frame: its place and motion, and the wrench of a force there at the frame's origin."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.vectors import add, cross, turned
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Spot:
+    """The point of a frame where a contact touches: o + R s, with o the origin and R the rotation of the frame.
+
+    Attributes
+    ----------
+    frame : str
+    offset : tuple of 3 float
+        s, in the frame's axes [m].
+    """
+
+    frame: str
+    offset: Triple = (0.0, 0.0, 0.0)
+
+    def position(self, point: Any) -> list[Any]:
+        """Place in the world (3,) [m]."""
+        origin = point.frame(self.frame).position
+        arm = self._arm(point)
+        return [origin[i] for i in range(3)] if arm is None else add(origin, arm)
+
+    def velocity(self, point: Any) -> list[Any]:
+        """Rate of its place, v + w x R s (3,) [m/s]."""
+        motion = point.frame(self.frame).velocity
+        linear, angular, arm = _parts(motion)[0], _parts(motion)[1], self._arm(point)
+        return linear if arm is None else add(linear, cross(angular, arm))
+
+    def acceleration(self, point: Any) -> list[Any]:
+        """Rate of its velocity, a + alpha x R s + w x (w x R s) (3,) [m/s^2]; a is the classical acceleration."""
+        linear, angular = _parts(point.frame(self.frame).acceleration)
+        arm = self._arm(point)
+        if arm is None:
+            return linear
+        spin = self.angular_velocity(point)
+        return add(linear, cross(angular, arm), cross(spin, cross(spin, arm)))
+
+    def angular_velocity(self, point: Any) -> list[Any]:
+        """Angular velocity of the frame in world axes (3,) [rad/s]."""
+        return _parts(point.frame(self.frame).velocity)[1]
+
+    def angular_acceleration(self, point: Any) -> list[Any]:
+        """Angular acceleration of the frame in world axes (3,) [rad/s^2]."""
+        return _parts(point.frame(self.frame).acceleration)[1]
+
+    def axis(self, point: Any, vector: Sequence[float]) -> list[Any]:
+        """World axes of a vector fixed in the frame (3,)."""
+        return turned(point.frame(self.frame).rotation, vector)
+
+    def wrench(self, point: Any, force: Sequence[Any], moment: Sequence[Any]) -> list[Any]:
+        """Force and moment at the spot as a wrench at the frame's origin, (f, m + R s x f) (6,) [N, N m]."""
+        arm = self._arm(point)
+        at_origin = list(moment) if arm is None else add(moment, cross(arm, force))
+        return [*force, *at_origin]
+
+    def placed(self, robot: Robot, q: Any) -> tuple[Array, Array]:
+        """Place (3,) [m] of the spot and rotation (3, 3) of its frame in configuration q, in numbers."""
+        model, data = robot.model, robot.model.createData()
+        pin.framesForwardKinematics(model, data, np.asarray(q, dtype=float))
+        pose = data.oMf[robot.frame(self.frame)]
+        return pose.act(np.array(self.offset)), np.array(pose.rotation)
+
+    def jacobian(self, robot: Robot, q: Array) -> Array:
+        """Linear velocity of the spot and angular velocity of the frame per joint velocity (6, nv), world axes."""
+        model, data = robot.model, robot.model.createData()
+        index = robot.frame(self.frame)
+        rows = pin.computeFrameJacobian(model, data, q, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        rows = np.array(rows).reshape(6, model.nv)  # of one joint it comes as a vector
+        pin.updateFramePlacements(model, data)
+        rows[:3] -= pin.skew(data.oMf[index].rotation @ np.array(self.offset)) @ rows[3:]
+        return rows
+
+    def _arm(self, point: Any) -> list[Any] | None:
+        """R s, or None where the spot is the frame's origin."""
+        return self.axis(point, self.offset) if any(self.offset) else None
+
+
+def offset_of(value: Any, who: str) -> Triple:
+    """Read an offset [m]; ``who`` names the contact in errors."""
+    return vector_of(value, f"offset of {who}", "metres in the frame's axes")
+
+
+def vector_of(value: Any, what: str, advice: str) -> Triple:
+    """Read three finite numbers."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        array = np.array([np.nan])
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise InputError(f"The {what} is {value!r}; give three finite numbers, {advice}.")
+    return float(array[0]), float(array[1]), float(array[2])
+
+
+def _parts(motion: Any) -> tuple[list[Any], list[Any]]:
+    """Linear and angular part of a spatial vector."""
+    return [motion[i] for i in range(3)], [motion[i] for i in range(3, 6)]

@@ -1,0 +1,5 @@
+"""Design: numbers of the robot itself (masses, lengths, loads, damping) as parameters of the plan."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,130 @@
+"""A design: which parameters of a phase are which numbers of its robot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.bodies import Bodies
+from robotraj.dynamics.design.model import DesignedModel
+from robotraj.dynamics.design.quantity import Quantity
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+    from robotraj.symbolic import SymbolicModel
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A robot whose numbers follow from parameters.
+
+    Parameters
+    ----------
+    robot : Robot
+    quantities : mapping of str to Quantity or sequence of Quantity
+        By parameter: ``{"m": rt.design.BodyMass("forearm")}``; several quantities of one parameter share its value.
+
+    Raises
+    ------
+    InputError
+        Something else than a quantity, an unknown body, frame or joint, two parameters for one number.
+    """
+
+    robot: Robot
+    quantities: Mapping[str, Quantity | Sequence[Quantity]]
+
+    def __post_init__(self) -> None:
+        taken: dict[tuple[object, ...], str] = {}
+        for name, quantity in self.entries:
+            if not isinstance(quantity, Quantity):
+                raise InputError(
+                    f"design= has {quantity!r} for parameter {name!r}; give a quantity of the robot: "
+                    "rt.design.BodyMass('link'), rt.design.LinkLength('joint'), rt.design.Payload('frame'), "
+                    "rt.design.JointDamping('joint') or a list of them."
+                )
+            key = quantity.check(self.robot)
+            if key and key in taken:
+                raise InputError(f"Parameters {taken[key]!r} and {name!r} both set the {quantity.label}; keep one.")
+            taken[key] = name
+
+    @property
+    def entries(self) -> tuple[tuple[str, Any], ...]:
+        """Parameter and quantity, pair by pair."""
+        return tuple(
+            (name, one)
+            for name, given in self.quantities.items()
+            for one in (given if isinstance(given, list | tuple) else (given,))
+        )
+
+    def check(self, names: Sequence[str], lower: Iterable[float]) -> None:
+        """Check that every quantity has its parameter, and that no bound allows values without meaning.
+
+        Raises
+        ------
+        InputError
+        """
+        bounds = dict(zip(names, lower, strict=True))
+        for name, quantity in self.entries:
+            if name not in bounds:
+                raise unknown_name(
+                    "parameter",
+                    name,
+                    names,
+                    f"design= makes it the {quantity.label}; add it to parameters= with its bounds.",
+                )
+            quantity.check_lower(name, float(bounds[name]))
+
+    def describe(self, name: str) -> tuple[str, str]:
+        """Say what a parameter is and its unit; both empty for one that is no part of the design."""
+        mine = [quantity for known, quantity in self.entries if known == name]
+        return ", ".join(q.label for q in mine), mine[0].unit(self.robot) if mine else ""
+
+    def bodies(self, values: Mapping[str, Any]) -> Bodies:
+        """Give the bodies with the parameters' values, symbols or numbers, written in."""
+        bodies = Bodies(self.robot)
+        for name, quantity in sorted(self.entries, key=lambda entry: entry[1].after_others):
+            quantity.write(bodies, values[name])
+        return bodies
+
+    @cached_property
+    def _parametric(self) -> SymbolicModel:
+        from robotraj.symbolic import SymbolicModel  # loads the compiled module: only where it is wanted
+
+        return SymbolicModel(self.robot.model, parametric=True)
+
+    def model(self, bodies: Bodies) -> DesignedModel:
+        """Pinocchio's algorithms on the bodies, as expressions of their symbols."""
+        return DesignedModel(self._parametric, bodies)
+
+    def realise(self, values: Mapping[str, float]) -> Robot:
+        """Copy the robot with the values of the parameters written into its model, as plain numbers.
+
+        Inertias, joint and frame placements and damping change; limits, names and shapes are the robot's own.
+        """
+        bodies = self.bodies({name: float(values[name]) for name, _ in self.entries})
+        model = self.robot.model.copy()
+        inertias, translations = np.array(ca.DM(bodies.inertias)), np.array(ca.DM(bodies.translations))
+        for joint in range(1, model.njoints):
+            own = self.robot.model.inertias[joint]
+            if not np.array_equal(inertias[:, joint], own.toDynamicParameters()):
+                model.inertias[joint] = pin.Inertia.FromDynamicParameters(inertias[:, joint])
+            model.jointPlacements[joint].translation = translations[:, joint]
+        for frame in bodies.moved_frames:
+            origin = np.array(ca.DM(bodies.frame_translation(frame))).ravel()
+            model.frames[frame].placement.translation = origin
+        damping = np.array(ca.DM(bodies.damping)).ravel()
+        return replace(self.robot, model=model, damping=damping)
+
+
+def realised(planned: Any) -> Any:
+    """Give the robot of a planned phase in plain numbers, its design at ``planned.parameters``."""
+    design = getattr(planned.phase, "bound_design", None)
+    return planned.phase.robot if design is None else design.realise(planned.parameters)

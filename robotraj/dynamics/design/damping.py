@@ -1,0 +1,45 @@
+"""The viscous damping of a joint as a parameter."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.bodies import Bodies
+from robotraj.dynamics.design.quantity import Quantity
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+DAMPING_UNITS = {"rad": "N m s/rad", "m": "N s/m"}
+
+
+@dataclass(frozen=True)
+class JointDamping(Quantity):
+    """The parameter d is the viscous damping of a joint: torque -d v [N m s/rad, N s/m].
+
+    Parameters
+    ----------
+    joint : str
+        A moving joint.
+    """
+
+    joint: str
+    what = "damping of joint"
+
+    @property
+    def whose(self) -> str:
+        """Name of the joint."""
+        return self.joint
+
+    def unit(self, robot: Robot) -> str:
+        """Newton metre seconds a radian, or newton seconds a metre."""
+        return DAMPING_UNITS[robot.units[robot.joint(self.joint)]]
+
+    def check(self, robot: Robot) -> tuple[object, ...]:
+        """Refuse unknown joints."""
+        return JointDamping, robot.joint(self.joint)
+
+    def write(self, bodies: Bodies, value: Any) -> None:
+        """Replace the URDF's damping."""
+        bodies.set_damping(bodies.robot.joint(self.joint), value)

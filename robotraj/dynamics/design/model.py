@@ -1,0 +1,123 @@
+"""Pinocchio's algorithms on a robot whose design is known as symbols."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.design.bodies import Bodies
+    from robotraj.symbolic import SymbolicModel
+
+Call = Callable[..., Any]
+
+EXPRESSIONS = (
+    "forward_dynamics",
+    "inverse_dynamics",
+    "mass_matrix",
+    "nonlinear_effects",
+    "gravity",
+    "kinetic_energy",
+    "potential_energy",
+    "center_of_mass",
+    "centroidal_momentum",
+)
+
+
+class DesignedModel:
+    """Reads like a ``SymbolicModel``, attribute by attribute, with a design's inertias and lengths put in.
+
+    Each attribute is called with the inputs of the ``SymbolicModel``'s function of the same name and gives
+    its outputs, as expressions of the inputs and of the parameters in the bodies.
+
+    Parameters
+    ----------
+    symbolic : SymbolicModel
+        Of the robot's model, parametric.
+    bodies : Bodies
+    """
+
+    def __init__(self, symbolic: SymbolicModel, bodies: Bodies) -> None:
+        self._symbolic = symbolic
+        self._inputs = ca.SX(bodies.inertias), ca.SX(bodies.translations)
+        model = bodies.robot.model
+        self._shifts = {
+            model.frames[i].name: (
+                ca.DM(model.frames[i].placement.rotation),
+                bodies.frame_translation(i) - ca.DM(model.frames[i].placement.translation),
+            )
+            for i in bodies.moved_frames
+        }
+
+    @property
+    def mass(self) -> ca.SX:
+        """Mass of all bodies that move [kg]."""
+        return ca.sum2(self._inputs[0][0, 1:])
+
+    def __getattr__(self, name: str) -> Call:
+        if name not in EXPRESSIONS:
+            raise AttributeError(name)
+        return self._with_design(getattr(self._symbolic, name))
+
+    def frame_placement(self, frame: str) -> Call:
+        """``(q) -> (position, rotation)``: of the frame in the world."""
+        placement = self._with_design(self._symbolic.frame_placement(frame))
+        if frame not in self._shifts:
+            return placement
+
+        def shifted(q: Any) -> tuple[Any, Any]:
+            position, rotation = placement(q)
+            return position + self._shift(frame, rotation), rotation
+
+        return shifted
+
+    def frame_velocity(self, frame: str) -> Call:
+        """``(q, v) -> (velocity)``: linear, angular, local-world-aligned; w x d is the shift's part."""
+        velocity = self._with_design(self._symbolic.frame_velocity(frame))
+        if frame not in self._shifts:
+            return velocity
+
+        def shifted(q: Any, v: Any) -> Any:
+            motion, d = velocity(q, v), self._world_shift(frame, q)
+            return ca.vertcat(motion[:3] + ca.cross(motion[3:], d), motion[3:])
+
+        return shifted
+
+    def frame_acceleration(self, frame: str) -> Call:
+        """``(q, v, a) -> (acceleration)``: classical; the shift's part is dw/dt x d + w x (w x d)."""
+        acceleration = self._with_design(self._symbolic.frame_acceleration(frame))
+        if frame not in self._shifts:
+            return acceleration
+        velocity = self._with_design(self._symbolic.frame_velocity(frame))
+
+        def shifted(q: Any, v: Any, a: Any) -> Any:
+            motion, turning, d = acceleration(q, v, a), velocity(q, v)[3:], self._world_shift(frame, q)
+            linear = motion[:3] + ca.cross(motion[3:], d) + ca.cross(turning, ca.cross(turning, d))
+            return ca.vertcat(linear, motion[3:])
+
+        return shifted
+
+    def frame_jacobian(self, frame: str) -> Call:
+        """``(q) -> (J)``: 6 x nv, local-world-aligned; rows of the shift are -[d]x times the angular ones."""
+        jacobian = self._with_design(self._symbolic.frame_jacobian(frame))
+        if frame not in self._shifts:
+            return jacobian
+
+        def shifted(q: Any) -> Any:
+            j, d = jacobian(q), self._world_shift(frame, q)
+            return ca.vertcat(j[:3, :] - ca.mtimes(ca.skew(d), j[3:, :]), j[3:, :])
+
+        return shifted
+
+    def _with_design(self, function: ca.Function) -> Call:
+        return lambda *arguments: function(*arguments, *self._inputs)
+
+    def _shift(self, frame: str, rotation: Any) -> Any:
+        """From where the model has the frame to where the design has it, in the world's axes (3,) [m]."""
+        on_joint, shift = self._shifts[frame]
+        return ca.mtimes([rotation, on_joint.T, shift])
+
+    def _world_shift(self, frame: str, q: Any) -> Any:
+        return self._shift(frame, self._with_design(self._symbolic.frame_placement(frame))(q)[1])

@@ -1,0 +1,55 @@
+"""A point mass carried at a frame as a parameter."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.bodies import Bodies, Body
+from robotraj.dynamics.design.quantity import Quantity, body_of_name
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class Payload(Quantity):
+    """The parameter m is a point mass [kg] at the origin of a frame, besides what the body weighs.
+
+    With r the frame's origin in its joint's frame: the body's mass grows by m, h by m r and its inertia
+    about the joint's origin by m (r'r 1 - r r'). On a stretched body r is where the frame then is.
+
+    Parameters
+    ----------
+    frame : str
+        The frame that carries it, of a body that moves.
+    """
+
+    frame: str
+    what = "payload at"
+    after_others = True
+
+    @property
+    def whose(self) -> str:
+        """Name of the frame."""
+        return self.frame
+
+    def unit(self, robot: Robot) -> str:
+        """Kilograms."""
+        return "kg"
+
+    def check(self, robot: Robot) -> tuple[object, ...]:
+        """Refuse frames that do not move; several payloads may hang at one frame."""
+        robot.frame(self.frame)
+        body_of_name(robot, self.frame, "rt.design.Payload")
+        return ()
+
+    def write(self, bodies: Bodies, value: Any) -> None:
+        """Add the moments of the point mass."""
+        frame = bodies.robot.frame(self.frame)
+        joint = int(bodies.robot.model.frames[frame].parentJoint)
+        r, body = bodies.frame_translation(frame), bodies.body(joint)
+        second = body.second + value * ca.mtimes(r, r.T)
+        bodies.set_body(joint, Body(body.mass + value, body.first + value * r, second))

@@ -1,0 +1,92 @@
+"""What a parameter of a phase may mean for its robot."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
+
+from robotraj._util.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.design.bodies import Bodies
+    from robotraj.robot.robot import Robot
+
+
+class Quantity(ABC):
+    """A number of the robot that a parameter stands for; a frozen value.
+
+    Attributes
+    ----------
+    what : str
+        What it is, for people: ``"mass of body"``.
+    after_others : bool
+        Whether it is written in after the others: a payload keeps its mass when its body's is set.
+    """
+
+    what: str
+    after_others: bool = False
+
+    @property
+    @abstractmethod
+    def whose(self) -> str:
+        """Name of the joint, link or frame it belongs to."""
+
+    @property
+    def label(self) -> str:
+        """What and whose: ``mass of body 'forearm'``."""
+        return f"{self.what} {self.whose!r}"
+
+    @abstractmethod
+    def unit(self, robot: Robot) -> str:
+        """SI unit of the parameter."""
+
+    @abstractmethod
+    def check(self, robot: Robot) -> tuple[object, ...]:
+        """Check it against the robot; return a key that two quantities of one phase may not share, or ().
+
+        Raises
+        ------
+        InputError
+            The robot has no such body, frame or joint, or this one cannot be changed this way.
+        """
+
+    @abstractmethod
+    def write(self, bodies: Bodies, value: Any) -> None:
+        """Write the value, a symbol or a number, into the bodies."""
+
+    def check_lower(self, name: str, lower: float) -> None:
+        """Refuse a parameter ``name`` whose lower bound allows values without meaning (below 0).
+
+        Raises
+        ------
+        InputError
+            Names the parameter and what it stands for.
+        """
+        if lower < 0:
+            raise InputError(
+                f"Parameter {name!r} is the {self.label} and may be as low as {lower:g}; "
+                "bound it from below with 0 or more, such as rt.between(0.1, 2)."
+            )
+
+
+def body_of_name(robot: Robot, name: str, who: str) -> int:
+    """Pinocchio's index of the moving joint whose body bears a name: a joint's, link's or other frame's.
+
+    Raises
+    ------
+    InputError
+        There is no such name, or it belongs to the world.
+    """
+    model = robot.model
+    if name in robot.joint_names:
+        return 1 + robot.joint_names.index(name)
+    if name not in robot.frame_names:
+        links = [frame.name for frame in model.frames if frame.parentJoint > 0]
+        raise unknown_name("body", name, dict.fromkeys([*robot.joint_names, *links]), f"{who} names a link or a joint.")
+    joint = int(model.frames[robot.frame(name)].parentJoint)
+    if joint == 0:
+        raise InputError(
+            f"{who}: {name!r} does not move; name a link or frame behind one of the joints "
+            f"{', '.join(robot.joint_names)}."
+        )
+    return joint

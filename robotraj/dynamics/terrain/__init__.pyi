@@ -1,0 +1,18 @@
+"""The ground: height fields that contacts, clearance and replays share."""
+
+from .base import Ground
+from .flat import Flat
+from .function import HeightFunction, as_ground
+from .height_map import HeightMap
+from .slope import Slope
+from .steps import Steps
+
+__all__ = [
+    "Flat",
+    "Ground",
+    "HeightFunction",
+    "HeightMap",
+    "Slope",
+    "Steps",
+    "as_ground",
+]

@@ -1,0 +1,54 @@
+"""Any smooth ground, and what else may stand for one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import casadi as ca
+
+from robotraj._util.errors import InputError, called
+from robotraj._util.values import dataclass
+from robotraj.dynamics.terrain.base import Ground
+
+
+@dataclass(frozen=True)
+class HeightFunction(Ground):
+    """Any smooth height function h(x, y) [m], such as ``lambda x, y: 0.1 * ca.sin(3 * x)``.
+
+    Parameters
+    ----------
+    function : callable
+        Takes CasADi symbols, scalars [m].
+
+    Raises
+    ------
+    InputError
+        When first used: the function fails on symbols or returns no single height.
+    """
+
+    function: Callable[[Any, Any], Any]
+
+    def surface(self, x: ca.SX, y: ca.SX) -> Any:
+        """Height [m]."""
+        height = called("height function of the ground", lambda *place: ca.SX(self.function(*place)), x, y)
+        if height.numel() != 1:
+            raise InputError(f"The height function of the ground gave {height.numel()} values for one place.")
+        return height
+
+
+def as_ground(value: Any) -> Ground:
+    """Accept a Ground or a plain function of (x, y).
+
+    Raises
+    ------
+    InputError
+        It is neither.
+    """
+    if isinstance(value, Ground):
+        return value
+    if callable(value):
+        return HeightFunction(value)
+    raise InputError(
+        f"ground must be rt.terrain.Flat, rt.terrain.Slope, rt.terrain.Steps, rt.terrain.HeightMap or a function of (x, y) [m]; got {value!r}."
+    )

@@ -1,0 +1,136 @@
+"""The mirror image of a robot about its x-z plane, found by names and checked by geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.gait.sides import other_side
+from robotraj.problem.links.periodic import Mirror
+from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
+REFLECTION = np.array([1.0, -1.0, 1.0])
+AXIAL = -REFLECTION
+"""Axes of rotation are mirrored like angular velocities."""
+ROOT = {
+    "fixed": (),
+    "planar": (),
+    "floating": ("root_y", "root_qx", "root_qz", "root_vy", "root_wx", "root_wz"),
+}
+"""Names of the root's entries of q and v that change sign."""
+SAMPLES = 8
+
+
+def mirror(
+    robot: Robot,
+    displacement: Mapping[str, Any] | None = None,
+    partners: Mapping[str, str] | None = None,
+    tolerance: float = 1e-3,
+) -> Mirror:
+    """Swap left and right: the ``rt.Mirror`` of a robot that is its own image about the plane y = 0.
+
+    Joints and frames change places by their names (``left_``/``right_``, ``FL``/``FR``, ``l_``/``r_`` ...); those
+    without another side are their own partners. A joint's sign is that of its axis: with q = 0 everywhere, an axis
+    a = (a_x, a_y, a_z) of rotation has the image (-a_x, a_y, -a_z), one of translation (a_x, -a_y, a_z), and the
+    partner's axis is that or its opposite. A floating root keeps x, z and pitch and negates y, roll and yaw: of its
+    states q.root_y, q.root_qx, q.root_qz, v.root_vy, v.root_wx and v.root_wz. Then every joint is looked at in seeded
+    random configurations: in the mirrored configuration its partner must stand at (x, -y, z). Of the frames those pairs
+    are kept that stand so too; cameras and fingers often do not. A planar robot moves in the mirror's plane.
+
+    Parameters
+    ----------
+    robot : Robot
+    displacement : mapping, optional
+        What the motion gains until it repeats, ``{"q.root_x": 0.3}``; see ``rt.Mirror``.
+    partners : mapping of str to str, optional
+        Pairs of joints and frames whose names follow none of the rules.
+    tolerance : float
+        How far [m] a partner may stand from the image; robots as drawn are symmetric to a fraction of a millimetre.
+
+    Raises
+    ------
+    InputError
+        The robot is not its own mirror image; the joint, or the frame of ``partners``, and how far it is off, are
+        named.
+    """
+    given = dict(partners or {})
+    given |= {b: a for a, b in given.items()}
+    joints, frames = robot.joint_names, robot.frame_names
+    for name in given:
+        if name not in joints and name not in frames:
+            raise InputError(f"mirror(partners=...): {robot.name!r} has no joint or frame named {name!r}.")
+    partner = {name: given.get(name, other_side(name, joints)) for name in joints}
+    signs = _signs(robot, partner)
+    sides = {name: given.get(name, other_side(name, frames)) for name in frames}
+    off = _gaps(robot, partner, signs, sides)
+    for who, gap in off.items():
+        if gap > tolerance and (who in partner or who in given):
+            raise InputError(
+                f"{'Joint' if who in partner else 'Frame'} {who!r} of {robot.name!r} stands {gap:.2g} m from its "
+                "mirror image: left and right of the robot differ. Name partners= where the names mislead, allow "
+                "for it with tolerance=, or repeat with rt.Periodic."
+            )
+    sides = {name: other for name, other in sides.items() if off.get(name, 0.0) <= tolerance}
+    own = set(ROOT[robot.root]) | {name for name, sign in signs.items() if sign < 0}
+    pairs = {a: b for a, b in (partner | sides).items() if a != b}
+    once = {a: b for a, b in pairs.items() if a <= b or pairs.get(b) != a}
+    labels = (*robot.position_names, *robot.velocity_names)
+    return Mirror(once, tuple(n for n in dict.fromkeys(labels) if n in own), dict(displacement or {}))
+
+
+def _signs(robot: Robot, partner: Mapping[str, str]) -> dict[str, float]:
+    """Sign of every joint but the root's, from the axes where all joints are at zero."""
+    model, data = robot.model, robot.model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    signs = {}
+    for index in range(1, model.njoints):
+        name = model.names[index]
+        if name.startswith("root_") and robot.root != "fixed":
+            continue
+        axis, other = (data.J[:, model.joints[model.getJointId(n)].idx_v] for n in (name, partner[name]))
+        turns = np.linalg.norm(axis[3:]) > 0.5
+        part, rule = (slice(3, 6), AXIAL) if turns else (slice(0, 3), REFLECTION)
+        along = float(other[part] @ (rule * axis[part]))
+        if abs(abs(along) - 1.0) > 1e-3:
+            raise InputError(
+                f"Joint {name!r} of {robot.name!r} has no mirror image in {partner[name]!r}: with all joints at zero "
+                f"its axis {np.round(axis[part], 4).tolist()} has the image {np.round(rule * axis[part], 4).tolist()}, "
+                f"but the other has {np.round(other[part], 4).tolist()}. Name the right one with partners=."
+            )
+        signs[name] = float(np.sign(along))
+    return signs
+
+
+def _gaps(
+    robot: Robot, partner: Mapping[str, str], signs: Mapping[str, float], sides: Mapping[str, str]
+) -> dict[str, float]:
+    """How far [m] joints and frames stand from their images, at most, in random configurations."""
+    model, names = robot.model, robot.position_names
+    rng = np.random.default_rng(0)
+    at = {name: i for i, name in enumerate(names)}
+    joints = [(i, model.getJointId(partner[model.names[i]]), model.names[i]) for i in range(1, model.njoints)]
+    frames = [(robot.frame(a), robot.frame(b), a) for a, b in sides.items() if a != b and a not in partner]
+    worst = {name: 0.0 for _, _, name in (*joints, *frames)}
+    for _ in range(SAMPLES):
+        q = np.array(pin.neutral(model))
+        for name in signs:
+            q[at[name]] = rng.uniform(-1.0, 1.0)
+        image = np.array(q)
+        for name, sign in signs.items():
+            image[at[name]] = sign * q[at[partner[name]]]
+        here, there = model.createData(), model.createData()
+        pin.framesForwardKinematics(model, here, q)
+        pin.framesForwardKinematics(model, there, image)
+        for pairs, places in ((joints, "oMi"), (frames, "oMf")):
+            first, second = getattr(here, places), getattr(there, places)
+            for a, b, name in pairs:
+                gap = np.linalg.norm(second[b].translation - REFLECTION * first[a].translation)
+                worst[name] = max(worst[name], float(gap))
+    return worst

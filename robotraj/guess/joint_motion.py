@@ -1,0 +1,118 @@
+"""From a motion of the joints to a guess that satisfies the dynamics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.guess.guess import Curve, PhaseGuess
+from robotraj.robot.robot import Limits, Robot
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.variable import Variable
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+
+
+def joint_motion(
+    phase: Phase, duration: float, q: Curve, v: Curve, a: Curve, parameters: Mapping[str, float]
+) -> PhaseGuess:
+    """Guess states, accelerations and torques of a robot that moves its joints so.
+
+    Torques are those of the inverse dynamics, tau = B' (RNEA(q, v, a) + d(v)), d damping and friction: where
+    all joints have motors, the guess satisfies the equations of motion.
+
+    Parameters
+    ----------
+    phase : Phase
+        Of a robot.
+    duration : float
+        [s].
+    q, v, a : callable
+        From fractions of the phase (m,) to positions (m, nq), velocities and accelerations (m, nv), in SI units of
+        time.
+    parameters : mapping of str to float
+    """
+    robot = designed(phase, parameters)
+    model, data = robot.model, robot.model.createData()
+
+    def columns(variables: Sequence[Variable]) -> Curve:
+        torques = any(variable.name.startswith("tau.") for variable in variables)
+
+        def curve(s: Array) -> Array:
+            parts = {"q": q(s), "v": v(s), "a": a(s)}
+            names = {"q": robot.position_names, "v": robot.velocity_names, "a": robot.velocity_names}
+            known = {
+                f"{kind}.{name}": values[:, i] for kind, values in parts.items() for i, name in enumerate(names[kind])
+            }
+            if torques:
+                rows = zip(*parts.values(), strict=True)
+                needed = np.array([pin.rnea(model, data, *row) + robot.dissipation(row[1]) for row in rows])
+                for i, joint in enumerate(robot.velocity_names):
+                    known[f"tau.{joint}"] = needed[:, i]
+            # What else there is (slacks, rates, forces) starts from 0.
+            still = np.zeros(len(s))
+            return np.column_stack([known.get(x.name, still) for x in variables] or [np.zeros((len(s), 0))])
+
+        return curve
+
+    dae = phase.dae
+    return PhaseGuess(duration, columns(dae.states), columns(dae.algebraic), columns(dae.controls), parameters)
+
+
+def designed(phase: Phase, parameters: Mapping[str, float]) -> Robot:
+    """Robot of a phase, with the design at the given parameters written in."""
+    assert phase.robot is not None
+    design = phase.bound_design
+    return phase.robot if design is None else design.realise(parameters)
+
+
+def quintic(fractions: Array, keys: Array, first: Array, last: Array) -> Any:
+    """Minimum-jerk curve through keys (m, n) at fractions (m,), with given slopes at its ends.
+
+    The curve that minimises the integral of the squared third derivative is the quintic spline with four
+    continuous derivatives; through two keys it is one quintic. Sources: Flash and Hogan, Journal of
+    Neuroscience 5 (1985); de Boor, A Practical Guide to Splines (2001), chapter XIII.
+    """
+    # SciPy's splines take longer to import than most guesses take.
+    import scipy
+
+    still = np.zeros(keys.shape[1])
+    return scipy.interpolate.make_interp_spline(
+        fractions, keys, k=5, bc_type=([(1, first), (2, still)], [(1, last), (2, still)])
+    )
+
+
+def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, who: str) -> Array:
+    """Return fractions at which keys are passed: those given, or in proportion to the time at full speed.
+
+    Raises
+    ------
+    InputError
+        A wrong number of fractions, or fractions that do not ascend from 0 to 1.
+    """
+    if given is None:
+        gaps = np.abs(np.diff(keys, axis=0)) / np.where(np.isfinite(speeds), speeds, 1.0)
+        # Keys that coincide still take a share of the time.
+        steps = np.maximum(gaps.max(axis=1), 1e-2 * max(gaps.max(), 1e-9))
+        return np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
+    fractions = np.asarray(given, dtype=float)
+    sorted_ends = len(fractions) == len(keys) and fractions[0] == 0.0 and fractions[-1] == 1.0
+    if not sorted_ends or not np.all(np.diff(fractions) > 0):
+        raise InputError(
+            f"The fractions of {who} must ascend from 0 to 1, one for the start, each waypoint and the end "
+            f"({len(keys)}); got {list(given)}."
+        )
+    return fractions
+
+
+def speeds_of(phase: Phase, robot: Robot) -> Array:
+    """Speed limits of a phase (nv,), infinite where there are none."""
+    limits = phase.limits
+    return limits.velocity if isinstance(limits, Limits) else np.full(robot.nv, np.inf)

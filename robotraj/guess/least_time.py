@@ -1,0 +1,148 @@
+"""How fast a robot can run along a straight line of its joints: a trapezoid of speed over time.
+
+On the line q = q_0 + s (q_1 - q_0) from s = 0 to 1, with d = q_1 - q_0, the inverse dynamics are linear in s'':
+
+    tau = M(q) d s'' + (C(q, d) d) s'^2 + g(q).
+
+Without the middle term, s'' is limited by every torque at every place, |s''| <= min_j room_j / |(M d)_j|, room the
+lesser distance of g_j, with Coulomb friction, to the two torque limits; the limits of accelerations and of speeds give
+|s''| <= min_j a_j / |d_j| and s' <= min_j v_j / |d_j|. Under one limit k of s'' and one limit of s' the least time has
+a trapezoid of speed, or a triangle where the speed limit is not met.
+
+Source: Lynch and Park, Modern Robotics (2017), sections 9.2 (straight paths, trapezoidal time scaling) and 9.4 (limits
+of s'' along a path).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import Where
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+
+PLACES = 9
+"""Places of the line where torques are asked for."""
+
+
+@dataclass(frozen=True)
+class Trapezoid:
+    """The least time from s = 0 to 1 with abs(s'') <= k: speeds rise from one to a peak, stay, and fall to another.
+
+    Attributes
+    ----------
+    first, peak, last : float
+        s' at the start, between the ramps and at the end [1/s].
+    slope : float
+        k [1/s^2].
+    """
+
+    first: float
+    peak: float
+    last: float
+    slope: float
+
+    @classmethod
+    def of(cls, fastest: float, slope: float, first: float = 0.0, last: float = 0.0) -> Trapezoid:
+        """Find the peak: p^2 = k + (s'_0^2 + s'_1^2) / 2, or the limit of speed where that is less.
+
+        Parameters
+        ----------
+        fastest : float
+            Largest s', may be infinite [1/s].
+        slope : float
+            k, above 0 and finite [1/s^2].
+        first, last : float
+            Speeds at the ends; what the way is too short for, or the limit too low, is cut off [1/s].
+        """
+        first, last = np.clip([first, last], 0.0, fastest)
+        first, last = min(first, np.sqrt(last**2 + 2 * slope)), min(last, np.sqrt(first**2 + 2 * slope))
+        peak = min(fastest, np.sqrt(slope + 0.5 * (first**2 + last**2)))
+        return cls(float(first), float(peak), float(last), slope)
+
+    @property
+    def times(self) -> Array:
+        """Start, end of the rise, start of the fall, end (4,) [s]."""
+        rise, fall = (self.peak - self.first) / self.slope, (self.peak - self.last) / self.slope
+        ramps = 0.5 * (rise * (self.first + self.peak) + fall * (self.peak + self.last))
+        return np.cumsum([0.0, rise, max(0.0, 1.0 - ramps) / self.peak, fall])
+
+    @property
+    def duration(self) -> float:
+        """Least time [s]: 1 / p + p / k from rest to rest."""
+        return float(self.times[-1])
+
+    def motion(self, fractions: Array) -> tuple[Array, Array, Array]:
+        """Give s, ds/df and d^2s/df^2 (m,) at fractions f (m,) of the duration."""
+        times, speeds = self.times, np.array([self.first, self.peak, self.peak, self.last])
+        t = np.asarray(fractions) * times[-1]
+        piece = np.clip(np.searchsorted(times[1:-1], t), 0, 2)
+        slopes = np.array([self.slope, 0.0, -self.slope])[piece]
+        since = t - times[piece]
+        passed = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(times) * (speeds[:-1] + speeds[1:]))])
+        place = passed[piece] + since * (speeds[piece] + 0.5 * slopes * since)
+        return place, (speeds[piece] + slopes * since) * times[-1], slopes * times[-1] ** 2
+
+
+def fastest_line(phase: Phase, first: Array, last: Array) -> Trapezoid | None:
+    """Fastest motion on the straight line between two states, by the speed, acceleration and torque limits of a phase.
+
+    Parameters
+    ----------
+    phase : Phase
+    first, last : ndarray (nx,)
+        States at its ends.
+
+    Returns
+    -------
+    Trapezoid or None
+        None where nothing limits the accelerations or no bound on them is known: joints without motors, a moving root,
+        contacts that carry loads, motors too weak to hold the robot on the line, ends that are the same.
+    """
+    robot = phase.robot
+    if robot is None or robot.root != "fixed" or robot.nu < robot.nv or phase.bound_contacts:
+        return None
+    n = robot.nv
+    way = last[:n] - first[:n]
+    moved = np.abs(way) > 1e-9
+    if not moved.any():
+        return None
+    lower, upper = _limits(phase, "v")
+    fastest = float(np.min(np.where(way > 0, upper, -lower)[moved] / np.abs(way[moved])))
+    lower, upper = _limits(phase, "a")
+    slope = float(np.min(np.minimum(upper, -lower)[moved] / np.abs(way[moved])))
+    lower, upper = _limits(phase, "tau")
+    model, data, still = robot.model, robot.model.createData(), np.zeros(n)
+    places = first[:n] + np.linspace(0.0, 1.0, PLACES)[:, None] * way
+    # Pinocchio gives the same vector anew: each is copied.
+    gravity = np.array([pin.rnea(model, data, q, still, still).copy() for q in places])
+    inertia = np.abs(np.array([pin.rnea(model, data, q, still, way).copy() for q in places]) - gravity)
+    held = gravity + robot.friction * np.sign(way)
+    room = np.minimum(upper - held, held - lower)
+    asked = (inertia > 1e-9) | (room < 0)
+    slope = min(slope, float(np.min(room[asked] / np.maximum(inertia[asked], 1e-9), initial=np.inf)))
+    if not (fastest > 0 and 0 < slope < np.inf):
+        return None
+    along = way / (way @ way)
+    return Trapezoid.of(fastest, slope, float(along @ first[n : 2 * n]), float(along @ last[n : 2 * n]))
+
+
+def _limits(phase: Phase, quantity: str) -> tuple[Array, Array]:
+    """Bounds (nv,) that hold throughout on v, a or tau of every joint, infinite where there are none."""
+    assert phase.robot is not None
+    place = {f"{quantity}.{name}": i for i, name in enumerate(phase.robot.velocity_names)}
+    lower, upper = np.full(len(place), -np.inf), np.full(len(place), np.inf)
+    for constraint in phase.bound_constraints:
+        for row in constraint.rows if constraint.where is Where.THROUGHOUT else ():
+            i = place.get(row.variable or "")
+            if i is not None:
+                lower[i], upper[i] = max(lower[i], row.lower), min(upper[i], row.upper)
+    return lower, upper

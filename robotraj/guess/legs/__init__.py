@@ -1,0 +1,1 @@
+"""Guesses for robots with legs: an inverted pendulum, footsteps, balanced forces."""

@@ -1,0 +1,240 @@
+"""Where feet and centre of mass of a plan go: footholds under the hips, arcs between them, a pendulum above."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.guess.legs.pendulum import Pendulum, heights
+from robotraj.guess.legs.schedule import Schedule, Stand
+from robotraj.guess.legs.stance import Stance, standing
+from robotraj.guess.legs.swing import Swing, swings
+
+if TYPE_CHECKING:
+    from robotraj.problem.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Footsteps:
+    """Paths of the feet and of the centre of mass of one problem.
+
+    Attributes
+    ----------
+    problem : Problem
+    schedule : Schedule
+    stance : Stance
+        All feet.
+    height : float or None
+        Of the centre of mass above the feet [m]; None for that of the robot as it stands.
+    lift : float or None
+        How high swinging feet are lifted [m]; None for what phases ask for.
+    """
+
+    problem: Problem
+    schedule: Schedule
+    stance: Stance
+    height: float | None = None
+    lift: float | None = None
+
+    @cached_property
+    def _plane(self) -> tuple[str, ...]:
+        """Horizontal axes in which the robot moves."""
+        return ("x",) if self.stance.robot.root == "planar" else ("x", "y")
+
+    @cached_property
+    def home(self) -> Array:
+        """How the robot stands: the start where it is given whole, else on all feet."""
+        q = standing(self.stance, self.height)
+        return _fixed(q, self.problem.phases[0].start_bounds)
+
+    @cached_property
+    def _mass(self) -> Array:
+        """Centre of mass at home."""
+        model = self.stance.robot.model
+        return np.array(pin.centerOfMass(model, model.createData(), self.home))
+
+    @cached_property
+    def _way(self) -> dict[str, tuple[float, float]]:
+        """Start and gain of the centre of mass along each horizontal axis, as if it moved evenly."""
+        last = self.problem.phases[-1].end_bounds
+        names = list(self.stance.robot.position_names)
+        moved = {}
+        for k, axis in enumerate(self._plane):
+            i = names.index(f"root_{axis}")
+            start, gain = float(self._mass[k]), 0.0
+            ends = [side[i] for side in (last.lower, last.upper) if np.isfinite(side[i])]
+            if self.schedule.repeat is not None:
+                gain = self.schedule.displacement[f"q.root_{axis}"]
+                # The image of the path in a mirror at y = 0 continues it.
+                start = 0.0 if self.schedule.sign < 0 and axis == "y" else start
+            elif ends:
+                gain = float(np.mean(ends)) - float(self.home[i])
+            moved[axis] = (start, gain)
+        return moved
+
+    @cached_property
+    def swings(self) -> dict[str, Swing]:
+        """Where each foot is at every time."""
+        found = {}
+        for contact in self.schedule.contacts:
+            stands = self.schedule.stands(contact.name)
+            spots = [self._moved(stand) for stand in stands]
+            found[contact.name] = swings(contact, stands, spots, self._places)
+        return found
+
+    @cached_property
+    def _places(self) -> dict[str, float]:
+        """Anchors of all feet at home."""
+        return self.stance.locate(self.home)
+
+    def _spot(self, stand: Stand) -> dict[str, float]:
+        """Where a foot stands as if the walk were even: under its hip halfway."""
+        whole = self.schedule.times[-1]
+        if np.isinf(stand.start):
+            share = 0.0
+        elif np.isinf(stand.end):
+            share = 1.0
+        else:
+            share = 0.5 * (stand.start + stand.end) / whole
+        own = {name: value for name, value in self._places.items() if name.rsplit(".", 1)[0] == stand.foot}
+        for k, axis in enumerate(self._plane):
+            name = f"{stand.foot}.{axis}"
+            if name in own:
+                begin, gain = self._way[axis]
+                own[name] += begin - float(self._mass[k]) + share * gain
+        return own
+
+    def _moved(self, stand: Stand) -> dict[str, float]:
+        """Where a foot stands: where a phase says so, else as far from an even walk's as the walk is."""
+        spot = self._spot(stand)
+        for name in spot:
+            spot[name] += self._shift.get(name.rsplit(".", 1)[1], 0.0)
+        # What repeats stays even: the periods before and after it have no phases to say so.
+        return spot if self.schedule.repeat is not None else spot | self._said(stand)
+
+    def _said(self, stand: Stand) -> dict[str, float]:
+        """Anchors that phases fix while a foot stands."""
+        times = self.schedule.times
+        said = {}
+        for i, phase in enumerate(self.problem.phases):
+            bounds = phase.parameter_bounds
+            for name, low, high in zip(phase.parameter_names, bounds.lower, bounds.upper, strict=True):
+                mine = name.rpartition(".")[0] == stand.foot and stand.start <= 0.5 * (times[i] + times[i + 1])
+                if mine and 0.5 * (times[i] + times[i + 1]) <= stand.end and np.isfinite(low) and low == high:
+                    said[name] = float(low)
+        return said
+
+    @cached_property
+    def _shift(self) -> dict[str, float]:
+        """How far footholds that phases fix are from an even walk's: all of it moves there, if its start is free."""
+        gaps: dict[str, list[float]] = {axis: [] for axis in self._plane}
+        first, names = self.problem.phases[0].start_bounds, list(self.stance.robot.position_names)
+        for stand in (stand for contact in self.schedule.contacts for stand in self.schedule.stands(contact.name)):
+            spot = self._spot(stand)
+            for name, value in self._said(stand).items():
+                axis = name.rsplit(".", 1)[1]
+                if axis in gaps and name in spot:
+                    gaps[axis].append(value - spot[name])
+        for axis in self._plane:
+            i = names.index(f"root_{axis}")
+            if first.lower[i] == first.upper[i]:
+                gaps[axis] = []
+        return {axis: float(np.mean(values)) if values else 0.0 for axis, values in gaps.items()}
+
+    def feet(self, t: float) -> tuple[dict[str, float], dict[str, float]]:
+        """Anchors of all contacts, and how high [m] their feet are, at a time [s]."""
+        places: dict[str, float] = {}
+        lifts: dict[str, float] = {}
+        for name, swing in self.swings.items():
+            places |= swing.at(t)
+            lifts[name] = swing.lift(t) * self._apex
+        return places, lifts
+
+    @cached_property
+    def _apex(self) -> float:
+        """How high feet swing [m]: over what phases ask for, and as high as the centre of mass rises in flight."""
+        if self.lift is not None:
+            return self.lift
+        constraints = [c for phase in self.problem.phases for c in phase.constraints]
+        wanted = [getattr(getattr(c, "height", None), "apex", 0.0) for c in constraints]
+        gravity = float(np.linalg.norm(self.stance.robot.model.gravity.linear))
+        spans = zip(np.diff(self.schedule.times), self.grounded, strict=True)
+        rises = [gravity * float(span) ** 2 / 8.0 for span, feet in spans if not feet]
+        return max([0.05 * self.above, *(1.2 * float(w) for w in wanted), *rises])
+
+    @cached_property
+    def above(self) -> float:
+        """Height of the centre of mass above the feet at home [m]."""
+        places = self.stance.locate(self.home)
+        ground = [self.ground(c.name, places) for c in self.schedule.contacts if c.anchors]
+        return float(self._mass[2] - np.mean(ground))
+
+    def ground(self, foot: str, places: Mapping[str, float]) -> float:
+        """Height of the ground [m] where a foot is."""
+        contact = next(c for c in self.schedule.contacts if c.name == foot)
+        return float(contact.contact.ground.height(places.get(f"{foot}.x", 0.0), places.get(f"{foot}.y", 0.0)))  # type: ignore[attr-defined]
+
+    @cached_property
+    def grounded(self) -> list[list[str]]:
+        """Feet that stand on the ground in every phase."""
+        feet = {contact.name for contact in self.schedule.contacts if contact.anchors}
+        return [sorted(held & feet) for held in self.schedule.held]
+
+    @cached_property
+    def mass(self) -> Any:
+        """Path of the centre of mass: from a time [s] to a place (3,) [m]."""
+        times, model = self.schedule.times, self.stance.robot.model
+        gravity = float(np.linalg.norm(model.gravity.linear))
+        standing_at = [self.feet(0.5 * (a + b))[0] for a, b in zip(times[:-1], times[1:], strict=True)]
+        paths = {}
+        for axis in self._plane:
+            begin, gain = self._way[axis]
+            begin += self._shift[axis]
+            middles = [
+                float(np.mean([places[f"{f}.{axis}"] for f in feet])) if feet else np.nan
+                for feet, places in zip(self.grounded, standing_at, strict=True)
+            ]
+            pendulum = Pendulum(times, middles, float(np.sqrt(gravity / self.above)))
+            if self.schedule.repeat is not None:
+                sign = self.schedule.sign if axis == "y" else 1.0
+                start = pendulum.repeating(sign, gain)
+            else:
+                start = pendulum.between(begin, begin + gain)
+            paths[axis] = (pendulum, start)
+        levels = self._levels(standing_at)
+        z = heights(times, levels, [not f for f in self.grounded], gravity, self.schedule.repeat is not None)
+
+        def at(t: float) -> Array:
+            across = {axis: float(pendulum.at(start, t)[0]) for axis, (pendulum, start) in paths.items()}
+            return np.array([across["x"], across.get("y", float(self._mass[1])), float(z(t))])
+
+        return at
+
+    def _levels(self, standing_at: Sequence[Mapping[str, float]]) -> list[float]:
+        """Height of the centre of mass where phases meet: above the feet of both sides [m]."""
+        known = [
+            float(np.mean([self.ground(f, places) for f in feet])) if feet else None
+            for feet, places in zip(self.grounded, standing_at, strict=True)
+        ]
+        levels = []
+        for before, after in zip([None, *known], [*known, None], strict=True):
+            sides = [v for v in (before, after) if v is not None]
+            levels.append(float(np.mean(sides)) if sides else 0.0)
+        return [level + self.above for level in levels]
+
+
+def _fixed(q: Array, bounds: Any) -> Array:
+    """Put the entries that bounds fix into a configuration."""
+    q = np.array(q)
+    n = len(q)
+    fixed = bounds.lower[:n] == bounds.upper[:n]
+    q[fixed] = bounds.lower[:n][fixed]
+    return q

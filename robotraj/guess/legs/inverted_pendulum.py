@@ -1,0 +1,170 @@
+"""A guess for robots that walk, run and jump."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.splines import through
+from robotraj._util.values import dataclass
+from robotraj.guess.guess import Curve, Guess, PhaseGuess, default_parameters
+from robotraj.guess.legs.footsteps import Footsteps
+from robotraj.guess.legs.schedule import schedule_of
+from robotraj.guess.legs.stance import Stance
+from robotraj.guess.legs.support import support
+from robotraj.problem.links.base import BoundLink
+from robotraj.problem.problem import Problem
+from robotraj.robot.chart import Chart
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.variable import Variable
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+
+KEYS = 11
+"""Configurations found by inverse kinematics in a phase; curves run through them."""
+LANDING = 0.02
+"""Guessed impulse of a foot that comes down, as the fraction of the robot's weight times a second it carries."""
+
+
+@dataclass(frozen=True)
+class InvertedPendulum(Guess):
+    """Feet on a timetable, the centre of mass a linear inverted pendulum on them, legs by inverse kinematics.
+
+    The default guess of problems in which a robot with a free root stands on contacts. Nothing is asked for: the phases
+    say which feet stand when, their links how the motion repeats and how far it goes. A foot is put down under where
+    its hip will be halfway through its stance (Raibert, Legged Robots That Balance, 1986), swinging feet run on arcs.
+    Velocities and accelerations are those of a spline through the configurations, on the manifold of a floating root;
+    forces and torques hold that motion up, ``guesses.support``; footholds are where the feet stand.
+
+    Parameters
+    ----------
+    height : float, optional
+        Of the centre of mass above the feet [m]; by default that of the robot as ``rt.gait.stand`` has it.
+    apex : float, optional
+        How high swinging feet are lifted [m]; by default the most of a twentieth of that height, a fifth more than an
+        ``apex`` of the phases' clearances, and the rise of the centre of mass in flight.
+    durations : mapping of int to float
+        Guessed durations [s] of phases whose duration is free.
+    """
+
+    height: float | None = None
+    apex: float | None = None
+    durations: Mapping[int, float] = field(default_factory=dict)
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Guess a phase on its own, as a problem of one phase."""
+        return self.prepared(Problem([phase])).of(phase, 0)
+
+    def prepared(self, problem: Problem) -> Guess:
+        """Walk through the whole problem.
+
+        Raises
+        ------
+        InputError
+            The problem moves no robot with a free root, or nothing in it stands on the ground.
+        """
+        robot = problem.phases[0].robot
+        if robot is None or robot.root == "fixed":
+            raise InputError("InvertedPendulum guesses motions of robots with root='floating' or root='planar'.")
+        schedule = schedule_of(problem, self.durations)
+        if not any(contact.anchors for contact in schedule.contacts):
+            raise InputError("InvertedPendulum needs contacts with the ground, but no phase has any.")
+        stance = Stance(robot, schedule.contacts)
+        return _Walk(Footsteps(problem, schedule, stance, self.height, self.apex))
+
+
+@dataclass(frozen=True, eq=False)
+class _Walk(Guess):
+    """The guess of one problem."""
+
+    steps: Footsteps
+
+    @property
+    def _stance(self) -> Stance:
+        return self.steps.stance
+
+    @cached_property
+    def _keys(self) -> list[Array]:
+        """Configurations of every phase, (KEYS, nq) each."""
+        q, found = self.steps.home, []
+        robot = self._stance.robot
+        for i in range(len(self.steps.problem.phases)):
+            rows = []
+            for t in np.linspace(self.steps.schedule.times[i], self.steps.schedule.times[i + 1], KEYS):
+                places, lifts = self.steps.feet(float(t))
+                mass = self.steps.mass(float(t))
+                if robot.root == "planar":
+                    mass[1] = np.nan
+                near = np.array(q)
+                near[0] += mass[0] - pin.centerOfMass(robot.model, self._stance.data, q)[0]
+                q = self._stance.reach(near, places, mass, lifts, self.steps.home)
+                rows.append(q)
+            found.append(np.array(rows))
+        return found
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Curves through the configurations of a phase."""
+        keys, robot = self._keys[index], self._stance.robot
+        duration = self.steps.schedule.times[index + 1] - self.steps.schedule.times[index]
+        pace = duration if duration > 0 else 1.0
+        fractions = np.linspace(0.0, 1.0, KEYS)
+        chart = Chart.around(robot.model, keys[0])
+        y = through(fractions, chart.coordinates(keys), 5)
+        rate, second = y.derivative(1), y.derivative(2)
+        motions = {
+            "q": lambda s: chart.positions(y(s)),
+            "v": lambda s: chart.velocities(y(s), rate(s) / pace),
+            "a": lambda s: chart.accelerations(y(s), rate(s) / pace, second(s) / pace**2),
+        }
+
+        parameters = default_parameters(phase)
+        middle, _ = self.steps.feet(0.5 * (self.steps.schedule.times[index] + self.steps.schedule.times[index + 1]))
+        low, high = phase.parameter_bounds
+        for name, least, most in zip(phase.parameter_names, low, high, strict=True):
+            if name in middle:
+                parameters[name] = float(np.clip(middle[name], least, most))
+        held = [c.name for c in self.steps.schedule.contacts if c.name in self.steps.schedule.held[index]]
+        loads = _loads(self._stance, held, [motion(fractions) for motion in motions.values()])
+
+        def columns(variables: Sequence[Variable]) -> Curve:
+            def curve(s: Array) -> Array:
+                s, still = np.asarray(s, dtype=float), np.zeros(len(s))
+                known: dict[str, Array] = {}
+                for kind in motions.keys() & {x.name.partition(".")[0] for x in variables}:
+                    names, values = robot.position_names if kind == "q" else robot.velocity_names, motions[kind](s)
+                    known |= {f"{kind}.{n}": values[:, i] for i, n in enumerate(names)}
+                known |= {x.name: np.interp(s, fractions, loads[x.name]) for x in variables if x.name in loads}
+                return np.column_stack([known.get(x.name, still) for x in variables] or [np.zeros((len(s), 0))])
+
+            return curve
+
+        dae = phase.dae
+        return PhaseGuess(duration, columns(dae.states), columns(dae.algebraic), columns(dae.controls), parameters)
+
+    def of_link(self, link: BoundLink, index: int) -> dict[str, float]:
+        """Feet come down softly: impulses upwards, a small part of the weight."""
+        weight = pin.computeTotalMass(self._stance.robot.model) * float(
+            np.linalg.norm(self._stance.robot.model.gravity.linear)
+        )
+        up = [unknown.name for unknown in link.unknowns if unknown.name.endswith(".z")]
+        return {name: LANDING * weight / len(up) for name in up}
+
+
+def _loads(stance: Stance, held: Sequence[str], motion: Sequence[Array]) -> dict[str, Array]:
+    """Contact forces and torques by variable name, of a motion q, v, a at some places, (m, ...) each."""
+    robot = stance.robot
+    names = [force.name for contact in stance.contacts if contact.name in held for force in contact.forces]
+    rows = [support(stance, held, *row) for row in zip(*motion, strict=True)]
+    forces, torques = (np.array([row[k] for row in rows]) for k in (0, 1))
+    return {name: forces[:, i] for i, name in enumerate(names)} | {
+        f"tau.{joint}": torques[:, i] for i, joint in enumerate(robot.actuated)
+    }

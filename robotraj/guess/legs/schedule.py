@@ -1,0 +1,130 @@
+"""When which foot stands: the contacts of a plan's phases over time, and of the periods before and after it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from robotraj._util.values import dataclass
+from robotraj.guess.guess import guessed_duration
+from robotraj.problem.constraints.bounds import as_bounds
+from robotraj.problem.links.periodic import Mirror, Periodic
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.contacts.base import BoundContact
+    from robotraj.problem.problem import Problem
+
+PERIODS = 2
+"""How many periods before and after the plan are looked at for stances that begin or end outside it."""
+
+
+@dataclass(frozen=True)
+class Stand:
+    """A foot that stands from one time to another [s], infinite where no phase says more."""
+
+    foot: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """The timetable of a plan.
+
+    Attributes
+    ----------
+    times : tuple of float
+        Where phases begin and end [s], one more than there are phases.
+    held : tuple of frozenset of str
+        Contacts of every phase.
+    repeat : Mirror, Periodic or None
+        How the plan repeats.
+    displacement : dict of str to float
+        What it gains in a period, by state.
+    contacts : tuple of BoundContact
+        Contacts of all phases, and their partners in the mirror.
+    """
+
+    times: tuple[float, ...]
+    held: tuple[frozenset[str], ...]
+    repeat: Mirror | Periodic | None
+    displacement: Mapping[str, float]
+    contacts: tuple[BoundContact, ...]
+
+    @property
+    def sign(self) -> float:
+        """What becomes of world y from one period to the next."""
+        return -1.0 if isinstance(self.repeat, Mirror) else 1.0
+
+    def stands(self, foot: str) -> list[Stand]:
+        """Stances of a foot in the order of time, those of the neighbouring periods included."""
+        length = self.times[-1]
+        found: list[Stand] = []
+        for k in range(-PERIODS, PERIODS + 1) if self.repeat is not None else (0,):
+            name = self.partner(foot) if k % 2 else foot
+            for held, start, end in zip(self.held, self.times[:-1], self.times[1:], strict=True):
+                if name not in held:
+                    continue
+                start, end = start + k * length, end + k * length
+                if found and abs(found[-1].end - start) < 1e-9:
+                    found[-1] = replace(found[-1], end=end)
+                else:
+                    found.append(Stand(foot, start, end))
+        if self.repeat is not None:
+            return found
+        # Without repetition nothing is known outside the plan: what stands at its ends stood, and stays.
+        return [
+            Stand(foot, -np.inf if s.start == 0.0 else s.start, np.inf if s.end == length else s.end) for s in found
+        ]
+
+    def partner(self, foot: str) -> str:
+        """Name the foot on the other side, the same one without a mirror."""
+        if not isinstance(self.repeat, Mirror):
+            return foot
+        return {**self.repeat.partners, **{b: a for a, b in self.repeat.partners.items()}}.get(foot, foot)
+
+
+def schedule_of(problem: Problem, durations: Mapping[int, float] | None = None) -> Schedule:
+    """Read the timetable of a problem whose phases follow one another."""
+    lengths = [guessed_duration(phase, (durations or {}).get(i)) for i, phase in enumerate(problem.phases)]
+    repeat = next((r for r in map(_repeat_of, problem.links) if r is not None), None)
+    names = [state.name for state in problem.phases[0].body.states]
+    displacement = {}
+    if repeat is not None:
+        bounds = as_bounds({name: 0.0 for name in names} | dict(repeat.displacement), names, "displacement", "state")
+        for name, low, high in zip(names, bounds.lower, bounds.upper, strict=True):
+            finite = [v for v in (low, high) if np.isfinite(v)]
+            displacement[name] = float(np.mean(finite)) if finite else 0.0
+    return Schedule(
+        tuple(float(t) for t in np.cumsum([0.0, *lengths])),
+        tuple(frozenset(contact.name for contact in phase.bound_contacts) for phase in problem.phases),
+        repeat,
+        displacement,
+        _contacts(problem, repeat),
+    )
+
+
+def _repeat_of(link: Any) -> Mirror | Periodic | None:
+    return link if isinstance(link, Mirror | Periodic) else getattr(link, "repeat", None)
+
+
+def _contacts(problem: Problem, repeat: Mirror | Periodic | None) -> tuple[BoundContact, ...]:
+    """Contacts of all phases by name, with those that the mirror makes of them."""
+    every: dict[str, BoundContact] = {}
+    for phase in problem.phases:
+        for contact in phase.bound_contacts:
+            every.setdefault(contact.name, contact)
+    robot = problem.phases[0].robot
+    assert robot is not None
+    partners: dict[str, str] = {}
+    if isinstance(repeat, Mirror):
+        partners = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
+    for name, contact in list(every.items()):
+        other = partners.get(name, name)
+        frame = partners.get(contact.frame, other if other in robot.frame_names else contact.frame)
+        if other not in every and frame != contact.frame and hasattr(contact.contact, "frame"):
+            every[other] = replace(cast(Any, contact.contact), frame=frame, name=other).bound_to(robot)
+    return tuple(every.values())

@@ -1,0 +1,86 @@
+"""What holds a moving robot up: contact forces and torques of a motion, by least squares."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj.guess.legs.stance import Stance
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.contacts.base import BoundContact
+    from robotraj.dynamics.variable import Variable
+
+Array = NDArray[np.float64]
+
+LEVER = 0.05
+"""Metres by which moments weigh less than forces: a foot's moment is a force times a part of its length."""
+SHARE = 0.1
+"""Least share of an even load that a standing foot carries."""
+INSIDE = 0.7
+"""How much of the cone tangential forces may use."""
+
+
+def support(stance: Stance, held: Sequence[str], q: Array, v: Array, a: Array) -> tuple[Array, Array]:
+    """Find forces of the standing contacts and torques of the motors, for a motion q, v, a.
+
+    Forces balance what has no motor as well as they can, B_0' (RNEA(q, v, a) + d(v) - J' f) = 0 in the least-squares
+    sense with the least norm, then are brought inside their cones; tau follows from the other rows. At rest these are
+    the forces of static equilibrium.
+
+    Returns
+    -------
+    forces : (m,) array
+        Of the contacts ``held`` in the order of ``stance.contacts`` [N, N m].
+    tau : (nu,) array
+    """
+    robot = stance.robot
+    model = robot.model
+    needed = pin.rnea(model, stance.data, q, v, a) + robot.dissipation(v)
+    columns = stance.columns(held)
+    jacobian = stance.jacobian(q)[columns].T
+    forces = np.zeros(len(columns))
+    if columns:
+        idle = ~robot.actuation.any(axis=1)
+        weights = np.array([1.0 if f.unit == "N" else LEVER for f in _forces(stance, held)])
+        balance = jacobian[idle] * weights
+        # A rank of full rows leaves no choice; more feet than that share the load evenly.
+        forces = weights * (np.linalg.pinv(balance, rcond=1e-6) @ needed[idle])
+        weight = pin.computeTotalMass(model) * float(np.linalg.norm(model.gravity.linear))
+        forces = inside(stance, held, forces, SHARE * weight / max(len(held), 1))
+    torque = needed - jacobian @ forces
+    return forces, np.asarray(robot.actuation.T @ torque)
+
+
+def _forces(stance: Stance, held: Sequence[str]) -> list[Variable]:
+    return [force for contact in stance.contacts if contact.name in held for force in contact.forces]
+
+
+def inside(stance: Stance, held: Sequence[str], forces: Array, least: float) -> Array:
+    """Bring forces inside their cones: enough upwards, tangential parts and moments no more than that allows."""
+    forces, first = np.array(forces), 0
+    for contact in stance.contacts:
+        if contact.name not in held:
+            continue
+        axes = [force.name.rsplit(".", 1)[-1] for force in contact.forces]
+        if "z" in axes and hasattr(contact.contact, "friction"):
+            own = forces[first : first + len(axes)]
+            _shrink(contact, axes, own, least)
+        first += len(axes)
+    return forces
+
+
+def _shrink(contact: BoundContact, axes: Sequence[str], own: Array, least: float) -> None:
+    up = max(own[axes.index("z")], least)
+    own[axes.index("z")] = up
+    along = [i for i, axis in enumerate(axes) if axis in "xy"]
+    size = np.linalg.norm(own[along])
+    allowed = INSIDE * float(contact.contact.friction) * up  # type: ignore[attr-defined]
+    if size > allowed:
+        own[along] *= allowed / size
+    about = [i for i, axis in enumerate(axes) if axis.startswith("m")]
+    own[about] = np.clip(own[about], -0.2 * LEVER * up, 0.2 * LEVER * up)

@@ -1,0 +1,110 @@
+"""Minimum jerk from start to end, through waypoints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.guess.guess import Guess, PhaseGuess, constant, default_parameters, ends_of, guessed_duration
+from robotraj.guess.joint_motion import fractions_of, joint_motion, quintic, speeds_of
+from robotraj.robot.chart import Chart
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MinimumJerk(Guess):
+    """The motion of least integrated squared jerk from start to end, through waypoints.
+
+    From rest to rest without waypoints, q = q_0 + (q_1 - q_0) (10 s^3 - 15 s^4 + 6 s^5), s the fraction of
+    the phase. Velocities given for the ends hold there, accelerations are zero there. A robot's velocities
+    and accelerations are the curve's own and its torques those of the inverse dynamics, so that the guess
+    satisfies the equations of motion of a robot whose joints all have motors. States of a System each run on
+    such a curve from rest to rest, its controls are 0.
+
+    Parameters
+    ----------
+    waypoints : sequence, optional
+        Positions between start and end (sequences, or mappings by name, the others neutral); states of a System.
+    fractions : sequence of float, optional
+        Of start, waypoints and end, ascending from 0 to 1; by default in proportion to the time between them
+        at the speed limits.
+    duration : float, optional
+        Guessed duration [s] where it is free.
+    """
+
+    waypoints: Sequence[Any] = ()
+    fractions: Sequence[float] | None = None
+    duration: float | None = None
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Interpolate between the ends of a phase.
+
+        Raises
+        ------
+        InputError
+            Waypoints of a wrong size or with unknown joints, or fractions that do not fit them.
+        """
+        if phase.robot is None:
+            return self._of_system(phase)
+        robot = phase.robot
+        middle = [robot.configuration(value, f"waypoint {i}") for i, value in enumerate(self.waypoints)]
+        return through(phase, middle, self.fractions, self.duration, "MinimumJerk")
+
+    def _of_system(self, phase: Phase) -> PhaseGuess:
+        first, last = ends_of(phase)
+        names = [s.name for s in phase.body.states]
+        middle = []
+        for value in self.waypoints:
+            row = first.copy()
+            known = isinstance(value, Mapping)
+            row[: len(names)] = [value[n] for n in names] if known else np.asarray(value, dtype=float)
+            middle.append(row)
+        keys = np.array([first, *middle, last])
+        still = np.zeros(keys.shape[1])
+        fractions = fractions_of(self.fractions, keys, np.full(keys.shape[1], np.inf), "MinimumJerk")
+        return PhaseGuess(
+            guessed_duration(phase, self.duration),
+            quintic(fractions, keys, still, still),
+            constant(len(phase.dae.algebraic)),
+            constant(len(phase.dae.controls)),
+            default_parameters(phase),
+        )
+
+
+def through(
+    phase: Phase,
+    waypoints: Sequence[Array],
+    fractions: Sequence[float] | None,
+    duration: float | None,
+    who: str,
+    end: Array | None = None,
+) -> PhaseGuess:
+    """Guess a robot's minimum-jerk motion through joint positions; ``end`` replaces the end of the phase."""
+    robot = phase.robot
+    assert robot is not None
+    nq, nx = robot.nq, robot.nq + robot.nv
+    first, last = ends_of(phase)
+    time = guessed_duration(phase, duration)
+    pace = time if time > 0 else 1.0
+    chart = Chart.around(robot.model, first[:nq])
+    keys = chart.coordinates(np.array([first[:nq], *waypoints, last[:nq] if end is None else end]))
+    at = fractions_of(fractions, keys, speeds_of(phase, robot), who)
+    ends = chart.slopes(keys[0], first[nq:nx]) * pace, chart.slopes(keys[-1], last[nq:nx]) * pace
+    y = quintic(at, keys, *ends)
+    rate, second = y.derivative(1), y.derivative(2)
+    return joint_motion(
+        phase,
+        time,
+        lambda s: chart.positions(y(s)),
+        lambda s: chart.velocities(y(s), rate(s) / pace),
+        lambda s: chart.accelerations(y(s), rate(s) / pace, second(s) / pace**2),
+        default_parameters(phase),
+    )

@@ -1,0 +1,156 @@
+"""Seeded random variations of a guess, smooth and inside the limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.guess.guess import Guess, PhaseGuess
+from robotraj.problem.constraints.base import Where
+from robotraj.robot.root import QUATERNION
+from robotraj.robot.tangent import normalised
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.variable import Variable
+    from robotraj.problem.links.base import BoundLink
+    from robotraj.problem.phase import Phase
+    from robotraj.problem.problem import Problem
+    from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
+MODES = 4
+"""Sines in a perturbation; the k-th has k half waves and an amplitude that falls with k."""
+
+
+@dataclass(frozen=True)
+class Perturbed(Guess):
+    """Another guess with smooth random perturbations, the same for the same seed.
+
+    To every state is added  size sum_k c_k sin(k pi s) / k,  s the fraction of the phase and c_k standard
+    normal: zero at both ends. Velocities and accelerations of a robot follow from its perturbed positions; a floating
+    root is moved by ``pin.integrate``, in its own axes.
+    Controls of a System get the same with free ends. ``size`` is ``spread`` times half the range between the
+    bounds of the variable, or, where it is not bounded, half the range that the guess covers, at least 1. The
+    result is clipped to the bounds. Free durations are multiplied by exp(spread c).
+
+    Parameters
+    ----------
+    guess : Guess
+    seed : int or sequence of int
+        Seeds NumPy's default generator, together with the index of the phase.
+    spread : float
+        0 leaves the guess as it is.
+    """
+
+    guess: Guess
+    seed: int | tuple[int, ...]
+    spread: float = 1.0
+
+    def prepared(self, problem: Problem) -> Guess:
+        """Prepare the guess that is perturbed."""
+        return Perturbed(self.guess.prepared(problem), self.seed, self.spread)
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Perturb the guess of a phase."""
+        rng = np.random.default_rng((*np.atleast_1d(self.seed).tolist(), index))
+        known = self.guess.of(phase, index)
+        low, high = phase.duration_bounds
+        duration = float(np.clip(known.duration * np.exp(self.spread * rng.standard_normal()), low, high))
+        robot, body = phase.robot, phase.body
+        nx, nu = len(body.states), len(body.controls)
+        s = np.linspace(0.0, 1.0, 101)
+        x, u = known.states(s)[:, :nx], known.controls(s)[:, :nu]
+        nq, nv = (nx, nx) if robot is None else (robot.nq, robot.nv)
+        sizes = self._sizes(phase, body.states[:nq], x[:, :nq])
+        if robot is not None and robot.root == "floating":
+            # Turns of the root have no bounds to be scaled by: a radian.
+            sizes = np.concatenate([sizes[:3], np.full(3, self.spread), sizes[QUATERNION.stop :]])
+        waves = rng.standard_normal((MODES, nv)) * sizes
+        bounds = _bounds(phase, phase.dae.states)
+        pushes = rng.standard_normal((MODES, nu)) * self._sizes(phase, body.controls, u)
+        offsets = rng.standard_normal(nu) * self._sizes(phase, body.controls, u)
+        if robot is not None:
+            pushes, offsets = np.zeros_like(pushes), np.zeros_like(offsets)
+        pace = duration if duration > 0 else 1.0
+        stretch = known.duration / pace if known.duration > 0 else 1.0
+
+        def states(s: Array) -> Array:
+            values = np.array(known.states(s))
+            added, rate = _sines(s, waves, 0), _sines(s, waves, 1) / pace
+            if robot is None:
+                values[:, :nq] += added
+            else:
+                values[:, nq : nq + nv] *= stretch
+                values[:, : nq + nv] = _moved(robot, values[:, : nq + nv], added, rate)
+            return np.clip(values, *bounds)
+
+        def algebraic(s: Array) -> Array:
+            values = np.array(known.algebraic(s))
+            if robot is not None and body.algebraic:
+                values[:, :nv] = values[:, :nv] * stretch**2 + _sines(s, waves, 2) / pace**2
+            return values
+
+        def controls(s: Array) -> Array:
+            values = np.array(known.controls(s))
+            names = [c.name for c in phase.dae.controls]
+            if [c.name for c in body.controls] == names[:nu]:
+                values[:, :nu] += offsets + _sines(s, pushes, 0)
+            return np.clip(values, *_bounds(phase, phase.dae.controls))
+
+        return PhaseGuess(duration, states, algebraic, controls, self._parameters(phase, known, rng))
+
+    def of_link(self, link: BoundLink, index: int) -> Mapping[str, float]:
+        """Impulses as the guess has them."""
+        return self.guess.of_link(link, index)
+
+    def _sizes(self, phase: Phase, variables: tuple[Variable, ...], values: Array) -> Array:
+        lower, upper = _bounds(phase, variables)
+        own = np.maximum(1.0, 0.5 * np.ptp(values, axis=0))
+        with np.errstate(invalid="ignore"):
+            half = 0.5 * (upper - lower)
+        return self.spread * np.where(np.isfinite(half), half, own)
+
+    def _parameters(self, phase: Phase, known: PhaseGuess, rng: np.random.Generator) -> dict[str, float]:
+        values = {}
+        for name, low, high in zip(phase.parameter_names, *phase.parameter_bounds, strict=True):
+            share = rng.uniform()
+            bounded = np.isfinite(low) and np.isfinite(high) and self.spread > 0
+            values[name] = float(low + share * (high - low)) if bounded else known.parameters[name]
+        return values
+
+
+def _moved(robot: Robot, states: Array, added: Array, rate: Array) -> Array:
+    """States (m, nq + nv) moved by tangent vectors that change at a rate, (m, nv) each, velocities along with them."""
+    q, v = states[:, : robot.nq], states[:, robot.nq :]
+    if robot.root != "floating":
+        return np.hstack([q + added, v + rate])
+    rows = []
+    for at, speed, step, slope in zip(normalised(robot.model, q), v, added, rate, strict=True):
+        along, by = pin.dIntegrate(robot.model, at, step)
+        rows.append(np.concatenate([pin.integrate(robot.model, at, step), along @ speed + by @ slope]))
+    return np.array(rows)
+
+
+def _sines(s: Array, waves: Array, derivative: int) -> Array:
+    """Sum of waves_k sin(k pi s) / k, or a derivative with respect to s, (m, n)."""
+    k = np.arange(1, len(waves) + 1)
+    angles = np.pi * np.outer(s, k) + 0.5 * np.pi * derivative
+    return np.asarray((np.sin(angles) * (np.pi * k) ** derivative / k) @ waves)
+
+
+def _bounds(phase: Phase, variables: tuple[Variable, ...]) -> tuple[Array, Array]:
+    """Bounds of variables throughout the phase."""
+    lower, upper = np.full(len(variables), -np.inf), np.full(len(variables), np.inf)
+    index = {variable.name: i for i, variable in enumerate(variables)}
+    for constraint in phase.bound_constraints:
+        for row in constraint.rows if constraint.where is Where.THROUGHOUT else ():
+            if row.variable in index:
+                i = index[row.variable]
+                lower[i], upper[i] = max(lower[i], row.lower), min(upper[i], row.upper)
+    return lower, upper

@@ -1,0 +1,187 @@
+"""Costates of a solution: callable values in time, named by states.
+
+lambda = dJ/dx: by how much the least cost from here to the end changes with the state here (minimisation, H =
+l + lambda' f, dlambda/dt = -dH/dx).
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError, require_solution
+from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Named
+from robotraj.solution.costates.duals import PhaseDuals
+from robotraj.solution.costates.hamiltonian import Hamiltonian
+from robotraj.transcription.collocation.index_reduction import equations_of, held_throughout
+
+if TYPE_CHECKING:
+    from robotraj.solution.phase_solution import PhaseSolution
+    from robotraj.solution.solution import Solution
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CostateSample:
+    """Duals at a time (floats) or at m times (arrays (m,)).
+
+    Attributes
+    ----------
+    t : float or ndarray (m,)
+        [s].
+    x : Named
+        Costates by state [objective / state unit].
+    z : Named
+        Multipliers nu of the algebraic rows by row [objective / (s row unit)].
+    path : Named
+        Densities eta of path rows [objective / (s row unit)], then multipliers of integral rows [objective / row unit];
+        positive at an upper bound.
+    hamiltonian : float or ndarray (m,)
+        H = l + lambda' f + nu' g along the trajectory, integral rows with their multipliers included [objective / s].
+    """
+
+    t: Any
+    x: Named
+    z: Named
+    path: Named
+    hamiltonian: Any
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseCostates:
+    """Duals of one phase of a solution.
+
+    Attributes
+    ----------
+    solution : PhaseSolution
+    duals : PhaseDuals
+        The piecewise polynomials.
+    """
+
+    solution: PhaseSolution
+    duals: PhaseDuals
+
+    @cached_property
+    def hamiltonian(self) -> Hamiltonian:
+        """The phase's Hamiltonian as a function of its arguments."""
+        return Hamiltonian.of(self.solution.phase)
+
+    @property
+    def initial(self) -> Array:
+        """Lambda at the start of the phase, (nx,): the sensitivity of the objective to the start state."""
+        return np.array(self.duals.costate.values[0][0])
+
+    @property
+    def final(self) -> Array:
+        """Lambda at the end of the phase, (nx,)."""
+        return np.array(self.duals.costate.values[-1][-1])
+
+    def evaluate(self, t: Array, interval: int | None = None) -> dict[str, Array]:
+        """Evaluate the Hamiltonian, its arguments and derivatives, and bounds' densities at times (m,)."""
+        t = np.asarray(t, dtype=float)
+        curves, duals = self.solution.trajectory, self.duals
+        known = {
+            "t": t,
+            "x": curves.x(t, interval),
+            "z": curves.z(t, interval),
+            "u": curves.u(t, interval),
+            "p": np.tile(list(curves.parameters.values()), (len(t), 1)),
+            "costate": self._costate(t, interval),
+            "nu": duals.residual(t, interval),
+            "eta": duals.path(t, interval),
+        }
+        # Integrals stand in the rows of the NLP as the duration times what is averaged.
+        known["eta"][:, len(self.hamiltonian.path) :] *= self.solution.duration
+        more = {name: getattr(duals, name)(t, interval) for name in ("states", "algebraic", "controls")}
+        return known | more | self.hamiltonian(**known)
+
+    def _costate(self, t: Array, interval: int | None) -> Array:
+        """Lambda on the side of the interval, since it may jump at a knot."""
+        if interval is None:
+            return self.duals.costate(t)
+        knots = self.solution.knots
+        nudge = 1e-9 * (knots[interval + 1] - knots[interval])
+        return self.duals.costate(np.clip(t, knots[interval] + nudge, knots[interval + 1] - nudge))
+
+    def at(self, t: Any) -> CostateSample:
+        """Evaluate at global times within the phase [s]; at a jump, just after it."""
+        first, last = self.solution.t0, self.solution.t0 + self.solution.duration
+        times = np.asarray(t, dtype=float)
+        slack = 1e-9 * max(1.0, last - first)
+        if times.ndim > 1 or not np.all((times >= first - slack) & (times <= last + slack)):
+            raise InputError(f"Costates are known from {first:g} s to {last:g} s; got t = {t}.")
+        values = self.evaluate(np.atleast_1d(times))
+        if times.ndim == 0:
+            values = {name: array[0] for name, array in values.items()}
+        dae, rows = self.hamiltonian.dae, [*self.hamiltonian.path, *self.hamiltonian.integrals]
+        return CostateSample(
+            t,
+            Named("state", [s.name for s in dae.states], values["costate"].T),
+            Named("algebraic row", [r.name for r in dae.residuals], values["nu"].T),
+            Named("path row", [row.label for row in rows], values["eta"].T),
+            values["H"],
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Costates:
+    """Duals of all phases of a solution."""
+
+    phases: tuple[PhaseCostates, ...]
+
+    def at(self, t: Any) -> CostateSample:
+        """Evaluate at a global time, or at times of one phase; at a joint of phases the later one is used."""
+        starts = np.array([part.solution.t0 for part in self.phases])
+        owner = np.clip(np.searchsorted(starts, np.asarray(t, dtype=float), side="right") - 1, 0, len(starts) - 1)
+        if len(np.unique(owner)) > 1:
+            raise InputError("The times lie in several phases; ask costates.phases[i].at(t) for each.")
+        return self.phases[int(np.atleast_1d(owner)[0])].at(t)
+
+
+def costates(solution: Solution) -> Costates:
+    """Costates of a solution, from the multipliers of its NLP by covector mapping.
+
+    Parameters
+    ----------
+    solution : Solution
+        From ``rt.plan``, by any scheme; fixed or free duration, ODE or DAE.
+
+    Returns
+    -------
+    Costates
+        ``.at(t).x["v"]``, ``.at(t).hamiltonian``, ``.phases[0].initial``.
+
+    Raises
+    ------
+    InputError
+        The solver did not converge, or a phase holds contacts, a quaternion or an equation of its state.
+
+    Notes
+    -----
+    Sign: lambda = dJ/dx of the minimised objective J. Order at the knots is the scheme's own; see
+    ``robotraj.solution.costates.covector``.
+    """
+    require_solution(solution, "rt.indirect.costates")
+    held = [phase.name for phase in solution.problem.phases if phase.dae.invariants]
+    if held:
+        raise InputError(
+            f"Phase {held[0]!r} holds contacts or the quaternion of a floating root at every collocation point: its "
+            "states obey those rows, and its costates are not unique. Costates are of phases without them."
+        )
+    for phase in solution.problem.phases:
+        for equation in equations_of(phase)[:1]:
+            row = held_throughout(phase)[equation.row][1]
+            raise InputError(
+                f"Phase {phase.name!r} holds an equation of its state, {row.label!r}, throughout, with its rates: its "
+                "costates are not unique. Costates are of phases without one."
+            )
+    if not solution.duals:
+        raise InputError(
+            "This solution has no costates: the solver did not converge. Plan again until solution.success holds."
+        )
+    return Costates(tuple(PhaseCostates(p, d) for p, d in zip(solution.phases, solution.duals, strict=True)))

@@ -1,0 +1,101 @@
+"""What an engine is: a value that says how point functions are evaluated."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import casadi as ca
+
+from robotraj._util.values import dataclass
+from robotraj.native.engines.blocks import casadi_block
+from robotraj.native.engines.blocks import wanted as wanted_of
+
+if TYPE_CHECKING:
+    from robotraj.native import PointBlock
+
+
+@dataclass(frozen=True, eq=False)
+class Mapped:
+    """A point function and the number of points it is evaluated at.
+
+    Attributes
+    ----------
+    function : casadi.Function
+        Dense columns (n_i,) -> (n_y,), one result.
+    count : int
+        Points, E.
+    """
+
+    function: ca.Function
+    count: int
+
+
+@dataclass(frozen=True, eq=False)
+class StageMapped:
+    """A function of a stage and the number of points it is evaluated at; its graph is built when it is read.
+
+    Attributes
+    ----------
+    stage : PointFunctions
+    name : str
+        ``"function"``, ``"jacobian"``, ``"hessian"``, ``"cost"`` or ``"gradient"``.
+    count : int
+        Points, E.
+    """
+
+    stage: Any
+    name: str
+    count: int
+
+    @property
+    def function(self) -> ca.Function:
+        """Dense columns (n_i,) -> (n_y,), one result."""
+        function: ca.Function = getattr(self.stage, self.name)
+        return function
+
+
+class Engine(ABC):
+    """How point functions are evaluated; every engine gives the same numbers.
+
+    Attributes
+    ----------
+    torques_apart : bool
+        Whether stages tell it where their inverse dynamics are, so that their graphs are never built.
+    made_for_ipopt : bool
+        Whether what it keeps for later plans is of the functions that IPOPT calls, which is then the default solver.
+    """
+
+    torques_apart: ClassVar[bool] = False
+    made_for_ipopt: ClassVar[bool] = False
+
+    @abstractmethod
+    def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:
+        """Give, for each entry, a function of E columns: (n_i, E) -> (n_y, E)."""
+
+    @abstractmethod
+    def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
+        """Give the point functions of a stage at ``count`` points to the compiled solver.
+
+        Parameters
+        ----------
+        stage : PointFunctions
+        count : int
+        costs : bool
+            Whether its costed output is part of the objective.
+        """
+
+
+@dataclass(frozen=True)
+class VirtualMachine(Engine):
+    """CasADi's virtual machine: at once, on any machine, without a compiler. The default."""
+
+    def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:
+        """Map each function over its columns, one after the other."""
+        return [each.function.map(each.count) for each in wanted]
+
+    def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
+        """Point after point."""
+        functions = wanted_of(stage, costs)
+        return casadi_block(stage, count, costs, {name: (f, 1) for name, f in functions.items()})

@@ -1,0 +1,197 @@
+"""Point functions as compiled C, kept in the user's cache."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from functools import cache as once
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import casadi as ca
+
+from robotraj._util.errors import InputError, RobotrajError
+from robotraj._util.values import dataclass
+from robotraj.native.engines import background, source
+from robotraj.native.engines.base import Engine, Mapped, StageMapped, VirtualMachine
+from robotraj.native.engines.blocks import casadi_block
+from robotraj.native.engines.blocks import wanted as wanted_of
+from robotraj.native.engines.cache import Cache, default_folder
+from robotraj.native.engines.compiler import Compiler, find_compiler, points_at_once
+from robotraj.native.engines.source import write_source
+
+if TYPE_CHECKING:
+    from robotraj.native import PointBlock
+
+
+@dataclass(frozen=True)
+class Compiled(Engine):
+    """Machine code of the large point functions: the same numbers, to the last bit, many times faster.
+
+    A library is found by its content: the function, CasADi's version, the compiler, its flags and the processor. It
+    serves every plan whose phase has the same equations, on any mesh. Functions that no compiler would repay, those of
+    few operations or few points, and those that are no scalar graph (shooting) stay with CasADi's virtual machine.
+
+    Parameters
+    ----------
+    wait : bool
+        True compiles what the cache does not have, then plans. False plans with the virtual machine at once, while a
+        process of its own compiles; later plans find the libraries.
+    least : int
+        Operations of a point from which on a function is compiled.
+    compiler : str, optional
+        Name or path; the environment's ``CC``, gcc, clang or cc by default.
+    cache : path, optional
+        Folder of the libraries; ``~/.cache/robotraj/engines`` (or below ``$XDG_CACHE_HOME``) by default.
+    jobs : int, optional
+        Compilers that run at once; as many as the process has processors by default.
+
+    Examples
+    --------
+    >>> solution = rt.plan(phase, engine=rt.engines.Compiled())  # doctest: +SKIP
+    """
+
+    made_for_ipopt: ClassVar[bool] = True
+
+    wait: bool = True
+    least: int = 300
+    compiler: str | None = None
+    cache: Path | str | None = None
+    jobs: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.least < 0:
+            raise InputError(f"Compiled(least) is a number of operations, 0 or more; got {self.least}.")
+        if self.jobs is not None and self.jobs < 1:
+            raise InputError(f"Compiled(jobs) is a number of processes, 1 or more; got {self.jobs}.")
+
+    def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:
+        """Give every function over its points, compiled where that pays.
+
+        Raises
+        ------
+        InputError
+            No compiler on this machine, or a cache that others may write.
+        CompilationFailed
+            The compiler's own words.
+        """
+        chosen = VirtualMachine().prepare(wanted)
+        for i, library in self._libraries(wanted).items():
+            chosen[i] = _mapped(library, wanted[i])
+        return chosen
+
+    def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
+        """Several points a call where a function is compiled, point after point where not."""
+        functions = wanted_of(stage, costs)
+        batches = {name: (function, 1) for name, function in functions.items()}
+        names = list(functions)
+        libraries = self._libraries([Mapped(functions[name], count) for name in names])
+        batches |= {names[i]: (library, points_at_once()) for i, library in libraries.items()}
+        return casadi_block(stage, count, costs, batches)
+
+    def _libraries(self, wanted: Sequence[Mapped | StageMapped]) -> dict[int, ca.Function]:
+        """Give the compiled functions of ``points_at_once()`` columns, for those entries that have one."""
+        large = self._large(wanted)
+        if not large:
+            return {}
+        cache, compiler = self.open_cache(), find_compiler(self.compiler)
+        keys = {i: key_of(function, compiler) for i, function in large.items()}
+        missing = {keys[i]: function for i, function in large.items() if cache.find(keys[i]) is None}
+        if missing and self.wait:
+            with cache.locked(list(missing)):
+                missing = {key: function for key, function in missing.items() if cache.find(key) is None}
+                build(missing, cache, compiler, self.processes)
+        elif missing:
+            background.start(missing, cache, compiler, self.processes)
+        found = {i: cache.find(key) for i, key in keys.items()}
+        return {
+            i: self._load(large[i], keys[i], library, cache, compiler)
+            for i, library in found.items()
+            if library is not None
+        }
+
+    def libraries(self, wanted: Sequence[Mapped | StageMapped]) -> set[Path]:
+        """Give the libraries in the cache that these functions use."""
+        cache, compiler = self.open_cache(), find_compiler(self.compiler)
+        found = {cache.find(key_of(function, compiler)) for function in self._large(wanted).values()}
+        return {path for path in found if path is not None}
+
+    def open_cache(self) -> Cache:
+        """Give the cache, checked."""
+        return Cache(default_folder() if self.cache is None else Path(self.cache).expanduser().absolute())
+
+    @property
+    def processes(self) -> int:
+        """Compilers that run at once."""
+        return self.jobs or len(os.sched_getaffinity(0))
+
+    def _large(self, wanted: Sequence[Mapped | StageMapped]) -> dict[int, ca.Function]:
+        return {i: each.function for i, each in enumerate(wanted) if self._pays(each)}
+
+    def _pays(self, each: Mapped | StageMapped) -> bool:
+        function = each.function
+        # Points are evaluated several at once: one alone gains little.
+        many = each.count >= points_at_once() // 2
+        return many and function.is_a("SXFunction") and function.n_instructions() >= max(self.least, 1)
+
+    def _load(self, function: ca.Function, key: str, library: Path, cache: Cache, compiler: Compiler) -> ca.Function:
+        try:
+            return ca.external(function.name(), str(library))
+        except RuntimeError:
+            # A file that a full disk or a broken machine left behind.
+            library.unlink(missing_ok=True)
+            build({key: function}, cache, compiler, self.processes)
+            return ca.external(function.name(), str(library))
+
+
+def key_of(function: ca.Function, compiler: Compiler) -> str:
+    """Digest of everything that a library depends on."""
+    digest = hashlib.sha256(_writer())
+    for part in (ca.__version__, str(points_at_once()), compiler.identity(), function.serialize()):
+        digest.update(hashlib.sha256(part.encode()).digest())
+    return digest.hexdigest()
+
+
+def build(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, processes: int) -> None:
+    """Compile functions into the cache, their files side by side.
+
+    Parameters
+    ----------
+    functions : dict
+        By key.
+    """
+    with ExitStack() as stack:
+        place = stack.enter_context(cache.workplace())
+        pool = ThreadPoolExecutor(processes)
+        # After an error, or Ctrl-C, what has not begun does not begin.
+        stack.callback(pool.shutdown, wait=True, cancel_futures=True)
+        waiting = []
+        for key, function in functions.items():
+            folder = place / key
+            folder.mkdir()
+            waiting.append((key, compiler.start(write_source(function, points_at_once()), folder, pool)))
+        for key, finish in waiting:
+            cache.store(key, finish())
+
+
+def _mapped(external: ca.Function, wanted: Mapped | StageMapped) -> ca.Function:
+    """Evaluate a function of several columns at once at any number of columns; the last one fills up."""
+    function, count = wanted.function, wanted.count
+    points = points_at_once()
+    calls = -(-count // points)
+    symbols = [ca.MX.sym(f"i{i}", function.numel_in(i), count) for i in range(function.n_in())]
+    spare = calls * points - count
+    full = [ca.horzcat(s, ca.repmat(s[:, -1], 1, spare)) for s in symbols] if spare else symbols
+    results = external.map(calls)(*full)
+    if results.shape != (function.numel_out(0), calls * points):
+        raise RobotrajError(f"The library of {function.name()!r} has other shapes than its function.")
+    return ca.Function(function.name(), symbols, [results[:, :count] if spare else results])
+
+
+@once
+def _writer() -> bytes:
+    """Digest of the code that writes the C."""
+    return hashlib.sha256(Path(source.__file__).read_bytes()).digest()

@@ -1,0 +1,138 @@
+"""The C compiler of this machine, and the files it makes into a library."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from functools import cache
+from pathlib import Path
+
+from robotraj._util.errors import InputError, RobotrajError
+from robotraj._util.values import dataclass
+from robotraj.native.engines.source import Source
+
+CANDIDATES = ("gcc", "clang", "cc")
+"""Looked for in this order."""
+# Without contraction a*b + c is rounded twice, as CasADi's virtual machine rounds it: the answers are the same bits.
+FLAGS = ("-std=gnu11", "-O1", "-march=native", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-w")
+"""More optimisation takes the compiler longer and gains nothing on straight lines of arithmetic."""
+
+
+class CompilationFailed(RobotrajError):
+    """The C compiler refused generated code, or could not be started."""
+
+
+@dataclass(frozen=True)
+class Compiler:
+    """A C compiler.
+
+    Attributes
+    ----------
+    command : str
+        Its path.
+    version : str
+        What it says of itself.
+    """
+
+    command: str
+    version: str
+
+    def identity(self) -> str:
+        """Tell apart what cannot share libraries: compilers, their flags, processors."""
+        return "\n".join([self.version, *FLAGS, platform.machine(), processor()])
+
+    def start(self, source: Source, folder: Path, pool: Executor) -> Callable[[], Path]:
+        """Compile the files of a library on the pool; give what waits for them and links.
+
+        Raises
+        ------
+        CompilationFailed
+            When called, with the compiler's own words.
+        """
+        objects: list[tuple[Path, Future[None]]] = []
+        for i, text in enumerate(source.files):
+            written, made = folder / f"{i}.c", folder / f"{i}.o"
+            written.write_text(text)
+            objects.append((made, pool.submit(self._run, *FLAGS, "-c", str(written), "-o", str(made))))
+
+        def finish() -> Path:
+            for _, future in objects:
+                future.result()
+            library = folder / "library.so"
+            self._run("-shared", "-o", str(library), *(str(made) for made, _ in objects), "-lm")
+            return library
+
+        return finish
+
+    def _run(self, *arguments: str) -> None:
+        try:
+            done = subprocess.run([self.command, *arguments], capture_output=True, text=True, check=False)
+        except OSError as error:
+            raise CompilationFailed(f"{self.command} could not be started: {error}.") from error
+        if done.returncode:
+            words = "\n".join(done.stderr.splitlines()[:10])
+            raise CompilationFailed(
+                f"{self.command} failed with code {done.returncode}; engine=rt.engines.VirtualMachine() needs no compiler.\n"
+                + words
+            )
+
+
+def find_compiler(command: str | None = None) -> Compiler:
+    """Find a C compiler.
+
+    Parameters
+    ----------
+    command : str, optional
+        A name or path; otherwise the environment's ``CC``, then gcc, clang, cc.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    names = [command] if command else [os.environ.get("CC", ""), *CANDIDATES]
+    for name in names:
+        path = shutil.which(name) if name else None
+        if path is not None:
+            return Compiler(path, _version(path))
+    sought = repr(command) if command else " or ".join(CANDIDATES)
+    raise InputError(
+        f"rt.engines.Compiled() needs a C compiler, and {sought} is not on this machine's path. Install gcc or clang "
+        "(Debian and Ubuntu: apt install gcc), or plan with engine=rt.engines.VirtualMachine(), the default, which needs none."
+    )
+
+
+@cache
+def _version(path: str) -> str:
+    done = subprocess.run([path, "-v"], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise InputError(f"{path} does not answer as a C compiler does ('{path} -v' fails); name another one.")
+    # clang names a temporary folder on some systems in further lines; configuration and version come first.
+    return f"{path}\n{done.stdout}{done.stderr}"
+
+
+@cache
+def processor() -> str:
+    """Digest of the instructions this processor has, since code is compiled for them all."""
+    known = {line.split(":", 1)[1].strip() for line in _cpuinfo() if line.startswith(("flags", "Features"))}
+    return hashlib.sha256("".join(sorted(known) or [platform.processor()]).encode()).hexdigest()
+
+
+@cache
+def points_at_once() -> int:
+    """Numbers that the processor adds in one instruction: 8 with AVX-512, 4 with AVX, else 2."""
+    flags = {word for line in _cpuinfo() if line.startswith("flags") for word in line.split()}
+    return 8 if "avx512f" in flags else 4 if "avx" in flags else 2
+
+
+@cache
+def _cpuinfo() -> tuple[str, ...]:
+    try:
+        return tuple(Path("/proc/cpuinfo").read_text().splitlines())
+    except OSError:
+        return ()

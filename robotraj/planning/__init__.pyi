@@ -1,0 +1,24 @@
+"""From a problem to a checked solution: solve, refine, restart; continuation, many starts, sweeps.
+
+Start with ``plan.py``. The room may import every room but ``cli``.
+"""
+
+from .compilation import Compilation, precompile
+from .continuation import ContinuationStep, tightening
+from .kinematic import Kinematic
+from .multistart import Multistart, Optimum, multistart
+from .plan import plan
+from .sweep import sweep
+
+__all__ = [
+    "Compilation",
+    "ContinuationStep",
+    "Kinematic",
+    "Multistart",
+    "Optimum",
+    "multistart",
+    "plan",
+    "precompile",
+    "sweep",
+    "tightening",
+]

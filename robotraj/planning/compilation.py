@@ -1,0 +1,84 @@
+"""precompile(): the libraries of a problem, before it is planned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.native.engines.compiled import Compiled
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.transcribe import transcribe
+
+
+@dataclass(frozen=True)
+class Compilation:
+    """What compiling a problem did.
+
+    Attributes
+    ----------
+    functions : int
+        Point functions of the problem that are worth a compiler.
+    new : int
+        Those that the cache did not have.
+    seconds : float
+    folder : Path
+        The cache.
+    """
+
+    functions: int
+    new: int
+    seconds: float
+    folder: Path
+
+    def __str__(self) -> str:
+        if not self.functions:
+            return (
+                "nothing to compile: every point function is too small to repay it, or is shot rather than collocated"
+            )
+        return f"{self.new} of {self.functions} point functions compiled in {self.seconds:.1f} s into {self.folder}"
+
+
+def precompile(
+    problem: Problem | Phase, mesh: Mesh | Sequence[Mesh] | None = None, engine: Compiled | None = None
+) -> Compilation:
+    """Compile the point functions of a problem into the cache, so that no plan of it waits.
+
+    The libraries serve every plan of phases with the same equations: the same robot, dynamics, contacts, objective and
+    path constraints, and the same choice of free duration and parameters. Start, goal, limits, number of intervals and
+    order of the scheme may differ.
+
+    Parameters
+    ----------
+    problem : Problem or Phase
+    mesh : Mesh or sequence of Mesh, optional
+        As for ``rt.plan``.
+    engine : Compiled, optional
+        ``rt.engines.Compiled()`` by default; it is waited for in any case.
+
+    Returns
+    -------
+    Compilation
+
+    Raises
+    ------
+    InputError
+        No compiler on this machine, or the problem cannot be transcribed.
+    """
+    if isinstance(problem, Phase):
+        problem = Problem([problem])
+    if not isinstance(problem, Problem):
+        raise InputError(f"rt.precompile takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
+    if engine is not None and not isinstance(engine, Compiled):
+        raise InputError(f"engine= of rt.precompile is an rt.engines.Compiled(); got {engine!r}.")
+    engine = replace(engine or Compiled(), wait=True)
+    nlp = transcribe(problem, mesh or Mesh(), engine=engine)
+    cache = engine.open_cache()
+    before = set(cache.libraries())
+    seconds = nlp.functions.preparing
+    used = engine.libraries(nlp.point_functions)
+    return Compilation(len(used), len(used - before), seconds, cache.folder)

@@ -1,0 +1,161 @@
+"""A plan of the kinematics alone, as a guess for the whole problem."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import field, replace
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.kinematics import Kinematics
+from robotraj.dynamics.rigid_body import InverseDynamics
+from robotraj.guess.guess import Guess, PhaseGuess, StraightLine, ends_of, guessed_duration
+from robotraj.guess.joint_motion import joint_motion
+from robotraj.planning.solve import solve
+from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, symbols_of
+from robotraj.problem.constraints.joint_limits import JointEffort
+from robotraj.problem.objectives.base import Objective
+from robotraj.problem.objectives.duration import Duration
+from robotraj.problem.objectives.lagrange import Lagrange
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.robot.chart import way
+from robotraj.robot.robot import Limits
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solvers.base import Solver
+from robotraj.solvers.ipopt import Ipopt
+from robotraj.transcription.schemes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+@dataclass(frozen=True)
+class Kinematic(Guess):
+    """Plan the same problem without dynamics first, and start from that motion.
+
+    Accelerations are the controls; ends, limits of position, velocity and acceleration, links and every
+    constraint that does not depend on torques hold. What is minimised is the integral of the squared
+    accelerations and, where the duration is free, time, weighed so that a rest-to-rest motion takes the
+    guessed duration. The guess then has the torques of the inverse dynamics along that motion.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Of the kinematic plan, for every phase.
+    guess : Guess, optional
+        For the kinematic plan; a straight line by default.
+    solver : Solver
+    duration : float, optional
+        Guessed duration [s] of each phase where it is free.
+    """
+
+    mesh: Mesh = field(default_factory=lambda: Mesh(20))
+    guess: Guess = field(default_factory=StraightLine)
+    solver: Solver = field(default_factory=Ipopt)
+    duration: float | None = None
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Plan one phase by itself."""
+        return self.prepared(Problem([phase])).of(phase, 0)
+
+    def prepared(self, problem: Problem) -> Guess:
+        """Plan all phases and their links without dynamics.
+
+        A kinematic plan that fails warns, and its last iterate is the guess.
+
+        Raises
+        ------
+        InputError
+            A phase moves a System.
+        """
+        phases = [kinematic_phase(phase, self.duration) for phase in problem.phases]
+        solution = solve(Problem(phases, problem.links), self.mesh, self.guess, self.solver)
+        if not solution.success:
+            worst = "; ".join(str(violation) for violation in solution.violations(1))
+            warnings.warn(
+                f"The kinematic plan failed ({solution.status.value}; {worst}); its last iterate is the guess.",
+                stacklevel=2,
+            )
+        return _Planned(solution.phases)
+
+
+@dataclass(frozen=True)
+class _Planned(Guess):
+    """Motions of the joints, one for each phase."""
+
+    phases: Sequence[PhaseSolution]
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Sample the motion; torques follow from it."""
+        part = self.phases[index]
+
+        def read(what: str) -> Any:
+            return lambda s: getattr(part.at(part.t0 + np.clip(s, 0.0, 1.0) * part.duration), what)
+
+        return joint_motion(phase, part.duration, read("q"), read("v"), read("a"), part.parameters)
+
+
+def kinematic_phase(phase: Phase, duration: float | None = None) -> Phase:
+    """Take the dynamics, and all that depends on torques, out of a phase.
+
+    Raises
+    ------
+    InputError
+        The phase moves a System.
+    """
+    robot, limits = phase.robot, phase.limits
+    if robot is None:
+        raise InputError(f"Kinematic() needs robots, but phase {phase.name!r} moves a System.")
+    if isinstance(limits, Limits):
+        limits = limits.with_(effort=np.inf)
+    kept = [constraint for constraint in phase.constraints if not _reads_torques(constraint, phase)]
+    return replace(
+        phase,
+        objective=_smooth(phase, duration),
+        constraints=kept,
+        limits=limits,
+        controls={},
+        algebraic={},
+        dynamics=Kinematics(),
+    )
+
+
+def _smooth(phase: Phase, duration: float | None) -> Objective:
+    """Squared accelerations, and time where it is free.
+
+    From rest to rest over a distance d in T, the least integral of a^2 is 12 d^2 / T^3; with T added and a^2
+    weighed by w it is least at T^4 = 36 w d^2.
+    """
+    low, high = phase.duration_bounds
+    smooth = Lagrange(_squared_accelerations)
+    if low == high:
+        return smooth
+    assert phase.robot is not None
+    first, last = ends_of(phase)
+    nq = phase.robot.nq
+    distance = float(np.linalg.norm(way(phase.robot.model, first[:nq], last[:nq])))
+    time = guessed_duration(phase, duration)
+    weight = time**4 / (36.0 * distance**2) if distance > 0 and time > 0 else 1.0
+    return Duration() + weight * smooth
+
+
+def _squared_accelerations(point: Any) -> Any:
+    return ca.sumsqr(point.a)
+
+
+def _reads_torques(constraint: Constraint, phase: Phase) -> bool:
+    """Whether an expression depends on torques, tried where torques are symbols of their own."""
+    inner = constraint.constraint if isinstance(constraint, AtStart | AtEnd) else constraint
+    if isinstance(inner, JointEffort):
+        return True
+    assert phase.robot is not None
+    dynamics = InverseDynamics().of(phase.robot)
+    point = symbols_of(dynamics, phase.parameter_names)
+    values = constraint.bind(dynamics, phase.parameter_names).expression(point)
+    torques = ca.vertcat(*point.u.values())
+    return bool(torques.numel() and ca.depends_on(ca.vertcat(*values), torques))

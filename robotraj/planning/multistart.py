@@ -1,0 +1,294 @@
+"""Many seeded starts, and the distinct local optima that they reach."""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError, Interrupted
+from robotraj._util.values import dataclass
+from robotraj.guess.default import default_guess
+from robotraj.guess.guess import Guess, as_guess
+from robotraj.guess.perturbed import Perturbed
+from robotraj.planning.plan import plan
+from robotraj.planning.starts import Shared, Start
+from robotraj.planning.sweep import attach, check_options, detach
+from robotraj.planning.workers import run
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.solution import Solution
+from robotraj.solvers.status import Status
+
+SAMPLES = 201
+"""Fractions of a phase at which two trajectories are compared."""
+LEAST_RANGE = 1e-3
+"""States that move less than this are compared as if they moved this far [their SI unit]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """A local optimum and the starts that reached it.
+
+    Attributes
+    ----------
+    solution : Solution
+        The best of them.
+    starts : tuple of int
+        Numbers of the starts; 0 is the guess without perturbation.
+    """
+
+    solution: Solution
+    starts: tuple[int, ...]
+
+    @property
+    def objective(self) -> float:
+        """Objective of the best solution."""
+        return self.solution.objective
+
+
+@dataclass(frozen=True, eq=False)
+class Multistart:
+    """What many starts found.
+
+    Attributes
+    ----------
+    optima : tuple of Optimum
+        Distinct local optima, the lowest objective first.
+    failures : mapping of Status to int
+        How many starts ended without a solution, by status.
+    starts : int
+        That were made.
+    iterations : int
+        Of all starts.
+    left : int
+        Starts that Ctrl-C left out.
+    objective_tolerance, trajectory_tolerance : float
+        Within which two solutions count as one.
+    """
+
+    optima: tuple[Optimum, ...]
+    failures: Mapping[Status, int]
+    starts: int
+    iterations: int
+    objective_tolerance: float
+    trajectory_tolerance: float
+    left: int = 0
+
+    @property
+    def best(self) -> Solution:
+        """The lowest optimum found.
+
+        Raises
+        ------
+        InputError
+            No start reached a solution.
+        """
+        if not self.optima:
+            raise InputError(f"None of the {self.starts} starts reached a solution.\n{self}")
+        return self.optima[0].solution
+
+    def __str__(self) -> str:
+        failed = sum(self.failures.values())
+        count = len(self.optima)
+        plural = "um" if count == 1 else "a"
+        lines = [
+            f"{self.starts} starts, {self.iterations} iterations: "
+            f"{count} distinct local optim{plural}, {failed} failed"
+            + (f"; interrupted with {self.left} starts to go" if self.left else ""),
+            "        objective  duration [s]  starts  iterations  first start",
+        ]
+        lines += [
+            f"{i:>3}  {o.objective:>12.8g}  {o.solution.duration:>12.6g}  {len(o.starts):>6}  "
+            f"{o.solution.iterations:>10}  {o.starts[0]:>11}"
+            for i, o in enumerate(self.optima, 1)
+        ]
+        lines += [f"failed, {status.value}: {number}" for status, number in self.failures.items()]
+        lines.append(
+            f"one optimum: objectives within {self.objective_tolerance:g} (relative) and states within "
+            f"{self.trajectory_tolerance:g} of their range"
+        )
+        return "\n".join(lines)
+
+
+def multistart(
+    problem: Problem | Phase,
+    starts: int = 20,
+    seed: int = 0,
+    *,
+    spread: float = 0.2,
+    patience: int | None = None,
+    guess: Guess | Solution | None = None,
+    executor: Executor | None = None,
+    objective_tolerance: float = 1e-5,
+    trajectory_tolerance: float = 1e-2,
+    **options: Any,
+) -> Multistart:
+    """Plan from a guess and from seeded random variations of it, and tell the distinct local optima.
+
+    All starts of a process share one transcription, scaled at the guess, and the solver's program: a later start
+    takes its iterations and little more. No number of starts proves that the lowest optimum found is the lowest there
+    is.
+
+    Parameters
+    ----------
+    problem : Problem or Phase
+    starts : int
+        The first is the guess itself, the others are ``rt.guess.Perturbed`` variations.
+    seed : int
+        The same seed gives the same starts and the same answer, whatever the executor.
+    spread : float
+        Size of the perturbations, relative to the ranges of the variables; see ``rt.guess.Perturbed``.
+    patience : int, optional
+        Stop when this many starts in a row found no lower optimum; all are made by default.
+    guess : Guess or Solution, optional
+        A straight line by default.
+    executor : concurrent.futures.Executor, optional
+        As of ``rt.sweep``: one fresh process per core by default. Where a start takes less than the second that a
+        process takes to begin, ``ThreadPoolExecutor(1)`` is quicker.
+    objective_tolerance : float
+        Two solutions are one optimum if their objectives differ by less than this times 1 + |objective| ...
+    trajectory_tolerance : float
+        ... and if, at equal fractions of each phase, no state differs by more than this times its range, nor
+        the duration by more than this times itself.
+    **options
+        Of ``rt.plan``: mesh, solver, tolerance, stages ... ``rt.Fatrop(fallback=None)`` leaves starts that fatrop
+        gives up instead of handing them to IPOPT, which would take longer over them than over all others.
+
+    Returns
+    -------
+    Multistart
+        Print it for the table of optima and failures. After Ctrl-C it has what was found by then, and ``left`` is the
+        number of starts that were not made.
+
+    Raises
+    ------
+    InputError
+        No starts, no patience, a negative spread, seed or tolerance, what is no number, a problem that cannot be
+        posed, or an option that ``rt.plan`` does not have.
+    """
+    problem = Problem([problem]) if isinstance(problem, Phase) else problem
+    if not isinstance(problem, Problem):
+        raise InputError(f"rt.multistart takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
+    if not _counts(starts, 1) or not _measures(spread):
+        raise InputError(
+            f"rt.multistart needs at least 1 start and a spread of 0 or more; got {starts!r} and {spread!r}."
+        )
+    if patience is not None and not _counts(patience, 1):
+        raise InputError(f"rt.multistart needs a patience of at least 1 start, or None; got {patience!r}.")
+    if not _counts(seed, 0):
+        raise InputError(f"rt.multistart takes a whole number of 0 or more as seed; got {seed!r}.")
+    for name, value in (("objective_tolerance", objective_tolerance), ("trajectory_tolerance", trajectory_tolerance)):
+        if not _measures(value):
+            raise InputError(f"rt.multistart needs {name}= of 0 or more; got {value!r}.")
+    for name in ("check", "progress"):
+        if name in options:
+            raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
+    check_options(options)
+    first = as_guess(guess) or default_guess(problem)
+    guesses = [first, *(Perturbed(first, (seed, i), spread) for i in range(1, starts))]
+    left = 0
+    try:
+        every: Sequence[Solution] = run(
+            _plan, _Search(problem, first, options), guesses, executor, _out_of(patience, objective_tolerance)
+        )
+        found = dict(enumerate(every))
+    except Interrupted as stopped:
+        found, left = stopped.found, starts - len(stopped.found)
+    solved = sorted((s.objective, i) for i, s in found.items() if s.success)
+    groups: list[list[int]] = []
+    for _, i in solved:
+        for group in groups:
+            if _same(found[group[0]], found[i], objective_tolerance, trajectory_tolerance, problem):
+                group.append(i)
+                break
+        else:
+            groups.append([i])
+    failures = Counter(s.status for s in found.values() if not s.success)
+    return Multistart(
+        tuple(Optimum(attach(found[group[0]], problem), tuple(sorted(group))) for group in groups),
+        dict(sorted(failures.items(), key=lambda entry: entry[0].value)),
+        len(found),
+        sum(s.iterations for s in found.values()),
+        objective_tolerance,
+        trajectory_tolerance,
+        left,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """What all starts have in common."""
+
+    problem: Problem
+    first: Guess
+    options: Mapping[str, Any]
+
+
+class _Own(threading.local):
+    """What the starts of a thread share: compiled programs are worked by one thread at a time."""
+
+    def __init__(self) -> None:
+        self.known: WeakKeyDictionary[_Search, Shared] = WeakKeyDictionary()
+
+
+_own = _Own()
+
+
+def _plan(search: _Search, guess: Guess) -> Solution:
+    shared = _own.known.setdefault(search, Shared(search.first))
+    start = Start(guess, shared)
+    return detach(plan(search.problem, guess=start, check=False, progress=False, **search.options))
+
+
+def _counts(value: Any, least: int) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool) and bool(value >= least)
+
+
+def _measures(value: Any) -> bool:
+    return isinstance(value, float | int | np.floating | np.integer) and bool(0 <= value < np.inf)
+
+
+def _out_of(patience: int | None, tolerance: float) -> Callable[[Sequence[Solution]], bool] | None:
+    """Whether the last starts, that many, found no optimum lower than those before, if any did."""
+    if patience is None:
+        return None
+
+    def stop(found: Sequence[Solution]) -> bool:
+        costs = [s.objective if s.success else np.inf for s in found]
+        lowest = min(costs)
+        first = next((i for i, cost in enumerate(costs) if _equal(cost, lowest, tolerance)), len(costs))
+        return len(costs) - 1 - first >= patience
+
+    return stop
+
+
+def _equal(a: float, b: float, tolerance: float) -> bool:
+    return abs(a - b) <= tolerance * (1.0 + abs(a))
+
+
+def _same(a: Solution, b: Solution, objective: float, trajectory: float, problem: Problem) -> bool:
+    if not _equal(a.objective, b.objective, objective):
+        return False
+    parts = zip(a.phases, b.phases, problem.phases, strict=True)
+    return all(_distance(p, q, len(phase.body.states)) <= trajectory for p, q, phase in parts)
+
+
+def _distance(a: PhaseSolution, b: PhaseSolution, states: int) -> float:
+    """Largest difference of a state relative to its range, or of the durations relative to the longer one."""
+    x, y = (_sampled(part)[:, :states] for part in (a, b))
+    span = np.maximum(np.maximum(np.ptp(x, axis=0), np.ptp(y, axis=0)), LEAST_RANGE)
+    longer = max(a.duration, b.duration)
+    late = abs(a.duration - b.duration) / longer if longer > 0 else 0.0
+    return float(np.max(np.abs(x - y).max(axis=0) / span, initial=late))
+
+
+def _sampled(part: PhaseSolution) -> NDArray[np.float64]:
+    return part.trajectory.x(part.t0 + part.duration * np.linspace(0.0, 1.0, SAMPLES))

@@ -1,0 +1,199 @@
+"""Solve, look between the knots, refine, solve again: until the error estimate holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj.guess.guess import Guess
+from robotraj.native.engines.base import Engine
+from robotraj.planning.sharpening import Sharpening
+from robotraj.planning.solve import solve
+from robotraj.problem.problem import Problem
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.records import MeshStep, added_times
+from robotraj.solution.solution import Solution
+from robotraj.solvers.base import Progress, Solver
+from robotraj.solvers.status import Status
+from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.refinement.assess import assess
+from robotraj.transcription.refinement.strategy import Assessment, Refinement
+from robotraj.transcription.schemes.collocation import Collocation
+from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
+from robotraj.transcription.schemes.onestep import OneStep
+
+MOST_MESHES = 25
+"""Meshes tried before the tolerance is given up."""
+MOST_INTERVALS = 10_000
+"""Intervals of all phases beyond which the tolerance is given up: the rest is round-off, or asks for a higher order."""
+PATIENCE = 4
+"""Meshes in a row that do not bring the error down, after which the tolerance is given up."""
+LESS = 0.8
+"""Part of the least error so far that counts as down."""
+ALIKE = 2.0
+"""How many times as large as the least of these meshes' errors the largest may be."""
+ROOM = 0.1
+"""How far the lengths of moving intervals change from one mesh to the next, relative to themselves."""
+ROUND_OFF = 1e-13
+"""Errors below which a mesh is not refined for their sake."""
+SMALL = 1e-2
+"""Objectives below this settle to the tolerance times this, not to the tolerance times themselves."""
+
+
+def adapt(
+    problem: Problem,
+    mesh: Mesh | Sequence[Mesh],
+    guess: Guess | Solution | None,
+    solver: Solver,
+    progress: Progress | None,
+    tolerance: float,
+    refinement: Refinement,
+    engine: Engine | None = None,
+    interval_limits: ConstraintGeneration | None = None,
+) -> Solution:
+    """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
+
+    Each mesh starts from the solution on the one before. An objective has settled only on a finer mesh than the last:
+    where the errors hold and ``refinement`` makes none, smaller errors are asked for, or every interval is halved; but
+    for knots that move. Rows are imposed between the collocation points from the first mesh on that is fine enough
+    without, or no better than one before it: what holds them on a coarse mesh is of no use to the next one, and costs
+    as many solves. Where the solver stops too far from the optimum of its mesh, it is made sharper
+    (``Solver.sharper``). A solution whose tolerance was not reached says so in its status.
+    """
+    if not isinstance(refinement, Refinement):
+        raise InputError(f"refinement= must be one such as rt.refinement.SplitOrRaise(); got {refinement!r}.")
+    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+    steps: list[MeshStep] = []
+    # Below 1e-7 a guard would chase the solver's own round-off.
+    interval_limits = interval_limits or ConstraintGeneration()
+    interval_limits = replace(interval_limits, tolerance=min(interval_limits.tolerance, max(1e-7, 0.1 * tolerance)))
+    total: dict[str, float] = {}
+    known: Guess | Solution | None = guess
+    holding = False
+    sharpening = Sharpening(solver)
+
+    def seen(solution: Solution) -> tuple[list[Assessment], float, bool]:
+        """Give the errors of all intervals, the largest, and whether the objective has settled."""
+        before = steps[-1].objective if steps else np.inf
+        # Where each mesh halves the distance to the optimum, what is left is as large as the last change.
+        settled = abs(solution.objective - before) <= 0.5 * tolerance * max(abs(solution.objective), SMALL)
+        assessments = [assess(part.phase, part.trajectory, part.mesh, settled) for part in solution.phases]
+        return assessments, max(float(a.errors.max()) for a in assessments), settled
+
+    def hold(solution: Solution) -> bool:
+        nonlocal holding
+        if not holding and solution.success:
+            _, worst, settled = seen(solution)
+            holding = (worst <= tolerance and settled) or worst >= min((step.error for step in steps), default=np.inf)
+        return holding
+
+    kept: Solution | None = None
+    try:
+        while True:
+            solution = solve(problem, meshes, known, sharpening.solver, progress, interval_limits, engine, hold)
+            if not solution.success and sharpening.sharpened and solution.status is not Status.INTERRUPTED:
+                total = added_times(total, solution.times)
+                sharpening.give_up()
+                solution = solve(problem, meshes, known, sharpening.solver, progress, interval_limits, engine, hold)
+            seconds, total = solution.seconds, added_times(total, solution.times)
+            kept = solution = replace(solution, refinement=tuple(steps), times=total)
+            assessments, worst, settled = seen(solution)
+            steps.append(
+                MeshStep(
+                    sum(m.count for m in meshes),
+                    sum(len(part.points) for part in solution.phases),
+                    worst,
+                    solution.objective,
+                    solution.iterations,
+                    seconds,
+                )
+            )
+            kept = solution = replace(solution, refinement=tuple(steps))
+            reached = holding and worst <= tolerance and settled
+            blunt = sharpening.is_blunt(solution, tolerance * max(abs(solution.objective), SMALL))
+            if not solution.success or (reached and not blunt):
+                return solution
+            if reached:
+                known = solution
+                continue
+            # Errors that hold while the objective still moves are too large for the objective.
+            goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
+            finer = _next(solution, assessments, refinement, tolerance, goal)
+            if worst <= tolerance and not settled and not _is_finer(meshes, finer):
+                closer = _next(solution, assessments, refinement, tolerance, max(0.1 * worst, ROUND_OFF))
+                if not _is_finer(meshes, closer):
+                    closer = [_halved(mesh) for mesh in meshes]
+                finer = [b if isinstance(b, MovingMesh) else c for b, c in zip(finer, closer, strict=True)]
+            given_up = worst > tolerance and _stuck([step.error for step in steps])
+            if given_up or len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
+                if not holding:
+                    held = solve(problem, meshes, solution, sharpening.solver, progress, interval_limits, engine)
+                    if held.status is Status.INTERRUPTED:
+                        return replace(solution, status=Status.INTERRUPTED)
+                    if held.success:
+                        solution = replace(held, refinement=tuple(steps), times=added_times(total, held.times))
+                return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
+            meshes, known = finer, solution
+    except KeyboardInterrupt:
+        # Ctrl-C between two solves, where no solver waits for it: what was found on the last mesh stays.
+        if kept is None:
+            raise
+        return replace(kept, status=Status.INTERRUPTED)
+
+
+def _is_finer(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:
+    """Whether meshes have more points, and none of them less; those whose knots move are never the same."""
+    pairs = [(a, b) for a, b in zip(before, after, strict=True) if not isinstance(a, MovingMesh)]
+    more = [_points(b) - _points(a) for a, b in pairs]
+    return not more or (min(more) >= 0 and max(more) > 0)
+
+
+def _points(mesh: Mesh) -> int:
+    return sum(len(scheme.nodes) if isinstance(scheme, Collocation) else 1 for scheme in mesh.schemes)
+
+
+def _halved(mesh: Mesh) -> Mesh:
+    """Every interval in two, where errors at round-off ask for no finer mesh and the objective has not settled.
+
+    The residual sees neither what the polynomial of the controls costs, or a hull of their limits, nor the quadrature
+    of the objective; and on the same mesh again any objective has settled.
+    """
+    knots = np.interp(np.arange(2 * mesh.count + 1) / 2, np.arange(mesh.count + 1), mesh.knots)
+    return Mesh(tuple(knots.tolist()), tuple(scheme for scheme in mesh.schemes for _ in range(2)))
+
+
+def _stuck(errors: list[float]) -> bool:
+    """Whether the last meshes are no better than one before them and much alike: the motion chatters.
+
+    On singular arcs it does. Errors that jump about are those of different motions, as where there is no objective, of
+    which the next may do.
+    """
+    before, last = errors[:-PATIENCE], errors[-PATIENCE:]
+    return bool(before) and min(last) > LESS * min(before) and max(last) < ALIKE * min(last)
+
+
+def _stepped(part: PhaseSolution) -> bool:
+    """Whether a phase is stepped from knot to knot; until the objective settles, its controls are cut finer anyway."""
+    return any(isinstance(scheme, OneStep) for scheme in part.mesh.schemes)
+
+
+def _next(
+    solution: Solution, assessments: Sequence[Assessment], refinement: Refinement, tolerance: float, goal: float
+) -> list[Mesh]:
+    """Refine the mesh of every phase to a goal; shooting to the tolerance, since its objective is seen to by itself."""
+    pairs = zip(solution.phases, assessments, strict=True)
+    return [_refined(part, own, refinement, tolerance if _stepped(part) else goal) for part, own in pairs]
+
+
+def _refined(part: PhaseSolution, assessment: Assessment, refinement: Refinement, tolerance: float) -> Mesh:
+    """Refine the mesh of a phase; knots that move go on from where they came to stand."""
+    mesh = part.mesh
+    if not isinstance(mesh, MovingMesh):
+        return refinement.refine(mesh, assessment, tolerance)
+    inner = (part.knots[1:-1] - part.t0) / part.duration
+    refined = refinement.refine(Mesh((0.0, *inner, 1.0), mesh.schemes), assessment, tolerance)
+    # Knots away from switches are free to wander; now that switches have theirs, little room is enough.
+    return MovingMesh(refined.intervals, refined.scheme, max(mesh.least, 1 - ROOM), min(mesh.most, 1 + ROOM))

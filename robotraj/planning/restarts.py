@@ -1,0 +1,124 @@
+"""Other ways to begin, where a problem turned out infeasible from where a plan begins by default.
+
+Free durations may be guessed too short. With less time than a motion needs, its rows contradict each other, and a
+solver that steps toward their least sum of contradictions may shorten the duration instead of lengthening it: it ends
+at a point that is infeasible locally, though the problem is not. At a fixed and ample duration, without the objective,
+the rows alone are left, and any motion that meets them is a guess from which the duration falls to its optimum.
+Source: Betts, Practical Methods for Optimal Control (2010), section 2.12 (find a feasible point first).
+
+Guesses may also stand where an obstacle has no side to be passed on, or at a pose from which no row says where to go:
+random variations of them, seeded, stand elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import chain
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj.guess.default import default_guess
+from robotraj.guess.guess import Guess, StraightLine
+from robotraj.guess.perturbed import Perturbed
+from robotraj.problem.problem import Problem
+from robotraj.solution.records import added_times
+from robotraj.solution.solution import Solution
+from robotraj.solvers.status import Status
+from robotraj.transcription.nlp import Nlp
+
+TIMES = (3.0, 9.0, 27.0)
+"""How many times as long as they were guessed durations are, one after the other: the longer, the further from the
+optimum."""
+SEEDS = (0, 1)
+"""Of the variations that are tried."""
+LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
+"""Ends from which another beginning may lead away."""
+
+
+Solve = Callable[[Problem, Guess | Solution | None], Solution]
+"""(problem, guess) -> Solution, on the same mesh."""
+
+
+def retried(failed: Solution, nlp: Nlp, guess: Guess | Solution | None, solve: Solve) -> Solution:
+    """Solve a problem that failed once more: from motions that take longer, then from variations of the default guess.
+
+    Parameters
+    ----------
+    failed : Solution
+        What the solver ended with.
+    nlp : Nlp
+        What it was given, with the durations it started from.
+    guess : Guess, Solution or None
+        What the user gave. Guesses with a course of their own are not replaced, and only where there is none is there a
+        default to vary.
+    solve : callable
+
+    Returns
+    -------
+    Solution
+        The first that was found, else the one that failed; with the seconds and iterations of all that was tried.
+    """
+    problem = failed.problem
+    if failed.status not in LOST or any(phase.bound_contacts for phase in problem.phases):
+        return failed
+    spent, iterations = failed.times, failed.iterations
+    for attempt, whence in chain(_from_longer(problem, nlp, guess, solve), _from_elsewhere(problem, guess, solve)):
+        spent, iterations = added_times(spent, attempt.times), iterations + attempt.iterations
+        if attempt.status is Status.INTERRUPTED:
+            return replace(failed, status=Status.INTERRUPTED, times=spent, iterations=iterations)
+        if attempt.success and whence:
+            return replace(attempt, message=f"{attempt.message}, {whence}", times=spent, iterations=iterations)
+    return replace(failed, times=spent, iterations=iterations)
+
+
+def _from_elsewhere(problem: Problem, guess: Guess | Solution | None, solve: Solve) -> Iterator[tuple[Solution, str]]:
+    """Start from variations of the default guess; say so of each solution."""
+    for seed in SEEDS if guess is None else ():
+        found = solve(problem, Perturbed(default_guess(problem), (seed,)))
+        yield found, "from a variation of the default guess, which led nowhere"
+
+
+def _from_longer(
+    problem: Problem, nlp: Nlp, guess: Guess | Solution | None, solve: Solve
+) -> Iterator[tuple[Solution, str]]:
+    """Start from motions that take longer; say so of each solution, and nothing of these motions themselves."""
+    free = [layout.duration.column is not None for layout in nlp.layouts]
+    if not any(free) or not (guess is None or isinstance(guess, StraightLine | Solution)):
+        return
+    tried: set[tuple[float, ...]] = set()
+    for times in TIMES:
+        durations = tuple(_duration(nlp, i, times) for i in range(len(free)))
+        if durations in tried:
+            return
+        tried.add(durations)
+        try:
+            ample = [
+                replace(phase, duration=duration, objective=None) if is_free else phase
+                for phase, duration, is_free in zip(problem.phases, durations, free, strict=True)
+            ]
+        except InputError:
+            # No limit of speeds allows it yet: what a free duration may grow to, a fixed one is refused for.
+            continue
+        motion = solve(Problem(ample, problem.links), None)
+        yield motion, ""
+        if motion.success:
+            found = solve(problem, motion)
+            yield found, _whence(nlp, free, durations, found)
+
+
+def _whence(nlp: Nlp, free: list[bool], durations: tuple[float, ...], found: Solution) -> str:
+    """Say how long the motion was from which a solution was found, and what that tells of the guess."""
+    chosen = [i for i, is_free in enumerate(free) if is_free]
+    seconds = " and ".join(f"{durations[i]:.3g} s" for i in chosen)
+    short = sum(found.phases[i].duration - _duration(nlp, i, 1.0) for i in chosen) > 0
+    return f"from a motion of {seconds}: the guess {'was too short' if short else 'led nowhere'}"
+
+
+def _duration(nlp: Nlp, index: int, times: float) -> float:
+    """Duration of a phase [s]: its own where that is fixed, else so many times the guessed one, within its bounds."""
+    scalar = nlp.layouts[index].duration
+    if scalar.column is None:
+        return float(scalar.value)
+    return float(np.clip(times * nlp.guess[scalar.column], *nlp.problem.phases[index].duration_bounds))

@@ -1,0 +1,342 @@
+"""One solve on one mesh: transcribe, solve, evaluate every row again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from robotraj.guess.guess import Guess, as_guess
+from robotraj.native.engines.base import Engine
+from robotraj.planning.restarts import retried
+from robotraj.planning.starts import Start
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.solution.costates.duals import LateDuals, PhaseDuals
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.records import added_times
+from robotraj.solution.solution import Solution
+from robotraj.solution.violations import Violation, violations
+from robotraj.solvers.base import LateMultipliers, Multipliers, Outcome, Progress, Solver
+from robotraj.solvers.status import Status
+from robotraj.transcription.collocation.index_reduction import equations_of, held_throughout
+from robotraj.transcription.collocation.unwrap_angles import unwound
+from robotraj.transcription.extract import extract
+from robotraj.transcription.interval_limits.added_rows import guarded
+from robotraj.transcription.interval_limits.constraint_generation import (
+    Bulge,
+    Guard,
+    find_bulges,
+    find_control_bulges,
+    guardable,
+)
+from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.reuse import transcribed_again
+from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
+from robotraj.transcription.schemes.onestep import OneStep
+from robotraj.transcription.transcribe import transcribe
+
+ROW_TOLERANCE = 1e-6
+"""Largest violation of a scaled row or bound that counts as held, when rows are evaluated outside the solver."""
+NEAR = 1e-2
+"""Largest violation of a scaled row at a guess from another problem whose multipliers are still worth taking."""
+
+
+def solve(
+    problem: Problem,
+    mesh: Mesh | Sequence[Mesh],
+    guess: Guess | Solution | None,
+    solver: Solver,
+    progress: Progress | None = None,
+    interval_limits: ConstraintGeneration | None = None,
+    engine: Engine | None = None,
+    hold: Callable[[Solution], bool] | None = None,
+    retry: bool = True,
+) -> Solution:
+    """Solve a problem on a mesh and check the answer outside the solver.
+
+    Where a row on states turns out broken between collocation points, it is imposed there too, as ``interval_limits`` says,
+    and the problem solved again, from the last answer; only if ``hold``, where given, says of the first answer that
+    it is worth it. A guess brings its guards along, on the intervals that its mesh has as well, unless ``interval_limits`` has
+    no rounds: then nothing is imposed. Where the problem with further rows cannot be solved, the solution without them
+    stays, and ``interval_limits`` lists what is broken.
+
+    Where the problem cannot be solved from a default guess, or a free duration turns out guessed too short, ``retry``
+    solves it from elsewhere: see ``robotraj.planning.restarts``.
+    """
+    began = time.perf_counter()
+    interval_limits = interval_limits or ConstraintGeneration()
+    nlp = _again(problem, mesh, guess, engine, interval_limits) or transcribe(
+        problem, mesh, as_guess(guess), engine, interval_limits
+    )
+    guards, same = _known_guards(problem, mesh, guess) if interval_limits.rounds else ([], False)
+    plain = nlp
+    if guards:
+        nlp = guarded(nlp, guards, nlp.guess)
+    multipliers = _multipliers(guess, nlp, True) if guards and same else _multipliers(guess, plain, False)
+    if guards and not same and multipliers is not None:
+        multipliers = _lengthened(multipliers, nlp)
+    solution, w = _solve(nlp, guess, multipliers, solver, progress, began)
+    try:
+        if retry and not solution.success:
+
+            def once_more(asked: Problem, start: Guess | Solution | None) -> Solution:
+                # Whether rows between the points are worth it is said of the problem's own solutions: others lead to
+                # them.
+                worth = hold if asked is problem else _never
+                return solve(asked, mesh, start, solver, progress, interval_limits, engine, worth, retry=False)
+
+            solution = retried(solution, nlp, guess, once_more)
+            if solution.success:
+                return solution
+        bulges = _bulges(solution, interval_limits.tolerance)
+        moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
+        for _ in range(interval_limits.rounds if hold is None or hold(solution) else 0):
+            held, rows_held = set(guards), {_row_of(guard) for guard in guards if not _is_equation(problem, guard)}
+            broken = (bulge for bulge in bulges if not _is_kept_to(nlp, bulge.guard))
+            wanted = (guard for bulge in broken for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
+            new = list(dict.fromkeys(guard for guard in wanted if guard not in held))
+            if not new or not solution.success:
+                break
+            began = time.perf_counter()
+            if moving:
+                # Knots start again from where the mesh has them: moved ones hold on to the arcs they came to stand on.
+                nlp = transcribe(problem, mesh, as_guess(solution), engine, interval_limits)
+                nlp = guarded(nlp, [*guards, *new], nlp.guess)
+            else:
+                nlp = guarded(nlp, new, w)
+            again, w = _solve(nlp, solution, _multipliers(solution, nlp, True), solver, progress, began)
+            times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
+            failed = not again.success and again.status is not Status.INTERRUPTED
+            solution = replace(solution if failed else again, times=times, iterations=iterations)
+            if failed:
+                break
+            guards += new
+            bulges = _bulges(solution, interval_limits.tolerance)
+        of_controls = [
+            bulge
+            for i, part in enumerate(solution.phases)
+            for bulge in find_control_bulges(part.phase, i, part.trajectory)
+        ]
+        left, controls = (
+            tuple(sorted((_violation(solution, bulge) for bulge in found), key=lambda v: -v.relative))
+            for found in (bulges, of_controls)
+        )
+    except KeyboardInterrupt:
+        # Ctrl-C where no solver waits for it: what the last one found stays.
+        return replace(solution, status=Status.INTERRUPTED, guards=tuple(guards))
+    return replace(solution, guards=tuple(guards), interval_violations=left, control_interval_violations=controls)
+
+
+def _never(solution: Solution) -> bool:
+    return False
+
+
+def _again(
+    problem: Problem,
+    mesh: Mesh | Sequence[Mesh],
+    guess: Guess | Solution | None,
+    engine: Engine | None,
+    interval_limits: ConstraintGeneration,
+) -> Nlp | None:
+    """Take over the NLP of an earlier solution of a problem like this one without guards, or of earlier starts."""
+    if isinstance(guess, Start):
+        return guess.shared.transcribed(problem, mesh, guess, engine, interval_limits)
+    if not isinstance(guess, Solution) or guess.guards or guess.multipliers is None or guess.multipliers.origin is None:
+        return None
+    origin = guess.multipliers.origin
+    return transcribed_again(origin.nlp, problem, mesh, engine, interval_limits, origin.w)
+
+
+def _bulges(solution: Solution, allowed: float) -> list[Bulge]:
+    """Rows on states that are broken between the collocation points."""
+    return [
+        bulge
+        for i, part in enumerate(solution.phases)
+        for bulge in find_bulges(part.phase, i, part.trajectory, allowed)
+    ]
+
+
+def _row_of(guard: Guard) -> tuple[int, int, int, int]:
+    return guard.phase, guard.interval, guard.constraint, guard.row
+
+
+def _is_equation(problem: Problem, guard: Guard) -> bool:
+    """Whether a row is an equation: more of it between the points soon leaves a motion nothing to choose."""
+    row = problem.phases[guard.phase].bound_constraints[guard.constraint].rows[guard.row]
+    return row.lower == row.upper
+
+
+def _is_kept_to(nlp: Nlp, guard: Guard) -> bool:
+    """Whether a row is an equation that is held with its rates: one place more would leave the motion no choice."""
+    phase = nlp.problem.phases[guard.phase]
+    if isinstance(nlp.layouts[guard.phase].scheme, OneStep):
+        return False
+    held = held_throughout(phase)
+    row = phase.bound_constraints[guard.constraint].rows[guard.row]
+    return any(held[e.row][1] is row for e in equations_of(phase))
+
+
+def _violation(solution: Solution, bulge: Bulge) -> Violation:
+    phase = solution.phases[bulge.guard.phase].phase
+    row = phase.bound_constraints[bulge.guard.constraint].rows[bulge.guard.row]
+    bound = max((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0)
+    return Violation(phase.name, row.label, bulge.time, bulge.amount, row.unit, bulge.amount / (1.0 + bound))
+
+
+def _known_guards(
+    problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | Solution | None
+) -> tuple[list[Guard], bool]:
+    """Guards of an earlier solution, of rows that this problem has as well; and whether they are all on the same mesh.
+
+    Where they are not, guards come along on the intervals that begin and end as before, whatever their schemes.
+    """
+    if not isinstance(guess, Solution) or not guess.guards or len(guess.phases) != len(problem.phases):
+        return [], False
+    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+
+    def rows(phase: Phase) -> list[tuple[str, str | None]]:
+        return [(row.name, row.joint) for bound in phase.bound_constraints for row in bound.rows]
+
+    pairs = list(zip(guess.phases, problem.phases, strict=True))
+    if not all(rows(part.phase) == rows(phase) for part, phase in pairs):
+        return [], False
+    # A row of the same name may be held elsewhere, or read what is not known between the points.
+    held = [{(c, r) for c, r, *_ in guardable(phase)} for phase in problem.phases]
+    guards = [g for g in guess.guards if (g.constraint, g.row) in held[g.phase]]
+    if all(part.mesh == here for part, here in zip(guess.phases, meshes, strict=True)):
+        return guards, len(guards) == len(guess.guards)
+    kept = [_kept_intervals(part.mesh, here) for part, here in zip(guess.phases, meshes, strict=True)]
+    carried = (replace(g, interval=kept[g.phase][g.interval]) for g in guards if g.interval in kept[g.phase])
+    return list(carried), False
+
+
+def _kept_intervals(before: Mesh, after: Mesh) -> dict[int, int]:
+    """Intervals of a mesh that another one has as well, by their numbers there; none where knots move."""
+    if isinstance(before, MovingMesh) or isinstance(after, MovingMesh):
+        return {}
+    numbers = {ends: k for k, ends in enumerate(_ends(after))}
+    return {k: numbers[ends] for k, ends in enumerate(_ends(before)) if ends in numbers}
+
+
+def _ends(mesh: Mesh) -> Iterator[tuple[float, float]]:
+    knots = [round(float(knot), 12) for knot in mesh.knots]
+    return zip(knots[:-1], knots[1:], strict=True)
+
+
+def _solve(
+    nlp: Nlp,
+    guess: Guess | Solution | None,
+    multipliers: Multipliers | None,
+    solver: Solver,
+    progress: Progress | None,
+    began: float,
+) -> tuple[Solution, np.ndarray]:
+    """Solve a transcribed problem; also give the decision vector. It is being built since ``began``."""
+    shared = guess.shared if isinstance(guess, Start) else None
+    known = guess.multipliers if isinstance(guess, Solution) else shared.known if shared else None
+    if known is not None and known.origin is not None:
+        outcome = solver.resolve(nlp, known, progress, multipliers)
+    else:
+        outcome = solver.solve(nlp, progress, multipliers)
+    outcome = replace(outcome, w=unwound(nlp, outcome.w))
+    if shared is not None:
+        shared.keep(nlp, outcome.multipliers)
+    # What a solver does not count as its own, such as assembling the NLP's functions for it, is building.
+    own = outcome.times.get("setup", 0.0) + outcome.times.get("solve", 0.0)
+    times = {"build": time.perf_counter() - began - own - nlp.compiling, "compile": nlp.compiling}
+    return _conclude(nlp, outcome, times), outcome.w
+
+
+def _conclude(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
+    """Evaluate every row again outside the solver and wrap up what it found."""
+    outputs = nlp.outputs(outcome.w)
+    broken = violations(nlp, outcome.w, ROW_TOLERANCE, outputs)
+    status = outcome.status
+    if status is Status.SOLVED and broken:
+        status = Status.ROWS_VIOLATED
+    if status is Status.INFEASIBLE and _more_equations_than_unknowns(nlp):
+        status = Status.OVERDETERMINED
+    trajectories = extract(nlp, outcome.w, outputs)
+    phases = tuple(
+        PhaseSolution(phase, layout.mesh, trajectory)
+        for phase, layout, trajectory in zip(nlp.problem.phases, nlp.layouts, trajectories, strict=True)
+    )
+    return Solution(
+        nlp.problem,
+        phases,
+        status,
+        outcome.message,
+        nlp.objective(outcome.w, outputs),
+        outcome.iterations,
+        times | outcome.times,
+        broken,
+        outcome.multipliers,
+        duals=_late_duals(nlp, outcome) if status is Status.SOLVED else (),
+        impulses=tuple(
+            {unknown.name: float(value) for unknown, value in zip(link.unknowns, outcome.w[columns], strict=True)}
+            for link, columns in zip(nlp.problem.bound_links, nlp.link_columns, strict=True)
+        ),
+    )
+
+
+def _more_equations_than_unknowns(nlp: Nlp) -> bool:
+    equations = np.sum(nlp.rows.lower == nlp.rows.upper)
+    return bool(equations > np.sum(nlp.variables.lower < nlp.variables.upper))
+
+
+def _late_duals(nlp: Nlp, outcome: Outcome) -> LateDuals:
+    # Costates are not unique where invariants are held. A copy of the NLP is without the functions that it has made.
+    held = any(phase.dae.invariants for phase in nlp.problem.phases)
+    return LateDuals(partial(_duals, replace(nlp), outcome), 0 if held else len(nlp.layouts))
+
+
+def _duals(nlp: Nlp, outcome: Outcome) -> tuple[PhaseDuals, ...]:
+    """Duals as functions of time: late, with what finds them."""
+    from robotraj.solution.costates.covector import covectors
+
+    return covectors(nlp, outcome.w, outcome.multipliers)
+
+
+def _broken_by(nlp: Nlp) -> float:
+    """Largest violation of a scaled row at the guess."""
+    values = nlp.values(nlp.guess)
+    return float(np.max(np.maximum(nlp.rows.lower - values, values - nlp.rows.upper) * nlp.row_scale, initial=0.0))
+
+
+def _multipliers(guess: Any, nlp: Nlp, guarded: bool) -> Multipliers | None:
+    """Multipliers of an earlier solution of the same NLP, or of one nearby; new guards come last and start at zero.
+
+    Far from the earlier problem its multipliers, and the small barrier that belongs to them, cost more than they save.
+    """
+    if not isinstance(guess, Solution) or guess.multipliers is None or not guess.success:
+        return None
+    same = guess.problem is nlp.problem
+    if not same and _broken_by(nlp) > NEAR:
+        return None
+    known, sizes = guess.multipliers, (len(nlp.rows), len(nlp.variables))
+    more = sizes[0] - known.sizes[0], sizes[1] - known.sizes[1]
+    if min(more) >= 0 and (guarded or more == (0, 0)):
+        return _lengthened(known, nlp)
+    if not same:
+        return None
+    from robotraj.solution.costates.transfer import transfer
+
+    return transfer(guess.duals, nlp)
+
+
+def _lengthened(known: Multipliers, nlp: Nlp) -> Multipliers:
+    # Not every solver reads them, and finding them may take a further solve.
+    return LateMultipliers(partial(_extended, known, nlp), (len(nlp.rows), len(nlp.variables)), known.origin)
+
+
+def _extended(known: Multipliers, nlp: Nlp) -> Multipliers:
+    """Add zeros for the rows and columns that came last."""
+    rows, bounds = np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables))
+    rows[: len(known.rows)], bounds[: len(known.bounds)] = known.rows, known.bounds
+    return Multipliers(rows, bounds)

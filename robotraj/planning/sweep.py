@@ -1,0 +1,111 @@
+"""Many problems planned side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from inspect import signature
+from typing import Any
+
+from robotraj._util.errors import InputError, Interrupted, unknown_name
+from robotraj.planning.plan import plan
+from robotraj.planning.workers import run
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.solution.solution import Solution
+from robotraj.transcription.shooting.problem import explicit
+
+
+def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = None, **options: Any) -> list[Solution]:
+    """Plan many problems with the same options.
+
+    Parameters
+    ----------
+    problems : sequence of Problem or Phase
+        Lambdas in them may travel to workers; what they close over must be picklable by cloudpickle.
+    executor : concurrent.futures.Executor, optional
+        Any: processes, threads, ``dask.distributed.Client.get_executor()``. By default one fresh process per
+        core (spawned, so a script needs ``if __name__ == "__main__":`` around the call);
+        ``ThreadPoolExecutor(1)`` plans here, one after the other.
+    **options
+        Of ``rt.plan``: mesh, guess, solver, tolerance, stages ...
+
+    Returns
+    -------
+    list of Solution
+        In the order of the problems, whatever the executor. A plan that failed is among them with its status.
+
+    Raises
+    ------
+    InputError
+        A problem cannot be posed, which the message says by its number, or pickled; ``rt.plan`` has no such option.
+    Interrupted
+        Ctrl-C; its ``found`` has the solutions that were there by then, by the numbers of their problems.
+
+    Examples
+    --------
+    >>> import robotraj as rt
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    >>> moves = [
+    ...     rt.Phase(
+    ...         block, duration=T, start=rt.State([0, 0]), end=rt.State([1, 0]), objective=rt.Effort()
+    ...     )
+    ...     for T in (1.0, 2.0)
+    ... ]
+    >>> with ThreadPoolExecutor(1) as here:
+    ...     [round(solution.objective, 3) for solution in rt.sweep(moves, executor=here, mesh=rt.Mesh(10))]
+    [12.0, 1.5]
+    """
+    for name in ("check", "progress"):
+        if name in options:
+            raise InputError(f"rt.sweep keeps failed plans and shows no iterations: leave {name}= out.")
+    check_options(options)
+    if isinstance(problems, Problem | Phase) or not isinstance(problems, Iterable):
+        raise InputError(f"rt.sweep takes a list of problems or phases; got {type(problems).__name__}.")
+    posed = [Problem([problem]) if isinstance(problem, Phase) else problem for problem in problems]
+    for i, problem in enumerate(posed):
+        if not isinstance(problem, Problem):
+            raise InputError(f"rt.sweep takes problems or phases; number {i} is a {type(problem).__name__}.")
+    try:
+        found = run(_plan, options, list(enumerate(posed)), executor)
+    except Interrupted as stopped:
+        kept = {i: attach(solution, posed[i]) for i, solution in stopped.found.items()}
+        raise Interrupted(kept, len(posed)) from stopped
+    return [attach(solution, problem) for solution, problem in zip(found, posed, strict=True)]
+
+
+def check_options(options: Mapping[str, Any]) -> None:
+    """Refuse what ``rt.plan`` does not take, before any worker is asked.
+
+    Raises
+    ------
+    UnknownName
+        With the options that there are.
+    """
+    known = [name for name in signature(plan).parameters if name not in ("problem", "check", "progress")]
+    for name in options:
+        if name not in known:
+            raise unknown_name("option of rt.plan", name, known)
+
+
+def _plan(options: Mapping[str, Any], numbered: tuple[int, Problem]) -> Solution:
+    number, problem = numbered
+    try:
+        return detach(plan(problem, check=False, progress=False, **options))
+    except InputError as error:
+        raise type(error)(f"Problem number {number} of the sweep: {error}") from error
+
+
+def detach(solution: Solution) -> Solution:
+    """Leave the problem out of a solution, for the way back to a process that has it."""
+    bare: Any = None
+    return replace(solution, problem=bare, phases=tuple(replace(part, phase=bare) for part in solution.phases))
+
+
+def attach(solution: Solution, problem: Problem) -> Solution:
+    """Give a detached solution its problem back, as its meshes could transcribe it."""
+    problem = explicit(problem, [part.mesh for part in solution.phases])
+    pairs = zip(solution.phases, problem.phases, strict=True)
+    return replace(solution, problem=problem, phases=tuple(replace(part, phase=phase) for part, phase in pairs))

@@ -1,0 +1,121 @@
+"""Work handed to any ``concurrent.futures`` executor, with results in the order of the tasks.
+
+What is shared by all tasks travels once per task but is unpacked once per worker, so that graphs built for a
+problem serve all its tasks. Between processes everything travels by cloudpickle, because equations of Systems and
+expressions of constraints are mostly lambdas, which the standard library refuses to pickle. Threads share memory:
+there nothing travels, and what an answer would only find to be sent, such as its costates, is left for later.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from functools import lru_cache
+from typing import Any
+
+import cloudpickle
+
+from robotraj._util.errors import InputError, Interrupted, RobotrajError
+
+
+def run(
+    work: Callable[[Any, Any], Any],
+    shared: Any,
+    tasks: Sequence[Any],
+    executor: Executor | None,
+    enough: Callable[[Sequence[Any]], bool] | None = None,
+) -> list[Any]:
+    """Return ``[work(shared, task) for task in tasks]``, computed by an executor.
+
+    Parameters
+    ----------
+    work : callable
+        A function of a module.
+    shared, tasks : picklable by cloudpickle
+    executor : concurrent.futures.Executor, optional
+        Threads, processes, Dask's ``client.get_executor()`` ... By default as many fresh processes as there
+        are cores, started by spawn: nothing of this process leaks into them.
+    enough : callable, optional
+        Whether these first results are enough. The others are then left out, and those that nobody has begun are not
+        computed; what is returned does not depend on the executor.
+
+    Raises
+    ------
+    InputError
+        Something cannot be pickled, ``executor`` is none, or a task was refused; the message says which.
+    RobotrajError
+        A worker process died.
+    Interrupted
+        Ctrl-C, with what was done by then; tasks that nobody has begun are not computed.
+    """
+    if executor is None:
+        if not tasks:
+            return []
+        workers = min(len(tasks), os.cpu_count() or 1)
+        own = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
+        waiting = True
+        try:
+            return run(work, shared, tasks, own, enough)
+        except KeyboardInterrupt:
+            # What is being computed is of no use any more.
+            waiting = False
+            raise
+        finally:
+            own.shutdown(wait=waiting, cancel_futures=True)
+    if not hasattr(executor, "submit"):
+        raise InputError(f"executor= must be a concurrent.futures executor; got {type(executor).__name__}.")
+    if isinstance(executor, ThreadPoolExecutor):
+        return _first(lambda task: executor.submit(work, shared, task), tasks, lambda result: result, enough)
+    try:
+        common = cloudpickle.dumps((work, shared))
+        packed = [cloudpickle.dumps(task) for task in tasks]
+    except (TypeError, AttributeError, RuntimeError, NotImplementedError) as error:
+        raise InputError(
+            f"A problem cannot be sent to workers, because a part of it cannot be pickled: {error}"
+        ) from error
+    try:
+        return _first(lambda task: executor.submit(_call, common, task), packed, cloudpickle.loads, enough)
+    except BrokenProcessPool as error:
+        raise RobotrajError(
+            "A worker process died. In a script, start it from under `if __name__ == '__main__':`, because "
+            "every worker imports the script; else a worker ran out of memory: use fewer, with executor=."
+        ) from error
+
+
+def _first(
+    submit: Callable[[Any], Future[Any]],
+    tasks: Sequence[Any],
+    unpacked: Callable[[Any], Any],
+    enough: Callable[[Sequence[Any]], bool] | None,
+) -> list[Any]:
+    """Hand over the tasks, and wait for results in their order until there are enough of them."""
+    futures: list[Future[Any]] = []
+    results: list[Any] = []
+    try:
+        # Processes start while tasks are handed over, which takes seconds: Ctrl-C may come then as well.
+        for task in tasks:
+            futures.append(submit(task))
+        for future in futures:
+            results.append(unpacked(future.result()))
+            if enough is not None and enough(results):
+                break
+    except KeyboardInterrupt as pressed:
+        done = {i: f for i, f in enumerate(futures) if f.done() and not f.cancelled() and f.exception() is None}
+        raise Interrupted({i: unpacked(future.result()) for i, future in done.items()}, len(tasks)) from pressed
+    finally:
+        for future in futures[len(results) :]:
+            future.cancel()
+    return results
+
+
+def _call(common: bytes, task: bytes) -> bytes:
+    work, shared = _unpacked(common)
+    return cloudpickle.dumps(work(shared, cloudpickle.loads(task)))
+
+
+@lru_cache(maxsize=4)
+def _unpacked(common: bytes) -> Any:
+    return cloudpickle.loads(common)

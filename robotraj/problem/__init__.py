@@ -1,0 +1,8 @@
+"""Problems as frozen values: phases, states, links, constraints, objectives and the rows that they impose.
+
+Start with ``phase.py``. The room may import ``dynamics``, ``robot`` and what lies below.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

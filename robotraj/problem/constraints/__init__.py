@@ -1,0 +1,5 @@
+"""Constraints: small frozen values, each written once and read by transcription, witness and printing."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

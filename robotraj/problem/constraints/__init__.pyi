@@ -1,0 +1,39 @@
+"""Constraints: small frozen values, each written once and read by transcription, witness and printing."""
+
+from .base import AtEnd, AtStart, BoundConstraint, Constraint, Row, Where
+from .bounds import Between, Bounds, as_bounds, between
+from .clearance import GroundClearance
+from .clearance_geometry import CollisionShapes
+from .frame_pose import FramePose, FramePosition
+from .heights import RequiredHeight, SwingApex
+from .integral import IntegralConstraint
+from .joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity, own_limits
+from .path import PathConstraint
+from .variable_bounds import VariableBounds
+
+__all__ = [
+    "AtEnd",
+    "AtStart",
+    "Between",
+    "BoundConstraint",
+    "Bounds",
+    "CollisionShapes",
+    "Constraint",
+    "FramePose",
+    "FramePosition",
+    "GroundClearance",
+    "IntegralConstraint",
+    "JointAcceleration",
+    "JointEffort",
+    "JointPosition",
+    "JointVelocity",
+    "PathConstraint",
+    "RequiredHeight",
+    "Row",
+    "SwingApex",
+    "VariableBounds",
+    "Where",
+    "as_bounds",
+    "between",
+    "own_limits",
+]

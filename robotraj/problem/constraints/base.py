@@ -1,0 +1,174 @@
+"""What a constraint is: named rows with units and bounds, and one expression of a Point.
+
+A constraint is written once. Transcription evaluates its expression on symbols, the witness on numbers, and printing
+reads its rows.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass, own_fields
+from robotraj.dynamics.rigid_body import RigidBody
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import Point
+    from robotraj.robot.robot import Robot
+
+
+class Where(Enum):
+    """When a constraint holds.
+
+    AT_NODES is for rows that define variables an objective brought along: they say nothing of the motion, so that
+    only the transcription imposes them.
+    """
+
+    THROUGHOUT = "throughout"
+    INTEGRAL = "integral"
+    AT_NODES = "collocation points"
+    START = "start"
+    END = "end"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One scalar row: lower <= value <= upper.
+
+    Attributes
+    ----------
+    name : str
+        What is bounded, for example ``"effort limit"``.
+    unit : str
+        SI unit of the value and of both bounds.
+    lower, upper : float
+        Bounds, infinite where open.
+    joint : str or None
+        The joint, frame or variable it is about.
+    variable : str or None
+        The variable of the DAE that the row is, where it is one alone: it becomes a bound of the NLP.
+    """
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    joint: str | None = None
+    variable: str | None = None
+
+    @property
+    def label(self) -> str:
+        """Name and joint, as reports show them."""
+        return f"{self.name}, {self.joint}" if self.joint else self.name
+
+
+@dataclass(frozen=True)
+class BoundConstraint:
+    """A constraint bound to the dynamics of a phase: names checked, rows counted.
+
+    Attributes
+    ----------
+    name : str
+    rows : tuple of Row
+    expression : callable
+        ``expression(point)`` gives len(rows) scalars, symbolic or numeric as the point is.
+    where : Where
+    """
+
+    name: str
+    rows: tuple[Row, ...]
+    expression: Callable[[Any], Sequence[Any]]
+    where: Where = Where.THROUGHOUT
+
+
+class Constraint(ABC):
+    """A value that bounds expressions of a Point along a phase. A new kind is one new class."""
+
+    def __post_init__(self) -> None:
+        """Keep copies of the arrays, lists and mappings that were given."""
+        own_fields(self)
+
+    @abstractmethod
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Check names against the dynamics of a phase and write out the rows.
+
+        Raises
+        ------
+        InputError
+            What the constraint names does not exist, or its bounds cannot hold.
+        """
+
+
+@dataclass(frozen=True)
+class AtStart(Constraint):
+    """Impose a constraint at the start of the phase only."""
+
+    constraint: Constraint
+
+    def __post_init__(self) -> None:
+        _require_constraint(self.constraint, "AtStart")
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Bind the constraint, at the start alone."""
+        return replace(self.constraint.bind(dynamics, parameters), where=Where.START)
+
+
+@dataclass(frozen=True)
+class AtEnd(Constraint):
+    """Impose a constraint at the end of the phase only."""
+
+    constraint: Constraint
+
+    def __post_init__(self) -> None:
+        _require_constraint(self.constraint, "AtEnd")
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Bind the constraint, at the end alone."""
+        return replace(self.constraint.bind(dynamics, parameters), where=Where.END)
+
+
+def _require_constraint(value: Any, who: str) -> None:
+    if not isinstance(value, Constraint):
+        raise InputError(f"{who} imposes a constraint such as rt.FramePosition(...) at one end; got {value!r}.")
+
+
+def robot_of(dynamics: Dynamics, who: str) -> Robot:
+    """Return the robot of the dynamics, or say that ``who`` needs one."""
+    if not isinstance(dynamics, RigidBody):
+        raise InputError(
+            f"{who} needs a robot, but the phase moves a System; use PathConstraint or the phase's states=."
+        )
+    return dynamics.robot
+
+
+def symbols_of(dynamics: Dynamics, parameters: Sequence[str]) -> Point:
+    """Fresh symbols for a point, to try an expression on."""
+
+    def column(name: str, size: int) -> ca.SX:
+        return ca.SX.sym(name, size)
+
+    return dynamics.point(
+        ca.SX.sym("t"),
+        column("x", len(dynamics.states)),
+        column("z", len(dynamics.algebraic)),
+        column("u", len(dynamics.controls)),
+        column("p", len(parameters)),
+        parameters,
+    )
+
+
+def ends_of(dynamics: Dynamics, parameters: Sequence[str]) -> tuple[Point, Point]:
+    """Fresh symbols for the start and the end of a phase, to try an expression on."""
+    p = ca.SX.sym("p", len(parameters))
+    n = len(dynamics.states)
+    start, end = (
+        dynamics.point(ca.SX.sym(f"t{k}"), ca.SX.sym(f"x{k}", n), None, None, p, parameters) for k in ("0", "1")
+    )
+    return start, end

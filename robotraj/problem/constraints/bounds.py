@@ -1,0 +1,169 @@
+"""Bounds as users write them: a number fixes, ``interval_limits`` bounds, None leaves free, a dict names joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass, own
+
+UNBOUNDED = 1e20
+"""Numbers above this mean infinity, as URDF readers write 1.8e308 for a joint without limits."""
+
+
+@dataclass(frozen=True)
+class Between:
+    """An interval [lower, upper]; make one with ``interval_limits``."""
+
+    lower: Any
+    upper: Any
+
+
+def between(lower: Any, upper: Any) -> Between:
+    """Bound a value: ``lower <= value <= upper``.
+
+    Parameters
+    ----------
+    lower, upper : float or array_like or None
+        Bounds in the value's own SI unit; None or an infinity leaves that side open.
+
+    Raises
+    ------
+    InputError
+        A bound is NaN, or a lower bound lies above its upper bound.
+    """
+    try:
+        low, high = _numbers(-np.inf if lower is None else lower), _numbers(np.inf if upper is None else upper)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"between({lower!r}, {upper!r}): bounds are numbers, or None for an open side.") from error
+    if np.isnan(low).any() or np.isnan(high).any():
+        raise InputError(f"between({lower}, {upper}) contains NaN; use None for an open side.")
+    try:
+        crossed = np.any(low > high)
+    except ValueError as error:
+        raise InputError(f"between(): lower has shape {low.shape} and upper {high.shape}; they must agree.") from error
+    if crossed:
+        raise InputError(f"between({lower}, {upper}): the lower bound lies above the upper bound; swap them.")
+    return Between(own(lower), own(upper))
+
+
+class Bounds(NamedTuple):
+    """Lower and upper bounds, each (n,), infinite where open."""
+
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+
+
+def as_bounds(value: Any, names: Sequence[str], what: str, kind: str = "joint") -> Bounds:
+    """Read what a user wrote for n named scalars into bounds.
+
+    Parameters
+    ----------
+    value : None, number, Between, sequence of these, or mapping by name
+        One value for all, one for each, or some by name (the others stay free).
+    names : sequence of str
+        The n names, in order.
+    what : str
+        What the value is for, for messages: ``"start position"``.
+    kind : str
+        What the names are: ``"joint"``, ``"state"`` ...
+
+    Raises
+    ------
+    InputError
+        NaN, a wrong length, or an unknown name; the message says which entry.
+    """
+    n = len(names)
+    if _is_mapping(value):
+        lower, upper = np.full(n, -np.inf), np.full(n, np.inf)
+        for name, entry in value.items():
+            if name not in names:
+                raise unknown_name(kind, name, names, f"It was used in the {what}.")
+            i = list(names).index(name)
+            low, high = _pair(entry, f"{what} of {kind} {name!r}")
+            if np.size(low) != 1 or np.size(high) != 1:
+                raise InputError(
+                    f"The {what} of {kind} {name!r} must be one number, None or rt.between; got {entry!r}."
+                )
+            lower[i], upper[i] = np.asarray(low).item(), np.asarray(high).item()
+        return Bounds(lower, upper)
+    if value is None or isinstance(value, Between) or _is_number(value) or _is_plain_array(value):
+        low, high = _pair(value, what)
+        sides = []
+        for side in (low, high):
+            flat = np.asarray(side, dtype=float).ravel()
+            if flat.size != n and np.ndim(side) > 0:
+                raise InputError(f"The {what} has {flat.size} values; it needs {n}: {', '.join(names)}.")
+            own = np.empty(n)
+            own[:] = flat
+            sides.append(own)
+        for side in sides:
+            # Only bounds may be infinite; a value that fixes may not.
+            fixes = value is not None and not isinstance(value, Between)
+            bad = ~np.isfinite(side) if fixes else np.isnan(side)
+            if bad.any():
+                i = int(np.flatnonzero(bad)[0])
+                wrong = "NaN" if np.isnan(side[i]) else "infinite"
+                raise InputError(
+                    f"The {what} of {kind} {names[i]!r} is {wrong}; give a number, or None to leave it free."
+                )
+        return Bounds(*sides)
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        if len(value) != n:
+            raise InputError(f"The {what} has {len(value)} values; it needs {n}: {', '.join(names)}.")
+        return as_bounds(dict(zip(names, value, strict=True)), names, what, kind)
+    raise InputError(
+        f"The {what} must be None, a number, rt.between(lower, upper), a list of these or a dict by {kind}; "
+        f"got {type(value).__name__}."
+    )
+
+
+def _is_mapping(value: Any) -> bool:
+    """Whether entries go by name; the abstract class takes its time with every type that it has not seen."""
+    plain = isinstance(value, int | float | tuple | list | np.ndarray | Between | None)
+    return not plain and isinstance(value, Mapping)
+
+
+def _is_number(value: Any) -> bool:
+    """Whether the value is a scalar of any kind, a string among them."""
+    return isinstance(value, int | float) or (not isinstance(value, tuple | list) and np.isscalar(value))
+
+
+def _is_plain_array(value: Any) -> bool:
+    """Whether the value is an array or list of numbers alone."""
+    if isinstance(value, str) or _is_mapping(value):
+        return False
+    try:
+        return np.asarray(value).dtype.kind in "fiub"
+    except ValueError:
+        return False
+
+
+def _pair(value: Any, what: str) -> tuple[Any, Any]:
+    if value is None:
+        return -np.inf, np.inf
+    if isinstance(value, Between):
+        low = -np.inf if value.lower is None else np.asarray(value.lower, dtype=float)
+        high = np.inf if value.upper is None else np.asarray(value.upper, dtype=float)
+        return np.where(np.asarray(low) < -UNBOUNDED, -np.inf, low), np.where(
+            np.asarray(high) > UNBOUNDED, np.inf, high
+        )
+    try:
+        number = _numbers(value)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"The {what} must be a number, None or rt.between(lower, upper); got {value!r}.") from error
+    if number.size == 1 and not np.isfinite(number).all():
+        wrong = "NaN" if np.isnan(number).any() else "infinite"
+        raise InputError(f"The {what} is {wrong}; give a number, or None to leave it free.")
+    return number, number
+
+
+def _numbers(value: Any) -> NDArray[np.float64]:
+    """Read numbers; NumPy would also take text that looks like some."""
+    if np.asarray(value).dtype.kind in "SU":
+        raise TypeError(f"{value!r} is text")
+    return np.asarray(value, dtype=float)

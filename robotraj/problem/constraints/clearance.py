@@ -1,0 +1,77 @@
+"""Frames, points and shapes that keep a height above the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import as_ground
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of, symbols_of
+from robotraj.problem.constraints.clearance_geometry import CollisionShapes, spots_of
+from robotraj.problem.constraints.heights import RequiredHeight, required_height
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class GroundClearance(Constraint):
+    """Vertical clearance of places on the robot: z_p(q) - h(x_p, y_p) >= height.
+
+    Held at every collocation point, and looked for between them.
+
+    Parameters
+    ----------
+    frames : str, (str, offset), CollisionShapes, or sequence of these
+        Frames whose origins are kept clear; points ``("foot", (0.1, 0, -0.02))`` fixed in a frame [m];
+        ``rt.constraints.CollisionShapes("foot")``, the shapes that the URDF gives a link.
+    height : float, RequiredHeight or callable
+        Clearance [m]; ``rt.constraints.SwingApex(0.05, start, end)`` over the way of a swing foot; or a function of the point.
+    ground : Ground or callable
+        ``rt.terrain.Flat()`` (the default), ``rt.terrain.Slope``, ``rt.terrain.Steps``, ``rt.terrain.HeightMap`` or any function of (x, y) written
+        with CasADi.
+    """
+
+    frames: str | CollisionShapes | Sequence[Any]
+    height: float | RequiredHeight | Any = 0.0
+    ground: Ground | Any = field(default_factory=Flat)
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Write one row for each place, or as many as there are heights to reach.
+
+        Raises
+        ------
+        InputError
+            Nothing is named, an unknown frame or parameter, a height or ground that is none.
+        """
+        spots = spots_of(self.frames, robot_of(dynamics, "GroundClearance"))
+        if not spots:
+            raise InputError("GroundClearance names no frame.")
+        ground = as_ground(self.ground)
+        labels = [spot.label for spot in spots]
+        height = required_height(self.height, f"GroundClearance of {', '.join(labels[:3])}")
+
+        def gaps(point: Any) -> list[tuple[Any, Any]]:
+            places = [spot.position(point) for spot in spots]
+            return [(spot.gap(point, place, ground), place) for spot, place in zip(spots, places, strict=True)]
+
+        if not isinstance(height, RequiredHeight):
+            rows = tuple(Row("ground clearance", "m", height, np.inf, label) for label in labels)
+            return BoundConstraint("ground clearance", rows, lambda point: [gap for gap, _ in gaps(point)])
+
+        def expression(point: Any) -> list[Any]:
+            return [gap - h for gap, place in gaps(point) for h in height.heights(point, place).values()]
+
+        point = symbols_of(dynamics, parameters)
+        names = [list(height.heights(point, spot.position(point))) for spot in spots]
+        rows = tuple(
+            Row(name, "m", 0.0, np.inf, label) for label, of_spot in zip(labels, names, strict=True) for name in of_spot
+        )
+        return BoundConstraint("ground clearance", rows, expression)

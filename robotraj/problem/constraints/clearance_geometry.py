@@ -1,0 +1,182 @@
+"""Places on a robot whose height above the ground is measured: points of frames, ends of shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.terrain.base import Ground
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+Vector = tuple[float, float, float]
+ROUNDING = 1e-2
+"""A disc that lies along the ground would have a corner in its lowest point's height: it is rounded by so much of
+its radius, on the safe side."""
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A point, ball or disc fixed in a frame.
+
+    Attributes
+    ----------
+    frame : str
+    label : str
+        For reports.
+    offset : (3,)
+        Its centre in the frame [m].
+    radius : float
+        0 for a point [m].
+    axis : (3,) or None
+        Unit axis of a disc in the frame; None for a ball.
+    """
+
+    frame: str
+    label: str
+    offset: Vector = (0.0, 0.0, 0.0)
+    radius: float = 0.0
+    axis: Vector | None = None
+
+    def position(self, point: Any) -> list[Any]:
+        """Centre in the world [m]."""
+        view = point.frame(self.frame)
+        place, turned = view.position, _turned(view, self.offset)
+        return [place[i] + turned[i] for i in range(3)]
+
+    def gap(self, point: Any, position: Sequence[Any], ground: Ground) -> Any:
+        """Least vertical distance z - h(x, y) [m] over the ground's tangent plane below the spot's ``position``.
+
+        With g = (-h_x, -h_y, 1), a ball's lowest point lies r |g| below its centre, a disc's
+        r sqrt(|g|^2 - (g . axis)^2), rounded where the disc lies along the ground.
+        """
+        x, y, z = position
+        height, slope_x, slope_y = ground.plane(x, y)
+        if self.radius == 0.0:
+            return z - height
+        steep = 1.0 + slope_x * slope_x + slope_y * slope_y
+        if self.axis is not None:
+            axis = _turned(point.frame(self.frame), self.axis)
+            along = axis[2] - slope_x * axis[0] - slope_y * axis[1]
+            steep = (1.0 + ROUNDING**2) * steep - along * along
+        return z - height - self.radius * steep**0.5
+
+
+def _turned(view: Any, vector: Vector) -> Any:
+    """Turn a frame's vector into world axes; its zeros leave no trace in the graph."""
+    return view.rotation @ np.array(vector) if any(vector) else (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class CollisionShapes:
+    """Collision shapes of links, from the robot's URDF, for ``GroundClearance``.
+
+    A box is kept clear by its 8 corners, a sphere by its lowest point, a capsule by its two end spheres, a cylinder
+    by the rims of its two ends: exact over a plane, and over other ground at those points. A mesh is kept clear by
+    the 8 corners of its box, which holds all of it.
+
+    Parameters
+    ----------
+    links : str or sequence of str
+        Links (frames) whose shapes are meant; none means every link that moves.
+    """
+
+    links: str | Sequence[str] = ()
+
+    def spots(self, robot: Robot) -> list[Spot]:
+        """Read the shapes.
+
+        Raises
+        ------
+        InputError
+            The robot has no shapes, a link carries none or does not move, or a shape is of another kind.
+        """
+        wanted = (self.links,) if isinstance(self.links, str) else tuple(self.links)
+        for link in wanted:
+            robot.frame(link)
+        shapes = [(robot.model.frames[s.parentFrame].name, s) for s in robot.collision_model.geometryObjects]
+        carriers = list(dict.fromkeys(link for link, shape in shapes if shape.parentJoint > 0))
+        absent = [link for link in wanted if link not in carriers] if wanted or carriers else ["any link"]
+        if absent:
+            raise InputError(
+                f"{robot.name} has no collision shape that moves on {absent[0]}. Links that carry one: "
+                f"{', '.join(carriers) or 'none'}. Name frames, or points of frames, instead."
+            )
+        chosen = wanted or carriers
+        return [spot for link, shape in shapes if link in chosen for spot in _spots(robot, link, shape)]
+
+
+def _spots(robot: Robot, link: str, shape: Any) -> list[Spot]:
+    """Points, balls or discs that hold the lowest point of one shape."""
+    geometry, kind = shape.geometry, type(shape.geometry).__name__
+    placement = robot.model.frames[shape.parentFrame].placement.actInv(shape.placement)
+    axis = placement.rotation[:, 2]
+
+    def at(local: Any, label: str, radius: float = 0.0, disc: bool = False) -> Spot:
+        centre = placement.act(np.asarray(local, dtype=float))
+        return Spot(link, f"{shape.name} {label}".strip(), _vector(centre), radius, _vector(axis) if disc else None)
+
+    if kind == "Sphere":
+        return [at(np.zeros(3), "", float(geometry.radius))]
+    if kind in ("Capsule", "Cylinder"):
+        ends = (("lower end", -geometry.halfLength), ("upper end", geometry.halfLength))
+        return [at([0.0, 0.0, z], label, float(geometry.radius), kind == "Cylinder") for label, z in ends]
+    if kind == "Box":
+        low, high = -np.asarray(geometry.halfSide), np.asarray(geometry.halfSide)
+    elif kind.startswith(("BVHModel", "Convex")):
+        vertices = np.asarray(geometry.vertices() if kind.startswith("BVHModel") else geometry.points())
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+    else:
+        raise InputError(
+            f"The collision shape {shape.name!r} of {robot.name} is a {kind}; GroundClearance knows boxes, spheres, "
+            "capsules, cylinders and meshes. Name points of the frame instead."
+        )
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, -1).T
+    return [at(corner, f"corner {k}") for k, corner in enumerate(corners)]
+
+
+def _vector(values: Any) -> Vector:
+    """Round to what a URDF can mean, so that zeros are zeros."""
+    x, y, z = (float(v) for v in np.round(values, 12) + 0.0)
+    return x, y, z
+
+
+def spots_of(what: Any, robot: Robot) -> list[Spot]:
+    """Read frames, points ``(frame, offset)``, CollisionShapes, or a sequence of these.
+
+    Raises
+    ------
+    InputError
+        Nothing is named, or something that is none of these; an unknown frame.
+    """
+    if isinstance(what, CollisionShapes):
+        return what.spots(robot)
+    if isinstance(what, str):
+        robot.frame(what)
+        return [Spot(what, what)]
+    if _is_point(what):
+        frame, offset = what[0], _vector(what[1])
+        robot.frame(frame)
+        if not np.isfinite(offset).all():
+            raise InputError(f"GroundClearance: the point of frame {frame!r} lies at {offset}; give three metres.")
+        return [Spot(frame, f"{frame} ({', '.join(f'{v:g}' for v in offset)})", offset)]
+    if not isinstance(what, Sequence):
+        raise InputError(
+            f"GroundClearance names {what!r}; give frames, points ('frame', (x, y, z)) or rt.constraints.CollisionShapes('link')."
+        )
+    return [spot for entry in what for spot in spots_of(entry, robot)]
+
+
+def _is_point(what: Any) -> bool:
+    """Whether it is a frame's name and three numbers."""
+    if not isinstance(what, Sequence) or len(what) != 2 or not isinstance(what[0], str) or isinstance(what[1], str):
+        return False
+    try:
+        return np.asarray(what[1], dtype=float).shape == (3,)
+    except (TypeError, ValueError):
+        return False

@@ -1,0 +1,31 @@
+"""What the force of a contact must keep, as a constraint: unilateral force, friction cone, centre of pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from robotraj.dynamics.holding import anchors
+from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.contacts.base import BoundContact, LimitRow
+
+
+def contact_limits(contact: BoundContact) -> tuple[BoundConstraint, BoundConstraint]:
+    """Rows of a contact: of its force, held at every collocation point, and of its foothold, which stands still."""
+
+    def rows(limits: Sequence[LimitRow]) -> tuple[Row, ...]:
+        return tuple(Row(r.name, r.unit, r.lower, r.upper, r.joint, r.variable) for r in limits)
+
+    def expression(point: Any) -> Sequence[Any]:
+        forces = [point.z[force.name] for force in contact.forces]
+        return contact.limits(point, forces, anchors(contact, point.p))
+
+    def footing(point: Any) -> Sequence[Any]:
+        return contact.footing(anchors(contact, point.p))
+
+    return (
+        BoundConstraint(f"contact {contact.name}", rows(contact.limit_rows), expression),
+        BoundConstraint(f"foothold {contact.name}", rows(contact.footing_rows), footing, Where.START),
+    )

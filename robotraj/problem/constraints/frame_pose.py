@@ -1,0 +1,130 @@
+"""Frames held at a position or at a full pose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
+from robotraj.problem.constraints.bounds import as_bounds
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class FramePosition(Constraint):
+    """Bounds on the origin of a frame in the world: lower <= p_f(q) <= upper, each (3,) [m].
+
+    Numbers are equations, which are held at every knot with their rates; see ``PathConstraint``.
+
+    Parameters
+    ----------
+    frame : str
+    position : sequence of 3
+        Each entry a number, ``rt.between(lower, upper)`` or None, or a dict by ``"x"``, ``"y"``, ``"z"``.
+
+    Wrap in ``rt.AtEnd`` or ``rt.AtStart`` to hold it at one end of the phase only.
+    """
+
+    frame: str
+    position: Any
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Write one row for each bounded axis."""
+        robot_of(dynamics, "FramePosition").frame(self.frame)
+        lower, upper = as_bounds(self.position, AXES, f"position of frame {self.frame!r}", "axis")
+        kept = [i for i in range(3) if np.isfinite(lower[i]) or np.isfinite(upper[i])]
+        if not kept:
+            raise InputError(f"FramePosition of {self.frame!r} leaves all of x, y and z free.")
+        rows = tuple(Row(f"frame position {AXES[i]}", "m", lower[i], upper[i], self.frame) for i in kept)
+        frame = self.frame
+
+        def expression(point: Any) -> list[Any]:
+            position = point.frame(frame).position
+            return [position[i] for i in kept]
+
+        return BoundConstraint("frame position", rows, expression)
+
+
+@dataclass(frozen=True)
+class FramePose(Constraint):
+    """A frame held at a pose: p_f(q) = position and R_f(q) = rotation.
+
+    The orientation rows are the three entries of the skew part of R_d' R_f, sin(theta) times the axis of the error
+    rotation [rad near zero], and trace(R_d' R_f) >= 1, which excludes the root at a half turn. Along a phase they are
+    held as those of ``FramePosition`` are.
+
+    Parameters
+    ----------
+    frame : str
+    pose : pinocchio.SE3 or (position, rotation)
+        Position as for ``FramePosition``: entries that are None are free, and with all three the orientation alone is
+        held. Rotation as a matrix (3, 3), a ``pinocchio.Quaternion`` or a quaternion (x, y, z, w) of unit norm.
+    """
+
+    frame: str
+    pose: Any
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "pose", own_pose(self.pose))
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Write three rows of position and four of orientation."""
+        robot_of(dynamics, "FramePose").frame(self.frame)
+        what = f"pose of frame {self.frame!r}"
+        position, rotation = as_pose(self.pose, what)
+        lower, upper = as_bounds(position, AXES, what, "axis")
+        rows = [Row(f"frame position {AXES[i]}", "m", lower[i], upper[i], self.frame) for i in range(3)]
+        rows += [Row(f"frame orientation {axis}", "rad", 0.0, 0.0, self.frame) for axis in AXES]
+        rows.append(Row("frame orientation half turn", "", 1.0, np.inf, self.frame))
+        frame = self.frame
+
+        def expression(point: Any) -> list[Any]:
+            view = point.frame(frame)
+            error = rotation.T @ view.rotation
+            skew = [error[2, 1] - error[1, 2], error[0, 2] - error[2, 0], error[1, 0] - error[0, 1]]
+            trace = error[0, 0] + error[1, 1] + error[2, 2]
+            return [*(view.position[i] for i in range(3)), *(0.5 * s for s in skew), trace]
+
+        return BoundConstraint("frame pose", tuple(rows), expression)
+
+
+def own_pose(pose: Any) -> Any:
+    """Copy a ``pinocchio.SE3``, which its owner may move; poses of arrays are copied with their constraint."""
+    return pin.SE3(pose) if isinstance(pose, pin.SE3) else pose
+
+
+def as_pose(pose: Any, what: str) -> tuple[Any, NDArray[np.float64]]:
+    """Read a pose as its position and rotation matrix; ``what`` names it in errors."""
+    if isinstance(pose, pin.SE3):
+        return pose.translation, np.array(pose.rotation)
+    if not isinstance(pose, Sequence) or len(pose) != 2:
+        raise InputError(f"The {what} must be a pinocchio.SE3 or a pair (position, rotation).")
+    return pose[0], _rotation(pose[1], what)
+
+
+def _rotation(value: Any, what: str) -> NDArray[np.float64]:
+    """Read a matrix or a quaternion (x, y, z, w); refuse what is not a rotation."""
+    if isinstance(value, pin.Quaternion):
+        value = value.coeffs()
+    array = np.asarray(value, dtype=float)
+    if array.shape == (4,):
+        norm = np.linalg.norm(array)
+        if not abs(norm - 1.0) < 1e-6:
+            raise InputError(f"The quaternion (x, y, z, w) in the {what} has norm {norm:.6g}, not 1; normalise it.")
+        return np.array(pin.Quaternion(array / norm).matrix())
+    if array.shape != (3, 3):
+        raise InputError(f"The rotation in the {what} has shape {array.shape}; give (3, 3) or a quaternion (4,).")
+    if not np.allclose(array @ array.T, np.eye(3), atol=1e-6) or np.linalg.det(array) < 0:
+        raise InputError(f"The matrix in the {what} is not a rotation (R R' = 1 and det R = 1 do not hold).")
+    return array

@@ -1,0 +1,40 @@
+"""Bounds on what an expression adds up to over the phase."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
+from robotraj.problem.constraints.path import PathConstraint
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class IntegralConstraint(Constraint):
+    """lower <= integral of expression(point) over the phase <= upper.
+
+    Parameters
+    ----------
+    expression : callable
+        ``expression(point)`` returns the rate, a scalar or a vector.
+    lower, upper : float or sequence, optional
+        Bounds on the integral; None leaves the side open.
+    name, unit : str
+        For reports; the unit is the integral's.
+    """
+
+    expression: Callable[[Any], Any]
+    lower: Any = None
+    upper: Any = None
+    name: str = "integral"
+    unit: str = ""
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Count the rows and pair them with bounds, as a path constraint does."""
+        path = PathConstraint(self.expression, self.lower, self.upper, self.name, self.unit)
+        return replace(path.bind(dynamics, parameters), where=Where.INTEGRAL)

@@ -1,0 +1,88 @@
+"""Any expression of a Point, bounded along the phase."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.rows import rows_of
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, symbols_of
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class PathConstraint(Constraint):
+    """lower <= expression(point) <= upper at every collocation point.
+
+    An equation, with lower = upper, of positions (of whatever takes two integrations from what is chosen) is held at
+    every knot with its rate instead, and inside intervals as the scheme's order has it: a tool that points down, or
+    follows a curve in time. See ``robotraj.transcription.collocation.index_reduction``.
+
+    Parameters
+    ----------
+    expression : callable
+        ``expression(point)`` returns a scalar or a vector.
+    lower, upper : float or sequence, optional
+        Bounds in the unit of the expression; None leaves the side open.
+    name, unit : str
+        For reports.
+
+    Raises
+    ------
+    InputError
+        On binding: bounds of a wrong length, NaN, crossed or both open; an expression that fails on a point.
+    """
+
+    expression: Callable[[Any], Any]
+    lower: Any = None
+    upper: Any = None
+    name: str = "path constraint"
+    unit: str = ""
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Try the expression on symbols, count its rows and pair them with bounds."""
+        what = f"expression of constraint {self.name!r}"
+        count = len(rows_of(what, self.expression, symbols_of(dynamics, parameters)))
+        lower = side(self.lower, -np.inf, count, self.name)
+        upper = side(self.upper, np.inf, count, self.name)
+        for i in range(count):
+            if not lower[i] <= upper[i]:
+                raise InputError(
+                    f"{self.name!r}: row {i} has lower bound {lower[i]:g} above its upper bound {upper[i]:g}."
+                )
+            if np.isinf(lower[i]) and np.isinf(upper[i]):
+                raise InputError(f"{self.name!r} bounds nothing: give lower= or upper=.")
+        names = [self.name] if count == 1 else [f"{self.name}[{i}]" for i in range(count)]
+        rows = tuple(Row(n, self.unit, lo, up) for n, lo, up in zip(names, lower, upper, strict=True))
+        user = self.expression
+
+        def expression(point: Any) -> list[Any]:
+            return flat(user(point))
+
+        return BoundConstraint(self.name, rows, expression)
+
+
+def side(value: Any, default: float, count: int, name: str) -> list[float]:
+    """Broadcast one side of the bounds to the rows of an expression."""
+    array = np.asarray(default if value is None else value, dtype=float).ravel()
+    if array.size not in (1, count):
+        raise InputError(f"{name!r} has {count} rows but a bound of {array.size} values.")
+    if np.isnan(array).any():
+        raise InputError(f"{name!r} has a bound that is NaN; use None for an open side.")
+    return [float(b) for b in np.broadcast_to(array, (count,))]
+
+
+def flat(values: Any) -> list[Any]:
+    """Entries of a scalar, list or column, symbolic or numeric, left as they are."""
+    if hasattr(values, "numel"):
+        return [values[i] for i in range(values.numel())]
+    if isinstance(values, Sequence) or (hasattr(values, "ravel") and np.ndim(values) > 0):
+        parts = values.ravel() if hasattr(values, "ravel") else values
+        return [entry for part in parts for entry in flat(part)]
+    return [values]

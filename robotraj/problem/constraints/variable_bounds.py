@@ -1,0 +1,47 @@
+"""Bounds on the variables of the dynamics, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row
+from robotraj.problem.constraints.bounds import as_bounds
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class VariableBounds(Constraint):
+    """lower <= s <= upper for named states, controls or algebraic variables.
+
+    Parameters
+    ----------
+    kind : str
+        ``"state"``, ``"control"`` or ``"algebraic variable"``: where the names are looked up.
+    bounds : mapping of str to number, Between or None
+    """
+
+    kind: str
+    bounds: Mapping[str, Any]
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Write one row for each variable that is bounded on a side."""
+        of_kind = {"state": dynamics.states, "control": dynamics.controls, "algebraic variable": dynamics.algebraic}
+        vector = {"state": "x", "control": "u", "algebraic variable": "z"}[self.kind]
+        variables = of_kind[self.kind]
+        lower, upper = as_bounds(dict(self.bounds), [v.name for v in variables], f"{self.kind} bounds", self.kind)
+        rows = tuple(
+            Row(f"{self.kind} bound", variable.unit, float(low), float(high), variable.label, variable.name)
+            for variable, low, high in zip(variables, lower, upper, strict=True)
+            if np.isfinite(low) or np.isfinite(high)
+        )
+
+        def expression(point: Any) -> list[Any]:
+            return [getattr(point, vector)[row.variable] for row in rows]
+
+        return BoundConstraint(f"{self.kind} bounds", rows, expression)

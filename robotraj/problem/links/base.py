@@ -1,0 +1,123 @@
+"""What a link is: rows that join the ends of phases."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass, own_fields
+from robotraj.dynamics.variable import Variable
+from robotraj.problem.constraints.base import Row
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+
+class Ends(NamedTuple):
+    """The points at both ends of a phase; they know ``t``, ``x``, ``p`` and, for robots, ``q``, ``v`` and frames."""
+
+    start: Any
+    end: Any
+
+
+@dataclass(frozen=True)
+class Carry:
+    """What holds at the start of a phase because it holds at the end of another.
+
+    Attributes
+    ----------
+    source, target : int
+        The phase that ends and the phase that starts.
+    quantities : frozenset of str
+        Quantities of the invariants that a link takes over unchanged: ``"contact position"`` ...
+    partners : mapping of str to str
+        For contacts of the target, the contacts of the source that they were; the same names unless said otherwise.
+    """
+
+    source: int
+    target: int
+    quantities: frozenset[str]
+    partners: Mapping[str, str] = field(default_factory=dict)
+
+
+STATE = frozenset({"unit quaternion", "contact position", "contact velocity"})
+"""What runs on with the whole state."""
+
+
+@dataclass(frozen=True)
+class BoundLink:
+    """A link bound to its phases.
+
+    Attributes
+    ----------
+    name : str
+    phases : tuple of int
+        The phases whose ends it reads.
+    rows : tuple of Row
+    expression : callable
+        ``expression(ends, unknowns)`` gives len(rows) scalars; ``ends[i]`` are the ends of ``phases[i]`` and
+        ``unknowns`` maps the names of the link's unknowns to their values.
+    unknowns : tuple of Variable
+        What the link itself brings along, such as the impulses of an impact.
+    carries : tuple of Carry
+        Invariants that need not be imposed again.
+    """
+
+    name: str
+    phases: tuple[int, ...]
+    rows: tuple[Row, ...]
+    expression: Callable[[Sequence[Ends], Mapping[str, Any]], Sequence[Any]]
+    unknowns: tuple[Variable, ...] = ()
+    carries: tuple[Carry, ...] = ()
+
+
+class Link(ABC):
+    """A value that joins ends of phases. A new kind is one new class."""
+
+    def __post_init__(self) -> None:
+        """Keep copies of the arrays, lists and mappings that were given."""
+        own_fields(self)
+
+    @abstractmethod
+    def bind(self, phases: Sequence[Phase]) -> BoundLink:
+        """Check the phases it names and write out the rows."""
+
+
+def phase_at(phases: Sequence[Phase], index: int, who: str) -> Phase:
+    """Return the phase of that index, or raise an error naming the valid ones."""
+    if not isinstance(index, int) or not -len(phases) <= index < len(phases):
+        raise InputError(f"{who} names phase {index!r}; the problem has phases 0 to {len(phases) - 1}.")
+    return phases[index]
+
+
+def normal(phases: Sequence[Phase], index: int) -> int:
+    """Index counted from the front, where -1 means the last phase."""
+    return index % len(phases)
+
+
+def check_order(phases: Sequence[Phase], first: int, second: int, who: str) -> None:
+    """Refuse to let time run on into the same phase or an earlier one."""
+    if normal(phases, second) <= normal(phases, first):
+        raise InputError(
+            f"{who}: time runs on into a later phase. A motion that repeats is closed by rt.Periodic(...), "
+            "rt.Mirror(...) or rt.Touchdown(last, 0, repeat=...)."
+        )
+
+
+def state_names(phase: Phase) -> list[str]:
+    """Names of the states of a phase."""
+    return [state.name for state in phase.body.states]
+
+
+def same_states(before: Phase, after: Phase, who: str) -> list[str]:
+    """Names of the states of two phases that must have the same ones."""
+    names = state_names(before)
+    if names != state_names(after):
+        raise InputError(
+            f"{who}: phase {before.name!r} has states {names}, phase {after.name!r} has {state_names(after)}; "
+            "they must be the same."
+        )
+    return names

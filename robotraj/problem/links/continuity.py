@@ -1,0 +1,114 @@
+"""Phases that follow each other, with or without a jump of the state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.rows import as_rows
+from robotraj.dynamics.variable import Named
+from robotraj.problem.constraints.base import Row, ends_of
+from robotraj.problem.constraints.bounds import as_bounds
+from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, check_order, normal, phase_at, same_states
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+
+TIME = Row("continuity", "s", 0.0, 0.0, "time")
+"""That time runs on."""
+SLOPE = 1e-9
+"""Change of a row with a time below which the row does not read it."""
+
+
+@dataclass(frozen=True)
+class Continuity(Link):
+    """Time and state run on: t and x at the end of ``first`` equal t and x at the start of ``second``."""
+
+    first: int
+    second: int
+
+    def bind(self, phases: Sequence[Phase]) -> BoundLink:
+        """Write one row of time and one per state.
+
+        Raises
+        ------
+        InputError
+            The phases do not exist or have different states.
+        """
+        return _follow(phases, self.first, self.second, {}, f"Continuity({self.first}, {self.second})")
+
+
+@dataclass(frozen=True)
+class Jump(Link):
+    """Time runs on and named states jump: x(start of second) - x(end of first) = jump.
+
+    Parameters
+    ----------
+    first, second : int
+    jumps : mapping of str to number, Between or None
+        By state name, ``"v"`` or ``"v.elbow"``: the jump, its bounds, or None for any jump. The other states run on.
+    """
+
+    first: int
+    second: int
+    jumps: Mapping[str, Any] = field(default_factory=dict)
+
+    def bind(self, phases: Sequence[Phase]) -> BoundLink:
+        """Write one row of time and one per state that is not free to jump."""
+        return _follow(phases, self.first, self.second, self.jumps, f"Jump({self.first}, {self.second})")
+
+
+def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str, Any], who: str) -> BoundLink:
+    before, after = phase_at(phases, first, who), phase_at(phases, second, who)
+    check_order(phases, first, second, who)
+    names = same_states(before, after, who)
+    bounds = as_bounds({name: 0.0 for name in names} | dict(jumps), names, f"jumps of {who}", "state")
+    kept = [i for i, (low, high) in enumerate(zip(*bounds, strict=True)) if not (low == -float("inf") and high == -low)]
+    what = {i: "jump" if names[i] in jumps else "continuity" for i in kept}
+    rows = (TIME,) + tuple(
+        Row(what[i], before.body.states[i].unit, float(bounds.lower[i]), float(bounds.upper[i]), names[i]) for i in kept
+    )
+
+    def expression(ends: Sequence[Ends], _: Mapping[str, Any]) -> list[Any]:
+        end, start = ends[0].end, ends[1].start
+        return [start.t - end.t, *(start.x[names[i]] - end.x[names[i]] for i in kept)]
+
+    pair = normal(phases, first), normal(phases, second)
+    carries = () if jumps else (Carry(*pair, STATE),)
+    return BoundLink(who, pair, rows, expression, carries=carries)
+
+
+def running_on(phases: Sequence[Phase], links: Sequence[BoundLink]) -> tuple[BoundLink, ...]:
+    """Let time run on from the phase before into every phase of whose start time no link says anything.
+
+    Without a row of it, a start time could be any: the phases would overlap, or leave gaps between them.
+    """
+    return tuple(_time(i) for i in range(1, len(phases)) if not any(_times(link, i, phases) for link in links))
+
+
+def _time(second: int) -> BoundLink:
+    pair = second - 1, second
+    return BoundLink(f"time{pair}", pair, (TIME,), lambda ends, _: [ends[1].start.t - ends[0].end.t])
+
+
+def _times(link: BoundLink, index: int, phases: Sequence[Phase]) -> bool:
+    """Whether a link says when a phase starts: it reads the time of its start, and not its duration alone."""
+    if index not in link.phases:
+        return False
+    if TIME in link.rows:
+        return link.phases[-1] == index
+    ends = [Ends(*ends_of(phases[i].dae, phases[i].parameter_names)) for i in link.phases]
+    own = Named("unknown of the link", [v.name for v in link.unknowns], ca.SX.sym("own", len(link.unknowns)))
+    y = ca.vertcat(*as_rows(link.expression(ends, own), f"expression of {link.name}"))
+    here = ends[link.phases.index(index)]
+    by_start, by_end = (ca.jacobian(y, point.t) for point in here)
+    slopes = ca.horzcat(by_start, by_start + by_end)
+    free = ca.vertcat(*ca.symvar(slopes), ca.SX(0, 1))
+    values = ca.Function("slopes", [free], [slopes])(np.random.default_rng(0).uniform(0.5, 1.5, free.numel())).full()
+    return bool(np.all(np.abs(values).max(axis=0, initial=0.0) > SLOPE))

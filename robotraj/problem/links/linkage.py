@@ -1,0 +1,107 @@
+"""Any expression of the ends of phases."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
+from robotraj.dynamics.rows import rows_of
+from robotraj.problem.constraints.base import Row, ends_of
+from robotraj.problem.constraints.path import flat, side
+from robotraj.problem.links.base import BoundLink, Ends, Link, normal, phase_at
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+
+@dataclass(frozen=True)
+class Linkage(Link):
+    """lower <= expression(*ends of the phases) <= upper: an event that several phases have a part in.
+
+    Parameters
+    ----------
+    phases : sequence of int
+        The phases whose ends are read.
+    expression : callable
+        ``lambda a, b: b.start.x["v"] + 0.8 * a.end.x["v"]``: one argument per phase, with ``.start`` and ``.end``.
+    lower, upper : float or sequence, optional
+        Bounds; both 0 by default.
+    name, unit : str
+        For reports.
+    """
+
+    phases: Sequence[int]
+    expression: Callable[..., Any]
+    lower: Any = 0.0
+    upper: Any = 0.0
+    name: str = "linkage"
+    unit: str = ""
+
+    def bind(self, phases: Sequence[Phase]) -> BoundLink:
+        """Try the expression on symbols and pair its rows with bounds."""
+        chosen = [phase_at(phases, i, f"linkage {self.name!r}") for i in self.phases]
+        symbols = [Ends(*ends_of(phase.dae, phase.parameter_names)) for phase in chosen]
+        what = f"expression of link {self.name!r}"
+        count = len(rows_of(what, self.expression, *symbols))
+        lower, upper = (
+            side(self.lower, -float("inf"), count, self.name),
+            side(self.upper, float("inf"), count, self.name),
+        )
+        names = [self.name] if count == 1 else [f"{self.name}[{i}]" for i in range(count)]
+        rows = tuple(Row(n, self.unit, low, high) for n, low, high in zip(names, lower, upper, strict=True))
+        user = self.expression
+        return BoundLink(
+            self.name, tuple(normal(phases, i) for i in self.phases), rows, lambda ends, _: flat(user(*ends))
+        )
+
+
+@dataclass(frozen=True)
+class EqualDuration(Link):
+    """Two phases last equally long."""
+
+    first: int
+    second: int
+
+    def bind(self, phases: Sequence[Phase]) -> BoundLink:
+        """Write one row of time."""
+
+        def difference(a: Ends, b: Ends) -> Any:
+            return (b.end.t - b.start.t) - (a.end.t - a.start.t)
+
+        return Linkage((self.first, self.second), difference, name="equal duration", unit="s").bind(phases)
+
+
+@dataclass(frozen=True)
+class SameParameter(Link):
+    """A parameter that several phases declare under one name has one value: a static parameter.
+
+    Parameters
+    ----------
+    name : str
+    phases : sequence of int, optional
+        Every phase that declares it, by default.
+    """
+
+    name: str
+    phases: Sequence[int] | None = None
+
+    def bind(self, phases: Sequence[Phase]) -> BoundLink:
+        """Write one row for each neighbouring pair of phases."""
+        sharing = self.phases
+        if sharing is None:
+            sharing = [i for i, phase in enumerate(phases) if self.name in phase.parameters]
+        who = f"SameParameter({self.name!r})"
+        for i in sharing:
+            phase = phase_at(phases, i, who)
+            if self.name not in phase.parameters:
+                raise unknown_name("parameter", self.name, phase.parameters, f"{who} needs it in phase {phase.name!r}.")
+        if len(sharing) < 2:
+            raise InputError(f"{who}: {len(sharing)} phase(s) declare it; it takes two to share.")
+        name = self.name
+
+        def differences(*ends: Ends) -> list[Any]:
+            return [b.start.p[name] - a.start.p[name] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+
+        return Linkage(sharing, differences, name=f"same parameter {name}").bind(phases)

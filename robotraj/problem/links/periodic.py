@@ -1,0 +1,218 @@
+"""Motions that repeat, as they are or mirrored."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import Row
+from robotraj.problem.constraints.bounds import as_bounds
+from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+
+ALONG_THE_GROUND = {"q.root_x", "q.root_y"}
+"""Displacements that leave feet on the ground, where footholds move along."""
+
+
+@dataclass(frozen=True, eq=False)
+class Repeat:
+    """How the end of a motion is seen from its start: lower <= x_start - image(x_end) <= upper.
+
+    Attributes
+    ----------
+    names : list of str
+        The states.
+    sources : list of (str, float)
+        For every state, the state of the end that it is an image of, and its sign.
+    lower, upper : list of float
+        What the displacement makes of the bounds.
+    partners : mapping of str to str
+        Contacts and joints that change places.
+    level : bool
+        Whether footholds stay on the ground.
+    """
+
+    names: list[str]
+    sources: list[tuple[str, float]]
+    lower: list[float]
+    upper: list[float]
+    partners: Mapping[str, str]
+    level: bool
+
+    @staticmethod
+    def same(names: list[str]) -> Repeat:
+        """Give the start that equals the end."""
+        zeros = [0.0] * len(names)
+        return Repeat(names, [(name, 1.0) for name in names], zeros, zeros, {}, True)
+
+    @property
+    def bounded(self) -> list[int]:
+        """States whose displacement is not free."""
+        return [i for i in range(len(self.names)) if np.isfinite(self.lower[i]) or np.isfinite(self.upper[i])]
+
+    def image(self, point: Any) -> list[Any]:
+        """Give the states of a point as seen from the start."""
+        return [sign * point.x[name] for name, sign in self.sources]
+
+
+@dataclass(frozen=True)
+class Periodic(Link):
+    """The motion ends as it began: x(end of last) - x(start of first) = displacement.
+
+    Parameters
+    ----------
+    displacement : mapping of str to number, Between or None
+        By state name: what the motion gains in a period (``{"q.root_x": rt.between(0.3, 1)}``, None for anything); the
+        other states repeat exactly.
+    first, last : int
+        The phases that open and close the period; all of the problem by default.
+    """
+
+    displacement: Mapping[str, Any] = field(default_factory=dict)
+    first: int = 0
+    last: int = -1
+
+    def bind(self, phases: Sequence[Phase]) -> BoundLink:
+        """Write one row per state whose gain is bounded."""
+        return _repeat(self, phases, "Periodic")
+
+    def of(self, phase: Phase, names: list[str], who: str) -> Repeat:
+        """Read the displacement; every state is its own image."""
+        return _displaced(names, [(name, 1.0) for name in names], self.displacement, {}, who)
+
+
+@dataclass(frozen=True)
+class Mirror(Link):
+    """The motion ends as the mirror image of how it began: half a symmetric gait.
+
+    For each state s with partner m(s):  x_s(end of last) - sign_s x_m(s)(start of first) = displacement_s.
+
+    Parameters
+    ----------
+    partners : mapping of str to str
+        Pairs of joints (of states, for a System) or of contacts that change places, each written once. What is not
+        named is its own partner.
+    negated : sequence of str
+        Joints (states) whose sign changes in the mirror, as roll and yaw do.
+    displacement : mapping of str to number, Between or None
+        By state name, as for ``Periodic``.
+    first, last : int
+    """
+
+    partners: Mapping[str, str] = field(default_factory=dict)
+    negated: Sequence[str] = ()
+    displacement: Mapping[str, Any] = field(default_factory=dict)
+    first: int = 0
+    last: int = -1
+
+    def bind(self, phases: Sequence[Phase]) -> BoundLink:
+        """Write one row per state whose gain is bounded."""
+        return _repeat(self, phases, "Mirror")
+
+    def of(self, phase: Phase, names: list[str], who: str) -> Repeat:
+        """Pair the states of both sides.
+
+        Raises
+        ------
+        InputError
+            Names of neither a joint nor a contact.
+        """
+        states = phase.body.states
+        labels = list(dict.fromkeys(s.label for s in states))
+        contacts = [contact.name for contact in phase.bound_contacts]
+        both = {**self.partners, **{b: a for a, b in self.partners.items()}}
+        for name in self.negated:
+            if name not in labels:
+                raise unknown_name("joint", name, labels, "Mirror(negated=...) names joints.")
+        # A pair of contacts may be named whole where a phase holds one of them alone.
+        feet = {name for pair in self.partners.items() if set(pair) & set(contacts) for name in pair}
+        for name in both:
+            if name not in labels and name not in feet and not _is_frame(phase, name):
+                raise unknown_name("joint", name, labels, "Mirror(partners=...) names joints or contacts.")
+        by_kind = {(s.quantity, s.label): s.name for s in states}
+        # Seen from the end, where the sign is that of the partner: x_m(s)(end) = sign_m(s) x_s(start).
+        images = [(s.quantity, both.get(s.label, s.label)) for s in states]
+        sources = [(by_kind[image], -1.0 if image[1] in self.negated else 1.0) for image in images]
+        return _displaced(names, sources, self.displacement, both, who)
+
+
+def check_partners(repeat: Repeat, phase: Phase) -> None:
+    """Refuse contacts without a partner on limbs that change places: which foot stands next would be unknown.
+
+    Raises
+    ------
+    InputError
+        Such a contact of the phase.
+    """
+    robot = phase.robot
+    if robot is None:
+        return
+    model = robot.model
+    for contact in phase.bound_contacts:
+        above = [model.names[i] for i in model.supports[model.frames[robot.frame(contact.frame)].parentJoint]]
+        swapped = [name for name in above if repeat.partners.get(name, name) != name]
+        if swapped and contact.name not in repeat.partners:
+            joint, other = swapped[-1], repeat.partners[swapped[-1]]
+            raise InputError(
+                f"Mirror swaps {joint!r}, which carries contact {contact.name!r}, with {other!r}; name the contact's "
+                f"partner as well: partners={{..., {contact.name!r}: <the contact on the side of {other!r}>}}."
+            )
+
+
+def _is_frame(phase: Phase, name: str) -> bool:
+    return phase.robot is not None and name in phase.robot.frame_names
+
+
+def _displaced(
+    names: list[str],
+    sources: list[tuple[str, float]],
+    displacement: Mapping[str, Any],
+    partners: Mapping[str, str],
+    who: str,
+) -> Repeat:
+    if not isinstance(displacement, Mapping):
+        raise InputError(
+            f"displacement of {who} must map names of states to what they gain, such as {{{names[0]!r}: 1.0}}; "
+            f"got {displacement!r}. Phases are told by first= and last=."
+        )
+    bounds = as_bounds({name: 0.0 for name in names} | dict(displacement), names, f"displacement of {who}", "state")
+    at = {name: i for i, name in enumerate(names)}
+    # x_end,m - sign x_start,s = d_m is x_start,s - sign x_end,m = - sign d_m.
+    ranges = [
+        (-bounds.upper[at[source]], -bounds.lower[at[source]])
+        if sign > 0
+        else (bounds.lower[at[source]], bounds.upper[at[source]])
+        for source, sign in sources
+    ]
+    lower, upper = ([float(pair[side]) for pair in ranges] for side in (0, 1))
+    return Repeat(names, sources, lower, upper, partners, set(displacement) <= ALONG_THE_GROUND)
+
+
+def _repeat(link: Periodic | Mirror, phases: Sequence[Phase], who: str) -> BoundLink:
+    opening, closing = phase_at(phases, link.first, who), phase_at(phases, link.last, who)
+    names = same_states(opening, closing, who)
+    repeat = link.of(closing, names, who)
+    for phase in (opening, closing):
+        check_partners(repeat, phase)
+    kept = repeat.bounded
+    if not kept:
+        raise InputError(f"{who} leaves every state free.")
+    rows = tuple(
+        Row(who.lower(), opening.body.states[i].unit, repeat.lower[i], repeat.upper[i], names[i]) for i in kept
+    )
+
+    def expression(ends: Sequence[Ends], _: Mapping[str, Any]) -> list[Any]:
+        image = repeat.image(ends[1].end)
+        return [ends[0].start.x[names[i]] - image[i] for i in kept]
+
+    pair = normal(phases, link.first), normal(phases, link.last)
+    level = STATE if repeat.level else frozenset({"unit quaternion"})
+    return BoundLink(who, pair, rows, expression, carries=(Carry(pair[1], pair[0], level, repeat.partners),))

@@ -1,0 +1,36 @@
+"""Objectives: values that add up and scale."""
+
+from .base import EndCost, Integral, Objective, Sum
+from .duration import Duration
+from .effort import Effort
+from .force_rate import ForceRate
+from .lagrange import Lagrange
+from .mayer import Mayer
+from .momentum import CentroidalMomentum
+from .rates import Jerk, TorqueRate
+from .smoothness import FrameSmoothness
+from .terminal_pose import TerminalPose
+from .tracking import Tracking
+from .transport import CostOfTransport
+from .work import AbsolutePower, MechanicalWork
+
+__all__ = [
+    "AbsolutePower",
+    "CentroidalMomentum",
+    "CostOfTransport",
+    "Duration",
+    "Effort",
+    "EndCost",
+    "ForceRate",
+    "FrameSmoothness",
+    "Integral",
+    "Jerk",
+    "Lagrange",
+    "Mayer",
+    "MechanicalWork",
+    "Objective",
+    "Sum",
+    "TerminalPose",
+    "TorqueRate",
+    "Tracking",
+]

@@ -1,0 +1,114 @@
+"""Objectives: sums of weighted Lagrange terms (integrals) and Mayer terms (of the end points)."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass, own_fields
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+    from robotraj.problem.constraints.base import BoundConstraint
+
+
+class Objective(ABC):
+    """What a phase minimises. Objectives add up and scale: ``rt.Effort() + 0.1 * rt.Duration()``."""
+
+    @property
+    @abstractmethod
+    def terms(self) -> tuple[tuple[float, Integral | EndCost], ...]:
+        """Weights and the elementary terms they multiply."""
+
+    def __add__(self, other: Any) -> Objective:
+        # sum([...]) starts from the integer 0.
+        if isinstance(other, int | float) and other == 0:
+            return self
+        if not isinstance(other, Objective):
+            return NotImplemented
+        return Sum((*self.terms, *other.terms))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Objective:
+        return self + (-other) if isinstance(other, Objective) else NotImplemented
+
+    def __neg__(self) -> Objective:
+        return self * -1.0
+
+    def __truediv__(self, divisor: float) -> Objective:
+        if not isinstance(divisor, int | float | np.number) or divisor == 0:
+            raise InputError(f"An objective can be divided by a number that is not 0, not by {divisor!r}.")
+        return self * (1.0 / divisor)
+
+    def __mul__(self, weight: float) -> Objective:
+        if not isinstance(weight, int | float | np.number) or not np.isfinite(weight):
+            raise InputError(f"An objective can be multiplied by a finite number, not by {weight!r}.")
+        return Sum(tuple((float(weight) * w, term) for w, term in self.terms))
+
+    __rmul__ = __mul__
+
+
+@dataclass(frozen=True)
+class Sum(Objective):
+    """A weighted sum of elementary terms."""
+
+    parts: tuple[tuple[float, Integral | EndCost], ...] = ()
+
+    @property
+    def terms(self) -> tuple[tuple[float, Integral | EndCost], ...]:
+        """Weights and terms."""
+        return self.parts
+
+    def __str__(self) -> str:
+        return " + ".join(f"{weight:g} {term}" if weight != 1 else str(term) for weight, term in self.parts)
+
+
+class Term(Objective):
+    """What both kinds of elementary terms share."""
+
+    def __post_init__(self) -> None:
+        """Keep copies of the arrays, lists and mappings that were given."""
+        own_fields(self)
+
+    @abstractmethod
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Raise InputError where the term names what the dynamics do not have."""
+
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """Wrap the dynamics of the phase in what the term needs beside them; most terms need nothing."""
+        return dynamics
+
+    def definitions(self, dynamics: Dynamics) -> tuple[BoundConstraint, ...]:
+        """Rows that define the variables the term brought, held at collocation points; most have none."""
+        return ()
+
+
+class Integral(Term):
+    """An elementary Lagrange term: the integral of a rate over the phase."""
+
+    @property
+    def terms(self) -> tuple[tuple[float, Integral | EndCost], ...]:
+        """Itself, once."""
+        return ((1.0, self),)
+
+    @abstractmethod
+    def rate(self, point: Any) -> Any:
+        """Integrand at a point, a scalar."""
+
+
+class EndCost(Term):
+    """An elementary Mayer term: a function of the phase's two end points."""
+
+    @property
+    def terms(self) -> tuple[tuple[float, Integral | EndCost], ...]:
+        """Itself, once."""
+        return ((1.0, self),)
+
+    @abstractmethod
+    def value(self, start: Any, end: Any) -> Any:
+        """Cost of the two end points, a scalar."""

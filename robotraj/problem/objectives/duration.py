@@ -1,0 +1,29 @@
+"""Time, as a cost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from robotraj._util.values import dataclass
+from robotraj.problem.objectives.base import EndCost
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class Duration(EndCost):
+    """Duration of the phase, t_end - t_start [s].
+
+    Least time alone leaves torques free where they do not matter and lets them chatter. A little effort settles them:
+    ``rt.Duration() + 1e-3 * rt.Effort()``. With T* and E* the time and the effort of the fastest motion, the time T
+    found with weight w and effort E lies in T* <= T <= T* + w (E* - E).
+    """
+
+    def value(self, start: Any, end: Any) -> Any:
+        """Duration [s]."""
+        return end.t - start.t
+
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Accept any dynamics."""

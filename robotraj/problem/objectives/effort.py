@@ -1,0 +1,49 @@
+"""Squared torques, integrated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.problem.objectives.base import Integral
+from robotraj.problem.objectives.weights import weights_of
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class Effort(Integral):
+    """Integral over the phase of sum_j w_j tau_j^2, without a half [N^2 m^2 s].
+
+    Parameters
+    ----------
+    weights : None, sequence or mapping by joint
+        One weight per actuated joint (per control of a System); None weighs all with 1, joints that a mapping
+        does not name weigh 0.
+    """
+
+    weights: Any = None
+
+    def rate(self, point: Any) -> Any:
+        """Weighted sum of squared controls."""
+        names = list(point.u)
+        weights = self._resolved(names)
+        if self.weights is None and isinstance(point.u.column, ca.SX):
+            # The same graph in one call of CasADi's.
+            return ca.sumsqr(point.u.column)
+        return sum((w * point.u[name] ** 2 for w, name in zip(weights, names, strict=True) if w != 0.0), 0.0)
+
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Check the weights against the controls."""
+        if not dynamics.controls:
+            raise InputError("Effort() needs controls, but the phase has none.")
+        self._resolved([c.name for c in dynamics.controls])
+
+    def _resolved(self, names: Sequence[str]) -> list[float]:
+        # Controls of robots are called tau.<joint>; users weigh them by joint.
+        return weights_of(self.weights, [name.removeprefix("tau.") for name in names], "Effort")

@@ -1,0 +1,36 @@
+"""Any expression of a phase's two end points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.rows import rows_of
+from robotraj.problem.constraints.base import ends_of
+from robotraj.problem.objectives.base import EndCost
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class Mayer(EndCost):
+    """Cost of the end points: ``rt.Mayer(lambda start, end: end.x["m"])``.
+
+    The end points know ``t``, ``x``, ``p`` and, for robots, ``q``, ``v``, frames and the centre of mass.
+    """
+
+    expression: Callable[[Any, Any], Any]
+
+    def value(self, start: Any, end: Any) -> Any:
+        """Cost of the end points."""
+        return self.expression(start, end)
+
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Try the expression on symbols."""
+        what = "Mayer expression of the objective"
+        rows = rows_of(what, self.expression, *ends_of(dynamics, parameters))
+        if len(rows) != 1:
+            raise InputError(f"A Mayer expression must return one scalar; it returned {len(rows)}.")

@@ -1,0 +1,116 @@
+"""Distance from a reference motion, integrated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.errors import InputError, called
+from robotraj._util.values import dataclass
+from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.rows import as_rows
+from robotraj.problem.constraints.base import symbols_of
+from robotraj.problem.objectives.base import Integral
+from robotraj.problem.objectives.reference_motion import symbolic_states
+from robotraj.problem.objectives.weights import weights_of
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class Tracking(Integral):
+    """Weighted squared distance from a reference motion, integrated over the phase.
+
+    Integral of sum w_q (q - q*)^2 + sum w_v (v - v*)^2 + sum w_F |p_F - p_F*|^2 + sum w_x (x - x*)^2.
+
+    Parameters
+    ----------
+    reference : callable or Solution
+        ``reference(t)`` of the global time t [s] returns a mapping: ``"q"`` and ``"v"`` to vectors (nq,) and (nv,),
+        names of frames to positions (3,) [m], names of a System's states to numbers, as far as weights ask
+        for them; t is a CasADi symbol, on which NumPy's and CasADi's functions work. A Solution is followed
+        as it is, and held still before its start and after its end.
+    q, v : number, sequence or mapping by joint
+        Weights of positions [1/rad^2, 1/m^2] and velocities; q = 1 and v = 0 where nothing else is asked for. For a
+        floating root they weigh the quaternion's entries: a small angle e [rad] counts as e^2 / 4.
+    frames : mapping of str to number
+        Weights of frames' positions [1/m^2].
+    states : None, number, sequence or mapping by state
+        Weights of a System's states, 1 by default.
+    """
+
+    reference: Any
+    q: Any = None
+    v: Any = 0.0
+    frames: Mapping[str, float] = field(default_factory=dict)
+    states: Any = None
+
+    def rate(self, point: Any) -> Any:
+        """Weighted squared distance at a point."""
+        robot = getattr(point, "robot", None)
+        entries = self._robot_entries(point, robot) if robot is not None else self._system_entries(point)
+        known = self._at(point.t, [name for name, *_ in entries], robot)
+        total = ca.SX(0)
+        for name, value, weights in entries:
+            if name not in known:
+                raise InputError(f"Tracking: the reference gives no {name!r}, which a weight asks for.")
+            wanted = as_rows(known[name], f"reference of {name!r}")
+            if len(wanted) != len(weights):
+                raise InputError(f"Tracking: the reference of {name!r} has {len(wanted)} values, not {len(weights)}.")
+            total += sum((w * (value[i] - wanted[i]) ** 2 for i, w in enumerate(weights) if w), ca.SX(0))
+        return total
+
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Check weights, frames and what the reference gives, by trying it."""
+        robot = isinstance(dynamics, RigidBody)
+        if not callable(self.reference) and not hasattr(self.reference, "phases"):
+            raise InputError("Tracking(reference): give a function of time that returns a mapping, or a Solution.")
+        if robot and self.states is not None:
+            raise InputError("Tracking: states= is for Systems; weigh a robot's motion with q=, v= and frames=.")
+        if not robot and (self.q is not None or self.frames):
+            raise InputError("Tracking: q= and frames= are for robots; weigh a System's states with states=.")
+        rate = as_rows(self.rate(symbols_of(dynamics, parameters)), "Tracking rate")[0]
+        if rate.is_zero():
+            raise InputError("Tracking weighs nothing; give a weight above 0.")
+
+    def _robot_entries(self, point: Any, robot: Any) -> list[tuple[str, Any, list[float]]]:
+        q = (0.0 if self.frames or np.any(self._array(self.v)) else 1.0) if self.q is None else self.q
+        entries = [
+            ("q", point.q, weights_of(q, robot.position_names, "Tracking(q)")),
+            ("v", point.v, weights_of(self.v, robot.velocity_names, "Tracking(v)")),
+        ]
+        for name, weight in self.frames.items():
+            entries.append((name, point.frame(name).position, weights_of(weight, [name], "Tracking(frames)") * 3))
+        return [entry for entry in entries if any(entry[2])]
+
+    @staticmethod
+    def _array(weights: Any) -> Any:
+        return list(weights.values()) if isinstance(weights, Mapping) else weights
+
+    def _system_entries(self, point: Any) -> list[tuple[str, Any, list[float]]]:
+        names = list(point.x)
+        weights = weights_of(self.states, names, "Tracking(states)")
+        return [(name, [point.x[name]], [w]) for name, w in zip(names, weights, strict=True) if w]
+
+    def _at(self, t: Any, names: Sequence[str], robot: Any) -> Mapping[str, Any]:
+        if callable(self.reference):
+            given = called("reference of Tracking", self.reference, t)
+            if not isinstance(given, Mapping):
+                raise InputError(
+                    f"Tracking: the reference must return a mapping such as {{'q': [...]}}; got {type(given).__name__}."
+                )
+            return given
+        if robot is None:
+            return symbolic_states(self.reference, names, t)
+        parts = {"q": [f"q.{name}" for name in robot.position_names]}
+        if "v" in names:
+            parts["v"] = [f"v.{name}" for name in robot.velocity_names]
+        states = symbolic_states(self.reference, [column for columns in parts.values() for column in columns], t)
+        known = {part: ca.vertcat(*(states[column] for column in columns)) for part, columns in parts.items()}
+        placed = {f: robot.symbolic.frame_placement(f)(known["q"])[0] for f in names if f not in parts}
+        return known | placed

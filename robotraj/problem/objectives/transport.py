@@ -1,0 +1,79 @@
+"""Cost of transport: work by weight and distance, a ratio that is minimised as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Variable
+from robotraj.problem.augmentation import RunningIntegral, body_of, has
+from robotraj.problem.constraints.base import BoundConstraint, robot_of
+from robotraj.problem.objectives.base import EndCost, Integral
+from robotraj.problem.objectives.work import MechanicalWork
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class CostOfTransport(EndCost):
+    """Work over weight and distance, W / (m g d), without unit.
+
+    W is the work done in the phase, a further state with Wdot = its rate and W = 0 at the start; m the mass
+    of all moving links; d the way from start to end along a direction. The phase must go that way: bound d
+    from below with a start and an end, or a constraint, since the ratio has no minimum around d = 0.
+
+    Parameters
+    ----------
+    frame : str, optional
+        Whose way it is: a frame, such as that of the base; the centre of mass by default.
+    direction : sequence of 3 float
+        In the world, made a unit vector; x by default.
+    work : Integral
+        ``rt.objectives.MechanicalWork()``, positive work, by default; or any other integral in J.
+
+    Source: Gabrielli and von Karman, Mechanical Engineering 72 (1950); Collins et al., Science 307 (2005).
+    """
+
+    frame: str | None = None
+    direction: Sequence[float] = (1.0, 0.0, 0.0)
+    work: Integral = field(default_factory=MechanicalWork)
+
+    def value(self, start: Any, end: Any) -> Any:
+        """W / (m g d)."""
+        weight = end.mass * float(np.linalg.norm(end.robot.model.gravity.linear))
+        direction = np.asarray(self.direction, dtype=float) / np.linalg.norm(self.direction)
+        before, after = (p.com if self.frame is None else p.frame(self.frame).position for p in (start, end))
+        distance = sum(float(e) * (after[i] - before[i]) for i, e in enumerate(direction) if e)
+        return end.extra["work"] / (weight * distance)
+
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Check frame, direction, weight and work."""
+        robot = robot_of(dynamics, "CostOfTransport")
+        if self.frame is not None:
+            robot.frame(self.frame)
+        direction = np.asarray(self.direction, dtype=float)
+        if direction.shape != (3,) or not np.all(np.isfinite(direction)) or not np.any(direction):
+            raise InputError(f"CostOfTransport: direction is {self.direction!r}; it must be a vector of 3 numbers.")
+        if not np.any(robot.model.gravity.linear):
+            raise InputError("CostOfTransport needs gravity, but that of the robot's model is zero.")
+        if not isinstance(self.work, Integral):
+            raise InputError(
+                f"CostOfTransport: work is {self.work!r}; give an integral such as rt.objectives.AbsolutePower()."
+            )
+        self.work.check(dynamics, parameters)
+
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """Add the state W, and what the work itself needs."""
+        if has(dynamics, ["work"]):
+            raise InputError("A phase can have one CostOfTransport; its objective has two.")
+        return RunningIntegral(self.work.augment(dynamics), Variable("work", "J", "work"), self.work.rate)
+
+    def definitions(self, dynamics: Dynamics) -> tuple[BoundConstraint, ...]:
+        """Rows of the work's own variables."""
+        return self.work.definitions(body_of(dynamics))

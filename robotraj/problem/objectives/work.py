@@ -1,0 +1,146 @@
+"""Mechanical work and absolute power: integrals of absolute values, exact by slacks or smoothed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
+from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.variable import Variable
+from robotraj.problem.augmentation import Slacks, body_of, has
+from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.problem.objectives.base import Integral
+from robotraj.problem.objectives.weights import weights_of
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class MechanicalWork(Integral):
+    """Integral over the phase of sum_j w_j (max(P_j, 0) + braking max(-P_j, 0)) with P_j = tau_j v_j [J].
+
+    The exact form has one slack s_j >= 0 per joint with P_j + s_j >= 0, and integrates P_j + (1 + braking)
+    s_j: at the optimum s_j = max(-P_j, 0) at every collocation point. It is the pair s+, s- >= 0 with P = s+
+    - s- and cost s+ + braking s-, with s+ eliminated.
+
+    The smooth form has sqrt(P^2 + e^2) - e in place of |P| = max(P, 0) + max(-P, 0), which lies below it by e
+    at most: its optimum lies below the exact one, by e T sum_j w_j (1 + braking) / 2 at most.
+
+    Powers are priced at collocation points. Between them a torque with a free mid-point can swing and hide work, and
+    the optimum of a coarse mesh does so. Torques that run on lines between knots cannot: plan with
+    ``rt.HermiteSimpson(control=rt.schemes.LinearControl())``, also on a moving mesh (never there without), or with
+    ``tolerance=``; integrate |tau v| of the answer densely to be sure.
+
+    Parameters
+    ----------
+    weights : None, number, sequence or mapping by joint
+        One weight per actuated joint (per control of ``speeds``), 1 by default.
+    braking : float
+        What a joule of braking costs, above -1: 0 counts positive work alone, 1 the absolute power; a
+        negative price rewards recuperation.
+    smoothing : float, optional
+        e > 0 [W]; None takes the exact form.
+    speeds : mapping of str to str, optional
+        For a System, the state that is the speed of each control: ``{"F": "v"}`` has the power F v.
+
+    Sources: Srinivasan and Ruina, Nature 439 (2006), for the objective; Betts, Practical Methods for Optimal
+    Control (2010), section 1.16, for slacks in place of absolute values.
+    """
+
+    weights: Any = None
+    braking: float = 0.0
+    smoothing: float | None = None
+    speeds: Mapping[str, str] | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not -1.0 < self.braking < np.inf:
+            raise InputError(f"MechanicalWork: braking is {self.braking}; it must be a number above -1.")
+        if self.smoothing is not None and not 0.0 < self.smoothing < np.inf:
+            raise InputError(f"MechanicalWork: smoothing is {self.smoothing}; it must be a power above 0 W, or None.")
+
+    def rate(self, point: Any) -> Any:
+        """Weighted price of the powers [W]."""
+        total = ca.SX(0)
+        for weight, (control, speed) in self._weighed(tuple(point.u)):
+            power = point.u[control] * point.x[speed]
+            if self.smoothing is None:
+                total += weight * (power + (1.0 + self.braking) * point.extra[_slack(control)])
+            else:
+                size = ca.sqrt(power**2 + self.smoothing**2) - self.smoothing
+                total += 0.5 * weight * ((1.0 + self.braking) * size + (1.0 - self.braking) * power)
+        return total
+
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Check weights and speeds against the controls and states."""
+        if self.speeds is None and not isinstance(dynamics, RigidBody):
+            raise InputError('MechanicalWork of a System needs speeds=, such as {"F": "v"} for the power F v.')
+        for kind, given, known in (
+            ("control", self.speeds or {}, dynamics.controls),
+            ("state", (self.speeds or {}).values(), dynamics.states),
+        ):
+            names = [v.name for v in known]
+            for name in given:
+                if name not in names:
+                    raise unknown_name(kind, name, names, "MechanicalWork(speeds=...) pairs controls with states.")
+        self._weighed([c.name for c in dynamics.controls])
+
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """Add a slack per power, for the exact form."""
+        body = body_of(dynamics)
+        pairs = self._weighed([c.name for c in body.controls])
+        joints = {c.name: c.joint for c in body.controls}
+        slacks = tuple(
+            Variable(_slack(c), "W", "slack power", joints[c]) for _, (c, _) in pairs if not has(dynamics, [_slack(c)])
+        )
+        return dynamics if self.smoothing is not None or not slacks else Slacks(dynamics, slacks)
+
+    def definitions(self, dynamics: Dynamics) -> tuple[BoundConstraint, ...]:
+        """s_j >= 0 and P_j + s_j >= 0, for the exact form."""
+        if self.smoothing is not None:
+            return ()
+        return tuple(
+            _define(control, speed)
+            for _, (control, speed) in self._weighed([c.name for c in body_of(dynamics).controls])
+        )
+
+    def _weighed(self, controls: Sequence[str]) -> list[tuple[float, tuple[str, str]]]:
+        """Weights that are not zero, with the control and the speed of each power."""
+        speeds = self.speeds or {c: f"v.{c.removeprefix('tau.')}" for c in controls}
+        joints = [c.removeprefix("tau.") for c in speeds]
+        pairs = zip(weights_of(self.weights, joints, "MechanicalWork"), speeds.items(), strict=True)
+        return [(weight, pair) for weight, pair in pairs if weight != 0.0]
+
+
+@dataclass(frozen=True)
+class AbsolutePower(MechanicalWork):
+    """Integral over the phase of sum_j w_j |tau_j v_j| [J]: mechanical work that pays as much for braking.
+
+    Parameters as of ``MechanicalWork``; the smooth form lies below the exact one by e T sum_j w_j at most.
+    """
+
+    braking: float = 1.0
+
+
+def _slack(control: str) -> str:
+    return f"slack.{control}"
+
+
+def _define(control: str, speed: str) -> BoundConstraint:
+    name = f"slack power of {control.removeprefix('tau.')}"
+    rows = (
+        Row(name, "W", 0.0, np.inf, None, _slack(control)),
+        Row(f"{name} plus power", "W", 0.0, np.inf),
+    )
+
+    def expression(point: Any) -> list[Any]:
+        slack = point.extra[_slack(control)]
+        return [slack, point.u[control] * point.x[speed] + slack]
+
+    return BoundConstraint(name, rows, expression, Where.AT_NODES)

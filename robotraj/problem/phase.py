@@ -1,0 +1,324 @@
+"""Phases: frozen values that check themselves and print every row they will impose."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import field, fields, replace
+from functools import cached_property
+from numbers import Real
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import FailedExpression, InputError, unknown_name
+from robotraj._util.values import dataclass, own
+from robotraj.dynamics.contacts.base import BoundContact, Contact
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
+from robotraj.dynamics.system import System, SystemDynamics
+from robotraj.problem.augmentation import Augmented
+from robotraj.problem.constraints.base import BoundConstraint, Constraint
+from robotraj.problem.constraints.bounds import Between, Bounds, as_bounds, between
+from robotraj.problem.constraints.contact_limits import contact_limits
+from robotraj.problem.constraints.joint_limits import own_limits
+from robotraj.problem.constraints.variable_bounds import VariableBounds
+from robotraj.problem.feasibility import check_phase
+from robotraj.problem.objectives.base import EndCost, Integral, Objective
+from robotraj.problem.printing import phase_table
+from robotraj.problem.state import State
+from robotraj.robot.robot import Limits, Robot
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.design.binding import Design
+    from robotraj.dynamics.design.quantity import Quantity
+    from robotraj.dynamics.kinematics import Kinematics
+
+
+@dataclass(frozen=True)
+class OwnLimits:
+    """Impose the robot's own limits, as its URDF states them (the default)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """One stretch of motion under one set of dynamics and constraints.
+
+    Arrays, lists and mappings are copied: what is written to them later changes neither this phase nor those that
+    ``with_`` makes of it.
+
+    Parameters
+    ----------
+    subject : Robot or System
+        What moves.
+    duration : float, (float, float) or Between
+        Fixed or bounded duration [s].
+    start, end : State, optional
+        The state at both ends; None leaves it free.
+    objective : Objective, optional
+        What is minimised; None looks for any feasible motion.
+    constraints : sequence of Constraint
+        Held at every collocation point (or at one end, with ``AtStart`` and ``AtEnd``).
+    contacts : sequence of Contact
+        What a robot stands on or holds for the whole phase, ``rt.PointContact("foot")``; where it stands is an unknown
+        of the phase, a parameter such as ``"foot.x"`` [m].
+    parameters : mapping of str to number or Between
+        Unknown or fixed constants, ``point.p[name]``; a contact's foothold may be fixed or bounded here.
+    design : mapping of str to Quantity or sequence of Quantity
+        Parameters that are numbers of the robot: ``{"m": rt.design.BodyMass("forearm")}``.
+    states, controls, algebraic : mapping of str to number or Between
+        Bounds by variable name, throughout the phase.
+    limits : Limits or None
+        Joint limits; the robot's own unless said otherwise, None for none.
+    dynamics : InverseDynamics or ForwardDynamics
+        How a robot's equations enter; the answer is the same.
+    name : str
+
+    Raises
+    ------
+    InputError
+        What cannot hold is refused here, naming it: a start outside a limit, crossed bounds, a duration that no
+        velocity limit allows, NaN, unknown names.
+    """
+
+    subject: Robot | System
+    duration: Any
+    start: State | None = None
+    end: State | None = None
+    objective: Objective | None = None
+    constraints: Sequence[Constraint] = ()
+    contacts: Sequence[Contact] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    design: Mapping[str, Quantity | Sequence[Quantity]] = field(default_factory=dict)
+    states: Mapping[str, Any] = field(default_factory=dict)
+    controls: Mapping[str, Any] = field(default_factory=dict)
+    algebraic: Mapping[str, Any] = field(default_factory=dict)
+    limits: Limits | OwnLimits | None = field(default_factory=OwnLimits)
+    dynamics: InverseDynamics | ForwardDynamics | Kinematics = field(default_factory=InverseDynamics)
+    name: str = "phase"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.subject, Robot | System):
+            raise InputError(
+                f"A phase moves a robot (rt.load(...)) or an rt.System; got {type(self.subject).__name__}."
+            )
+        for which in ("start", "end"):
+            if not isinstance(getattr(self, which), State | None):
+                raise InputError(f"The {which} of phase {self.name!r} must be an rt.State or None.")
+        for which in ("duration", "parameters", "design", "states", "controls", "algebraic"):
+            given = getattr(self, which)
+            if which != "duration" and not isinstance(given, Mapping):
+                raise InputError(
+                    f"{which}= of phase {self.name!r} must be a mapping by name, {{}} for none; "
+                    f"got {type(given).__name__}."
+                )
+            object.__setattr__(self, which, own(given))
+        for which, one in (("constraints", Constraint), ("contacts", Contact)):
+            given = getattr(self, which)
+            if not isinstance(given, tuple | list | one | Iterable):
+                raise InputError(
+                    f"{which}= of phase {self.name!r} must be a list of {which}, [] for none; "
+                    f"got {type(given).__name__}."
+                )
+        if isinstance(self.limits, OwnLimits):
+            object.__setattr__(self, "limits", self.robot.limits if self.robot else None)
+        if self.limits is not None and (self.robot is None or not isinstance(self.limits, Limits)):
+            raise InputError(
+                f"limits= of phase {self.name!r} must be None or Limits of the robot, such as "
+                f"robot.limits.with_(velocity=2.0); Systems use states= and controls=."
+            )
+        object.__setattr__(self, "constraints", tuple(self._checked_constraints()))
+        object.__setattr__(
+            self, "contacts", (self.contacts,) if isinstance(self.contacts, Contact) else tuple(self.contacts)
+        )
+        if self.objective is not None and not isinstance(self.objective, Objective):
+            raise InputError(f"The objective of phase {self.name!r} must be an objective such as rt.Effort().")
+        if self.bound_design is not None:
+            self.bound_design.check(self.parameter_names, self.parameter_bounds.lower)
+        try:
+            for _, term in self.objective.terms if self.objective else ():
+                term.check(self.body, self.parameter_names)
+            check_phase(self)
+        except FailedExpression as error:
+            raise FailedExpression(f"Phase {self.name!r}: {error}") from error.__cause__
+
+    def _checked_constraints(self) -> Sequence[Constraint]:
+        # A class is asked for its subclasses the first time that it sees a type: plain lists are told apart before.
+        plain = isinstance(self.constraints, tuple | list)
+        given = self.constraints if plain or not isinstance(self.constraints, Constraint) else [self.constraints]
+        given = list(given)
+        for constraint in given:
+            if not isinstance(constraint, Constraint):
+                raise InputError(f"{constraint!r} in the constraints of phase {self.name!r} is not a constraint.")
+        return given
+
+    @property
+    def robot(self) -> Robot | None:
+        """The robot that moves, or None for a System."""
+        return self.subject if isinstance(self.subject, Robot) else None
+
+    @property
+    def system(self) -> System | None:
+        """The System that moves, or None for a robot."""
+        return self.subject if isinstance(self.subject, System) else None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the fields only: what is derived from them is derived again."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
+
+    @cached_property
+    def bound_design(self) -> Design | None:
+        """The design bound to the robot; None without one."""
+        if not self.design:
+            return None
+        if self.robot is None:
+            raise InputError(
+                f"Phase {self.name!r} has a design, which is for robots, but moves an rt.System; "
+                "read the parameter in its equations as point.p[name]."
+            )
+        from robotraj.dynamics.design.binding import Design
+
+        return Design(self.robot, self.design)
+
+    @cached_property
+    def bound_contacts(self) -> tuple[BoundContact, ...]:
+        """The contacts bound to the robot.
+
+        Raises
+        ------
+        InputError
+            Contacts of a System, what is no contact, or two of one name.
+        """
+        robot = self.robot
+        if not self.contacts:
+            return ()
+        if robot is None:
+            raise InputError(f"Phase {self.name!r} has contacts, which are for robots, but moves an rt.System.")
+        for contact in self.contacts:
+            if not isinstance(contact, Contact):
+                raise InputError(
+                    f"{contact!r} in the contacts of phase {self.name!r} is not a contact such as "
+                    "rt.PointContact('foot')."
+                )
+        bound = tuple(contact.bound_to(robot) for contact in self.contacts)
+        twice = [name for name, count in Counter(contact.name for contact in bound).items() if count > 1]
+        if twice:
+            raise InputError(f"Phase {self.name!r} has two contacts named {twice[0]!r}; give one of them name=.")
+        return bound
+
+    @cached_property
+    def body(self) -> Dynamics:
+        """What moves, as a semi-explicit DAE, without variables that the objective brings along."""
+        if isinstance(self.subject, System):
+            _ = self.bound_contacts
+            return SystemDynamics(self.subject)
+        return self.dynamics.of(self.subject, self.bound_design, self.bound_contacts)
+
+    @cached_property
+    def dae(self) -> Dynamics:
+        """The phase's dynamics as a semi-explicit DAE, variables of the objective included."""
+        dae = self.body
+        for _, term in self.objective.terms if self.objective is not None else ():
+            dae = term.augment(dae)
+        return dae
+
+    @cached_property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters, in order: those given, then the footholds of the contacts."""
+        footholds = [anchor.name for contact in self.bound_contacts for anchor in contact.anchors]
+        return tuple(dict.fromkeys((*self.parameters, *footholds)))
+
+    @cached_property
+    def parameter_bounds(self) -> Bounds:
+        """Bounds of the parameters; footholds that are not named are free."""
+        return as_bounds(dict(self.parameters), self.parameter_names, "parameters", "parameter")
+
+    @cached_property
+    def duration_bounds(self) -> tuple[float, float]:
+        """Least and greatest duration [s]."""
+        value, advice = self.duration, "give seconds above 0, or (least, greatest)."
+        single = isinstance(value, float | int | Between | Real) and not isinstance(value, bool)
+        if not single:
+            several = isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim == 1)
+            if not several or len(value) != 2:
+                raise InputError(f"The duration of phase {self.name!r} is {value!r}; {advice}")
+            try:
+                value = between(*value)
+            except InputError as error:
+                raise InputError(f"The duration of phase {self.name!r} is {self.duration!r}: {error}") from error
+        bounds = as_bounds(value, ["duration"], f"duration of phase {self.name!r}", "value")
+        low, high = float(bounds.lower[0]), float(bounds.upper[0])
+        if high <= 0 or -np.inf < low < 0:
+            raise InputError(f"The duration of phase {self.name!r} is {self.duration!r}; {advice}")
+        return max(low, 0.0), high
+
+    @cached_property
+    def start_bounds(self) -> Bounds:
+        """Bounds on the first state, (nx,) each."""
+        bounds = (self.start or State()).bounds(self.dae, "start")
+        if isinstance(self.dae, Augmented):
+            names = [s.name for s in self.dae.states]
+            for name, value in self.dae.start.items():
+                bounds.lower[names.index(name)] = bounds.upper[names.index(name)] = value
+        return bounds
+
+    @cached_property
+    def end_bounds(self) -> Bounds:
+        """Bounds on the last state, (nx,) each."""
+        return (self.end or State()).bounds(self.dae, "end")
+
+    @cached_property
+    def bound_constraints(self) -> tuple[BoundConstraint, ...]:
+        """Every constraint bound to the dynamics: limits, variable bounds, the user's own, the objective's."""
+        every: list[Constraint] = []
+        if self.robot is not None and isinstance(self.limits, Limits):
+            every += own_limits(self.limits, self.robot.actuated)
+        for kind, mapping in (
+            ("state", self.states),
+            ("control", self.controls),
+            ("algebraic variable", self.algebraic),
+        ):
+            if mapping:
+                every.append(VariableBounds(kind, mapping))
+        every += self.constraints
+        bound = [constraint.bind(self.body, self.parameter_names) for constraint in every]
+        bound += [limits for contact in self.bound_contacts for limits in contact_limits(contact)]
+        terms = self.objective.terms if self.objective is not None else ()
+        # Two terms may need the same slacks; their rows are imposed once.
+        needed = {b.name: b for _, term in terms for b in term.definitions(self.dae)}
+        return tuple(b for b in (*bound, *needed.values()) if b.rows)
+
+    @property
+    def integrals(self) -> tuple[tuple[float, Integral], ...]:
+        """Weights and Lagrange terms of the objective."""
+        terms = self.objective.terms if self.objective is not None else ()
+        return tuple((weight, term) for weight, term in terms if isinstance(term, Integral))
+
+    @property
+    def end_costs(self) -> tuple[tuple[float, EndCost], ...]:
+        """Weights and Mayer terms of the objective."""
+        terms = self.objective.terms if self.objective is not None else ()
+        return tuple((weight, term) for weight, term in terms if isinstance(term, EndCost))
+
+    def with_(self, **changes: Any) -> Phase:
+        """Give the phase with other fields, ``phase.with_(end=rt.State(q=...))``.
+
+        What does not depend on them, the equations and all that was made of them, is shared, so that planning again is
+        quick.
+
+        Raises
+        ------
+        InputError
+            An unknown field, or what the phase itself would refuse.
+        """
+        unknown = set(changes) - {entry.name for entry in fields(self)}
+        if unknown:
+            raise unknown_name("field of a phase", sorted(unknown)[0], [entry.name for entry in fields(self)])
+        changed = replace(self, **changes)
+        if set(changes) <= {"start", "end"}:
+            own = {entry.name for entry in fields(self)} | {"start_bounds", "end_bounds"}
+            changed.__dict__.update({name: value for name, value in self.__dict__.items() if name not in own})
+        return changed
+
+    def __str__(self) -> str:
+        return phase_table(self)

@@ -1,0 +1,108 @@
+"""The problem that phases and links make: a frozen value that checks itself and prints every row it will impose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
+from functools import cached_property
+from typing import Any
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.problem.links.base import BoundLink, Link
+from robotraj.problem.links.continuity import running_on
+from robotraj.problem.phase import Phase
+
+_MISSING_AS = {
+    "subject": ("the equations ", "the shapes "),
+    "constraints": ("constraint ",),
+    "objective": ("objective ",),
+}
+"""How ``Problem.missing`` begins to name what was lost of a field."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Phases and the links between them; one NLP.
+
+    Parameters
+    ----------
+    phases : Phase or sequence of Phase
+    links : Link or sequence of Link
+        ``rt.Continuity(0, 1)`` joins the end of phase 0 to the start of phase 1. Where no link says when a phase
+        starts, it starts when the one before ends; states run on only where a link says so.
+    missing : sequence of str
+        What a file could not keep of the problem, as ``load_solution`` found; empty for problems written in Python.
+    """
+
+    phases: Sequence[Phase]
+    links: Sequence[Link] = ()
+    missing: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        for which, one, several in (("phases", Phase, "rt.Phase values"), ("links", Link, "links, [] for none")):
+            given = getattr(self, which)
+            if not isinstance(given, one | Iterable):
+                raise InputError(f"The {which} of a problem are a list of {several}; got {type(given).__name__}.")
+        phases = (self.phases,) if isinstance(self.phases, Phase) else tuple(self.phases)
+        if not phases:
+            raise InputError("A problem needs at least one phase.")
+        for phase in phases:
+            if not isinstance(phase, Phase):
+                raise InputError(f"A problem is made of rt.Phase values; got {type(phase).__name__}.")
+        object.__setattr__(self, "phases", phases)
+        object.__setattr__(self, "links", (self.links,) if isinstance(self.links, Link) else tuple(self.links))
+        _ = self.bound_links
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the fields only: what is derived from them is derived again."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
+
+    @cached_property
+    def bound_links(self) -> tuple[BoundLink, ...]:
+        """Every link bound to the phases it joins, and time that runs on where none of them says how."""
+        for link in self.links:
+            if not isinstance(link, Link):
+                raise InputError(f"{link!r} in the links of the problem is not a link such as rt.Continuity(0, 1).")
+        bound = tuple(link.bind(self.phases) for link in self.links)
+        return bound + running_on(self.phases, bound)
+
+    def with_(self, **changes: Any) -> Problem:
+        """Give the problem with another start, end or other field of its phase.
+
+        Parameters
+        ----------
+        **changes
+            Fields of ``rt.Phase``. With several phases, ``start`` is that of the first and ``end`` that of the last
+            one; change others by ``phase.with_`` and a new problem.
+
+        Examples
+        --------
+        >>> again = rt.plan(problem.with_(end=rt.State(q=goal, v=0)), mesh, guess=solution)  # doctest: +SKIP
+        """
+        phases = list(self.phases)
+        unknown = set(changes) - {entry.name for entry in fields(Phase)}
+        if len(phases) > 1 and not unknown and not set(changes) <= {"start", "end"}:
+            name = sorted(set(changes) - {"start", "end"})[0]
+            raise InputError(
+                f"problem.with_({name}=...) does not say which of {len(phases)} phases it is about; use "
+                "phase.with_(...) and make a new problem."
+            )
+        if len(phases) == 1 or unknown:
+            phases = [phases[0].with_(**changes)]
+        else:
+            for which, index in (("start", 0), ("end", -1)):
+                if which in changes:
+                    phases[index] = phases[index].with_(**{which: changes[which]})
+        # What a file could not keep of a field is no longer missing where the field is given anew.
+        given = tuple(start for name in changes for start in _MISSING_AS.get(name, ()))
+        return Problem(phases, self.links, tuple(name for name in self.missing if not name.startswith(given)))
+
+    def __str__(self) -> str:
+        parts = [str(phase) for phase in self.phases]
+        parts += [
+            f"link {link.name}: {row.label} in [{row.lower:g}, {row.upper:g}] {row.unit}".rstrip()
+            for link in self.bound_links
+            for row in link.rows
+        ]
+        return "\n\n".join(parts[: len(self.phases)]) + ("\n" + "\n".join(parts[len(self.phases) :]))

@@ -1,0 +1,1 @@
+"""Replay: a solution as one HTML file that opens anywhere, offline."""

@@ -1,0 +1,77 @@
+"""How high places on the robot had to be: the height that ``GroundClearance`` asks for, along the way they take."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.dynamics.terrain.function import as_ground
+from robotraj.problem.constraints.base import symbols_of
+from robotraj.problem.constraints.clearance import GroundClearance
+from robotraj.problem.constraints.clearance_geometry import spots_of
+from robotraj.solution.gait_cycles import Passage, Unrolled
+
+Array = NDArray[np.float64]
+SAMPLES = 61
+"""Samples of a required height over a phase."""
+
+
+def clearance_scene(course: Unrolled) -> list[dict[str, Any]]:
+    """Give curves for the page's script: start and end [s], and points x, y, z of the height asked for [m].
+
+    ``ground`` is the height [m] of the ground below each point. Places that a constraint holds at one end of a phase
+    alone have none.
+    """
+    curves = []
+    for passage in course.phases:
+        for constraint in passage.phase.constraints:
+            if isinstance(constraint, GroundClearance):
+                curves += _curves(passage, constraint)
+    return curves
+
+
+def _curves(passage: Passage, constraint: GroundClearance) -> list[dict[str, Any]]:
+    """Write one curve per place; where several heights are asked for, the highest counts."""
+    planned, phase = passage.planned, passage.phase
+    body, names = phase.body, phase.parameter_names
+    bound = constraint.bind(body, names)
+    spots = spots_of(constraint.frames, phase.robot)
+    point = symbols_of(body, names)
+    ground = as_ground(constraint.ground)
+    values = ca.vertcat(*bound.expression(point))
+    places = ca.vertcat(*(ca.vertcat(*spot.position(point)) for spot in spots))
+    variables = [point.t, *(ca.vertcat(*group.values()) for group in (point.x, point.z, point.u, point.p))]
+    evaluate = ca.Function("clearance", variables, [values, places])
+    times = np.linspace(planned.t0, planned.t0 + planned.duration, SAMPLES)
+    sample = planned.at(times)
+    columns = [
+        np.array([np.broadcast_to(np.asarray(group[name], dtype=float), times.shape) for name in known])
+        for group, known in (
+            (sample.x, point.x),
+            (sample.z, point.z),
+            (sample.u, point.u),
+            (planned.parameters, point.p),
+        )
+    ]
+    rows, xyz = (np.array(part) for part in evaluate(times[None, :], *(c.reshape(-1, len(times)) for c in columns)))
+    found = []
+    for k, spot in enumerate(spots):
+        x, y, z = xyz[3 * k : 3 * k + 3]
+        mine = [i for i, row in enumerate(bound.rows) if row.joint == spot.label]
+        # A row's value less its bound is how far the place is above the height asked for.
+        spare = np.min([rows[i] - bound.rows[i].lower for i in mine], axis=0)
+        below = np.asarray(ground.height(x, y), dtype=float)
+        asked = passage.points(np.column_stack([x, y, z - spare]))
+        floor = passage.points(np.column_stack([x, y, below]))
+        found.append(
+            {
+                "start": passage.t0,
+                "end": passage.t0 + passage.duration,
+                "points": [float(f"{v:.5g}") for v in asked.ravel()],
+                "ground": [float(f"{v:.5g}") for v in floor[:, 2]],
+            }
+        )
+    return found

@@ -1,0 +1,99 @@
+"""What holds the robot: contact forces, friction cones, impulses, and when each contact is held."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.problem.links.touchdown import impulse_names
+from robotraj.replay_page.footholds import Foothold, contact_names, footholds, numbers
+from robotraj.solution.gait_cycles import Unrolled
+
+Array = NDArray[np.float64]
+IMPULSE_TIME = 0.1
+"""An impulse is drawn as long as the force that gives it in so many seconds."""
+
+
+def weight_of(robot: Any) -> float:
+    """Weight of what moves [N]."""
+    model = robot.model
+    mass = sum(float(inertia.mass) for inertia in model.inertias[1:])
+    return mass * float(np.linalg.norm(model.gravity.linear))
+
+
+def contact_scene(course: Unrolled, robot: Any, stature: float) -> dict[str, Any] | None:
+    """Write forces, cones and impulses for the page's script; None without contacts with the ground.
+
+    Parameters
+    ----------
+    course : Unrolled
+    robot : Robot
+    stature : float
+        Size of the robot [m]: its weight is drawn a third as long.
+    """
+    holds = [hold for passage in course.phases for hold in footholds(passage)]
+    if not holds:
+        return None
+    names = contact_names(course)
+    greatest = max(float(np.linalg.norm(hold.track[2], axis=1).max()) for hold in holds)
+    return {
+        "names": names,
+        "unit": weight_of(robot) or greatest or 1.0,
+        "weight": weight_of(robot) > 0.0,
+        "length": round(stature / 3.0, 4),
+        "impulseTime": IMPULSE_TIME,
+        "forces": [_force(hold, names.index(hold.name)) for hold in holds],
+        "cones": [cone for hold in holds for cone in _cones(hold, names.index(hold.name))],
+        "impacts": _impacts(course, names),
+    }
+
+
+def held(course: Unrolled) -> list[dict[str, Any]]:
+    """When each contact is held: its name and spans [start, end] [s], joined where one follows another."""
+    spans: dict[str, list[list[float]]] = {name: [] for name in contact_names(course)}
+    for passage in course.phases:
+        for hold in footholds(passage):
+            row = spans[hold.name]
+            for start, end in hold.spans:
+                if row and abs(row[-1][1] - start) < 1e-9 * max(1.0, course.duration):
+                    row[-1][1] = end
+                else:
+                    row.append([start, end])
+    return [{"label": name, "spans": row} for name, row in spans.items()]
+
+
+def _force(hold: Foothold, foot: int) -> dict[str, Any]:
+    times, places, forces = hold.track
+    return {"foot": foot, "t": _rounded(times, 8), "p": _rounded(places, 5), "f": _rounded(forces, 5)}
+
+
+def _cones(hold: Foothold, foot: int) -> list[dict[str, Any]]:
+    shape = {
+        "apex": _rounded(hold.place, 6),
+        "normal": _rounded(hold.normal, 6),
+        "angle": hold.angle,
+        "sole": _rounded(hold.sole, 6),
+    }
+    return [{"foot": foot, "start": start, "end": end, "stays": hold.stays} | shape for start, end in hold.spans]
+
+
+def _impacts(course: Unrolled, names: list[str]) -> list[dict[str, Any]]:
+    """Impulses with their times, places [m] and world components [N s]."""
+    found = []
+    for impact in course.impacts:
+        for hold in footholds(impact.after):
+            if hold.stays and hold.name in names:
+                impulse = numbers(hold.contact.vector([impact.impulses[name] for name in impulse_names(hold.contact)]))
+                turned = hold.passage.forces(impulse[:3])
+                place = _rounded(hold.place, 6)
+                found.append(
+                    {"foot": names.index(hold.name), "t": impact.t, "p": place, "impulse": _rounded(turned, 5)}
+                )
+    return found
+
+
+def _rounded(values: Array, digits: int) -> list[float]:
+    """Round to significant digits, rows one after the other."""
+    return [float(f"{value:.{digits}g}") for value in np.ravel(values)]

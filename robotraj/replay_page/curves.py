@@ -1,0 +1,178 @@
+"""The curves beside the 3D view: position, velocity, torque and contact force of a robot, or a system's variables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.replay_page.footholds import footholds
+from robotraj.solution.gait_cycles import Passage, Unrolled
+
+Array = NDArray[np.float64]
+SAME = {"rad": "rad", "m": "m", "": ""}
+RATE = {"rad": "rad/s", "m": "m/s"}
+EFFORT = {"rad": "N m", "m": "N"}
+SAMPLES = 900
+"""About so many samples per phase, shared among its intervals; each shows at least 3, ends included."""
+ALL_SAMPLES = 3600
+"""About so many in all phases of all periods, shared among them."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """One curve: its label, unit and name among the variables (``q.elbow``)."""
+
+    label: str
+    unit: str
+    variable: str
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One chart: its title, the symbol that heads its column of values, and its curves."""
+
+    title: str
+    symbol: str
+    series: tuple[Series, ...]
+    read: Callable[[Any], Array] = field(repr=False)
+    """From a sample at m times to values (m, number of series)."""
+
+
+def robot_panels(robot: Any) -> list[Panel]:
+    """Position, velocity and torque charts of a robot's joints; torque of the actuated ones only."""
+
+    def series(prefix: str, names: Sequence[str], units: Sequence[str], unit: dict[str, str]) -> tuple[Series, ...]:
+        return tuple(Series(n, unit[u], f"{prefix}.{n}") for n, u in zip(names, units, strict=True))
+
+    panels = [
+        Panel(
+            "Joint position", "q", series("q", robot.position_names, robot.position_units, SAME), lambda s: _rows(s.q)
+        ),
+        Panel("Joint velocity", "v", series("v", robot.velocity_names, robot.units, RATE), lambda s: _rows(s.v)),
+    ]
+    if len(robot.actuated):
+        units = dict(zip(robot.velocity_names, robot.units, strict=True))
+        kinds = [units[joint] for joint in robot.actuated]
+        title = {frozenset({"m"}): "Actuator force", frozenset({"rad"}): "Joint torque"}.get(frozenset(kinds), "Effort")
+        panels.append(Panel(title, "τ", series("tau", robot.actuated, kinds, EFFORT), lambda s: _rows(s.tau)))
+    return panels
+
+
+def contact_panel(passage: Passage) -> list[Panel]:
+    """Chart of the normal force of each contact with the ground; none without contacts."""
+    holds = footholds(passage)
+    if not holds:
+        return []
+    # A bound on the normal force of level ground is one of the variable along z.
+    series = tuple(Series(hold.name, "N", f"force.{hold.contact.name}.z") for hold in holds)
+
+    def read(sample: Any) -> Array:
+        return np.column_stack([hold.normal_force(sample) for hold in holds])
+
+    return [Panel("Normal force of contacts", "fₙ", series, read)]
+
+
+def system_panels(system: Any) -> list[Panel]:
+    """States, controls and algebraic variables of an ``rt.System``."""
+
+    def panel(title: str, symbol: str, group: Sequence[Any]) -> Panel:
+        names = [variable.name for variable in group]
+
+        def read(sample: Any) -> Array:
+            values = getattr(sample, symbol)
+            return np.column_stack([np.asarray(values[name], dtype=float).ravel() for name in names])
+
+        return Panel(title, symbol, tuple(Series(v.name, v.unit, v.name) for v in group), read)
+
+    groups = (
+        ("States", "x", system.states),
+        ("Controls", "u", system.controls),
+        ("Algebraic variables", "z", system.algebraic),
+    )
+    return [panel(title, symbol, group) for title, symbol, group in groups if len(group)]
+
+
+def curves(course: Unrolled) -> list[dict[str, Any]]:
+    """Sample every chart of a solution, ready for JSON.
+
+    Each interval between knots is read with its own polynomial, so a jump at a knot shows as one. Limits are
+    the tightest of the phase's rows that bound one variable throughout.
+
+    Returns
+    -------
+    list of dict
+        ``title``, ``symbol``, ``series`` (label, unit) and ``pieces``, one for each phase: ``t`` (m,) [s],
+        ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
+    """
+    drawn: dict[str, dict[str, Any]] = {}
+    number = len(course.phases)
+    for passage in course.phases:
+        phase = passage.phase
+        if phase.robot is not None:
+            panels = robot_panels(phase.robot) + contact_panel(passage)
+        else:
+            panels = system_panels(phase.system)
+        limits = _limits(passage)
+        times, samples = _sample(passage, min(SAMPLES, ALL_SAMPLES / number))
+        for panel in panels:
+            labels = [{"label": s.label, "unit": s.unit} for s in panel.series]
+            chart = drawn.setdefault(
+                panel.title, {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []}
+            )
+            chart["series"] += [label for label in labels if label not in chart["series"]]
+            values = np.concatenate([panel.read(sample) for sample in samples])
+            bounds = [limits.get(s.variable, (-np.inf, np.inf)) for s in panel.series]
+            chart["pieces"].append(
+                {
+                    "t": _rounded(times, 9),
+                    "of": [chart["series"].index(label) for label in labels],
+                    "y": [_rounded(column, 6) for column in values.T],
+                    "lower": [low if np.isfinite(low) else None for low, _ in bounds],
+                    "upper": [high if np.isfinite(high) else None for _, high in bounds],
+                }
+            )
+    return list(drawn.values())
+
+
+def _sample(passage: Passage, wanted: float) -> tuple[Array, list[Any]]:
+    """Read a phase interval by interval; both sides of every knot are there."""
+    knots = passage.knots
+    count = max(3, int(np.ceil(wanted / max(len(knots) - 1, 1))) + 1)
+    grids = [np.linspace(a, b, count) for a, b in zip(knots[:-1], knots[1:], strict=True)]
+    return np.concatenate(grids), [passage.at(grid, interval=k) for k, grid in enumerate(grids)]
+
+
+def _limits(passage: Passage) -> dict[str, tuple[float, float]]:
+    """Bounds by variable name, from the rows that hold throughout the phase, as they are in the period."""
+    limits: dict[str, tuple[float, float]] = {}
+    for bound in passage.phase.bound_constraints:
+        if bound.where.value != "throughout":
+            continue
+        for row in bound.rows:
+            if row.variable is not None:
+                low, high = limits.get(row.variable, (-np.inf, np.inf))
+                limits[row.variable] = (max(low, float(row.lower)), min(high, float(row.upper)))
+    robot = passage.phase.robot
+    if passage.period == 0 or robot is None:
+        return limits
+    moved = {name: pair for name, pair in limits.items() if name.startswith("force.")}
+    groups = (("q", robot.position_names), ("v", robot.velocity_names), ("tau", robot.actuated))
+    for quantity, joints in groups:
+        names = [f"{quantity}.{joint}" for joint in joints]
+        lower, upper = np.array([limits.get(name, (-np.inf, np.inf)) for name in names]).reshape(-1, 2).T
+        moved |= dict(zip(names, zip(*passage.bounds(quantity, lower, upper), strict=True), strict=True))
+    return moved
+
+
+def _rows(values: Any) -> Array:
+    return np.atleast_2d(np.asarray(values, dtype=float))
+
+
+def _rounded(values: Array, digits: int) -> list[float | None]:
+    """Round to significant digits; JSON has no NaN, so what is not finite becomes None and leaves a gap."""
+    return [float(f"{value:.{digits}g}") if np.isfinite(value) else None for value in values]

@@ -1,0 +1,79 @@
+"""Mesh files (.dae, .stl, .obj and whatever trimesh reads) as coloured parts."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from robotraj.replay_page.part import Color, Part, merge_by_color
+
+MOST_COLORS = 24
+"""A mesh painted face by face in more colours than this is drawn in their mean."""
+
+
+@lru_cache(maxsize=256)
+def read_mesh(path: str) -> tuple[Part, ...]:
+    """Read a mesh file: one welded part for each colour, in the frame of the file.
+
+    Node transforms inside the file are applied; its unit and up axis are not, as in Pinocchio's own loader.
+
+    Parameters
+    ----------
+    path : str
+        The file.
+
+    Returns
+    -------
+    tuple of Part
+        ``color`` is None where the file carries no material. Empty if nothing in the file is a triangle.
+    """
+    scene = trimesh.load_scene(Path(path))
+    pieces: list[tuple[NDArray[Any], NDArray[Any], Color | None]] = []
+    for node in scene.graph.nodes_geometry:
+        transform, name = scene.graph[node]
+        mesh = scene.geometry[name]
+        if not isinstance(mesh, trimesh.Trimesh):
+            continue
+        vertices = np.asarray(mesh.vertices) @ transform[:3, :3].T + transform[:3, 3]
+        faces = np.asarray(mesh.faces)
+        if np.linalg.det(transform[:3, :3]) < 0.0:
+            faces = faces[:, ::-1]
+        for color, mask in _colors(mesh):
+            pieces.append((vertices, faces[mask], color))
+    return merge_by_color(pieces)
+
+
+def _colors(mesh: trimesh.Trimesh) -> list[tuple[Color | None, Any]]:
+    """Return the colours of a mesh with the faces (a mask or slice) that wear each."""
+    visual, everything = mesh.visual, slice(None)
+    if not visual.defined:
+        return [(None, everything)]
+    if visual.kind == "texture":
+        return [(_material_color(visual.material), everything)]
+    rgba = np.asarray(visual.face_colors)
+    distinct, index = np.unique(rgba, axis=0, return_inverse=True)
+    if len(distinct) > MOST_COLORS:
+        return [(_color(rgba.mean(axis=0)), everything)]
+    return [(_color(c), index.ravel() == i) for i, c in enumerate(distinct)]
+
+
+def _material_color(material: Any) -> Color | None:
+    """Read the base colour of a material, times the mean of its texture; None if the file gave none."""
+    image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
+    if image is None and isinstance(material, trimesh.visual.material.SimpleMaterial) and not material.kwargs:
+        return None
+    rgba = np.asarray(material.main_color, dtype=float)
+    if image is not None:
+        rgba = rgba * np.asarray(image.convert("RGBA").resize((1, 1)).getpixel((0, 0))) / 255.0
+    return _color(rgba)
+
+
+def _color(rgba: NDArray[Any]) -> Color:
+    """Round a colour of 0 to 255 to 8 bits and scale it to [0, 1]; none left is an error in the file."""
+    red, green, blue, opacity = (float(np.rint(c)) / 255.0 for c in rgba)
+    return (red, green, blue, opacity if opacity > 0.0 else 1.0)

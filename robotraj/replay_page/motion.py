@@ -1,0 +1,121 @@
+"""A solution's motion as poses of every joint relative to its parent, with keys where they are needed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from robotraj._util.values import dataclass
+
+Array = NDArray[np.float64]
+FINEST = 8
+"""A frame is divided at most into this many keys (a power of two)."""
+TOLERANCE = 1e-5
+"""Largest difference [m, rad] between a joint's pose and what the page interpolates, if FINEST allows."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A robot over a whole solution, sampled on a fine time grid.
+
+    Attributes
+    ----------
+    times : (m,)
+        Global times [s], increasing, with every phase boundary once.
+    q : (m, nq)
+        Configurations [rad, m].
+    position : (m, njoints, 3)
+        Origin of each joint's frame [m] in its parent joint's frame.
+    quaternion : (m, njoints, 4)
+        Orientation (x, y, z, w) in the same frame, sign-continuous in time.
+    world : (m, njoints, 4, 4)
+        Joint frames in the world.
+    """
+
+    times: Array
+    q: Array
+    position: Array
+    quaternion: Array
+    world: Array
+
+
+def motion_of(model: pin.Model, solution: Any, fps: int) -> Motion:
+    """Sample every phase at 1/(FINEST fps) and put the robot there.
+
+    At a boundary the later phase counts, except at the very end.
+
+    Parameters
+    ----------
+    model : pin.Model
+    solution : Solution or Unrolled
+    fps : int
+    """
+    times, rows = [], []
+    phases = solution.phases
+    for number, phase in enumerate(phases):
+        steps = max(int(np.ceil(phase.duration * fps * FINEST - 1e-9)), 1)
+        grid = phase.t0 + np.minimum(np.arange(steps + 1) / (fps * FINEST), phase.duration)
+        if number < len(phases) - 1:
+            grid = grid[:-1]
+        times.append(grid)
+        rows.append(np.asarray(phase.at(grid).q, dtype=float).reshape(len(grid), model.nq))
+    stamps, q = np.concatenate(times), np.concatenate(rows)
+    data = model.createData()
+    local = np.tile(np.eye(4), (len(stamps), model.njoints, 1, 1))
+    world = local.copy()
+    for k, configuration in enumerate(q):
+        pin.forwardKinematics(model, data, configuration)
+        for joint in range(1, model.njoints):
+            local[k, joint] = data.liMi[joint].homogeneous
+            world[k, joint] = data.oMi[joint].homogeneous
+    return Motion(stamps, q, local[:, :, :3, 3], _quaternions(local[:, :, :3, :3]), world)
+
+
+def _quaternions(rotation: Array) -> Array:
+    """Turn rotations (m, n, 3, 3) into quaternions (x, y, z, w), neighbours in time on one hemisphere."""
+    m, n = rotation.shape[:2]
+    quaternion = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat().reshape(m, n, 4)
+    flips = np.sum(quaternion[1:] * quaternion[:-1], axis=-1) < 0.0
+    sign = np.where(np.cumsum(flips, axis=0) % 2 == 1, -1.0, 1.0)
+    quaternion[1:] *= sign[..., None]
+    return np.asarray(quaternion)
+
+
+def keys(position: Array, quaternion: Array) -> NDArray[np.intp]:
+    """Choose the samples of one joint to send: one a frame, more where interpolation misses by TOLERANCE.
+
+    Starting from every FINEST-th sample, an interval whose midpoint differs from the linear (position) or
+    great-arc (rotation) mean of its ends is halved, and its halves again.
+
+    Parameters
+    ----------
+    position : (m, 3)
+    quaternion : (m, 4)
+
+    Returns
+    -------
+    (k,) indices, increasing, first and last included.
+    """
+    last = len(position) - 1
+    chosen = np.unique(np.append(np.arange(0, last + 1, FINEST), last))
+    while True:
+        left, right = chosen[:-1], chosen[1:]
+        middle = (left + right) // 2
+        inside = middle > left
+        left, right, middle = left[inside], right[inside], middle[inside]
+        if len(middle) == 0:
+            return chosen
+        share = ((middle - left) / (right - left))[:, None]
+        straight = (1.0 - share) * position[left] + share * position[right]
+        arc = (1.0 - share) * quaternion[left] + share * quaternion[right]
+        arc /= np.linalg.norm(arc, axis=1, keepdims=True)
+        moved = np.linalg.norm(position[middle] - straight, axis=1)
+        turned = 2.0 * np.linalg.norm(quaternion[middle] - arc, axis=1)
+        needed = middle[np.maximum(moved, turned) > TOLERANCE]
+        if len(needed) == 0:
+            return chosen
+        chosen = np.union1d(chosen, needed)

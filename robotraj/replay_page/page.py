@@ -1,0 +1,84 @@
+"""One HTML file from template, styles, scripts, meshcat's viewer and the data, everything inlined."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import html
+import json
+from importlib import resources
+from typing import Any
+
+from robotraj._util.values import dataclass
+
+SCRIPTS = ("view.js", "contacts.js", "bars.js", "charts.js", "page.js")
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What the top of the page says; ``facts`` are (label, value), ``good`` colours the status."""
+
+    title: str
+    subtitle: str
+    status: str
+    good: bool
+    facts: tuple[tuple[str, str], ...]
+
+
+def page(heading: Heading, description: dict[str, Any], commands: bytes | None) -> str:
+    """Fill the template.
+
+    Parameters
+    ----------
+    heading : Heading
+    description : dict
+        Data for the page's script; must survive JSON.
+    commands : bytes or None
+        meshcat commands from ``RecordingWindow.packed``; None leaves out the 3D view and meshcat's viewer.
+    """
+    text = json.dumps(description, separators=(",", ":"), allow_nan=False).encode()
+    fields = {
+        "title": html.escape(f"{heading.title} · {heading.subtitle}" if heading.subtitle else heading.title),
+        "heading": html.escape(heading.title),
+        "subtitle": html.escape(heading.subtitle),
+        "status": html.escape(heading.status),
+        "status_class": "good" if heading.good else "bad",
+        "facts": "".join(
+            f"<div><dt>{html.escape(label)}</dt><dd>{html.escape(value)}</dd></div>" for label, value in heading.facts
+        ),
+        "layout": "with-view" if commands is not None else "curves-only",
+        "style": _own("page.css"),
+        "licences": html.escape(_licences()) if commands is not None else "",
+        "viewer": _inline(_meshcat("dist/main.min.js")) if commands is not None else "",
+        "script": _inline("\n".join(_own(name) for name in SCRIPTS)),
+        "data": _base64(gzip.compress(text, 9, mtime=0)),
+        "commands": _base64(commands) if commands is not None else "",
+    }
+    parts = _own("template.html").split("{{")
+    filled = [parts[0]]
+    for part in parts[1:]:
+        name, rest = part.split("}}", 1)
+        filled += [fields[name.strip()], rest]
+    return "".join(filled)
+
+
+def _own(name: str) -> str:
+    return resources.files("robotraj.replay_page").joinpath(name).read_text(encoding="utf-8")
+
+
+def _meshcat(name: str) -> str:
+    return resources.files("meshcat").joinpath("viewer").joinpath(name).read_text(encoding="utf-8")
+
+
+def _licences() -> str:
+    """Licences of the inlined viewer and of the libraries in it, which ask to be kept with every copy."""
+    return _meshcat("LICENSE") + "\n" + _meshcat("dist/main.min.js.LICENSE.txt")
+
+
+def _inline(script: str) -> str:
+    """Keep a script from ending its own element early."""
+    return script.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+
+
+def _base64(data: bytes) -> str:
+    return base64.b64encode(data).decode("ascii")

@@ -1,0 +1,210 @@
+"""The 3D scene of a replay: one animated node per joint, meshes fixed under it, ground and traces."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import meshcat
+import numpy as np
+import pinocchio as pin
+from meshcat.animation import Animation, AnimationClip
+from meshcat.path import Path as NodePath
+from numpy.typing import NDArray
+from trimesh import creation
+
+from robotraj._util.values import dataclass
+from robotraj.replay_page.clearance import clearance_scene
+from robotraj.replay_page.colors import rgb
+from robotraj.replay_page.contacts import contact_scene
+from robotraj.replay_page.footholds import contact_frames
+from robotraj.replay_page.ground import GroundView, ground_of
+from robotraj.replay_page.motion import Motion, keys, motion_of
+from robotraj.replay_page.shapes import tube
+from robotraj.replay_page.visuals import Visual, visuals_of
+from robotraj.replay_page.window import PackedTrack, RecordingWindow, draw
+from robotraj.robot.root import root_of
+from robotraj.solution.gait_cycles import Unrolled
+
+Array = NDArray[np.float64]
+GROUND_COLOR = (0.80, 0.82, 0.78, 1.0)
+ROOT = NodePath(("meshcat",))
+STILL = 1e-9
+"""A joint whose pose changes less than this [m, and unitless quaternion] carries no track."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Everything the page needs for its 3D view.
+
+    Attributes
+    ----------
+    commands : bytes
+        The recorded meshcat commands, gzip.
+    description : dict
+        For the page's script: node path of each joint, bounding box, ground, traces.
+    """
+
+    commands: bytes
+    description: dict[str, Any]
+
+
+def scene_of(robot: Any, course: Unrolled, fps: int, traces: Sequence[str] | None) -> Scene:
+    """Record a robot's solution as meshcat commands.
+
+    Parameters
+    ----------
+    robot : Robot
+        ``.model``, ``.visual_model``, ``.frame(name)``.
+    course : Unrolled
+    fps : int
+        Animation keys per second; more are added where the motion bends.
+    traces : sequence of str or None
+        Frames whose path is drawn; None takes those of the contacts, without any the tip of the longest chain.
+    """
+    model = robot.model
+    feet = list(contact_frames(course).values())
+    names = (feet or [tip_frame(model)]) if traces is None else list(traces)
+    frames = [robot.frame(name) for name in names]
+    motion = motion_of(model, course, fps)
+    visuals = visuals_of(model, robot.visual_model)
+    window = RecordingWindow()
+    viewer = meshcat.Visualizer(window=window)
+    paths = joint_paths(model)
+    for joint in range(1, model.njoints):
+        viewer[paths[joint]].set_transform(_matrix(motion.position[0, joint], motion.quaternion[0, joint]))
+    for number, visual in enumerate(visuals):
+        node = viewer[f"{paths[visual.joint]}/visual {number} {_safe(visual.name)}"]
+        node.set_transform(visual.placement)
+        for k, (part, color) in enumerate(visual.parts):
+            draw(node[f"part {k}"], part, color)
+    hull = _hull(visuals, motion)
+    low, high = hull.min(axis=0), hull.max(axis=0)
+    ground = ground_of(course, low, high)
+    if ground.surface is not None:
+        draw(viewer["ground"], ground.surface, GROUND_COLOR, shininess=0.0)
+    size = float(np.linalg.norm(high - low))
+    # A contact's trace wears the contact's colour.
+    colors = [feet.index(name) if name in feet else len(feet) + k for k, name in enumerate(names)]
+    pairs = zip(frames, colors, strict=True)
+    drawn = [_trace(viewer, motion, model.frames[frame], k, rgb(c), size) for k, (frame, c) in enumerate(pairs)]
+    window.send(meshcat.commands.SetAnimation(_animation(motion, paths, fps), play=False, repetitions=1))
+    stature = _stature(visuals, motion)
+    description = _description(model, motion, paths, hull, ground, drawn) | {
+        "body": root_of(robot.root).joints[-1] if robot.root != "fixed" else None,
+        "stature": round(stature, 4),
+        "contacts": contact_scene(course, robot, stature),
+        "clearance": clearance_scene(course),
+    }
+    return Scene(window.packed(), description)
+
+
+def joint_paths(model: pin.Model) -> list[str]:
+    """Path of each joint's node below ``/meshcat``, parents before children; entry 0 is the world's."""
+    paths = ["robot"]
+    for joint in range(1, model.njoints):
+        paths.append(f"{paths[model.parents[joint]]}/{joint} {_safe(model.names[joint])}")
+    return paths
+
+
+def tip_frame(model: pin.Model) -> str:
+    """Last frame of the joint with the longest chain of joints behind it."""
+    depth = [0] * model.njoints
+    for joint in range(1, model.njoints):
+        depth[joint] = depth[model.parents[joint]] + 1
+    last = max(range(model.njoints), key=lambda joint: (depth[joint], joint))
+    names = [frame.name for frame in model.frames if frame.parentJoint == last]
+    return str(names[-1])
+
+
+def _description(
+    model: pin.Model, motion: Motion, paths: list[str], hull: Array, ground: GroundView, traces: list[Any]
+) -> dict[str, Any]:
+    return {
+        "joints": {model.names[j]: f"meshcat/{paths[j]}".split("/") for j in range(1, model.njoints)},
+        "start": float(motion.times[0]),
+        "hull": np.round(hull, 4).tolist(),
+        "ground": {"level": ground.level, "surface": ground.surface is not None},
+        "traces": [trace for trace in traces if trace is not None],
+    }
+
+
+def _safe(name: str) -> str:
+    """Keep a name to one node: the slash separates nodes."""
+    return re.sub(r"[/<>]", "_", name)
+
+
+def _matrix(position: Array, quaternion: Array) -> Array:
+    return np.asarray(pin.XYZQUATToSE3(np.concatenate([position, quaternion])).homogeneous)
+
+
+def _hull(visuals: Sequence[Visual], motion: Motion) -> Array:
+    """Outermost points (k, 3) [m] of all visuals over the whole motion, at 80 instants, in 162 directions.
+
+    The extremes along the world's axes are among them; the camera frames these points.
+    """
+    picks = np.unique(np.linspace(0, len(motion.times) - 1, 80).astype(int))
+    clouds = []
+    for visual in visuals:
+        corners, frames = visual.corners(), motion.world[picks, visual.joint]
+        clouds.append(np.einsum("kij,nj->kni", frames[:, :3, :3], corners) + frames[:, None, :3, 3])
+    points = np.concatenate([cloud.reshape(-1, 3) for cloud in clouds])
+    directions = np.vstack([np.eye(3), -np.eye(3), creation.icosphere(subdivisions=2).vertices])
+    return points[np.unique(np.argmax(points @ directions.T, axis=0))]
+
+
+def _stature(visuals: Sequence[Visual], motion: Motion) -> float:
+    """Longest side [m] of the box around all visuals at the start."""
+    frames = motion.world[0]
+    clouds = [v.corners() @ frames[v.joint, :3, :3].T + frames[v.joint, :3, 3] for v in visuals]
+    return float(np.ptp(np.concatenate(clouds), axis=0).max())
+
+
+def _animation(motion: Motion, paths: list[str], fps: int) -> Animation:
+    """One clip per joint that moves, with a track for what changes."""
+    animation = Animation(default_framerate=fps)
+    frames = (motion.times - motion.times[0]) * fps
+    for joint in range(1, len(paths)):
+        position, quaternion = motion.position[:, joint], motion.quaternion[:, joint]
+        chosen = keys(position, quaternion)
+        clip = AnimationClip(fps=fps)
+        for name, kind, values in (
+            ("position", "vector3", position),
+            ("quaternion", "quaternion", quaternion),
+        ):
+            if np.ptp(values, axis=0).max() > STILL:
+                clip.tracks[name] = PackedTrack(name, kind, frames[chosen], values[chosen])
+        if clip.tracks:
+            animation.clips[ROOT.append(paths[joint])] = clip
+    return animation
+
+
+def _trace(
+    viewer: meshcat.Visualizer,
+    motion: Motion,
+    frame: pin.Frame,
+    number: int,
+    color: tuple[float, float, float],
+    size: float,
+) -> dict[str, Any] | None:
+    """Draw a frame's path as a thin tube; None if the frame stays where it is."""
+    world = motion.world[:, frame.parentJoint]
+    points = world[:, :3, :3] @ np.array(frame.placement.translation) + world[:, :3, 3]
+    spacing, kept = 2e-3 * size, [0]
+    for k in range(1, len(points)):
+        if np.linalg.norm(points[k] - points[kept[-1]]) > spacing:
+            kept.append(k)
+    if len(kept) < 3:
+        return None
+    part = tube(points[kept], 1.6e-3 * size)
+    path = f"traces/{number} {_safe(frame.name)}"
+    draw(viewer[path]["ahead"], part, (*color, 0.22), shininess=0.0)
+    draw(viewer[path]["past"], part, (*color, 1.0), shininess=0.0)
+    times = [float(f"{t:.7g}") for t in motion.times[kept]]
+    return {
+        "frame": frame.name,
+        "path": f"meshcat/{path}/past".split("/"),
+        "times": times,
+        "color": [round(255 * c) for c in color],
+    }

@@ -1,0 +1,118 @@
+"""What a robot looks like: coloured parts, each fixed to a joint."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.replay_page.meshes import read_mesh
+from robotraj.replay_page.part import Color, Part
+from robotraj.replay_page.shapes import rod, shape_part
+
+DEFAULT_COLOR: Color = (0.75, 0.77, 0.80, 1.0)
+LINK_COLOR: Color = (0.36, 0.45, 0.56, 1.0)
+UNNAMED_COLOR: Color = (0.9, 0.9, 0.9, 1.0)
+"""Pinocchio's own default, which marks geometry that the URDF gives no colour."""
+
+
+@dataclass(frozen=True)
+class Visual:
+    """Parts under one fixed transform of a joint's frame.
+
+    Attributes
+    ----------
+    joint : int
+        Index of the joint in ``pin.Model``; 0 is the world.
+    name : str
+        The geometry's name.
+    placement : (4, 4) array
+        From the parts' frame to the joint's, mesh scale included; a mirrored mesh has a negative determinant.
+    parts : tuple of (Part, Color)
+    """
+
+    joint: int
+    name: str
+    placement: NDArray[np.float64]
+    parts: tuple[tuple[Part, Color], ...]
+
+    def corners(self) -> NDArray[np.float64]:
+        """Corners (8 n, 3) [m] of the parts' boxes, in the joint's frame."""
+        boxes = []
+        for part, _ in self.parts:
+            low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
+            pick = np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, 8).T
+            boxes.append(np.where(pick == 0, low, high))
+        return np.concatenate(boxes) @ self.placement[:3, :3].T + self.placement[:3, 3]
+
+
+def visuals_of(model: pin.Model, geometry: pin.GeometryModel | None) -> tuple[Visual, ...]:
+    """Collect the visuals of a robot; a model that has none is drawn as capsules between its joints.
+
+    Colours are the URDF's where it names a material, else the mesh file's own, else Pinocchio's default.
+    """
+    found = []
+    for thing in geometry.geometryObjects if geometry is not None else ():
+        visual = _visual(thing)
+        if visual is not None:
+            found.append(visual)
+    return tuple(found) or skeleton(model)
+
+
+def _visual(thing: Any) -> Visual | None:
+    placement = np.array(thing.placement.homogeneous)
+    parts = _file_parts(thing.meshPath)
+    if parts:
+        placement = placement @ np.diag([*np.asarray(thing.meshScale, dtype=float).ravel(), 1.0])
+    else:
+        try:
+            part = shape_part(thing.geometry)
+        except LookupError as error:
+            warnings.warn(f"The replay leaves out {thing.name!r}: it cannot draw a {error.args[0]}.", stacklevel=4)
+            return None
+        if part is None:
+            return None
+        parts = (part,)
+    given: Color = tuple(float(c) for c in np.asarray(thing.meshColor).ravel())  # type: ignore[assignment]
+    fallback = DEFAULT_COLOR if np.allclose(given, UNNAMED_COLOR) else given
+    colored = tuple((p, given if thing.overrideMaterial else p.color or fallback) for p in parts)
+    return Visual(int(thing.parentJoint), str(thing.name), placement, colored)
+
+
+def _file_parts(path: str) -> tuple[Part, ...]:
+    """Read the parts of a mesh file; none if it cannot be read, then Pinocchio's own mesh serves."""
+    if not path or not Path(path).is_file():
+        return ()
+    try:
+        return read_mesh(path)
+    except Exception as error:  # readers raise whatever their parsers raise, and the loaded mesh can stand in
+        warnings.warn(f"The replay draws {path} without its materials: {error}", stacklevel=5)
+        return ()
+
+
+def skeleton(model: pin.Model) -> tuple[Visual, ...]:
+    """Draw capsules from each joint to its children, from the last ones to their farthest frame."""
+    reach = [float(np.linalg.norm(placement.translation)) for placement in model.jointPlacements[1:]]
+    size = sum(reach) + sum(float(np.linalg.norm(inertia.lever)) for inertia in model.inertias[1:])
+    radius = 0.02 * size / max(len(reach), 1) if size > 0.0 else 0.02
+    radius = float(np.clip(radius * 2.0, 0.005, 0.06))
+    found = []
+    for joint in range(model.njoints):
+        children = [c for c in range(1, model.njoints) if model.parents[c] == joint]
+        ends = [np.array(model.jointPlacements[c].translation) for c in children]
+        if joint > 0 and not children:
+            tips = [np.array(f.placement.translation) for f in model.frames if f.parentJoint == joint]
+            tips.append(np.array(model.inertias[joint].lever))
+            ends = [max(tips, key=lambda p: float(np.linalg.norm(p)))]
+        parts = [rod(np.zeros(3), end, radius) for end in ends]
+        if joint > 0:
+            parts.append(rod(np.zeros(3), np.zeros(3), 1.6 * radius))
+        colored = tuple((p, LINK_COLOR) for p in parts if p is not None)
+        if colored:
+            found.append(Visual(joint, f"{model.names[joint]} link", np.eye(4), colored))
+    return tuple(found)

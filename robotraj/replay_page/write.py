@@ -1,0 +1,180 @@
+"""``replay``: write a solution as one standalone HTML file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from numbers import Real
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError, require_solution
+from robotraj.dynamics.design.binding import realised
+from robotraj.replay_page.colors import css
+from robotraj.replay_page.contacts import held
+from robotraj.replay_page.curves import curves
+from robotraj.replay_page.footholds import contact_names
+from robotraj.replay_page.page import Heading, page
+from robotraj.robot.root import root_of
+from robotraj.solution.gait_cycles import Unrolled, unrolled
+
+SAME_PLACE = 1e-6
+"""Dimensions [m] of two phases' robots that differ by less are one: so far a solver may let them differ."""
+
+
+def replay(
+    solution: Any,
+    path: str | os.PathLike[str],
+    *,
+    speed: float = 1.0,
+    fps: int = 30,
+    traces: Sequence[str] | str | None = None,
+    periods: int = 1,
+    title: str | None = None,
+) -> Path:
+    """Write a page that shows the robot in motion beside its position, velocity and torque curves.
+
+    The file stands alone: meshcat's viewer, meshes, motion and curves are inside. It needs no network, and
+    writing it starts no server, process or browser. Phases follow one another on one time line.
+
+    In the browser's console, ``robotraj.seek(t)`` moves to a time [s], ``robotraj.time()`` reads it,
+    ``robotraj.poses()`` gives the world position [m] and quaternion (x, y, z, w) of every joint as drawn, and
+    ``robotraj.viewer`` is meshcat's viewer.
+
+    Where contacts are held, their forces are arrows (the page says how long a body weight is), with the friction cones
+    at the footholds, the impulses of impacts, the height that ``GroundClearance`` asks for, and bars that say which
+    phase runs and which contact is held. A gait that closes on itself is shown through several periods, each displaced
+    from the last and mirrored if the plan is half a gait.
+
+    A solution of an ``rt.System`` has no robot to show: its page holds the curves alone.
+
+    Parameters
+    ----------
+    solution : Solution
+        Solved or not; the page says which.
+    path : path
+        Ends in ``.html``; its directory must exist. An older file is replaced.
+    speed : float
+        Playback speed the page starts with; 1 is real time.
+    fps : int
+        Animation keys per second of motion, 1 to 240. Up to eight times as many are kept where the motion
+        bends, so that joints stay within about 1e-5 rad and m of the solution between keys.
+    traces : sequence of str, optional
+        Frames whose path is drawn; by default those of the contacts, else the tip of the longest chain. ``()`` draws
+        none.
+    periods : int
+        How often the plan is passed through; more than once needs ``rt.Periodic``, ``rt.Mirror`` or
+        ``rt.Touchdown(repeat=...)`` from its last phase to its first.
+    title : str, optional
+        Heading of the page; the robot's or system's name by default.
+
+    Returns
+    -------
+    pathlib.Path
+        The file, absolute.
+
+    Raises
+    ------
+    InputError
+        A suffix other than ``.html``, a missing directory, a speed or fps out of range, phases that move
+        different robots, ``traces`` for a system, several periods of a plan that ends elsewhere. An
+        unknown frame raises UnknownName.
+    """
+    require_solution(solution, "rt.replay")
+    target = html_path(path)
+    if not (_is_number(speed) and np.isfinite(speed) and speed > 0.0):
+        raise InputError(f"replay: speed is {speed!r}; give a factor above 0, such as 0.5 for half speed.")
+    if not (_is_number(fps) and 1 <= fps <= 240 and int(fps) == fps):
+        raise InputError(f"replay: fps is {fps!r}; give a whole number of frames per second from 1 to 240.")
+    robot = _one_robot(solution)
+    names = [traces] if isinstance(traces, str) else traces
+    if robot is None and names:
+        raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; leave it out.")
+    course = unrolled(solution, periods)
+    scene = None
+    if robot is not None:
+        # Imported here, since meshcat and trimesh take a second that planning alone need not wait for.
+        from robotraj.replay_page.scene import scene_of
+
+        scene = scene_of(robot, course, int(fps), names)
+    description = {
+        "speed": float(speed),
+        "phases": [{"name": p.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in course.phases],
+        "charts": curves(course),
+        "held": held(course) if robot is not None else [],
+        "impacts": sorted({impact.t for impact in course.impacts}),
+        "colors": {name: css(k) for k, name in enumerate(contact_names(course))} if robot is not None else {},
+        "hidden": list(root_of(robot.root).positions + root_of(robot.root).velocities) if robot is not None else [],
+        "scene": scene.description if scene is not None else None,
+    }
+    text = page(_heading(course, robot, title), description, scene.commands if scene is not None else None)
+    target.write_text(text, encoding="utf-8")
+    return target
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def html_path(path: str | os.PathLike[str]) -> Path:
+    """Give the absolute path of a page to be written.
+
+    Raises
+    ------
+    InputError
+        A suffix other than ``.html``, a missing directory, or a directory.
+    """
+    target = Path(path).expanduser().absolute()
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"replay writes HTML, but the path is {str(path)!r}; let it end in .html.")
+    if not target.parent.is_dir():
+        raise InputError(f"replay: the directory {str(target.parent)!r} does not exist; create it first.")
+    if target.is_dir():
+        raise InputError(f"replay: {str(path)!r} is a directory; name a file.")
+    return target
+
+
+def _one_robot(solution: Any) -> Any:
+    """Return the robot that all phases move, in the dimensions of its design, or None if all are systems."""
+    robots = [realised(result) for result in solution.phases]
+    if not robots:
+        raise InputError("replay: the solution has no phase, so there is nothing to show.")
+    first = robots[0]
+    for result, robot in zip(solution.phases, robots, strict=True):
+        if robot is first or (robot is not None and first is not None and _looks_like(robot, first)):
+            continue
+        raise InputError(
+            f"replay shows one robot, but phase {result.phase.name!r} moves {_name(result.phase)!r} and the "
+            f"first moves {_name(solution.phases[0].phase)!r}; replay them separately."
+        )
+    return first
+
+
+def _looks_like(robot: Any, other: Any) -> bool:
+    """Whether two robots are one, loads apart: the same joints and frames in the same places."""
+    if robot.joint_names != other.joint_names or robot.frame_names != other.frame_names:
+        return False
+    pairs = [*zip(robot.model.jointPlacements, other.model.jointPlacements, strict=True)]
+    pairs += [(f.placement, g.placement) for f, g in zip(robot.model.frames, other.model.frames, strict=True)]
+    same_joints = all(a == b for a, b in zip(robot.model.joints, other.model.joints, strict=True))
+    return same_joints and all(a.isApprox(b, SAME_PLACE) for a, b in pairs)
+
+
+def _name(phase: Any) -> str:
+    return str((phase.robot or phase.system).name)
+
+
+def _heading(course: Unrolled, robot: Any, title: str | None) -> Heading:
+    solution = course.solution
+    first = solution.phases[0].phase
+    names = [result.phase.name for result in solution.phases]
+    shown = " → ".join(names[:6]) + (f" → … ({len(names)} phases)" if len(names) > 6 else "")
+    facts = [("Duration", f"{solution.duration:.4g} s"), ("Objective", f"{solution.objective:.6g}")]
+    if course.periods > 1:
+        facts[0] = ("Duration", f"{course.periods} × {course.period:.4g} s")
+    if getattr(solution, "iterations", None) is not None:
+        facts.append(("Iterations", str(solution.iterations)))
+    status = str(getattr(solution.status, "value", solution.status))
+    return Heading(title or _name(first), shown, status, bool(solution.success), tuple(facts))

@@ -1,0 +1,8 @@
+"""A robot from its URDF: loading, limits, charts of its configuration space, and the robots known by name.
+
+Start with ``robot.py``. The room may import ``symbolic`` and ``_util``.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

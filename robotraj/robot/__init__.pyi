@@ -1,0 +1,15 @@
+"""A robot from its URDF: loading, limits, charts of its configuration space, and the robots known by name.
+
+Start with ``robot.py``. The room may import ``symbolic`` and ``_util``.
+"""
+
+from .known_robots.catalogue import catalogue
+from .limits import Limits
+from .robot import Robot, load
+
+__all__ = [
+    "Limits",
+    "Robot",
+    "catalogue",
+    "load",
+]

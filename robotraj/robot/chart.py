@@ -1,0 +1,133 @@
+"""Coordinates in which a robot's configurations can be joined by curves, also where its root floats.
+
+A floating root's quaternion cannot be interpolated entry by entry. It is written as the rotation vector from a first
+quaternion, so that y = (place in the world, rotation vector, joints) has as many entries as v, and a straight line in
+y is a straight line of the root's origin, a turn at one rate about one axis (slerp) and a straight line of the joints.
+Where the root does not float, y = q and nothing is converted.
+
+Source: Sola, Deray and Atchuthan, A micro Lie theory for state estimation in robotics (2018), section IV.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj._util.values import dataclass
+from robotraj.robot.root import QUATERNION
+from robotraj.robot.tangent import PLACE, REST, TURN, conjugate, floats, product, rotated
+
+Array = npt.NDArray[np.float64]
+
+SMALL = 1e-6
+"""Angles [rad] below this are treated by the series of their functions."""
+STEP = 1e-5
+"""Step of the central difference along the motion, for the rate of a Jacobian."""
+PITCH = np.array([0.0, 1.0, 0.0])
+"""Axis of a whole turn, which a quaternion and its negative leave open: a somersault."""
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Coordinates of configurations around one of them.
+
+    Attributes
+    ----------
+    base : (4,) array or None
+        Quaternion from which turns are counted; None where the root does not float.
+    """
+
+    base: Array | None
+
+    @classmethod
+    def around(cls, model: pin.Model, q: Array) -> Chart:
+        """Coordinates that count turns from configuration q (nq,)."""
+        return cls(np.array(q[QUATERNION]) if floats(model) else None)
+
+    def coordinates(self, keys: Array) -> Array:
+        """Coordinates (m, nv) of configurations (m, nq) passed one after another.
+
+        A quaternion's sign counts: its negative is a full turn away. Of the turns that lead to a key the one nearest
+        to the key before is taken, so that several keys can tell of several turns.
+        """
+        if self.base is None:
+            return np.array(keys, dtype=float)
+        turns, before = [], np.zeros(3)
+        for quaternion in product(conjugate(self.base), keys[:, QUATERNION]):
+            before = _turn(quaternion, before)
+            turns.append(before)
+        return np.hstack([keys[:, PLACE], np.array(turns), keys[:, QUATERNION.stop :]])
+
+    def positions(self, y: Array) -> Array:
+        """Give the configurations (m, nq) at coordinates (m, nv)."""
+        if self.base is None:
+            return y
+        return np.hstack([y[:, PLACE], product(self.base, _exponential(y[:, TURN])), y[:, REST]])
+
+    def velocities(self, y: Array, rate: Array) -> Array:
+        """Give v (m, nv) of a motion with rates y' (m, nv) at y: the root's in its own axes."""
+        if self.base is None:
+            return rate
+        back = conjugate(self.positions(y)[:, QUATERNION])
+        omega = np.einsum("mij,mj->mi", _right(y[:, TURN]), rate[:, TURN])
+        return np.hstack([rotated(back, rate[:, PLACE]), omega, rate[:, REST]])
+
+    def accelerations(self, y: Array, rate: Array, second: Array) -> Array:
+        """Rates of v (m, nv) of a motion with y' and y'' (m, nv) at y."""
+        if self.base is None:
+            return second
+        v, straight = self.velocities(y, rate), self.velocities(y, second)
+        place = straight[:, PLACE] - np.cross(v[:, TURN], v[:, PLACE])
+        ahead, behind = (_right(y[:, TURN] + sign * STEP * rate[:, TURN]) for sign in (1.0, -1.0))
+        bend = np.einsum("mij,mj->mi", (ahead - behind) / (2.0 * STEP), rate[:, TURN])
+        return np.hstack([place, straight[:, TURN] + bend, straight[:, REST]])
+
+    def slopes(self, y: Array, v: Array) -> Array:
+        """Rates y' (nv,) at y that give the velocities v (nv,), as near as they can after a whole turn."""
+        if self.base is None:
+            return v
+        quaternion = self.positions(y[None])[0, QUATERNION]
+        turn = np.linalg.lstsq(_right(y[None, TURN])[0], v[TURN], rcond=1e-6)[0]
+        return np.concatenate([rotated(quaternion, v[PLACE]), turn, v[REST]])
+
+
+def way(model: pin.Model, first: Array, last: Array) -> Array:
+    """Coordinates (nv,) from one configuration (nq,) to another: what a straight line runs along."""
+    start, end = Chart.around(model, first).coordinates(np.array([first, last]))
+    return np.asarray(end - start)
+
+
+def _turn(quaternion: Array, before: Array) -> Array:
+    """Rotation vector [rad] of a quaternion, sign and all, nearest to ``before``: lifts are 4 pi apart."""
+    size = np.linalg.norm(quaternion[:3])
+    angle = 2.0 * np.arctan2(size, quaternion[3])
+    if size > SMALL:
+        axis = quaternion[:3] / size
+    else:
+        length = np.linalg.norm(before)
+        axis = before / length if length > SMALL else PITCH
+        if quaternion[3] > 0:
+            angle = 0.0
+    lifts = np.round((before @ axis - angle) / (4.0 * np.pi))
+    return np.asarray((angle + 4.0 * np.pi * lifts) * axis)
+
+
+def _exponential(turn: Array) -> Array:
+    """Quaternions (m, 4) of rotation vectors (m, 3)."""
+    half = 0.5 * np.linalg.norm(turn, axis=1, keepdims=True)
+    return np.hstack([0.5 * np.sinc(half / np.pi) * turn, np.cos(half)])
+
+
+def _right(turn: Array) -> Array:
+    """Right Jacobians (m, 3, 3): the angular velocity in the body is J(turn) turn'."""
+    angle = np.linalg.norm(turn, axis=1)
+    small = angle < 1e-3
+    safe = np.where(small, 1.0, angle)
+    one = np.where(small, 0.5 - angle**2 / 24.0, (1.0 - np.cos(safe)) / safe**2)
+    two = np.where(small, 1.0 / 6.0 - angle**2 / 120.0, (safe - np.sin(safe)) / safe**3)
+    cross = np.zeros((len(turn), 3, 3))
+    x, y, z = turn.T
+    cross[:, 0, 1], cross[:, 0, 2], cross[:, 1, 2] = -z, y, -x
+    cross -= np.swapaxes(cross, 1, 2)
+    return np.asarray(np.eye(3) - one[:, None, None] * cross + two[:, None, None] * (cross @ cross))

@@ -1,0 +1,78 @@
+"""Turn what people write for a configuration into a vector, or say what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robotraj._util.errors import InputError, unknown_name
+
+Array = npt.NDArray[np.float64]
+
+UNIT = 1e-6
+"""Largest distance from 1 of the length of a quaternion that people write."""
+
+
+def as_vector(value: Any, joints: Sequence[str], what: str, rest: Array) -> Array:
+    """Coerce to a float array with one value per joint.
+
+    Parameters
+    ----------
+    value : number, sequence, array or mapping by joint
+        A number stands for all joints; (n,), (n, 1) and (1, n) of any real type are taken; joints a mapping
+        does not name take their value from ``rest``.
+    joints : sequence of str
+        The moving joints, in order.
+    what : str
+        What it is, for messages: ``"q"``.
+    rest : (n,) array
+        Values for the joints that a mapping leaves out.
+
+    Raises
+    ------
+    InputError
+        No numbers, NaN or infinity, the wrong size, an unknown joint; names the joint.
+    """
+    n = len(joints)
+    if isinstance(value, Mapping):
+        for joint in value:
+            if joint not in joints:
+                raise unknown_name("moving joint", joint, joints, f"Correct the name in {what}.")
+        value = [value.get(joint, rest[i]) for i, joint in enumerate(joints)]
+    try:
+        vector = np.array(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{what} is no vector of {n} numbers: {value!r}.") from error
+    if vector.ndim == 0:
+        vector = np.full(n, float(vector))
+    if vector.size != n or sorted(vector.shape)[-1] != vector.size:
+        raise InputError(
+            f"{what} has shape {vector.shape}; this robot takes {n} values, in the order {', '.join(joints)} "
+            "(a continuous joint takes one angle, not its cosine and sine)."
+        )
+    vector = vector.reshape(n)
+    for joint, number in zip(joints, vector, strict=True):
+        if not np.isfinite(number):
+            raise InputError(f"{what} of joint {joint!r} is {number}; give a finite number.")
+    return vector
+
+
+def unit_quaternion(values: Any, what: str) -> Array:
+    """Scale a quaternion (x, y, z, w) to length 1, if it has that length already but for the last digits.
+
+    Raises
+    ------
+    InputError
+        Its length is another: Pinocchio would take it silently, for something that is no rotation.
+    """
+    quaternion = np.asarray(values, dtype=float)
+    size = float(np.linalg.norm(quaternion))
+    if not abs(size - 1) <= UNIT:
+        raise InputError(
+            f"{what}: the quaternion (x, y, z, w) = ({', '.join(f'{value:.6g}' for value in quaternion)}) of the root "
+            f"has length {size:.6g}; it must be 1. No rotation is (0, 0, 0, 1); w comes last."
+        )
+    return quaternion / size

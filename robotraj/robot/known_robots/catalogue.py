@@ -1,0 +1,29 @@
+"""The robots that can be loaded by name."""
+
+from __future__ import annotations
+
+from robotraj._util.errors import unknown_name
+from robotraj.robot.known_robots.entry import Entry
+from robotraj.robot.known_robots.example_robots import example_robot, example_robots
+from robotraj.robot.known_robots.own_robots import own_robot, own_robots
+
+
+def catalogue() -> tuple[Entry, ...]:
+    """List every robot known by name: robotraj's own first, then example-robot-data's; own names win."""
+    own = own_robots()
+    others = [entry for name, entry in sorted(example_robots().items()) if name not in own]
+    return (*own.values(), *others)
+
+
+def find(name: str) -> Entry:
+    """Look a robot up by name.
+
+    Raises
+    ------
+    UnknownName
+        Lists the nearest names.
+    """
+    entry = own_robot(name) or example_robot(name)
+    if entry is None:
+        raise unknown_name("robot", name, [known.name for known in catalogue()], "Or give the path of a URDF file.")
+    return entry

@@ -1,0 +1,271 @@
+"""The limits of a robot's joints: copied from the model, overridden by the caller, judged one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
+from robotraj.robot.loading.surgery import names_of
+from robotraj.robot.root import ROOTS, root_of
+
+Array = npt.NDArray[np.float64]
+
+UNLIMITED = 1e20
+"""Magnitudes above this mean "no limit": Pinocchio writes 1.8e308, others 1e30."""
+
+MAGNITUDES = ("velocity", "acceleration", "effort")
+QUANTITIES = ("position", *MAGNITUDES)
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """Limits of every moving joint; infinite where there is none. The arrays are read-only.
+
+    Attributes
+    ----------
+    joints : tuple of str
+        Names of the entries of v: the root's velocities, where it moves, then the moving joints.
+    position_lower, position_upper : (nv,) array
+        q_lower <= q <= q_upper [rad, m].
+    velocity : (nv,) array
+        abs(v) <= velocity [rad/s, m/s].
+    acceleration : (nv,) array
+        abs(a) <= acceleration [rad/s^2, m/s^2]; a URDF has none.
+    effort : (nv,) array
+        abs(tau) <= effort [N m, N].
+    free : int
+        So many entries come first that belong to the root; a number for all joints leaves them without limit. A
+        floating root has six, and no position limits: its positions are no angles.
+    """
+
+    joints: tuple[str, ...]
+    position_lower: Array
+    position_upper: Array
+    velocity: Array
+    acceleration: Array
+    effort: Array
+    free: int = 0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "joints", tuple(self.joints))
+        for name in ("position_lower", "position_upper", *MAGNITUDES):
+            given = np.array(getattr(self, name), dtype=float).reshape(-1)
+            if given.size != len(self.joints):
+                raise InputError(f"Limits.{name} has {given.size} values for {len(self.joints)} joints.")
+            given = np.where(np.abs(given) > UNLIMITED, np.copysign(np.inf, given), given)
+            given.setflags(write=False)
+            object.__setattr__(self, name, given)
+        if self._floating and np.any(np.isfinite(np.append(self.position_lower[:6], self.position_upper[:6]))):
+            raise InputError(
+                "A floating root has no position limits among the joints': its positions are no angles. Bound them by "
+                "name, with rt.constraints.JointPosition({'root_z': rt.between(0.1, 0.5)})."
+            )
+
+    @property
+    def positions(self) -> tuple[Array, Array]:
+        """Lower and upper position limits by entries of q, (nq,) each [rad, m]."""
+        if not self._floating:
+            return self.position_lower, self.position_upper
+        one = np.full(1, np.inf)
+        return np.append(-one, self.position_lower), np.append(one, self.position_upper)
+
+    @property
+    def _floating(self) -> bool:
+        return self.free == len(ROOTS["floating"].velocities)
+
+    @classmethod
+    def of(cls, model: pin.Model, root: str = "fixed") -> Limits:
+        """Copy the limits of a model whose joints have one position and one velocity each, but for the root's.
+
+        Where a model's lower velocity or effort limit is tighter than the upper one, the tighter holds both
+        ways. Pinocchio 4.1 writes lower velocity limits with the wrong sign; a lower limit that is not
+        negative is ignored.
+        """
+        about = root_of(root)
+        free, unlimited = len(about.velocities), np.full(len(about.velocities), np.inf)
+        further = slice(len(about.positions), None)
+        velocity = _magnitude(model.lowerVelocityLimit, model.upperVelocityLimit)
+        effort = _magnitude(model.lowerEffortLimit, model.upperEffortLimit)
+        return cls(
+            (*about.velocities, *names_of(model)[1 + len(about.joints) :]),
+            np.append(-unlimited, model.lowerPositionLimit[further]),
+            np.append(unlimited, model.upperPositionLimit[further]),
+            np.append(unlimited, velocity[free:]),
+            np.full(model.nv, np.inf),
+            np.append(unlimited, effort[free:]),
+            free,
+        )
+
+    def with_(self, position: Any = None, velocity: Any = None, acceleration: Any = None, effort: Any = None) -> Limits:
+        """Return limits with some replaced; what is not named stays.
+
+        Parameters
+        ----------
+        position : number, pair, mapping by joint, optional
+            ``2.0`` for [-2, 2], ``(lower, upper)``, or ``{"elbow": (lower, upper)}`` [rad, m]; ``np.inf``
+            and None: free.
+        velocity, acceleration, effort : number, (nv,) array, mapping by joint, optional
+            Largest magnitude [rad/s, m/s; rad/s^2, m/s^2; N m, N]; ``np.inf`` lifts the limit.
+
+        A number or a pair is for all joints; the root, where it moves, is limited by name alone.
+
+        Raises
+        ------
+        InputError
+            Unknown joints, NaN, negative magnitudes, a lower limit above its upper one, wrong sizes.
+
+        Examples
+        --------
+        >>> robot.limits.with_(position={"elbow": (-1, 1)}, velocity=3.0)
+        """
+        new: dict[str, Any] = {}
+        if position is not None:
+            new["position_lower"], new["position_upper"] = self._positions(position)
+        for name, value in zip(MAGNITUDES, (velocity, acceleration, effort), strict=True):
+            if value is not None:
+                new[name] = self._magnitudes(name, value)
+        return replace(self, **new)
+
+    def override(self, changes: Any) -> Limits:
+        """Apply ``rt.load``'s ``limits=``: a mapping by quantity, see ``with_``, or Limits."""
+        if isinstance(changes, Limits):
+            if changes.joints != self.joints:
+                raise InputError(
+                    f"limits= is for joints {list(changes.joints)}, but the robot moves {list(self.joints)}."
+                )
+            return changes
+        if not isinstance(changes, Mapping):
+            raise InputError(
+                f"limits= is a mapping such as {{'position': {{'elbow': (-1, 1)}}, 'velocity': 3.0}}; got {changes!r}."
+            )
+        for name in changes:
+            if name not in QUANTITIES:
+                raise unknown_name("limited quantity", name, QUANTITIES)
+        return self.with_(**changes)
+
+    def complaints(self, actuated: Iterable[str] | None = None) -> tuple[str, ...]:
+        """Say which joints the limits lock or contradict: one sentence per joint, with what to do.
+
+        Parameters
+        ----------
+        actuated : iterable of str, optional
+            Joints with a motor (default: all); a joint without one may have an effort limit of 0.
+        """
+        motors = set(self.joints if actuated is None else actuated)
+        sentences = []
+        for i, joint in enumerate(self.joints):
+            faults = self._faults(i, joint in motors)
+            if faults:
+                cures = ", ".join(f"'{name}': {{{joint!r}: {_EXAMPLE[name]}}}" for name in faults)
+                sentences.append(
+                    f"Joint {joint!r} cannot be planned with its limits: {', '.join(faults.values())}. Give "
+                    "others with "
+                    f"rt.load(..., limits={{{cures}}}) or Phase(limits=robot.limits.with_(...)), or none "
+                    "with "
+                    "Phase(limits=None)."
+                )
+        return tuple(sentences)
+
+    def _faults(self, i: int, motor: bool) -> dict[str, str]:
+        faults: dict[str, str] = {}
+        low, high = self.position_lower[i], self.position_upper[i]
+        if np.isnan(low) or np.isnan(high):
+            faults["position"] = f"position limits [{low:g}, {high:g}] are not numbers"
+        elif low > high:
+            faults["position"] = f"position limits [{low:g}, {high:g}] are inverted"
+        elif low == high:
+            faults["position"] = f"position limits [{low:g}, {high:g}] lock it"
+        for name in MAGNITUDES:
+            value = getattr(self, name)[i]
+            if name == "effort" and not motor:
+                continue
+            if np.isnan(value) or value < 0:
+                faults[name] = f"{name} limit {value:g} is no magnitude"
+            elif value == 0:
+                faults[name] = f"{name} limit 0 locks it"
+        return faults
+
+    def _index(self, joint: object) -> int:
+        if joint not in self.joints:
+            raise unknown_name("moving joint", joint, self.joints)
+        return self.joints.index(str(joint))
+
+    def _positions(self, value: Any) -> tuple[Array, Array]:
+        lower, upper = self.position_lower.copy(), self.position_upper.copy()
+        if not isinstance(value, Mapping):
+            value = {joint: value for joint in self.joints[self.free :]}
+        for joint, pair in value.items():
+            i = self._index(joint)
+            lower[i], upper[i] = _pair(joint, pair)
+        return lower, upper
+
+    def _magnitudes(self, name: str, value: Any) -> Array:
+        magnitudes = np.array(getattr(self, name))
+        if isinstance(value, Mapping):
+            for joint, magnitude in value.items():
+                magnitudes[self._index(joint)] = _number(f"{name} limit of {joint!r}", magnitude)
+        else:
+            try:
+                given = np.asarray(value, dtype=float).reshape(-1)
+            except (TypeError, ValueError) as error:
+                raise InputError(f"The {name} limit is no number: {value!r}.") from error
+            if given.size not in (1, len(self.joints)):
+                raise InputError(
+                    f"The {name} limit has {given.size} values; give 1 or {len(self.joints)}, "
+                    f"in the order {', '.join(self.joints)}."
+                )
+            if given.size == 1:
+                magnitudes[self.free :] = given
+            else:
+                magnitudes[:] = given
+        for joint, magnitude in zip(self.joints, magnitudes, strict=True):
+            if np.isnan(magnitude) or magnitude < 0:
+                raise InputError(
+                    f"The {name} limit of {joint!r} is {magnitude:g}; it is a magnitude and must be positive."
+                )
+        return magnitudes
+
+
+_EXAMPLE = {
+    "position": "(lower, upper)",
+    "velocity": "largest",
+    "acceleration": "largest",
+    "effort": "largest",
+}
+
+
+def _magnitude(lower: Array, upper: Array) -> Array:
+    lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
+    return np.where((lower < 0) & (-lower < upper), -lower, upper)
+
+
+def _number(what: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"The {what} is no number: {value!r}.") from error
+
+
+def _pair(joint: object, value: Any) -> tuple[float, float]:
+    """Read 2.0, (lower, upper) or an object with ``lower`` and ``upper``, such as ``rt.between`` makes."""
+    if not isinstance(value, str) and hasattr(value, "lower") and hasattr(value, "upper"):
+        value = (value.lower, value.upper)
+    if np.ndim(value) == 0:
+        size = _number(f"position limit of {joint!r}", value)
+        value = (-size, size)
+    if len(value) != 2:
+        raise InputError(f"The position limits of {joint!r} are a pair (lower, upper); got {value!r}.")
+    low = -np.inf if value[0] is None else _number(f"lower position limit of {joint!r}", value[0])
+    high = np.inf if value[1] is None else _number(f"upper position limit of {joint!r}", value[1])
+    if not low <= high:
+        raise InputError(
+            f"The position limits of {joint!r} are [{low:g}, {high:g}]: the lower must be below the upper."
+        )
+    return low, high

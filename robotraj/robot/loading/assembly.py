@@ -1,0 +1,159 @@
+"""From a description to what a Robot is made of: angles, locks, limits, neutral configuration, notes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj.robot.limits import Limits
+from robotraj.robot.loading.geometry import Geometry, GivenGeometry
+from robotraj.robot.loading.mimic import lock_mimics
+from robotraj.robot.loading.notes import (
+    dissipation_note,
+    friction_note,
+    locked_note,
+    mimic_note,
+    neutral_note,
+    twin_note,
+)
+from robotraj.robot.loading.rotor import with_rotors
+from robotraj.robot.loading.source import Description
+from robotraj.robot.loading.surgery import check_joints, names_of, plan_in_angles, reduced, tell_frames_apart
+from robotraj.robot.neutral import inside, outside, reference
+from robotraj.robot.root import carried, root_of, rooted
+
+Array = npt.NDArray[np.float64]
+
+
+def assemble(
+    about: Description,
+    actuated: Iterable[str] | None,
+    locked: Mapping[str, float] | None,
+    limits: Any,
+    root: str = "fixed",
+) -> dict[str, Any]:
+    """Give the fields of the Robot.
+
+    Raises
+    ------
+    InputError
+        Unknown joints, joints of more than one degree of freedom, nothing left to move, impossible limits, a root
+        that the model cannot have.
+    """
+    stand = root_of(root)
+    check_joints(about.model)
+    standing = rooted(about.model, root)
+    if standing.njoints == 1:
+        raise InputError(f"{about.name!r} has no moving joint: nothing to plan.")
+    copy, armature_note = with_rotors(standing, about.srdf)
+    whole = plan_in_angles(copy)
+    first, start = 1 + len(stand.joints), len(stand.positions)
+    names = names_of(whole)[first:]
+    q, reference_name = reference(about.model, about.srdf, root)
+    every = Limits.of(whole, root)
+    resting = inside(q, every)
+    held = _locked(about, names, dict(zip(names, resting[start:], strict=True)), locked)
+    ids = [i for i, joint in enumerate(names, start=first) if joint in held]
+    if len(ids) == whole.njoints - 1:
+        raise InputError(
+            f"Every joint of {about.name!r} is locked ({', '.join(names)}): nothing can move. "
+            "Joints that the URDF couples by <mimic> are locked together; give a pin.Model built with "
+            "mimic=False to move them one by one."
+        )
+    at = np.append(
+        resting[:start], [held.get(joint, value) for joint, value in zip(names, resting[start:], strict=True)]
+    )
+    model = reduced(whole, ids, at)
+    twins = tell_frames_apart(model)
+    own = Limits.of(model, root)
+    wanted = own if limits is None else own.override(limits)
+    kept = np.append(q[:start], [value for joint, value in zip(names, q[start:], strict=True) if joint not in held])
+    _check_dissipation(model, own.joints)
+    motors = _actuated(actuated, about.actuated, own.joints[own.free :])
+    friction = np.array(model.upperDryFrictionLimit)
+    notes = (
+        mimic_note(about.mimics, held, locked or {}),
+        twin_note(twins),
+        armature_note,
+        dissipation_note(model),
+        friction_note(friction, wanted, units(model, root), motors),
+        locked_note(outside(at, every, partial(units, whole, root)), held),
+        neutral_note(outside(kept, wanted, partial(units, model, root)), reference_name),
+    )
+    return {
+        "name": about.name,
+        "model": model,
+        "limits": wanted,
+        "actuated": motors,
+        "damping": np.array(model.damping),
+        "friction": friction,
+        "neutral": inside(kept, wanted),
+        "geometry": _geometry(about, whole, ids, at),
+        "origin": about.origin,
+        "end_effector": about.end_effector,
+        "notes": tuple(note for note in notes if note),
+        "root": root,
+    }
+
+
+def units(model: pin.Model, root: str = "fixed") -> tuple[str, ...]:
+    """Give the unit of what each velocity moves along: ``"m"`` where the joint only translates, else ``"rad"``."""
+    about = root_of(root)
+    result = list(about.units)
+    for joint in model.joints.tolist()[1 + len(about.joints) :]:
+        data = joint.createData()
+        joint.calc(data, np.zeros(joint.nq))
+        result.append("rad" if np.any(np.asarray(data.S).reshape(6)[3:]) else "m")
+    return tuple(result)
+
+
+def _locked(
+    about: Description, names: Sequence[str], resting: Mapping[str, float], locked: Mapping[str, float] | None
+) -> dict[str, float]:
+    """Joints to hold and where: the caller's, the catalogue's, and the mechanisms coupled by <mimic>."""
+    if locked is not None and not isinstance(locked, Mapping):
+        raise InputError(f"locked= is a mapping such as {{'wrist': 0.0}}; got {locked!r}.")
+    asked = dict(locked or {})
+    for joint, value in asked.items():
+        if joint not in names:  # pin.buildReducedModel would ignore it
+            raise unknown_name("joint", joint, names, "Correct the name in locked=.")
+        if not isinstance(value, (int, float, np.number)) or not np.isfinite(value):
+            raise InputError(f"locked= holds joint {joint!r} at {value!r}; give one finite number [rad, m].")
+    if about.moving:
+        still = [joint for joint in names if not joint.startswith(about.moving)]
+        asked = {joint: resting[joint] for joint in still} | asked
+    return lock_mimics(about.mimics, asked, resting)
+
+
+def _actuated(asked: Iterable[str] | None, default: tuple[str, ...] | None, joints: tuple[str, ...]) -> tuple[str, ...]:
+    """Joints with a motor, in the order of v."""
+    if asked is None:
+        return joints if default is None else tuple(joint for joint in joints if joint in default)
+    if isinstance(asked, str) or not isinstance(asked, Iterable):
+        raise InputError(f"actuated= is a list of joint names, such as [{str(asked)!r}]; got {asked!r}.")
+    wanted = list(asked)
+    for joint in wanted:
+        if joint not in joints:
+            raise unknown_name("moving joint", joint, joints, "Correct the name in actuated=.")
+    return tuple(joint for joint in joints if joint in wanted)
+
+
+def _geometry(about: Description, whole: pin.Model, ids: Sequence[int], at: Array) -> Geometry:
+    if isinstance(about.geometry, tuple):
+        visual, collision = about.geometry
+        before = whole.njoints - about.model.njoints
+        return GivenGeometry(whole, carried(visual, before), carried(collision, before), tuple(ids), at)
+    return about.geometry
+
+
+def _check_dissipation(model: pin.Model, joints: Sequence[str]) -> None:
+    for what, values in (("damping", model.damping), ("friction", model.upperDryFrictionLimit)):
+        for joint, value in zip(joints, values, strict=True):
+            if not value >= 0 or np.isinf(value):
+                raise InputError(f"Joint {joint!r} has {what} {value:g}; it must be a number of at least 0.")

@@ -1,0 +1,73 @@
+"""What loading decided, in one sentence each; empty where there was nothing to decide."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj.robot.limits import Limits
+from robotraj.robot.loading.mimic import Mimic
+
+Array = NDArray[np.float64]
+
+
+def mimic_note(mimics: Sequence[Mimic], held: Mapping[str, float], asked: Mapping[str, float]) -> str:
+    """Say which coupled joints were locked without being asked for."""
+    coupled = {joint for mimic in mimics for joint in (mimic.leader, mimic.follower)} - set(asked)
+    if not coupled:
+        return ""
+    places = ", ".join(f"{joint} at {held[joint]:.4g}" for joint in held if joint in coupled)
+    return (
+        f"Joints coupled by <mimic> are locked: {places}. Choose where with locked={{leader: value}}, "
+        "or load a pin.Model built with mimic=False to move them independently."
+    )
+
+
+def twin_note(names: Sequence[str]) -> str:
+    """Say which joint frames were renamed because a link has the same name."""
+    if not names:
+        return ""
+    return f"Links and joints share names; the joints' frames got the ending _joint: {', '.join(names)}."
+
+
+def dissipation_note(model: pin.Model) -> str:
+    """Say where damping and friction come from."""
+    if not np.any(model.damping) and not np.any(model.upperDryFrictionLimit):
+        return ""
+    return (
+        "Damping and friction are the model's (a URDF's <dynamics>); Pinocchio's own dynamics leave "
+        "them out, robotraj adds them."
+    )
+
+
+def friction_note(friction: Array, limits: Limits, units: Sequence[str], actuated: Collection[str]) -> str:
+    """Say which joints' friction is as large as all that their motors may do."""
+    stuck = [
+        f"{joint} ({friction[i]:.4g} of {limits.effort[i]:.4g} {'N' if units[i] == 'm' else 'N m'})"
+        for i, joint in enumerate(limits.joints)
+        if joint in actuated and friction[i] > 0 and friction[i] >= limits.effort[i]
+    ]
+    if not stuck:
+        return ""
+    return (
+        f"Friction takes all of the effort limit: {', '.join(stuck)}. By themselves such joints only creep; lock them "
+        "with locked={joint: value}, or raise limits={'effort': {joint: value}}."
+    )
+
+
+def locked_note(outside: Mapping[str, str], held: Mapping[str, float]) -> str:
+    """Say which joints are locked where their limits would not let them go."""
+    described = [text for joint, text in outside.items() if joint in held]
+    return f"Locked outside the limits: {'; '.join(described)}." if described else ""
+
+
+def neutral_note(outside: Mapping[str, str], name: str) -> str:
+    """Say which reference the neutral configuration is, and which joints had to be moved."""
+    if not outside:
+        return f"The neutral configuration is the reference {name!r}." if name else ""
+    what = f"reference configuration {name!r}" if name else "zero configuration"
+    described = "; ".join(outside.values())
+    return f"The {what} lies outside the limits and was moved to the nearest: {described}."

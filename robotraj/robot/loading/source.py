@@ -1,0 +1,107 @@
+"""What may be loaded: a name, a URDF file, a pin.Model or a RobotWrapper; each becomes a Description."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pinocchio as pin
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.robot.known_robots.catalogue import find
+from robotraj.robot.known_robots.entry import Entry
+from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
+from robotraj.robot.loading.mimic import Mimic, read_mimics
+from robotraj.robot.loading.surgery import names_of
+from robotraj.robot.loading.urdf import read_model, read_xml
+
+
+@dataclass(frozen=True)
+class Description:
+    """A robot as it was given, before it is made ready for planning.
+
+    Attributes
+    ----------
+    name : str
+        What to call it.
+    model : pinocchio.Model
+        The model as read; never written to.
+    geometry : UrdfGeometry, NoGeometry or pair of pinocchio.GeometryModel
+        Its shapes, or where to read them.
+    mimics : tuple of Mimic
+        Couplings of the URDF.
+    srdf : Path or None
+        Reference configurations and rotors.
+    actuated : tuple of str or None
+        Joints with a motor, None for all.
+    moving : tuple of str
+        Beginnings of the names of joints that move, empty for all.
+    end_effector : str or None
+        The frame whose path is worth drawing.
+    origin : str
+        Where it comes from, for people.
+    """
+
+    name: str
+    model: pin.Model
+    geometry: UrdfGeometry | NoGeometry | tuple[pin.GeometryModel, pin.GeometryModel]
+    origin: str
+    mimics: tuple[Mimic, ...] = ()
+    srdf: Path | None = None
+    actuated: tuple[str, ...] | None = None
+    moving: tuple[str, ...] = ()
+    end_effector: str | None = None
+
+
+def describe(source: Any, package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> Description:
+    """Read the source.
+
+    Raises
+    ------
+    InputError
+        A source of another kind, an unreadable file, an unknown name.
+    """
+    folders = (package_dirs,) if isinstance(package_dirs, (str, os.PathLike)) else tuple(package_dirs)
+    if isinstance(source, pin.Model):
+        return Description(source.name or "robot", source, NoGeometry(), "a pin.Model")
+    if isinstance(getattr(source, "model", None), pin.Model) and hasattr(source, "visual_model"):
+        return _wrapper(source)
+    if isinstance(source, os.PathLike) or (isinstance(source, str) and _is_path(source)):
+        path = Path(source).expanduser()
+        return _from_urdf(Entry("", "", str(path), path), folders)
+    if isinstance(source, str):
+        return _from_urdf(find(source), folders)
+    raise InputError(
+        "rt.load takes a robot's name, the path of a URDF file, a pin.Model or a pin.RobotWrapper; "
+        f"got {type(source).__name__}."
+    )
+
+
+def _is_path(text: str) -> bool:
+    return "/" in text or os.sep in text or text.lower().endswith((".urdf", ".xml", ".xacro", ".sdf", ".mjcf"))
+
+
+def _wrapper(wrapper: Any) -> Description:
+    shapes = tuple(
+        part if part is not None else pin.GeometryModel() for part in (wrapper.visual_model, wrapper.collision_model)
+    )
+    return Description(wrapper.model.name or "robot", wrapper.model, (shapes[0], shapes[1]), "a RobotWrapper")
+
+
+def _from_urdf(entry: Entry, folders: tuple[str | os.PathLike[str], ...]) -> Description:
+    root = read_xml(entry.urdf)
+    model = read_model(entry.urdf)
+    return Description(
+        entry.name or model.name or entry.urdf.stem,
+        model,
+        UrdfGeometry(entry.urdf, folders),
+        entry.source,
+        read_mimics(root, names_of(model)[1:]),
+        entry.srdf,
+        entry.actuated,
+        entry.moving,
+        entry.end_effector,
+    )

@@ -1,0 +1,30 @@
+"""Values that are made once for every robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from typing import TYPE_CHECKING, Generic, TypeVar
+from weakref import WeakKeyDictionary
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+Value = TypeVar("Value")
+
+
+class PerRobot(Generic[Value]):
+    """Remembers values by robot and key, as long as the robot lives; no value may refer to its robot."""
+
+    def __init__(self) -> None:
+        self._known: WeakKeyDictionary[Robot, dict[Hashable, Value]] = WeakKeyDictionary()
+
+    def get(self, robot: Robot, key: Hashable, make: Callable[[], Value]) -> Value:
+        """Give what was made for the key, or make it now; for keys without a hash it is made every time."""
+        try:
+            hash(key)
+        except TypeError:
+            return make()
+        known = self._known.setdefault(robot, {})
+        if key not in known:
+            known[key] = make()
+        return known[key]

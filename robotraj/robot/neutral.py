@@ -1,0 +1,71 @@
+"""The neutral configuration: the SRDF's reference where there is one, else zeros, within the limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj._util.errors import InputError
+from robotraj.robot.configuration import unit_quaternion
+from robotraj.robot.limits import Limits
+from robotraj.robot.loading.surgery import angles
+from robotraj.robot.root import QUATERNION, in_plane, rooted
+
+Array = npt.NDArray[np.float64]
+
+REFERENCES = ("half_sitting", "standing", "default", "home", "neutral", "arm_up", "hanging")
+"""Names under which robots keep the configuration to start from, the first found is taken."""
+
+
+def reference(model: pin.Model, srdf: Path | None, root: str = "fixed") -> tuple[Array, str]:
+    """Give the configuration to start from, as angles (nq,), and its name (empty for zeros).
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        The model as read, continuous joints still with cosine and sine; read only.
+    srdf : Path, optional
+        Its ``<group_state>`` tags join the model's own reference configurations.
+    root : str
+        How the robot stands. A reference that places the free-flyer ``root_joint`` places the planar root too.
+    """
+    # A model that is only read needs no copy.
+    copy = model if root == "fixed" and srdf is None else rooted(model, "fixed" if root == "fixed" else "floating")
+    if srdf is not None:
+        pin.loadReferenceConfigurations(copy, str(srdf), False)
+    known = {entry.key(): np.array(entry.data()) for entry in copy.referenceConfigurations}
+    name = next((name for name in REFERENCES if name in known), next(iter(known), ""))
+    q = known.get(name, pin.neutral(copy))
+    if not np.all(np.isfinite(q)):
+        raise InputError(f"The reference configuration {name!r} of {model.name!r} holds values that are no numbers.")
+    if root != "fixed":
+        q[QUATERNION] = unit_quaternion(q[QUATERNION], f"reference configuration {name!r} of {model.name!r}")
+    q = angles(copy, q)
+    return (np.append(in_plane(q), q[QUATERNION.stop :]) if root == "planar" else q), name
+
+
+def inside(q: Array, limits: Limits) -> Array:
+    """Move each joint to the nearest position within its limits; inverted limits move nothing [rad, m].
+
+    A floating root has one position more than limits; it stays.
+    """
+    lower, upper = limits.positions
+    return np.where(lower <= upper, np.clip(q, lower, upper), q)
+
+
+def outside(q: Array, limits: Limits, units: Callable[[], Sequence[str]]) -> dict[str, str]:
+    """Describe the joints outside their limits: ``{"elbow": "'elbow' at 0 rad, limits [0.5, 2] rad"}``.
+
+    ``units`` are asked for where there are any.
+    """
+    n = len(limits.joints)  # a floating root has one position more, and no limits
+    low, high, at = limits.position_lower, limits.position_upper, q[-n:]
+    described = {}
+    for i in np.flatnonzero((low <= high) & ~((low <= at) & (at <= high))).tolist():
+        joint, unit = limits.joints[i], units()[i]
+        described[joint] = f"{joint!r} at {at[i]:.4g} {unit}, limits [{low[i]:.4g}, {high[i]:.4g}] {unit}"
+    return described

@@ -1,0 +1,295 @@
+"""The robot: a frozen planning model with limits, motors, damping and friction; and ``load``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import field, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
+from robotraj.robot.configuration import as_vector, unit_quaternion
+from robotraj.robot.known_robots.catalogue import catalogue
+from robotraj.robot.limits import Limits
+from robotraj.robot.loading.assembly import assemble, units
+from robotraj.robot.loading.geometry import Geometry, NoGeometry
+from robotraj.robot.loading.source import describe
+from robotraj.robot.loading.surgery import names_of
+from robotraj.robot.root import QUATERNION, root_of
+from robotraj.robot.table import table
+
+if TYPE_CHECKING:
+    from robotraj.symbolic import SymbolicModel
+
+__all__ = ["Limits", "Robot", "catalogue", "load"]
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Robot:
+    """A robot ready for planning: M(q) a + h(q, v) = B tau - damping v - friction tanh(v / friction_speed).
+
+    Made by ``rt.load``. Every moving joint has one position and one velocity; that of a continuous joint is its
+    angle. The root is fixed, or comes first in q and v:
+
+    - ``"planar"``: q and v start with root_x [m] and root_z [m] along the world's axes and root_pitch [rad] about +y.
+    - ``"floating"``: q starts with the position of the root link's origin in the world root_x, root_y, root_z [m] and
+      the unit quaternion root_qx, root_qy, root_qz, root_qw (x, y, z, w) that turns the root link's axes into the
+      world's; v starts with the root link's linear velocity root_vx, root_vy, root_vz [m/s] and angular velocity
+      root_wx, root_wy, root_wz [rad/s], both in the root link's own axes. So nq = nv + 1, and q' is no v:
+      q moved by v for a time is ``pin.integrate(robot.model, q, v * time)``. Source: Pinocchio's free-flyer.
+
+    Arrays are read-only, and nothing is shared with the caller's model.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    model : pinocchio.Model
+        The planning model; treat it as read-only.
+    limits : Limits
+        Position, velocity, acceleration and effort limits.
+    actuated : tuple of str
+        Joints with a motor, in the order of v; tau has their order.
+    damping : (nv,) array
+        Viscous damping [N m s/rad, N s/m].
+    friction : (nv,) array
+        Coulomb friction [N m, N].
+    neutral : (nq,) array
+        A configuration to start from, inside the position limits [rad, m]; the root is at the origin unless the
+        SRDF's reference places it.
+    friction_speed : float
+        Speed at which the smoothed friction reaches 76 % of its value [rad/s, m/s].
+    geometry : Geometry
+        Where the shapes come from.
+    origin : str
+        Where the robot comes from, for people.
+    end_effector : str or None
+        The frame whose path is worth drawing, where known.
+    notes : tuple of str
+        What loading decided: mimic joints, rotors, damping, a neutral configuration outside the limits.
+    root : str
+        ``"fixed"``, ``"planar"`` or ``"floating"``.
+    """
+
+    name: str
+    model: pin.Model
+    limits: Limits
+    actuated: tuple[str, ...]
+    damping: Array
+    friction: Array
+    neutral: Array
+    friction_speed: float = 0.05
+    geometry: Geometry = field(default_factory=NoGeometry)
+    origin: str = ""
+    end_effector: str | None = None
+    notes: tuple[str, ...] = ()
+    root: str = "fixed"
+
+    def __post_init__(self) -> None:
+        for name in ("damping", "friction", "neutral"):
+            values = np.array(getattr(self, name), dtype=float)
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+        if not self.friction_speed > 0:
+            raise InputError(f"friction_speed is {self.friction_speed}; it must be a positive speed [rad/s, m/s].")
+
+    def __repr__(self) -> str:
+        return table(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the fields only: meshes and compiled functions are made again where they are wanted."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
+
+    @property
+    def nq(self) -> int:
+        """Number of positions."""
+        return int(self.model.nq)
+
+    @property
+    def nv(self) -> int:
+        """Number of velocities: nq, or nq - 1 with a floating root."""
+        return int(self.model.nv)
+
+    @property
+    def nu(self) -> int:
+        """Number of motors."""
+        return len(self.actuated)
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the moving joints, in the order of v; a floating root is one joint, ``root_joint``."""
+        return tuple(names_of(self.model)[1:])
+
+    @cached_property
+    def position_names(self) -> tuple[str, ...]:
+        """Names of the entries of q, (nq): those of the root, then the joints'."""
+        about = root_of(self.root)
+        return (*about.positions, *self.joint_names[len(about.joints) :])
+
+    @cached_property
+    def velocity_names(self) -> tuple[str, ...]:
+        """Names of the entries of v and a, (nv): those of the root, then the joints'."""
+        about = root_of(self.root)
+        return (*about.velocities, *self.joint_names[len(about.joints) :])
+
+    @cached_property
+    def frame_names(self) -> tuple[str, ...]:
+        """Names of all frames: links, joints, locked and fixed joints."""
+        return tuple(frame.name for frame in self.model.frames)
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """``"rad"`` or ``"m"``: what each entry of v moves along, per second; the unit of a plain joint's position."""
+        return units(self.model, self.root)
+
+    @cached_property
+    def position_units(self) -> tuple[str, ...]:
+        """Unit of each entry of q, ``"rad"`` or ``"m"``; empty for a quaternion's."""
+        about = root_of(self.root)
+        return (*about.position_units, *self.units[len(about.units) :])
+
+    @cached_property
+    def actuation(self) -> Array:
+        """Selection matrix B, nv x nu: B tau are the joint torques of the motors' torques tau."""
+        selection = np.zeros((self.nv, self.nu))
+        for column, joint in enumerate(self.actuated):
+            selection[self.velocity_names.index(joint), column] = 1.0
+        selection.setflags(write=False)
+        return selection
+
+    @cached_property
+    def visual_model(self) -> pin.GeometryModel:
+        """Shapes to look at, read when first asked for; a missing mesh is left out with a warning."""
+        return self.geometry.build(self.model, pin.GeometryType.VISUAL)
+
+    @cached_property
+    def collision_model(self) -> pin.GeometryModel:
+        """Shapes for collision checks, read when first asked for, as ``visual_model``."""
+        return self.geometry.build(self.model, pin.GeometryType.COLLISION)
+
+    @cached_property
+    def symbolic(self) -> SymbolicModel:
+        """Pinocchio's algorithms on the planning model as CasADi functions."""
+        from robotraj.symbolic import SymbolicModel  # loads the compiled module: only where it is wanted
+
+        return SymbolicModel(self.model)
+
+    def frame(self, name: str) -> int:
+        """Id of a frame in the model.
+
+        Raises
+        ------
+        UnknownName
+            There is no frame of that name (Pinocchio's ``getFrameId`` would return the number of frames).
+        """
+        if not isinstance(name, str) or not self.model.existFrame(name):
+            raise unknown_name("frame", name, self.frame_names, f"print(robot.frame_names) lists those of {self.name}.")
+        return self.frame_names.index(name)
+
+    def joint(self, name: str) -> int:
+        """Index into v and a of a moving joint, or of one of the root's velocities.
+
+        Without a floating root it is the index into q as well.
+
+        Raises
+        ------
+        UnknownName
+            There is no moving joint of that name.
+        """
+        if name not in self.velocity_names:
+            raise unknown_name("moving joint", name, self.velocity_names)
+        return self.velocity_names.index(name)
+
+    def configuration(self, value: Any, what: str = "q") -> Array:
+        """Coerce to an (nq,) float array: from a list, (n, 1), float32, a number for all, or a dict by name.
+
+        Entries that a dict leaves out are neutral. The quaternion of a floating root must have length 1.
+
+        Raises
+        ------
+        InputError
+            NaN, infinity, a wrong size, an unknown name, a quaternion of another length; ``what`` names the value in
+            the message.
+        """
+        q = as_vector(value, self.position_names, what, self.neutral)
+        if self.root == "floating":
+            q[QUATERNION] = unit_quaternion(q[QUATERNION], what)
+        return q
+
+    def velocity(self, value: Any, what: str = "v") -> Array:
+        """Coerce to an (nv,) float array, as ``configuration`` does; what a dict leaves out is 0.
+
+        Raises
+        ------
+        InputError
+            NaN, infinity, a wrong size, an unknown name.
+        """
+        return as_vector(value, self.velocity_names, what, np.zeros(self.nv))
+
+    def dissipation(self, v: Any) -> Array:
+        """Torque that damping and smoothed Coulomb friction take away, (nv,) [N m, N].
+
+        d(v) = damping v + friction tanh(v / friction_speed), subtracted from B tau.
+        """
+        speed = np.asarray(v, dtype=float)
+        return self.damping * speed + self.friction * np.tanh(speed / self.friction_speed)
+
+
+def load(
+    source: Any,
+    *,
+    package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
+    actuated: Iterable[str] | None = None,
+    locked: Mapping[str, float] | None = None,
+    root: str = "fixed",
+    limits: Limits | Mapping[str, Any] | None = None,
+) -> Robot:
+    """Load a robot for planning.
+
+    Parameters
+    ----------
+    source : str, path, pinocchio.Model or pinocchio.RobotWrapper
+        A name (``catalogue()`` lists them; robotraj's own win over example-robot-data's), the path of a URDF
+        file, or a model, which is copied and never written to.
+    package_dirs : path or sequence of paths
+        Folders to find meshes in, before the URDF's own, those above it and ROS's package paths.
+    actuated : iterable of str, optional
+        Joints with a motor. Default: those the catalogue knows (acrobot: the elbow; cartpole: the slider),
+        else all.
+    locked : mapping, optional
+        Joints held at a value, ``{"wrist": 0.0}`` [rad, m]; they are no part of q and v any more.
+    root : str
+        ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the plane y = 0 and turns about y;
+        ``"floating"``: it moves freely, with a quaternion. Neither has motors, limits or damping; see ``Robot``. A
+        model whose first joint is a free-flyer takes ``"floating"``.
+    limits : mapping or Limits, optional
+        Overrides by quantity: ``{"position": {"elbow": (-1, 1)}, "velocity": 3.0, "effort": {"elbow":
+        20}}``; see ``Limits.with_``.
+
+    Returns
+    -------
+    Robot
+        Frozen. ``print(robot)`` shows its joints, limits and what loading decided.
+
+    Raises
+    ------
+    InputError
+        An unknown name, an unreadable file, joints with more than one degree of freedom, names that the root
+        would share with joints or links, nothing left to move, impossible limits.
+
+    Notes
+    -----
+    Joints that the URDF couples by ``<mimic>`` are locked together with their leader, because Pinocchio's
+    forward dynamics has no coupled joints: ``locked={leader: value}`` says where. Rotor inertias are added
+    to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
+    limits.
+    """
+    return Robot(**assemble(describe(source, package_dirs), actuated, locked, limits, root))

@@ -1,0 +1,163 @@
+"""The root of a robot: fixed in the world, moving in the plane y = 0, or flying free.
+
+Planar: three plain joints before the URDF's root link, along world x, along world z, then about +y. Floating:
+Pinocchio's free-flyer, whose position is that of the root link's origin in the world and its quaternion (x, y, z,
+w), and whose velocity is that of the root link in its own axes, linear part first. Neither has motors, limits or
+damping.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
+from robotraj.robot.loading.surgery import flies, rebuilt
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Root:
+    """One way to stand in the world.
+
+    Attributes
+    ----------
+    joints : tuple of str
+        Names of its joints in Pinocchio's model.
+    positions, velocities : tuple of str
+        Names of its entries of q and of v.
+    position_units : tuple of str
+        Units of the positions; a quaternion has none.
+    units : tuple of str
+        ``"m"`` or ``"rad"``: what each velocity moves along, per second.
+    """
+
+    joints: tuple[str, ...] = ()
+    positions: tuple[str, ...] = ()
+    velocities: tuple[str, ...] = ()
+    position_units: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+
+
+PLANAR = ("root_x", "root_z", "root_pitch")
+
+ROOTS = {
+    "fixed": Root(),
+    "floating": Root(
+        ("root_joint",),
+        ("root_x", "root_y", "root_z", "root_qx", "root_qy", "root_qz", "root_qw"),
+        ("root_vx", "root_vy", "root_vz", "root_wx", "root_wy", "root_wz"),
+        ("m", "m", "m", "", "", "", ""),
+        ("m", "m", "m", "rad", "rad", "rad"),
+    ),
+    "planar": Root(PLANAR, PLANAR, PLANAR, ("m", "m", "rad"), ("m", "m", "rad")),
+}
+
+QUATERNION = slice(3, 7)
+"""Where q of a floating root holds the quaternion."""
+
+
+def root_of(name: str) -> Root:
+    """Look a root up.
+
+    Raises
+    ------
+    UnknownName
+        Lists the roots there are.
+    """
+    if name not in ROOTS:
+        raise unknown_name("root", name, ROOTS, "Plan with root='fixed', 'planar' or 'floating'.")
+    return ROOTS[name]
+
+
+def rooted(model: pin.Model, root: str) -> pin.Model:
+    """Copy a model with the joints of the root before its root link, which carry all that was fixed in the world.
+
+    Reference configurations of the model are kept, with the root at the origin. A model that starts with a free-flyer
+    has its root already: it stays, named ``root_joint``. The position limits that the model itself has for its root
+    are 1 m and half a turn either way, so that ``pin.randomConfiguration`` is finite; ``Limits`` has none.
+
+    Raises
+    ------
+    InputError
+        The model starts with a free-flyer, and another root is asked for; or names of the root are taken.
+    """
+    about = root_of(root)
+    if flies(model):
+        return _near(_named(model, root), about)
+    copy = model.copy()
+    if root == "fixed":
+        return copy
+    _check_names(model, about, root)
+    copy = rebuilt(model, tuple(zip(about.joints, _joints(root), strict=True)))
+    for entry in model.referenceConfigurations:
+        start = pin.neutral(copy)[: len(about.positions)]
+        copy.referenceConfigurations[entry.key()] = np.concatenate([start, entry.data()])
+    return _near(copy, about)
+
+
+def in_plane(q: Array) -> Array:
+    """Give root_x, root_z and root_pitch of a floating root's seven positions [m, m, rad].
+
+    The pitch is that of the rotation about y nearest to the quaternion's.
+    """
+    rotation = pin.Quaternion(q[QUATERNION]).matrix()
+    pitch = np.arctan2(rotation[0, 2] - rotation[2, 0], rotation[0, 0] + rotation[2, 2])
+    return np.array([q[0], q[2], pitch])
+
+
+def carried(shapes: pin.GeometryModel, before: int) -> pin.GeometryModel:
+    """Copy shapes of a model for the same model with ``before`` joints put before its root link."""
+    copy = shapes.copy()
+    for shape in copy.geometryObjects:
+        shape.parentJoint += before
+        shape.parentFrame += before
+    return copy
+
+
+def _near(model: pin.Model, about: Root) -> pin.Model:
+    """Bound the positions of the root, in place; Pinocchio draws random configurations within such bounds."""
+    reach = np.array([np.pi if unit == "rad" else 1.0 for unit in about.position_units])
+    model.lowerPositionLimit[: len(reach)] = -reach
+    model.upperPositionLimit[: len(reach)] = reach
+    return model
+
+
+def _joints(root: str) -> Sequence[pin.JointModel]:
+    if root == "floating":
+        return (pin.JointModelFreeFlyer(),)
+    return (pin.JointModelPX(), pin.JointModelPZ(), pin.JointModelRY())
+
+
+def _named(model: pin.Model, root: str) -> pin.Model:
+    """Copy a model that flies already, its free-flyer named as robotraj names it."""
+    own = model.names[1]
+    if root != "floating":
+        raise InputError(
+            f"The model starts with the free-flyer {own!r}: load it with root='floating', or give a model with a "
+            f"fixed root (pin.buildModelFromUrdf without a root joint) for root={root!r}."
+        )
+    about = ROOTS[root]
+    _check_names(model, about, root, own)
+    copy = model.copy()
+    copy.names[1] = about.joints[0]
+    for frame in copy.frames:
+        if frame.name == own and frame.type == pin.FrameType.JOINT:
+            frame.name = about.joints[0]
+    return copy
+
+
+def _check_names(model: pin.Model, about: Root, root: str, own: str | None = None) -> None:
+    """Refuse a model whose joints or frames are named like the root's."""
+    known = {*model.names, *(frame.name for frame in model.frames)} - {own}
+    taken = [name for name in dict.fromkeys((*about.joints, *about.positions, *about.velocities)) if name in known]
+    if taken:
+        raise InputError(
+            f"root={root!r} adds {', '.join(map(repr, taken))}, but joints or links of {model.name!r} have the same "
+            "name. Rename them in the URDF; or, if they are its own moving root, load it with root='fixed'."
+        )

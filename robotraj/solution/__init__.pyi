@@ -1,0 +1,17 @@
+"""What a solver found: a trajectory that can be sampled, checked, saved, exported and plotted.
+
+Start with ``solution.py``. The room may import ``solvers``, ``transcription`` and what lies below.
+"""
+
+from .phase_solution import PhaseSolution
+from .records import MeshStep
+from .sample import Sample
+from .solution import Solution, load_solution
+
+__all__ = [
+    "MeshStep",
+    "PhaseSolution",
+    "Sample",
+    "Solution",
+    "load_solution",
+]

@@ -1,0 +1,1 @@
+"""Costates from the multipliers of a nonlinear program, and back."""

@@ -1,0 +1,52 @@
+"""Multipliers of rows along time as densities and impulses."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+
+Array = NDArray[np.float64]
+
+STANDS_OUT = 4.0
+"""Times the larger density beside it that makes a multiplier an impulse."""
+
+
+@dataclass(frozen=True, eq=False)
+class Density:
+    """Densities [per second] and impulses, (places, n) each; multiplier = weight * density + impulse."""
+
+    density: Array
+    impulse: Array
+
+
+def split(multipliers: Array, weights: Array) -> Density:
+    """Tell smooth multipliers from those that stand alone.
+
+    Parameters
+    ----------
+    multipliers : ndarray (places, n)
+        In the order of time.
+    weights : ndarray (places,)
+        Seconds of quadrature that each place stands for.
+    """
+    raw = multipliers / weights[:, None]
+    padded = np.vstack([raw[1:2], raw, raw[-2:-1]]) if len(raw) > 1 else np.vstack([raw, raw, raw])
+    before, after = padded[:-2], padded[2:]
+    alone = np.abs(raw) > STANDS_OUT * np.maximum(np.abs(before), np.abs(after))
+    density = np.where(alone, 0.5 * (before + after), raw)
+    return Density(density, np.where(alone, multipliers - weights[:, None] * density, 0.0))
+
+
+def run_out(beside: Array) -> Array:
+    """Carry densities on by one place along a line through the two before it, (2, n), nearest first.
+
+    None where they are no arc: of different signs, or the nearer one stands out.
+    """
+    if len(beside) < 2:
+        return np.zeros(beside.shape[1])
+    near, far = beside
+    arc = (near * far > 0) & (np.abs(near) <= STANDS_OUT * np.abs(far))
+    ahead = 2 * near - far
+    return np.where(arc & (ahead * near > 0), ahead, 0.0)

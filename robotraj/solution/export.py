@@ -1,0 +1,165 @@
+"""Trajectories as tables: CSV for spreadsheets, JSON for other programs. Every column says its unit."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.solution.columns import values_of, variables_of
+
+if TYPE_CHECKING:
+    from robotraj.solution.solution import Solution
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Column:
+    """One variable over time: its name (``"q.elbow"``), SI unit and values (m,), NaN where there is none."""
+
+    name: str
+    unit: str
+    values: Array
+
+    @property
+    def heading(self) -> str:
+        """Name and unit, ``"q.elbow [rad]"``."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+def table(solution: Solution, samples: int | Sequence[float]) -> list[Column]:
+    """Sample every variable of all phases: states, accelerations of robots, algebraic variables, controls.
+
+    Parameters
+    ----------
+    solution : Solution
+    samples : int or sequence of float
+        Number of equally spaced times from start to end, or the times [s].
+
+    Returns
+    -------
+    list of Column
+        Time first. At a joint of two phases the later one is read.
+
+    Raises
+    ------
+    InputError
+        Fewer than 2 samples, or times outside the solution.
+    """
+    times = _times(solution, samples)
+    starts = np.array([phase.t0 for phase in solution.phases])
+    owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
+    units: dict[str, str] = {}
+    for part in solution.phases:
+        units |= {variable.name: variable.unit for variable in variables_of(part.phase)}
+    values = {name: np.full(len(times), np.nan) for name in units}
+    for i, part in enumerate(solution.phases):
+        mine = owner == i
+        if mine.any():
+            for name, column in values_of(part, times[mine]).items():
+                values[name][mine] = column
+    return [Column("t", "s", times), *(Column(name, unit, values[name]) for name, unit in units.items())]
+
+
+def to_csv(solution: Solution, path: str | os.PathLike[str], samples: int | Sequence[float] = 201) -> Path:
+    """Write a table over time with one header row, ``t [s], q.elbow [rad], ...``.
+
+    Parameters
+    ----------
+    solution : Solution
+    path : path
+        Its directory must exist; an older file is replaced.
+    samples : int or sequence of float
+        Number of equally spaced times, or the times [s].
+
+    Returns
+    -------
+    pathlib.Path
+        The file, absolute. Numbers have all their digits; a variable that a phase lacks is an empty cell.
+    """
+    target = _target(path)
+    columns = table(solution, samples)
+    with target.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([column.heading for column in columns])
+        for row in zip(*(column.values for column in columns), strict=True):
+            writer.writerow([repr(float(value)) if np.isfinite(value) else "" for value in row])
+    return target
+
+
+def to_json(solution: Solution, path: str | os.PathLike[str], samples: int | Sequence[float] = 201) -> Path:
+    """Write status, figures, phases and the sampled trajectory as plain JSON.
+
+    Keys: ``status``, ``success``, ``message``, ``objective``, ``duration`` [s], ``iterations``, ``times``
+    [s], ``parameters``, ``violations`` (text), ``phases`` (``name``, ``subject``, ``start`` [s],
+    ``duration`` [s], ``knots`` [s], ``parameters``), ``units`` by column and ``columns``: lists of equal
+    length, ``"t"`` first; null where a phase lacks the variable.
+
+    Parameters and errors are those of ``to_csv``.
+    """
+    target = _target(path)
+    columns = table(solution, samples)
+    content = {
+        "status": solution.status.value,
+        "success": solution.success,
+        "message": solution.message,
+        "objective": _number(solution.objective),
+        "duration": float(solution.duration),
+        "iterations": int(solution.iterations),
+        "times": {stage: float(seconds) for stage, seconds in solution.times.items()},
+        "parameters": _numbers(solution.parameters),
+        "violations": [str(violation) for violation in solution.violation_list],
+        "phases": [
+            {
+                "name": part.phase.name,
+                "subject": part.phase.subject.name,
+                "start": float(part.t0),
+                "duration": float(part.duration),
+                "knots": [float(t) for t in part.knots],
+                "parameters": _numbers(part.parameters),
+            }
+            for part in solution.phases
+        ],
+        "units": {column.name: column.unit for column in columns},
+        "columns": {column.name: [_number(value) for value in column.values] for column in columns},
+    }
+    target.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    return target
+
+
+def _times(solution: Solution, samples: int | Sequence[float]) -> Array:
+    if not isinstance(samples, int | np.integer):
+        times = np.asarray(samples, dtype=float)
+        if times.ndim != 1 or times.size == 0:
+            raise InputError(f"samples= is a number of samples or a list of times [s]; got {samples!r}.")
+        return times
+    if isinstance(samples, bool) or samples < 2:
+        raise InputError(f"samples={samples}: give at least 2, or a list of times [s].")
+    start = solution.phases[0].t0
+    return np.linspace(start, start + solution.duration, int(samples))
+
+
+def _target(path: str | os.PathLike[str]) -> Path:
+    target = Path(path).expanduser().absolute()
+    if not target.parent.is_dir():
+        raise InputError(f"Cannot export: there is no directory {str(target.parent)!r}; create it first.")
+    if target.is_dir():
+        raise InputError(f"Cannot export: {str(target)!r} is a directory; name a file.")
+    return target
+
+
+def _number(value: Any) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _numbers(values: dict[str, float]) -> dict[str, float | None]:
+    return {name: _number(value) for name, value in values.items()}

@@ -1,0 +1,154 @@
+"""The planned motion of one phase: its polynomials, evaluated anywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Named
+from robotraj.problem.augmentation import Augmented
+from robotraj.problem.phase import Phase
+from robotraj.robot.tangent import normalised
+from robotraj.solution.sample import Sample
+from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.schemes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseSolution:
+    """The planned motion of one phase, in global time.
+
+    Attributes
+    ----------
+    phase : Phase
+    mesh : Mesh
+    trajectory : PhaseTrajectory
+        The polynomials x, z and u.
+    """
+
+    phase: Phase
+    mesh: Mesh
+    trajectory: PhaseTrajectory
+
+    @property
+    def t0(self) -> float:
+        """Start [s]."""
+        return self.trajectory.t0
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return self.trajectory.duration
+
+    @property
+    def knots(self) -> Array:
+        """Times of the knots [s], (K + 1,)."""
+        return self.trajectory.x.breaks
+
+    @property
+    def points(self) -> Array:
+        """Times of the collocation points [s]."""
+        return self.trajectory.points
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values of the phase's parameters."""
+        return self.trajectory.parameters
+
+    @cached_property
+    def robot(self) -> Robot | None:
+        """The robot in plain numbers, with the values of the phase's design written in; None for a System."""
+        from robotraj.dynamics.design.binding import realised
+
+        robot: Robot | None = realised(self)
+        return robot
+
+    @cached_property
+    def _rates(self) -> PiecewisePolynomial:
+        return self.trajectory.x.derivative()
+
+    def at(self, t: Any, interval: int | None = None) -> Sample:
+        """Evaluate the collocated polynomials.
+
+        Parameters
+        ----------
+        t : float or array (m,)
+            Global time [s] within the phase.
+        interval : int, optional
+            Use the polynomial of this interval, for one-sided values at knots.
+
+        Raises
+        ------
+        InputError
+            A time outside the phase.
+        """
+        times = np.asarray(t, dtype=float)
+        slack = 1e-9 * max(1.0, self.duration)
+        outside = (times < self.t0 - slack) | (times > self.t0 + self.duration + slack) | np.isnan(times)
+        if np.any(outside):
+            bad = float(np.atleast_1d(times)[np.atleast_1d(outside)][0])
+            raise InputError(
+                f"t = {bad:g} s lies outside phase {self.phase.name!r}, which runs from {self.t0:g} s to "
+                f"{self.t0 + self.duration:g} s."
+            )
+        if times.ndim > 1:
+            raise InputError(f"Times must be a number or a vector; got shape {times.shape}.")
+        count = len(self.knots) - 1
+        if interval is not None and not 0 <= interval < count:
+            raise InputError(f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}.")
+        dae = self.phase.dae
+        x, z, u = (curve(times, interval) for curve in (self.trajectory.x, self.trajectory.z, self.trajectory.u))
+        controls, algebraics = dae.controls, dae.algebraic
+        if isinstance(dae, Augmented):
+            # Where the objective made states of controls or forces, they are read from there.
+            columns = zip((*dae.states, *algebraics, *controls), (*x.T, *z.T, *u.T), strict=True)
+            known = {v.name: column for v, column in columns}
+            body = self.phase.body
+            controls = (*body.controls, *(c for c in controls if c not in body.controls))
+            algebraics = (*body.algebraic, *(v for v in algebraics if v not in body.algebraic))
+            u, z = (
+                np.stack([known[v.name] for v in kind], axis=-1) if kind else np.empty((*times.shape, 0))
+                for kind in (controls, algebraics)
+            )
+        states = Named("state", [v.name for v in dae.states], x.T)
+        algebraic = Named("algebraic variable", [v.name for v in algebraics], z.T)
+        named_controls = Named("control", [v.name for v in controls], u.T)
+        robot = self.phase.robot
+        if robot is None:
+            return Sample(t, states, algebraic, named_controls)
+        end = robot.nq + robot.nv
+        accelerations = self._rates(times, interval)[..., robot.nq : end]
+        # Polynomials of a quaternion have length 1 where they were collocated, and nearly so between.
+        q = normalised(robot.model, x[..., : robot.nq])
+        v, tau = x[..., robot.nq : end], u[..., : robot.nu]
+        return Sample(t, states, algebraic, named_controls, q, v, accelerations, tau, self._forces(algebraic))
+
+    def _forces(self, algebraic: Named) -> Named:
+        """Contact forces in world axes, (3,) or (6,) each, behind the axis of times."""
+        contacts = self.phase.bound_contacts
+        vectors = []
+        for contact in contacts:
+            entries = contact.vector([algebraic[force.name] for force in contact.forces])
+            vectors.append(np.stack(np.broadcast_arrays(*entries), axis=-1))
+        return Named("contact", [contact.name for contact in contacts], vectors)
+
+    def columns(self, times: Array, names: Sequence[str]) -> list[Array]:
+        """Values of named variables at times, (m,) each; accelerations come from the states, unknown names are 0."""
+        sample = self.at(np.clip(times, self.t0, self.t0 + self.duration))
+        values = {**sample.x, **sample.z, **sample.u}
+        if self.phase.robot is not None and sample.a is not None:
+            joints = self.phase.robot.velocity_names
+            values |= {f"a.{joint}": sample.a[:, i] for i, joint in enumerate(joints) if f"a.{joint}" not in values}
+        return [np.asarray(values.get(name, np.zeros(len(times)))) for name in names]

@@ -1,0 +1,70 @@
+"""What a plan says at one time, or at many."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Named
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Values of a trajectory at a time (shape (n,)) or at m times (shape (m, n)).
+
+    Attributes
+    ----------
+    t : float or ndarray (m,)
+        [s].
+    x, z, u : Named
+        States, algebraic variables and controls by name, each a float or (m,).
+    q : ndarray or None
+        Positions of a robot, (nq,) or (m, nq) [rad, m]; quaternions have length 1.
+    v, a : ndarray or None
+        Its velocities and accelerations, (nv,) or (m, nv) [rad/s, m/s; rad/s^2, m/s^2].
+    tau : ndarray or None
+        Torques of the actuated joints, (nu,) or (m, nu) [N m, N].
+    forces : Named
+        Contact forces by contact name, (3,) or (m, 3) [N], with moments (6,) or (m, 6) [N, N m]; world axes. Zero where
+        a contact of the plan is not held.
+    """
+
+    t: Any
+    x: Named
+    z: Named
+    u: Named
+    q: Array | None = None
+    v: Array | None = None
+    a: Array | None = None
+    tau: Array | None = None
+    forces: Named = field(default_factory=lambda: Named("contact", (), ()))
+
+    def with_contacts(self, sizes: Mapping[str, int]) -> Sample:
+        """Add contacts that are not held, with zero force; ``sizes`` gives the components of each."""
+        if set(sizes) <= set(self.forces):
+            return self
+        shape = np.shape(self.t)
+        held = {name: self.forces[name] if name in self.forces else np.zeros((*shape, n)) for name, n in sizes.items()}
+        return replace(self, forces=Named("contact", list(held), list(held.values())))
+
+
+def join(samples: list[Sample], order: NDArray[np.int_]) -> Sample:
+    """Stack samples of array times, then reorder them; of named variables, those that all of them have."""
+
+    def stack(parts: list[Any]) -> Any:
+        return None if parts[0] is None else np.concatenate(parts)[order]
+
+    def stack_named(parts: list[Named]) -> Named:
+        names = [name for name in parts[0] if all(name in part for part in parts)]
+        return Named(parts[0].kind, names, [stack([part[name] for part in parts]) for name in names])
+
+    x, z, u, forces = (stack_named([getattr(s, key) for s in samples]) for key in ("x", "z", "u", "forces"))
+    vectors = {key: stack([getattr(s, key) for s in samples]) for key in ("q", "v", "a", "tau")}
+    return Sample(stack([s.t for s in samples]), x, z, u, **vectors, forces=forces)

@@ -1,0 +1,272 @@
+"""Solutions: the polynomials that were collocated, how the solve ended, and what is violated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.sample import Sample, join
+from robotraj.solution.violations import Violation
+from robotraj.solvers.status import Status
+from robotraj.transcription.interval_limits.constraint_generation import Guard
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from robotraj.solution.costates.duals import PhaseDuals
+    from robotraj.solution.records import ContinuationRecord, MeshStep
+    from robotraj.solvers.base import Multipliers
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What a solver found, checked outside the solver.
+
+    Attributes
+    ----------
+    problem : Problem
+    phases : tuple of PhaseSolution
+    status : Status
+        How the solve ended; ``status.remedy`` says what to try.
+    message : str
+        The solver's own words.
+    objective : float
+    iterations : int
+    times : dict of str to float
+        Seconds: ``"build"`` the transcription and its derivatives, ``"compile"`` what the engine prepared, ``"setup"``
+        and ``"solve"`` of the solver. Entries named ``"solve: ..."`` are parts of ``"solve"``.
+    violation_list : tuple of Violation
+        Every row and bound broken by more than the tolerance, worst first.
+    multipliers : Multipliers or None
+        In physical units, for warm starts on the same mesh.
+    refinement : tuple of MeshStep
+        The meshes that led here, when a tolerance was asked for.
+    duals : sequence of PhaseDuals
+        Costates and densities of multipliers, one entry a phase, found when first read; see ``rt.indirect.costates``.
+    continuation : tuple of ContinuationRecord
+        The stages that led here, when some were asked for.
+    guards : tuple of Guard
+        Rows that were imposed between collocation points as well.
+    interval_violations : tuple of Violation
+        Rows on states that are still broken between collocation points, worst first; empty where they all hold there.
+    controls_between : tuple of Violation
+        Bounds of controls and of algebraic variables, accelerations among them, that are exceeded by more than 1 %
+        there, worst first: their polynomials bulge where they switch, unless ``rt.interval_limits.BernsteinBounds(controls=True)`` holds
+        them.
+    impulses : tuple of mapping
+        For every link of the problem, the impulses of its impact by name, ``"impulse.left_foot.z"`` [N s, N m s]; empty
+        for links without one.
+    """
+
+    problem: Problem
+    phases: tuple[PhaseSolution, ...]
+    status: Status
+    message: str
+    objective: float
+    iterations: int
+    times: dict[str, float]
+    violation_list: tuple[Violation, ...] = ()
+    multipliers: Multipliers | None = None
+    refinement: tuple[MeshStep, ...] = ()
+    duals: Sequence[PhaseDuals] = ()
+    continuation: tuple[ContinuationRecord, ...] = ()
+    guards: tuple[Guard, ...] = ()
+    interval_violations: tuple[Violation, ...] = ()
+    control_interval_violations: tuple[Violation, ...] = ()
+    impulses: tuple[Mapping[str, float], ...] = ()
+
+    @property
+    def success(self) -> bool:
+        """Whether the solver converged and every row, evaluated again outside it, holds."""
+        return self.status is Status.SOLVED
+
+    @property
+    def seconds(self) -> float:
+        """Seconds in all: ``times`` without the entries that are parts of others."""
+        return sum(seconds for name, seconds in self.times.items() if ":" not in name)
+
+    @cached_property
+    def error(self) -> float | None:
+        """Largest relative error of an interval between its nodes (``refinement.errors_of``).
+
+        None where equations are missing from a file.
+        """
+        if self.problem.missing:
+            return None
+        from robotraj.transcription.refinement.assess import errors_of
+
+        return max(float(errors_of(part.phase, part.trajectory, part.mesh).max()) for part in self.phases)
+
+    @property
+    def duration(self) -> float:
+        """From the start of the first phase to the end of the last [s]."""
+        return self.phases[-1].t0 + self.phases[-1].duration - self.phases[0].t0
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values of the parameters of all phases."""
+        return {name: value for phase in self.phases for name, value in phase.parameters.items()}
+
+    @property
+    def knots(self) -> Array:
+        """Times of all knots [s]."""
+        return np.unique(np.concatenate([phase.knots for phase in self.phases]))
+
+    def at(self, t: Any) -> Sample:
+        """Evaluate the plan at global times; at a joint of two phases the later phase is used.
+
+        Parameters
+        ----------
+        t : float or array (m,)
+            [s].
+
+        Returns
+        -------
+        Sample
+            ``.q .v .a .tau`` for robots, ``.x .u .z`` by name for Systems; (n,) for one time, (m, n) for m times. Times
+            in several phases give the variables that all of these have; forces are 0 where a contact is not held.
+        """
+        times = np.asarray(t, dtype=float)
+        starts = np.array([phase.t0 for phase in self.phases])
+        owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(self.phases) - 1)
+        if times.ndim == 0:
+            return self.phases[int(owner)].at(t).with_contacts(self._contacts)
+        used = np.unique(owner)
+        if len(used) <= 1:
+            return self.phases[int(used[0]) if len(used) else 0].at(times).with_contacts(self._contacts)
+        parts = [np.flatnonzero(owner == i) for i in used]
+        samples = [
+            self.phases[int(i)].at(times[part]).with_contacts(self._contacts)
+            for i, part in zip(used, parts, strict=True)
+        ]
+        return join(samples, np.argsort(np.concatenate(parts)))
+
+    @cached_property
+    def _contacts(self) -> dict[str, int]:
+        """Every contact of any phase, and how many components its force has."""
+        return {
+            contact.name: len(contact.vector([0.0] * len(contact.forces)))
+            for part in self.phases
+            for contact in part.phase.bound_contacts
+        }
+
+    def violations(self, top: int = 3) -> tuple[Violation, ...]:
+        """List the worst broken rows and bounds, worst first, relative to their scale."""
+        return self.violation_list[:top]
+
+    def save(self, path: str | Path) -> Path:
+        """Write the solution to an ``.npz`` file, without pickle; ``rt.load_solution`` reads it back.
+
+        Everything that is plain data is kept, the robot and the polynomials bit for bit. Python functions are not:
+        see ``load_solution``. ``.npz`` is appended where it is missing; the absolute path is returned.
+        """
+        from robotraj.solution.storage.archive import Contents, write
+
+        phases = [_plain(phase, "phase") for phase in self.phases]
+        facts = _plain(self, "problem", "phases")
+        if self.multipliers is not None:
+            facts["multipliers"] = self.multipliers.plain
+        return write(path, Contents(self.problem, phases, facts))
+
+    def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
+        """Write a table over time, a column per variable with its unit; see ``robotraj.solution.export``."""
+        from robotraj.solution.export import to_csv
+
+        return to_csv(self, path, samples)
+
+    def to_json(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
+        """Write the status, figures and sampled trajectory as JSON; see ``robotraj.solution.export``."""
+        from robotraj.solution.export import to_json
+
+        return to_json(self, path, samples)
+
+    def plot(self) -> Figure:
+        """Draw the trajectories with limits, knots and collocation points; see ``robotraj.solution.plotting``."""
+        from robotraj.solution.plotting import plot
+
+        return plot(self)
+
+    def __str__(self) -> str:
+        lines = [
+            f"{self.status.value}: objective {self.objective:.8g}, duration {self.duration:.6g} s, "
+            f"{self.iterations} iterations, {self.seconds:.3g} s"
+        ]
+        lines += [
+            f"  {stage.name}: {stage.status.value}, objective {stage.objective:.8g}, "
+            f"{stage.iterations} iterations, {stage.seconds:.3g} s"
+            for stage in self.continuation
+        ]
+        lines += [
+            f"  mesh {i}: {step.intervals} intervals, {step.points} points, error {step.error:.2e}, "
+            f"objective {step.objective:.10g}, {step.iterations} iterations, {step.seconds:.3g} s"
+            for i, step in enumerate(self.refinement, 1)
+        ]
+        if not self.refinement and (error := self.error) is not None:
+            lines.append(f"error between knots {error:.1e} (plan with tolerance= to refine until it holds)")
+        if self.interval_violations:
+            lines.append(f"between collocation points: {self.interval_violations[0]}; a finer mesh would help")
+        if self.control_interval_violations:
+            worst = self.control_interval_violations[0]
+            lines.append(
+                f"between collocation points: {worst}; interval_limits=rt.interval_limits.BernsteinBounds(controls=True) would hold it"
+            )
+        if not self.success:
+            lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]
+            several = len(self.phases) > 1
+            lines += [f"  {v} (phase {v.phase!r})" if several else f"  {v}" for v in self.violations(5)]
+        return "\n".join(lines)
+
+
+def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> Solution:
+    """Read a solution that ``solution.save`` wrote.
+
+    A file keeps no Python functions: equations of an ``rt.System``, expressions of ``PathConstraint``,
+    ``Lagrange`` and ``Mayer``, height functions. A solution loaded without them can be sampled, plotted, exported
+    and replayed; a warning names what is missing. A robot's planning model is in the file, its shapes are read
+    from its URDF again.
+
+    Parameters
+    ----------
+    path : path
+        With or without ``.npz``.
+    problem : Problem or Phase, optional
+        The problem it solves; used whole, in place of what the file knows of it.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    InputError
+        No such file, one of another kind or version, a damaged one, or a problem of other phases or variables.
+    """
+    from robotraj.solution.storage.archive import read
+
+    if not isinstance(path, str | PathLike):
+        raise InputError(f"rt.load_solution takes the path of a file; got {type(path).__name__}.")
+    if not isinstance(problem, Problem | Phase | None):
+        raise InputError(f"problem= must be the rt.Problem or rt.Phase that was solved; got {type(problem).__name__}.")
+    contents = read(path, Problem([problem]) if isinstance(problem, Phase) else problem)
+    pairs = zip(contents.problem.phases, contents.phases, strict=True)
+    phases = tuple(PhaseSolution(phase, **known) for phase, known in pairs)
+    return Solution(contents.problem, phases, **contents.facts)
+
+
+def _plain(value: PhaseSolution | Solution, *without: str) -> dict[str, Any]:
+    """Fields of a value by name, without some."""
+    return {entry.name: getattr(value, entry.name) for entry in fields(value) if entry.name not in without}

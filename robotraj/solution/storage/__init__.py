@@ -1,0 +1,1 @@
+"""Solutions in files: one ``.npz`` without pickle, which plain NumPy can open too."""

@@ -1,0 +1,37 @@
+"""Robots in files: the planning model whole, its shapes by the URDF they are read from."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import Any
+
+from robotraj._util.errors import UnknownName
+from robotraj.robot.known_robots.catalogue import find
+from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
+from robotraj.robot.robot import Robot
+from robotraj.solution.storage.codec import NotPlainData, Packer
+
+
+def pack_robot(robot: Robot, packer: Packer, path: str) -> tuple[Any, list[str]]:
+    """Write a robot; shapes that are no plain data are left out and named."""
+    try:
+        return packer.pack(robot, path), []
+    except NotPlainData:
+        bare = replace(robot, geometry=NoGeometry())
+        return packer.pack(bare, path), [f"the shapes of robot {robot.name!r}, which came with its model"]
+
+
+def with_shapes(robot: Robot) -> Robot:
+    """Find a robot's shapes again: in the URDF they were read from, else in the catalogue's of its name."""
+    geometry = robot.geometry
+    if not isinstance(geometry, UrdfGeometry) or geometry.urdf.is_file():
+        return robot
+    try:
+        return replace(robot, geometry=UrdfGeometry(find(robot.name).urdf, geometry.package_dirs))
+    except UnknownName:
+        warnings.warn(
+            f"The URDF of {robot.name!r} is gone ({geometry.urdf}): its shapes are missing, nothing else.",
+            stacklevel=4,
+        )
+        return replace(robot, geometry=NoGeometry())

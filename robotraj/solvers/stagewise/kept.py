@@ -1,0 +1,29 @@
+"""What is made of a stage once, however often its problem is reduced.
+
+A phase keeps its stage from one transcription to the next, and what is made of a stage keeps the derivatives made so
+far.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from typing import Generic, TypeVar
+from weakref import WeakKeyDictionary
+
+from robotraj.transcription.assembly.point_functions import PointFunctions
+
+T = TypeVar("T")
+
+
+class Kept(Generic[T]):
+    """Results by stage and arguments, as long as the stage lives."""
+
+    def __init__(self) -> None:
+        self._known: WeakKeyDictionary[PointFunctions, dict[Hashable, T]] = WeakKeyDictionary()
+
+    def get(self, stage: PointFunctions, arguments: Hashable, make: Callable[[], T]) -> T:
+        """Give what ``make`` gave for the stage and these arguments."""
+        known = self._known.setdefault(stage, {})
+        if arguments not in known:
+            known[arguments] = make()
+        return known[arguments]

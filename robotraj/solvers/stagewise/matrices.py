@@ -1,0 +1,73 @@
+"""Sparse matrices on their way to C++: sums of entries, products, rows.
+
+They are those of the compiled module, ``Csr``, whose products and sums take a pass over the entries.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.sparse import csr_array
+from robotraj.native.build import load_native
+
+if TYPE_CHECKING:
+    from robotraj.native import Csr
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+Entries: TypeAlias = tuple[Indices, Indices, Array]
+"""Rows, columns and values."""
+
+
+def native(matrix: csr_array) -> Csr:
+    """Copy a matrix of NumPy's arrays."""
+    made: Csr = load_native().Csr(*matrix.shape, matrix.indptr, matrix.indices, matrix.data)
+    return made
+
+
+def array(matrix: Csr) -> csr_array:
+    """Give a matrix to NumPy."""
+    return csr_array((matrix.data, matrix.indices, matrix.starts), (matrix.rows, matrix.columns))
+
+
+def summed(shape: tuple[int, int], *parts: Entries) -> Csr:
+    """Add up entries, those of all parts in their order."""
+    rows, columns, data = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
+    made: Csr = load_native().Csr.summed(*shape, rows, columns, data)
+    return made
+
+
+def entries(matrix: Csr | csr_array) -> Entries:
+    """Give the entries of a matrix, row after row."""
+    starts = matrix.indptr if isinstance(matrix, csr_array) else matrix.starts
+    counts = starts[1:] - starts[:-1]
+    return np.arange(counts.size).repeat(counts), matrix.indices.astype(np.int64), matrix.data
+
+
+def entries_of(matrix: Csr, rows: Indices) -> Entries:
+    """Give the entries of some rows, with the position in ``rows`` in the place of the row."""
+    starts = matrix.starts[rows].astype(np.int64)
+    counts = matrix.starts[rows + 1] - starts
+    position = np.arange(rows.size).repeat(counts)
+    at = np.arange(position.size) + (starts - counts.cumsum() + counts)[position]
+    return position, matrix.indices[at].astype(np.int64), matrix.data[at]
+
+
+def below(upper: Csr, lower: Csr) -> Csr:
+    """Put the rows of one matrix under those of another."""
+    made: Csr = load_native().Csr(
+        upper.rows + lower.rows,
+        upper.columns,
+        np.append(upper.starts, upper.entries + lower.starts[1:]),
+        np.append(upper.indices, lower.indices),
+        np.append(upper.data, lower.data),
+    )
+    return made
+
+
+def same(a: Csr, b: Csr) -> bool:
+    """Whether two matrices have the same entries, in the same order."""
+    return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("starts", "indices", "data"))

@@ -1,0 +1,73 @@
+"""Multipliers of the NLP from those of its program.
+
+Rows and bounds that the program kept have theirs. Those of the rows that were used up, defects that define a state and
+balances that give a control, follow from stationarity in the columns that went with them,
+
+    (grad f + J' lambda + z)_c = 0,
+
+one equation for one unknown each; those of fixed columns' bounds from the same, column by column.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.solvers.stagewise.reduction import Reduction
+
+Array = NDArray[np.float64]
+
+
+def recover(reduction: Reduction, y: Array, multipliers: Array) -> tuple[Array, Array]:
+    """Give the multipliers of the NLP's rows (n_g,) and bounds (n_w,), in physical units.
+
+    Parameters
+    ----------
+    reduction : Reduction
+    y : ndarray (n_y,)
+        Solution of the program.
+    multipliers : ndarray (n_rows,)
+        Of the program's rows: the gradient of objective + multipliers' rows is zero.
+    """
+    from scipy import sparse
+    from scipy.sparse.linalg import spsolve
+
+    nlp, form, program = reduction.nlp, reduction.form, reduction.program
+    every = np.zeros(len(form.row_lower))
+    path = program.form_rows >= 0
+    every[program.form_rows[path]] = multipliers[path]
+    bounds = np.zeros(len(form.lower))
+    mine = program.bound_columns >= 0
+    np.add.at(bounds, program.bound_columns[mine], multipliers[mine])
+
+    w = reduction.columns(y)
+    rows = np.zeros(len(nlp.rows))
+    of_bound = np.flatnonzero(form.bound_of >= 0)
+    of_row = np.flatnonzero(form.limit_of >= 0)
+    factor = np.ones(len(form.row_lower))
+    if reduction.stretched is not None:
+        # A stretched row is s times the NLP's.
+        stretched = reduction.stretched
+        scaled = w / nlp.scale
+        columns = form.bound_of[of_bound]
+        factor[of_bound] = stretched.factor(scaled, np.where(stretched.power == 1, stretched.clock, -1)[columns])
+        # A bound of zero stays a bound, of s^k times the NLP's column.
+        bounds *= stretched.factor(scaled, stretched.clock) ** stretched.power
+        factor[of_row] = stretched.factor(scaled, stretched.row_clock[form.limit_of[of_row]])
+    np.add.at(bounds, form.bound_of[of_bound], (factor * every)[of_bound])
+    np.add.at(rows, form.limit_of[of_row], (factor * every)[of_row])
+
+    jacobian = sparse.csr_array(sparse.diags_array(nlp.row_scale) @ nlp.jacobian(w) @ sparse.diags_array(nlp.scale))
+    used, given = [reduction.slots.used], [form.targets[reduction.slots.used]]
+    for gone in form.eliminated:
+        used.append(gone.rows.ravel())
+        given.append(gone.columns.ravel())
+    lost, columns = np.concatenate(used), np.concatenate(given)
+    rows[lost] = 0.0
+    rest = nlp.gradient(w) * nlp.scale + jacobian.T @ rows + bounds
+    if lost.size:
+        square = sparse.csc_array(jacobian[lost][:, columns].T)
+        rows[lost] = spsolve(square, -rest[columns])
+    known = reduction.known
+    bounds[known] = -(nlp.gradient(w) * nlp.scale + jacobian.T @ rows)[known]
+    return rows * nlp.row_scale, bounds / nlp.scale

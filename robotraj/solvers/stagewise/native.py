@@ -1,0 +1,62 @@
+"""A program handed to the compiled solver."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from robotraj.native.build import load_native
+from robotraj.native.engines.base import Engine
+from robotraj.solvers.stagewise.matrices import native
+from robotraj.solvers.stagewise.program import BlockProgram, Program
+
+
+def native_program(program: Program, engine: Engine, threads: int) -> Any:
+    """Copy a program into C++, its point functions evaluated by ``engine``.
+
+    Parameters
+    ----------
+    program : Program
+    engine : Engine
+    threads : int
+        That evaluate points side by side; the answers are the same for any number.
+    """
+    return load_native().Program(
+        program.nu,
+        program.nx,
+        program.equalities,
+        program.inequalities,
+        program.linear,
+        program.shift,
+        program.cost,
+        program.constant,
+        *program.jacobian,
+        program.jacobian_constant,
+        *program.hessian,
+        [_term(part, engine) for part in program.blocks],
+        threads,
+    )
+
+
+def refresh(native: Any, program: Program) -> None:
+    """Put the numbers of a refreshed program (``Reduction.refreshed``) into what C++ has of the earlier one."""
+    native.set_offsets(program.shift, program.constant)
+    for number, part in enumerate(program.blocks):
+        native.set_block_offsets(number, part.shift)
+        native.set_constants(number, np.ascontiguousarray(part.block.constants.T).ravel())
+
+
+def _term(part: BlockProgram, engine: Engine) -> Any:
+    block = part.block
+    return load_native().Term(
+        engine.block(block.stage, block.count, block.costs),
+        native(block.gather),
+        part.shift,
+        np.ascontiguousarray(block.constants.T).ravel(),
+        native(block.scatter),
+        block.weights if block.costs else None,
+        part.gradient,
+        part.jacobian,
+        part.hessian,
+    )

@@ -1,0 +1,143 @@
+"""From an NLP to a program in stages and back.
+
+What is given up on the way there, fixed columns, controls that a torque balance gives, states that a linear defect
+gives, is found again on the way back: columns from the expressions, multipliers from stationarity.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.solvers.stagewise.controls import eliminate_controls
+from robotraj.solvers.stagewise.form import Form, Mask
+from robotraj.solvers.stagewise.linear import take_out_linear
+from robotraj.solvers.stagewise.order import Order, homes, order
+from robotraj.solvers.stagewise.program import Program, build
+from robotraj.solvers.stagewise.program import with_values as program_with_values
+from robotraj.solvers.stagewise.redundant_rows import leave_out_surplus
+from robotraj.solvers.stagewise.slots import Slots, make_slots
+from robotraj.solvers.stagewise.slots import with_values as slots_with_values
+from robotraj.solvers.stagewise.stretch import Stretch, stretch
+from robotraj.transcription.schemes.onestep import OneStep
+
+if TYPE_CHECKING:
+    from robotraj.transcription.nlp import Nlp
+
+Array = NDArray[np.float64]
+
+
+class NotStagewise(Exception):
+    """The problem has no form in stages; the message says why."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reduction:
+    """An NLP, its program, and how they belong together.
+
+    Attributes
+    ----------
+    nlp : Nlp
+    form, order, slots : Form, Order, Slots
+    program : Program
+    known : ndarray of bool (n_w,)
+        Columns that stand as numbers.
+    values : ndarray (n_w,)
+        Their values, scaled.
+    stretched : Stretch or None
+        What the velocities and accelerations of ``form`` are to those of the NLP.
+    """
+
+    nlp: Nlp
+    form: Form
+    order: Order
+    slots: Slots
+    program: Program
+    known: Mask
+    values: Array
+    stretched: Stretch | None
+
+    def start(self, w: Array) -> Array:
+        """Give y for a decision vector w in physical units."""
+        scaled = w / self.nlp.scale
+        if self.stretched is not None:
+            scaled = self.stretched.stretched(scaled)
+        return scaled[self.slots.variables]
+
+    def columns(self, y: Array) -> Array:
+        """Decision vector w in physical units for y."""
+        slots = self.slots
+        w = self.nlp.guess / self.nlp.scale
+        w[self.known] = self.values[self.known]
+        alive = np.flatnonzero(slots.last >= slots.first)
+        at = slots.at(alive, slots.last[alive])
+        w[alive] = (slots.matrix @ y + slots.offset)[at]
+        for gone in self.form.eliminated:
+            block = self.form.blocks[gone.block]
+            outputs = block.outputs(w)
+            w[gone.columns] = gone.factors * outputs[gone.outputs].T
+        if self.stretched is not None:
+            w = self.stretched.columns(w)
+        return np.asarray(w * self.nlp.scale)
+
+    def refreshed(self, nlp: Nlp) -> Reduction | None:
+        """Reduce another NLP of the same structure: patterns and combinations are shared, not made again.
+
+        Parameters
+        ----------
+        nlp : Nlp
+            That differs in bounds, fixed values, guess or constants, over the same stage functions.
+
+        Returns
+        -------
+        Reduction or None
+            None where it differs in more: other bounds are finite, other columns are fixed, the mesh or the scales are
+            others, or a bound stands as a coefficient (speed limits at a free duration).
+        """
+        form, stretched, order_, known = _staged(nlp, self.stretched)
+        if not (self.form.alike(form) and self.order.alike(order_) and np.array_equal(self.known, known)):
+            return None
+        values = np.where(known, form.lower, 0.0)
+        slots = slots_with_values(self.slots, form, order_, known, values)
+        program = program_with_values(self.program, form, order_, slots, known, values)
+        if program is None:
+            return None
+        return Reduction(nlp, form, order_, slots, program, known, values, stretched)
+
+
+def reduce(nlp: Nlp) -> Reduction:
+    """Write an NLP in stages.
+
+    Raises
+    ------
+    NotStagewise
+        Shooting. Whatever couples far intervals, such as an integral constraint, makes wide stages instead.
+    """
+    form, stretched, order_, known = _staged(nlp)
+    values = np.where(known, form.lower, 0.0)
+    slots = make_slots(form, order_, known, values)
+    return Reduction(nlp, form, order_, slots, build(form, order_, slots, known, values), known, values, stretched)
+
+
+def _staged(nlp: Nlp, before: Stretch | None = None) -> tuple[Form, Stretch | None, Order, Mask]:
+    """Give the form, its stages, and which of its columns are numbers."""
+    for layout, phase in zip(nlp.layouts, nlp.problem.phases, strict=True):
+        if isinstance(layout.scheme, OneStep):
+            raise NotStagewise(f"phase {phase.name!r} is planned by {type(layout.scheme).__name__}")
+    form, stretched = stretch(Form.of(nlp), nlp, before)
+    form = leave_out_surplus(eliminate_controls(take_out_linear(form), nlp), nlp)
+    ends = [min(link.phases) for link in nlp.problem.bound_links]
+    low, high, stages = homes(nlp.layouts, nlp.link_columns, ends, len(nlp.variables))
+    known = (form.lower == form.upper) & ~form.gone
+    known &= ~_defined(form)
+    return form, stretched, order(form, low, high, stages, known), known
+
+
+def _defined(form: Form) -> Mask:
+    """Columns that a linear row may define: fixed ones among them are rows at their stage, not numbers."""
+    mask = np.zeros(len(form.lower), dtype=bool)
+    mask[form.targets[form.targets >= 0]] = True
+    return mask

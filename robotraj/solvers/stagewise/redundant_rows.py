@@ -1,0 +1,112 @@
+"""Rows that say nothing more.
+
+A hand that is held at a height throughout, from a position of all joints to another, has a row at both ends that reads
+nothing but fixed columns; where it ends at a point instead, that asks for the height once more. Such equations leave
+a stage without full rank: a solver that damps what depends creeps, through hundreds of iterations instead of twenty.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.solvers.stagewise.form import Form, Mask
+from robotraj.solvers.stagewise.matrices import entries
+from robotraj.transcription.assembly.block import Block
+
+if TYPE_CHECKING:
+    from robotraj.transcription.nlp import Nlp
+
+Array = NDArray[np.float64]
+
+HELD = 1e-6
+"""By how much a row of fixed columns may be missed, in scaled units: what counts as held wherever rows are checked."""
+SAME = 1e-9
+"""Relative difference of rows' values at random points that are those of one row."""
+
+
+def leave_out_surplus(form: Form, nlp: Nlp) -> Form:
+    """Take the bounds off rows that hold by themselves, and off those that others say already.
+
+    What contradicts fixed columns or another row stays, to be told by the solver. Nothing is looked for where there
+    are no constraints, contacts or links, which alone write such equations.
+    """
+    if not nlp.problem.bound_links and not any(phase.constraints or phase.contacts for phase in nlp.problem.phases):
+        return form
+    fixed = (form.lower == form.upper) & ~form.gone
+    return _leave_out_repeated(_leave_out_settled(form, fixed), fixed)
+
+
+def _leave_out_settled(form: Form, fixed: Mask) -> Form:
+    settled = (np.isfinite(form.row_lower) | np.isfinite(form.row_upper)) & (form.targets < 0)
+    row, column, _ = entries(form.linear)
+    settled[row[~fixed[column]]] = False
+    for block in form.blocks:
+        row, output, _ = entries(block.scatter)
+        settled[row[_free_outputs(block, fixed)[output]]] = False
+    if not settled.any():
+        return form
+    values = _values(form, settled, np.where(fixed, form.lower, 0.0))
+    held = settled & (values >= form.row_lower - HELD) & (values <= form.row_upper + HELD)
+    return _without_bounds(form, held)
+
+
+def _leave_out_repeated(form: Form, fixed: Mask) -> Form:
+    """Equations of several blocks that are multiples of each other at random points are one."""
+    equations = (form.row_lower == form.row_upper) & (form.targets < 0)
+    written = [row[equations[row]] for row in (entries(block.scatter)[0] for block in form.blocks)]
+    if sum(row.size > 0 for row in written) < 2:
+        return form
+    chosen = np.zeros(len(equations), dtype=bool)
+    chosen[np.concatenate(written)] = True
+    rows = np.flatnonzero(chosen)
+    rng = np.random.default_rng(0)
+    first, *others = (
+        _values(form, chosen, np.where(fixed, form.lower, rng.standard_normal(len(fixed))))[rows] - form.row_lower[rows]
+        for _ in range(3)
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = np.array(others) / first
+    order = np.argsort(ratios[0], kind="stable")
+    near = np.abs(np.diff(ratios[:, order])) <= SAME * np.abs(ratios[:, order[1:]])
+    again = np.zeros_like(chosen)
+    again[rows[order[1:][near.all(axis=0)]]] = True
+    return _without_bounds(form, again) if again.any() else form
+
+
+def _without_bounds(form: Form, rows: Mask) -> Form:
+    row_lower, row_upper = form.row_lower.copy(), form.row_upper.copy()
+    row_lower[rows], row_upper[rows] = -np.inf, np.inf
+    return replace(form, row_lower=row_lower, row_upper=row_upper)
+
+
+def _free_outputs(block: Block, fixed: Mask) -> Mask:
+    """Which outputs of which places read a free column, (n_y E,)."""
+    stage = block.stage
+    row, column, _ = entries(block.gather)
+    free = np.zeros(block.gather.shape[0], dtype=bool)
+    free[row[~fixed[column]]] = True
+    reads = np.zeros((stage.outputs, stage.inputs))
+    reads[stage.jacobian_pattern] = 1.0
+    return np.asarray(free.reshape(block.count, stage.inputs) @ reads.T > 0.0).ravel()
+
+
+def _values(form: Form, chosen: Mask, w: Array) -> Array:
+    """Give the rows' values at w, correct where they are chosen."""
+    values = form.linear @ w + form.offset
+    for block in form.blocks:
+        row, column, data = entries(block.scatter)
+        mine = chosen[row]
+        if not mine.any():
+            continue
+        place, output = np.divmod(column[mine], block.stage.outputs)
+        number = np.zeros(block.count, dtype=int)
+        number[place] = 1
+        places = np.flatnonzero(number)
+        number[places] = np.arange(places.size)
+        outputs = block.stage.evaluate("function", block.places(w)[:, places], block.constants[:, places])
+        np.add.at(values, row[mine], data[mine] * outputs[output, number[place]])
+    return np.asarray(values)

@@ -1,0 +1,229 @@
+"""Free durations: velocities and accelerations of the same motion at a duration that is fixed.
+
+With s = T / T_0, the plan x(t) of duration T is the plan of duration T_0 with velocities v' = s v and accelerations
+a' = s^2 a, and so are rates of torques r' = s r and jerks j' = s^3 j, where an objective reads these. In these
+variables dq/dt = v, dv/dt = a and dtau/dt = r are linear in all unknowns, although the duration is one of them; it is
+left in the torque balance, RNEA(q, v' / s, a' / s^2), and in the speed limits, v' <= s v_max, which are linear too. A
+defect of velocities is multiplied by s, which changes nothing where it is zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.sparse import csr_array, vstack
+from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import TimeOrders
+from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.problem.augmentation import Augmented
+from robotraj.solvers.stagewise.form import Form, taller, with_rows
+from robotraj.solvers.stagewise.kept import Kept
+from robotraj.solvers.stagewise.matrices import entries_of, summed
+from robotraj.transcription.assembly.block import Block
+from robotraj.transcription.assembly.point_functions import PointFunctions
+from robotraj.transcription.schemes.mesh import MovingMesh
+
+if TYPE_CHECKING:
+    from robotraj.transcription.nlp import Nlp
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+_STRETCHED: Kept[PointFunctions] = Kept()
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Which columns are those of the stretched motion.
+
+    Attributes
+    ----------
+    power : ndarray of int (n_w,)
+        k of w = w' / s^k: 1 for velocities, 2 for accelerations, 0 for positions; see ``TimeOrders``.
+    clock : ndarray of int (n_w,)
+        The duration's column, -1 where the power is 0.
+    unit : ndarray (n_w,)
+        s = w[clock] * unit.
+    rows : ndarray of int (n_rows,)
+        1 where a row of the NLP was multiplied by s.
+    row_clock : ndarray of int (n_rows,)
+    """
+
+    power: Indices
+    clock: Indices
+    unit: Array
+    rows: Indices
+    row_clock: Indices
+
+    def columns(self, stretched: Array) -> Array:
+        """Give w for w'."""
+        s = self.factor(stretched, self.clock)
+        return np.asarray(stretched / s**self.power)
+
+    def stretched(self, w: Array) -> Array:
+        """Give w' for w."""
+        return np.asarray(w * self.factor(w, self.clock) ** self.power)
+
+    def factor(self, w: Array, clock: Indices) -> Array:
+        """Give s for durations in columns ``clock``, 1 where there is none."""
+        return np.where(clock >= 0, w[clock] * self.unit[clock], 1.0)
+
+
+def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, Stretch | None]:
+    """Rewrite the phases of free duration whose rates are plain velocities and accelerations.
+
+    Parameters
+    ----------
+    form : Form
+        As ``Form.of(nlp)`` gave it.
+    nlp : Nlp
+    before : Stretch, optional
+        Of a like NLP: its T_0 stay where they are within a factor of 2 of the guess, so that numbers made of them do.
+    """
+    n_w, n_rows = len(form.lower), len(form.row_lower)
+    power, clock, unit = np.zeros(n_w, dtype=int), np.full(n_w, -1), np.ones(n_w)
+    every = ((i, _orders(nlp, i)) for i in range(len(nlp.layouts)))
+    phases = {i: orders for i, orders in every if orders is not None}
+    for i, orders in phases.items():
+        layout = nlp.layouts[i]
+        column = layout.duration.column
+        assert column is not None
+        parts = [(layout.knots, orders.states)]
+        for run in layout.runs:
+            kinds = (run.states, orders.states), (run.algebraic, orders.algebraic), (run.controls, orders.controls)
+            parts += [(columns, own) for columns, own in kinds if columns.size]
+        for columns, own in parts:
+            flat, k = columns.reshape(-1, len(own)), np.array(own)
+            power[flat] = k
+            clock[flat[:, k > 0]] = column
+        unit[column] = nlp.scale[column] / max(nlp.guess[column], 1e-3)
+        if before is not None and 0.5 <= before.unit[column] / unit[column] <= 2:
+            unit[column] = before.unit[column]
+    if not phases or np.isfinite(form.lower[power >= 2]).any() or np.isfinite(form.upper[power >= 2]).any():
+        return form, None
+    rows, row_clock = np.zeros(n_rows, dtype=int), np.full(n_rows, -1)
+    blocks = []
+    for index, block in enumerate(form.blocks):
+        of_points = phases.get(index)
+        blocks.append(_block(block, power, clock, unit, nlp, of_points))
+        if of_points is not None:
+            speeds = np.flatnonzero(np.array(of_points.states) == 1)
+            outputs = (np.arange(block.count)[:, None] * block.stage.outputs + speeds).ravel()
+            touched = np.flatnonzero(np.bincount(block.scatter.tocsc()[:, outputs].indices))
+            rows[touched], row_clock[touched] = 1, nlp.layouts[index].duration.column
+    known = Stretch(power, clock, unit, rows, row_clock)
+    form = replace(form, blocks=tuple(blocks))
+    return _limits(_limits(form, known, of_rows=True), known, of_rows=False), known
+
+
+def _orders(nlp: Nlp, index: int) -> TimeOrders | None:
+    """Give the orders of a phase's variables; None where its duration is fixed or its motion cannot be stretched."""
+    layout, dae = nlp.layouts[index], nlp.problem.phases[index].dae
+    if layout.duration.column is None or isinstance(layout.mesh, MovingMesh):
+        return None
+    return dae.time_orders if isinstance(dae, RigidBody | Augmented) else None
+
+
+def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, orders: TimeOrders | None) -> Block:
+    """Put w' / s^k into a block that reads such columns; ``orders`` are those of a phase's points, None elsewhere."""
+    stage, count = block.stage, block.count
+    first = block.gather.indptr[:-1].reshape(count, -1)
+    filled = np.diff(block.gather.indptr).reshape(count, -1) > 0
+    column = np.zeros(first.shape, dtype=int)
+    column[filled] = block.gather.indices[first[filled]]
+    powers = np.where(filled, power[column], 0)
+    inputs = np.flatnonzero(powers.any(axis=0))
+    if not inputs.size:
+        return block
+    # Places are those of one phase, or one alone: each input has one clock. A link reads the clocks of several phases.
+    own = np.where(powers > 0, clock[column], -1).max(axis=0)[inputs]
+    clocks, which = np.unique(own, return_inverse=True)
+    degrees = tuple((int(i), int(powers[:, i].max()), int(s)) for i, s in zip(inputs, which, strict=True))
+    rates = None
+    if orders is not None:
+        variables = sum(map(len, orders))
+        rates = _rates(stage, len(orders.states), variables), float(nlp.scale[clocks[0]] / unit[clocks[0]])
+    changed = _STRETCHED.get(stage, (degrees, rates), partial(_stage, stage, degrees, rates))
+    gather = block.gather
+    width, added = stage.inputs, clocks.size
+    place = gather.row // width
+    moved = place * (width + added) + gather.row % width
+    more = (np.arange(count)[:, None] * (width + added) + width + np.arange(added)).ravel()
+    every = np.tile(clocks, count)
+    gather = csr_array(
+        (
+            np.append(gather.data, unit[every]),
+            (np.append(moved, more), np.append(gather.col, every)),
+        ),
+        shape=(count * (width + added), gather.shape[1]),
+    )
+    return replace(block, stage=changed, gather=gather)
+
+
+def _rates(stage: PointFunctions, states: int, variables: int) -> tuple[int, ...]:
+    """Find the input, one of the first ``variables``, that is the rate of each state: T times it is the output."""
+    number = {symbol.element_hash(): i for i, symbol in enumerate(ca.vertsplit(stage.v[:variables]))}
+    read = [[number.get(symbol.element_hash(), -1) for symbol in ca.symvar(y)] for y in ca.vertsplit(stage.y[:states])]
+    return tuple(max(each) for each in read)
+
+
+def _stage(
+    stage: PointFunctions, degrees: Sequence[tuple[int, int, int]], rates: tuple[tuple[int, ...], float] | None
+) -> PointFunctions:
+    """Give the stage that reads w' and every s in the place of w = w' / s^k.
+
+    Parameters
+    ----------
+    degrees : sequence of (input, k, number of its s)
+    rates : (inputs, T_0) or None
+        Where the first outputs are T times these inputs: they become T_0 v' and, multiplied by s, T_0 a'.
+    """
+    inputs, powers, which = zip(*degrees, strict=True)
+    s, v = ca.SX.sym("s", 1 + max(which)), stage.v
+    old = v[list(inputs)]
+    new = old / ca.vertcat(*(s[i] ** k for i, k in zip(which, powers, strict=True)))
+    y = ca.substitute(stage.y, old, new)
+    if rates is not None:
+        read, span = rates
+        y = ca.vertcat(span * v[list(read)], y[len(read) :])
+    torques = stage.torques and stage.torques.substituted(old, new)
+    return PointFunctions(ca.vertcat(v, s), stage.c, y, stage.costed, torques, as_tapes=stage.as_tapes)
+
+
+def _limits(form: Form, known: Stretch, of_rows: bool) -> Form:
+    """Write bounds l <= x' / s <= u, of rows or of velocities, as rows x' - l s >= 0 and x' - u s <= 0."""
+    if of_rows:
+        lower, upper, clock = form.row_lower.copy(), form.row_upper.copy(), known.row_clock
+    else:
+        lower, upper, clock = form.lower.copy(), form.upper.copy(), np.where(known.power == 1, known.clock, -1)
+    same = lower == upper
+    below = np.flatnonzero((clock >= 0) & np.isfinite(lower) & (lower != 0.0))
+    above = np.flatnonzero((clock >= 0) & np.isfinite(upper) & (upper != 0.0) & ~same)
+    chosen, many = np.append(below, above), below.size + above.size
+    if not many:
+        return form
+    bound = np.append(lower[below], upper[above])
+    new_lower = np.append(np.zeros(below.size), np.full(above.size, -np.inf))
+    new_upper = np.append(np.where(same[below], 0.0, np.inf), np.zeros(above.size))
+    lower[below], upper[above] = -np.inf, np.inf
+    upper[below[same[below]]] = np.inf
+    row, column, n_w = np.arange(many), clock[chosen], form.linear.columns
+    minus = row, column, -bound * known.unit[column]
+    if of_rows:
+        own = entries_of(form.linear, chosen)
+        blocks = [replace(b, scatter=vstack([b.scatter, b.scatter[chosen]])) for b in form.blocks]
+        form = replace(form, row_lower=lower, row_upper=upper)
+    else:
+        own = row, chosen, np.ones(many)
+        blocks = [taller(block, many) for block in form.blocks]
+        form = replace(form, lower=lower, upper=upper)
+    form = replace(form, blocks=tuple(blocks))
+    behind = {"limit_of": chosen} if of_rows else {"bound_of": chosen}
+    return with_rows(form, summed((many, n_w), own, minus).pruned(), new_lower, new_upper, **behind)

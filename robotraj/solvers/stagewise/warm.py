@@ -1,0 +1,52 @@
+"""Multipliers of one program as a start for another of the same problem: with guards, or with other ends."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.solvers.stagewise.reduction import Reduction
+
+Array = NDArray[np.float64]
+Keys = NDArray[np.int64]
+KINDS = 8
+"""Keys are KINDS * number + kind."""
+
+
+def carried_over(known: Reduction, multipliers: Array, new: Reduction) -> Array:
+    """Give the multipliers of a program's rows for those rows of another that mean the same, zero for all others.
+
+    Parameters
+    ----------
+    known : Reduction
+    multipliers : ndarray (n_rows,)
+        Of its program.
+    new : Reduction
+        Of an NLP whose first columns and rows are those of the known one.
+    """
+    there, here = _keys(known), _keys(new)
+    order = np.argsort(there)
+    at = np.minimum(np.searchsorted(there[order], here), there.size - 1)
+    found = order[at]
+    return np.where(there[found] == here, multipliers[found], 0.0)
+
+
+def _keys(reduction: Reduction) -> Keys:
+    """Say what every row of a program means: a state carried over, a row of the NLP or one side of it, a bound."""
+    form, program, slots = reduction.form, reduction.program, reduction.slots
+    rows, columns = program.form_rows, program.bound_columns
+    carried = slots.carried[:, 0]
+    first_slot = np.argsort(slots.base, kind="stable")
+    column = first_slot[np.searchsorted(slots.base[first_slot], carried, side="right") - 1]
+    stage = slots.first[column] + carried - slots.base[column]
+    keys = np.empty(rows.size, dtype=np.int64)
+    keys[: carried.size] = KINDS * (column.astype(np.int64) * len(program.nu) + stage)
+    path = rows >= 0
+    mine = rows[path]
+    above = ~np.isfinite(form.row_lower[mine])
+    limits, bounds = form.limit_of[mine], form.bound_of[mine]
+    own = (limits == mine) | (bounds < 0)
+    keys[path] = np.where(own, KINDS * np.where(limits == mine, mine, limits) + 1 + above, KINDS * bounds + 3 + above)
+    fixed = columns >= 0
+    keys[fixed] = KINDS * columns[fixed].astype(np.int64) + 5
+    return keys

@@ -1,0 +1,1 @@
+"""Blocks of point functions assembled into the sparse derivatives of a nonlinear program."""

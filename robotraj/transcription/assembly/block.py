@@ -1,0 +1,118 @@
+"""A block: one stage function evaluated at many places of the decision vector.
+
+    Y_e = fn(v_e, c_e),    v_e = (G w)_e,    rows += S vec(Y),    cost += sum_e s_e Y_e[costed]
+
+v_e gathers the unknowns the function reads at place e (linear in w), c_e are constants, S scatters the outputs into
+rows and s weighs the costed output in the objective.
+"""
+
+from __future__ import annotations
+
+from dataclasses import field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.sparse import csr_array, expand
+from robotraj._util.values import dataclass
+from robotraj.transcription.assembly.point_functions import PointFunctions
+from robotraj.transcription.assembly.triplets import scaled
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """One stage function, its places, and where its outputs go.
+
+    Attributes
+    ----------
+    stage : PointFunctions
+    gather : sparse (n_v E, n_w)
+        G, place after place.
+    constants : ndarray (n_c, E)
+        c_e as columns.
+    scatter : sparse (n_rows, n_y E)
+        S.
+    weights : ndarray (E,)
+        s, zero where the place costs nothing.
+    """
+
+    stage: PointFunctions
+    gather: csr_array
+    constants: Array
+    scatter: csr_array
+    weights: Array = field(repr=False)
+
+    @property
+    def count(self) -> int:
+        """Number of places E."""
+        return int(self.constants.shape[1])
+
+    @property
+    def costs(self) -> bool:
+        """Whether the block has a part in the objective."""
+        return self.stage.costed is not None and bool(np.any(self.weights))
+
+    def scaled(self, columns: Array, rows: Array) -> Block:
+        """Rewrite the block for w = columns * w_scaled and rows_scaled = rows * rows."""
+        return replace(
+            self,
+            gather=scaled(self.gather, columns=columns),
+            scatter=scaled(self.scatter, rows=rows),
+        )
+
+    def places(self, w: Array) -> Array:
+        """Values of v at every place, (n_v, E), for a decision vector w."""
+        return (self.gather @ w).reshape(self.count, self.stage.inputs).T
+
+    def outputs(self, w: Array) -> Array:
+        """Values of y at every place, (n_y, E)."""
+        return self.stage.evaluate("function", self.places(w), self.constants)
+
+    def rows(self, outputs: Array) -> Array:
+        """Give the block's part of the rows, S vec(Y), (n_rows,)."""
+        if not self.scatter.nnz:
+            return np.zeros(self.scatter.shape[0])
+        return np.asarray(self.scatter @ outputs.ravel(order="F"))
+
+    def objective(self, outputs: Array) -> float:
+        """Give the block's part of the objective, s' Y[costed]."""
+        if not self.costs:
+            return 0.0
+        return float(outputs[self.stage.costed] @ self.weights)
+
+    def jacobian_chain(self) -> Chain:
+        """Where the nonzeros of the places' Jacobians go in S blkdiag(J_e) G."""
+        rows, columns = self.stage.jacobian_pattern
+        per_place = np.arange(self.count)[:, None]
+        y = (per_place * self.stage.outputs + rows[None, :]).ravel()
+        x = (per_place * self.stage.inputs + columns[None, :]).ravel()
+        by_output = self.scatter.tocsc()
+        row, factor, position = expand(by_output, y)
+        column, factor_in, inner = expand(self.gather, x[position])
+        return Chain(row[inner], column, factor[inner] * factor_in, position[inner])
+
+    def hessian_chain(self) -> Chain:
+        """Where the lower triangles of the places' Hessians go in the upper triangle of G' blkdiag(H_e) G."""
+        rows, columns = self.stage.hessian_pattern
+        first = np.arange(self.count)[:, None] * self.stage.inputs
+        row, factor, position = expand(self.gather, (first + rows).ravel())
+        column, factor_in, inner = expand(self.gather, (first + columns).ravel()[position])
+        row, factors, source = row[inner], factor[inner] * factor_in, position[inner]
+        # An entry beside the diagonal stands for two: one of them falls in the upper triangle, or both on the diagonal.
+        off = np.tile(rows != columns, self.count)[source]
+        factors = np.where(off & (row == column), 2.0 * factors, factors)
+        kept = off | (row <= column)
+        return Chain(np.minimum(row, column)[kept], np.maximum(row, column)[kept], factors[kept], source[kept])
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The chain rule as triplets: entry (rows[i], columns[i]) += factors[i] * nonzeros[source[i]]."""
+
+    rows: Indices
+    columns: Indices
+    factors: Array
+    source: Indices

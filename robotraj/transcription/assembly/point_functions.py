@@ -1,0 +1,209 @@
+"""A stage function y = fn(v, c) and its exact derivatives, built when first asked for.
+
+Only these small SX graphs are ever differentiated; the NLP's derivatives follow by the chain rule (``block``,
+``assembly``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.dynamics.contact_terms import Apart, taken_out, written_out
+from robotraj.dynamics.torques import Torques
+from robotraj.native.build import load_native
+from robotraj.native.tape import nonzeros
+from robotraj.native.tapes import Tapes
+from robotraj.native.torque_chain import TorqueChain
+
+if TYPE_CHECKING:
+    from robotraj.native._native import RigidTree, StageGraph
+
+Array = NDArray[np.float64]
+Pattern = tuple[NDArray[np.int_], NDArray[np.int_]]
+Symbols: TypeAlias = Any
+
+
+class PointFunctions:
+    """A function of unknowns v and constants c.
+
+    Parameters
+    ----------
+    v, c, y : casadi.SX or casadi.MX
+        Symbols of the unknowns (n_v,) and of the constants (n_c,), and the outputs (n_y,). SX is one scalar graph; MX
+        may call functions that are none, such as integrators.
+    costed : int or None
+        The output that carries cost, if one does.
+    torques : Torques, optional
+        The robot's inverse dynamics, whose symbols stand in y for them. Engines that know it need not build or
+        differentiate its graph; the functions below are the same with and without.
+    apart : sequence of Apart
+        What contacts add, whose symbols stand in y for it: likewise, and in common with other stages.
+    as_tapes : bool
+        Whether the engine of the NLP runs tapes: what is asked for below is then made as such, not twice. With torques
+        it always is.
+    """
+
+    def __init__(
+        self,
+        v: Symbols,
+        c: Symbols,
+        y: Symbols,
+        costed: int | None = None,
+        torques: Torques | None = None,
+        apart: Sequence[Apart] = (),
+        as_tapes: bool = False,
+    ) -> None:
+        self.v, self.c, self._y = v, c, y if y.is_dense() else ca.densify(y)
+        self.costed = costed
+        self.torques = torques if torques is None or torques.are_in(self._y) else None
+        self._apart, self.as_tapes = apart, as_tapes
+
+    @cached_property
+    def y(self) -> Symbols:
+        """The outputs, where nothing but the torques stands apart."""
+        return written_out(self._y, self._apart)
+
+    @cached_property
+    def graph(self) -> StageGraph:
+        """The function as the compiled module differentiates it; of SX."""
+        return self._graph_of(self.y)
+
+    @cached_property
+    def tapes(self) -> Tapes | None:
+        """Tapes of the function and its derivatives, through the torques where there are any.
+
+        None where it is no scalar graph.
+        """
+        if not isinstance(self.v, ca.SX):
+            return None
+        tapes = Tapes(self.graph, self.costed) if self.torques is None else self._chain(self.torques.tree)
+        return tapes if tapes.runs else None
+
+    def _chain(self, tree: RigidTree) -> TorqueChain:
+        rest, added = taken_out(self._y, ca.vertcat(self.v, self.c), self._apart) if self._apart else (self.y, [])
+        return TorqueChain(self._graph_of(rest) if added else self.graph, self.costed, tree, added)
+
+    def _graph_of(self, y: ca.SX) -> StageGraph:
+        nothing = ca.SX(0, 1)
+        r, x = (nothing, nothing) if self.torques is None else (self.torques.symbols, self.torques.arguments)
+        # The compiled module takes CasADi's objects where they stand; see ``native.tape``.
+        made: StageGraph = load_native().StageGraph(*(int(each.this) for each in (self.v, self.c, r, y, x)))
+        return made
+
+    @property
+    def _wanted(self) -> Tapes | None:
+        return self.tapes if self.torques is not None or self.as_tapes else None
+
+    @cached_property
+    def constant_slopes(self) -> Array:
+        """dy/dv (n_y, n_v) where it is a number, NaN where it is an expression."""
+        slopes: Array = self.graph.constant_slopes().reshape(self.inputs, self.outputs).T
+        return slopes
+
+    @cached_property
+    def _whole(self) -> Symbols:
+        """The outputs as functions of v and c alone."""
+        return self.y if self.torques is None else self.torques.written_out(self.y)
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """(v, c) -> y."""
+        return ca.Function("stage", [self.v, self.c], [self._whole], ["v", "c"], ["y"])
+
+    def evaluate(self, name: str, v: Array, c: Array) -> Array:
+        """Evaluate ``"function"`` or ``"jacobian"`` at E places: (n_v, E), (n_c, E) -> (m, E)."""
+        if self._wanted is None:
+            return evaluated(getattr(self, name), v, c)
+        return self._wanted.evaluate("values" if name == "function" else name, v, c)
+
+    @property
+    def inputs(self) -> int:
+        """n_v."""
+        return int(self.v.numel())
+
+    @property
+    def outputs(self) -> int:
+        """n_y."""
+        return int(self._y.numel())
+
+    @cached_property
+    def cost(self) -> ca.Function:
+        """(v, c) -> the costed output."""
+        return ca.Function("cost", [self.v, self.c], [self._whole[self.costed]])
+
+    @cached_property
+    def gradient(self) -> ca.Function:
+        """(v, c) -> gradient of the costed output, (n_v,)."""
+        return ca.Function("gradient", [self.v, self.c], [ca.densify(ca.gradient(self._whole[self.costed], self.v))])
+
+    @cached_property
+    def _jacobian(self) -> tuple[ca.Function, Pattern]:
+        matrix = ca.jacobian(self._whole, self.v)
+        if self.torques is not None and self.tapes is not None:
+            matrix = _spread(matrix, self.tapes.jacobian_pattern)
+        return ca.Function("jacobian", [self.v, self.c], [nonzeros(matrix)]), _pattern(matrix.sparsity())
+
+    @property
+    def jacobian(self) -> ca.Function:
+        """(v, c) -> nonzeros of dy/dv, a dense column."""
+        return self._jacobian[0]
+
+    @property
+    def jacobian_pattern(self) -> Pattern:
+        """Rows and columns of ``jacobian``'s output."""
+        return self._jacobian[1] if self._wanted is None else self._wanted.jacobian_pattern
+
+    @cached_property
+    def _hessian(self) -> tuple[ca.Function, Pattern]:
+        m = type(self.v).sym("m", self.outputs)
+        matrix = ca.tril(ca.hessian(ca.dot(m, self._whole), self.v)[0])
+        if self.torques is not None and self.tapes is not None:
+            matrix = _spread(matrix, self.tapes.hessian_pattern)
+        return ca.Function("hessian", [self.v, self.c, m], [nonzeros(matrix)]), _pattern(matrix.sparsity())
+
+    @property
+    def hessian(self) -> ca.Function:
+        """(v, c, m) -> nonzeros of the lower triangle of d^2(m' y)/dv^2, a dense column."""
+        return self._hessian[0]
+
+    @property
+    def hessian_pattern(self) -> Pattern:
+        """Rows and columns of ``hessian``'s output."""
+        return self._hessian[1] if self._wanted is None else self._wanted.hessian_pattern
+
+
+def evaluated(function: ca.Function, *arguments: Array) -> Array:
+    """Evaluate a function of dense columns at E places: arguments (n_i, E), result (m, E).
+
+    CasADi reads and writes the arrays in place; conversion to its matrices and back would cost more than a small
+    function does.
+    """
+    count = arguments[0].shape[1]
+    result = np.empty((count, int(function.numel_out(0))))
+    if not result.size:
+        return result.T
+    buffer, run = function.map(count).buffer()
+    given = [np.ascontiguousarray(argument.T, dtype=float) for argument in arguments]
+    for i, argument in enumerate(given):
+        if argument.size:
+            buffer.set_arg(i, argument.data)
+    buffer.set_res(0, result.data)
+    run()
+    return result.T
+
+
+def _spread(matrix: Symbols, pattern: Pattern) -> Symbols:
+    """Write zeros where the pattern has entries that the matrix has not."""
+    rows, columns = pattern
+    return ca.project(matrix, ca.Sparsity.triplet(*matrix.shape, rows.tolist(), columns.tolist()))
+
+
+def _pattern(sparsity: ca.Sparsity) -> Pattern:
+    rows, columns = sparsity.get_triplet()
+    return np.array(rows, dtype=int), np.array(columns, dtype=int)

@@ -1,0 +1,1 @@
+"""Collocation of a phase: defects, ends, invariants and index reduction."""

@@ -1,0 +1,307 @@
+"""The rows of a phase: defects, algebraic rows, path rows and the integral cost, as one block of stage evaluations.
+
+The stage function gives, at a node with unknowns (x, z, u, t0, T, p) and constant fraction tau,
+
+    y = ( T f,  g,  h,  h', T m,  T l,  W c,  I ),    t = t0 + tau T,
+
+with f the rates, g the residual, h the path rows, h' the rates of those that are equations of the state
+(``equations``), m the rates of integral constraints, l the integrand, I the invariants and W c the corrections that
+hold them (``dynamics.dae``). Since T is inside, every row of the NLP is linear
+in the outputs with constant coefficients: the defect of node j on an interval of relative length d is
+
+    x_j - x_0 - d sum_k A_jk (T f_k) - W_j c_j = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import accumulate, count, pairwise
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.sparse import csr_array
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contact_terms import contacts_apart
+from robotraj.dynamics.rows import as_rows
+from robotraj.dynamics.torques import torques_apart
+from robotraj.problem.constraints.base import Where
+from robotraj.transcription.assembly.block import Block
+from robotraj.transcription.assembly.point_functions import PointFunctions
+from robotraj.transcription.assembly.triplets import Triplets
+from robotraj.transcription.collocation.index_reduction import (
+    equations_of,
+    held_throughout,
+    hold_equations,
+    path_constraints,
+    path_rows,
+    rates_of,
+)
+from robotraj.transcription.collocation.invariants import hold
+from robotraj.transcription.interval_limits.bernstein_bounds import hold_states
+from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
+from robotraj.transcription.schemes.mesh import MovingMesh
+from robotraj.transcription.table import Entry, ScalarTable
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PointSymbols:
+    """Symbols of one point of a phase, split into unknowns and constants as the layout has them."""
+
+    x: ca.SX
+    z: ca.SX
+    u: ca.SX
+    t: ca.SX
+    duration: ca.SX
+    p: ca.SX
+    unknowns: ca.SX
+    constants: ca.SX
+
+
+def point_symbols(phase: Phase, scalars: Sequence[Scalar]) -> PointSymbols:
+    """Make the symbols; of the scalars (base, span, parameters), fixed ones are constants beside the fraction tau."""
+    dae = phase.dae
+    ends = list(accumulate((len(dae.states), len(dae.algebraic), len(dae.controls)), initial=0))
+    unknowns, constants, (t0, duration, *p) = shared_symbols(scalars, ends[-1], 1)
+    # Slices of two long symbols: to put many short ones together takes CasADi's interface several times as long.
+    x, z, u = (unknowns[first:last] for first, last in pairwise(ends))
+    return PointSymbols(x, z, u, t0 + constants[0] * duration, duration, column_of(p), unknowns, constants)
+
+
+def shared_symbols(scalars: Sequence[Scalar], unknowns: int, constants: int) -> tuple[ca.SX, ca.SX, list[ca.SX]]:
+    """Make symbols of unknowns and of constants, and say which of them the scalars are.
+
+    Parameters
+    ----------
+    scalars : sequence of Scalar
+        Those that are columns come last among the unknowns, the others last among the constants.
+    unknowns, constants : int
+        Others that come before them.
+    """
+    free = sum(scalar.column is not None for scalar in scalars)
+    v, c = ca.SX.sym("v", unknowns + free), ca.SX.sym("c", constants + len(scalars) - free)
+    next_v, next_c = count(unknowns), count(constants)
+    return v, c, [c[next(next_c)] if scalar.column is None else v[next(next_v)] for scalar in scalars]
+
+
+def column_of(parts: Sequence[ca.SX]) -> ca.SX:
+    """Put scalars in a column, which may be empty."""
+    return ca.vertcat(*parts) if parts else ca.SX(0, 1)
+
+
+def phase_scalars(layout: PhaseLayout) -> list[Scalar]:
+    """Start time, duration and parameters of a phase, in the order of the symbols."""
+    return [layout.t0, layout.duration, *layout.parameters]
+
+
+def interval_scalars(layout: PhaseLayout, interval: int) -> list[Scalar]:
+    """List base, span and parameters as an interval reads them, in the order of the symbols."""
+    clock = layout.clock(interval)
+    return [clock.base, clock.span, *layout.parameters]
+
+
+def taus(layout: PhaseLayout) -> Array:
+    """Constant tau of the stage's evaluations: t = base + tau span."""
+    if layout.own_clocks is None:
+        return layout.place_fractions
+    return np.array([layout.intervals[k].scheme.nodes[j] for k, j in layout.place_owner.tolist()])
+
+
+def collocate(
+    phase: Phase,
+    index: int,
+    layout: PhaseLayout,
+    rows: ScalarTable,
+    linear: Triplets,
+    apart: bool = False,
+    interval_limits: ConstraintGeneration | None = None,
+    carried: frozenset[int] | None = frozenset(),
+) -> tuple[Block, Triplets, Triplets]:
+    """Write the rows of a phase; return its block and the triplets of its gather and scatter, still to be sized.
+
+    ``apart`` keeps a robot's inverse dynamics out of the stage's graph where that is possible; ``carried`` are
+    equations that links bring along, see ``equations.hold_equations``.
+    """
+    dae = phase.dae
+    stage = _stage(phase, layout, apart)
+    nx, nz, held = len(dae.states), len(dae.residuals), len(dae.invariants)
+    corrected = stage.outputs - held - nx
+    scatter = Triplets()
+    weights = np.zeros(len(layout.place_owner))
+    defects = [Entry(index, "defect", s.label if s.joint is None else s.name, s.unit) for s in dae.states]
+    component = np.arange(nx)
+    for run in layout.runs:
+        scheme, nodes = run.scheme, run.scheme.nodes
+        above = nodes > 0.0
+        targets, coefficients = run.states[:, above], scheme.matrix[above]
+        reached = run.start[:, None] + run.length[:, None] * nodes[above]
+        corrections = run.places[:, above]
+        if nodes[-1] < 1.0:
+            targets = np.concatenate([targets, run.right[:, None]], axis=1)
+            coefficients = np.vstack([coefficients, scheme.weights])
+            reached = np.hstack([reached, (run.start + run.length)[:, None]])
+            corrections = np.hstack([corrections, run.places[:, -1:]])
+        # (intervals, targets, states), and between the last two, where rates are summed, the nodes.
+        at = rows.add(defects, reached.ravel(), 0.0, 0.0).reshape(targets.shape)
+        linear.add(at.ravel(), targets.ravel(), 1.0)
+        linear.spread(at, run.left[:, None], -1.0)
+        scatter.spread(
+            at[:, :, None],
+            run.places[:, None, :, None] * stage.outputs + component,
+            -run.clock_length[:, None, None, None] * coefficients[:, :, None],
+        )
+        if held:
+            scatter.spread(at, corrections[:, :, None] * stage.outputs + corrected + component, -1.0)
+        np.add.at(weights, run.places, run.clock_length[:, None] * scheme.objective_weights)
+    fractions = layout.place_fractions
+    base = np.arange(len(fractions))[:, None] * stage.outputs
+    residual = rows.add(entries_of(index, dae.residuals), fractions, 0.0, 0.0)
+    scatter.add(residual.ravel(), (base + nx + np.arange(nz)).ravel(), 1.0)
+    kept = [row for _, row in held_throughout(phase)]
+    equations = equations_of(phase)
+    plain = sorted(set(range(len(kept))) - {equation.row for equation in equations})
+    entries = [Entry(index, kept[i].name, kept[i].joint or "", kept[i].unit) for i in plain]
+    lower, upper = (np.array([getattr(kept[i], side) for i in plain]) for side in ("lower", "upper"))
+    path = rows.add(entries, fractions, lower, upper)
+    scatter.add(path.ravel(), (base + nx + nz + np.array(plain, dtype=int)).ravel(), 1.0)
+    if equations:
+        hold_equations(phase, index, layout, rows, scatter, nx + nz, stage.outputs, carried)
+    rated = len(kept) + sum(equation.order - 1 for equation in equations)
+    sums = [r for c in path_constraints(phase, Where.INTEGRAL) for r in c.rows]
+    entries = [Entry(index, r.name, r.joint or "", r.unit) for r in sums]
+    totals = rows.add(entries, np.ones(1), np.array([r.lower for r in sums]), np.array([r.upper for r in sums]))[0]
+    for i, total in enumerate(totals):
+        scatter.add(np.full(len(weights), total), base[:, 0] + nx + nz + rated + i, weights)
+    if held:
+        hold(phase, index, layout, rows, scatter, stage.outputs)
+    if interval_limits is not None:
+        hold_states(interval_limits, phase, index, layout, rows, linear, scatter, stage.outputs)
+    gather, constants = gather_points(phase, layout)
+    if isinstance(layout.mesh, MovingMesh):
+        tie_intervals(layout.mesh, index, layout, rows, linear)
+    empty = csr_array((0, 0))
+    return Block(stage, empty, constants, empty, weights), gather, scatter
+
+
+_STAGES: WeakKeyDictionary[Phase, dict[tuple[bool, ...], PointFunctions]] = WeakKeyDictionary()
+"""Stages of phases that are transcribed again, on finer meshes above all, with the derivatives made so far."""
+
+
+def _stage(phase: Phase, layout: PhaseLayout, apart: bool) -> PointFunctions:
+    """Stage of a phase: the same one on every mesh that leaves the same scalars free."""
+    scalars = interval_scalars(layout, 0)
+    key = apart, *(scalar.column is not None for scalar in scalars)
+    known = _STAGES.setdefault(phase, {})
+    if key not in known:
+        known[key] = _make_stage(phase, scalars, apart)
+    return known[key]
+
+
+def _make_stage(phase: Phase, scalars: Sequence[Scalar], apart: bool) -> PointFunctions:
+    s = point_symbols(phase, scalars)
+    dae = phase.dae
+    point = dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
+    torques, c = torques_apart(point) if apart else None, ca.SX.sym("c", len(dae.invariants))
+    contacts = () if torques is None else contacts_apart(phase.body, point, c)
+    integrand = weighted_sum([(w, as_rows(term.rate(point), "integrand")[0]) for w, term in phase.integrals])
+    path = path_rows(path_constraints(phase, Where.THROUGHOUT), point)
+    sums = path_rows(path_constraints(phase, Where.INTEGRAL), point)
+    # What is empty, the rule for the last three, is not worth a product.
+    rates, *more = (s.duration * part if part.numel() else part for part in (dae.rates(point), sums, integrand))
+    equations = rates_of(phase, s.t, s.x, s.p)
+    y = ca.vertcat(*(part for part in (rates, dae.residual(point), path, *equations, *more) if part.numel()))
+    costed = int(y.numel()) - 1 if phase.integrals else None
+    if not dae.invariants:
+        return PointFunctions(s.unknowns, s.constants, y, costed, torques, contacts, apart)
+    y = ca.vertcat(y, dae.correction(point, c), dae.invariant(point))
+    return PointFunctions(ca.vertcat(s.unknowns, c), s.constants, y, costed, torques, contacts, apart)
+
+
+def weighted_sum(terms: Sequence[tuple[float, ca.SX]]) -> ca.SX:
+    """Add weighted terms up, to 0 where there are none."""
+    parts = [term if weight == 1.0 else weight * term for weight, term in terms]
+    return sum(parts[1:], parts[0]) if parts else ca.SX(0)
+
+
+def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:
+    """Triplets of G and the constants, for every evaluation."""
+    dae = phase.dae
+    nx, nz, nu = len(dae.states), len(dae.algebraic), len(dae.controls)
+    shared = np.array(
+        [
+            [s.column for s in interval_scalars(layout, k) if s.column is not None]
+            for k in range(layout.count if layout.own_clocks is not None else 1)
+        ],
+        dtype=int,
+    )
+    scalars = shared.shape[1]
+    size = nx + nz + nu + scalars + len(dae.invariants)
+    gather = Triplets()
+    which, node = layout.place_owner.T
+    base = np.arange(len(which))[:, None] * size
+    for run in layout.runs:
+        nodes, interpolation = run.scheme.nodes, run.scheme.control_at_nodes
+        for j in range(len(nodes)):
+            chosen = np.flatnonzero((which >= run.which[0]) & (which <= run.which[-1]) & (node == j))
+            own, first = which[chosen] - run.which[0], base[chosen]
+            gather.spread(first + np.arange(nx), run.states[own, j], 1.0)
+            gather.spread(first + nx + np.arange(nz), run.algebraic[own, j], 1.0)
+            for site in np.flatnonzero(interpolation[j]):
+                gather.spread(first + nx + nz + np.arange(nu), run.controls[own, site], interpolation[j, site])
+            if dae.invariants and nodes[j] > 0.0:
+                corrections = run.corrections[own, j - int(nodes[0] == 0.0)]
+                gather.spread(first + size - corrections.shape[1] + np.arange(corrections.shape[1]), corrections, 1.0)
+    gather.spread(base + nx + nz + nu + np.arange(scalars), shared[which if len(shared) > 1 else 0], 1.0)
+    fixed = [scalar.value for scalar in interval_scalars(layout, 0) if scalar.column is None]
+    constants = np.empty((1 + len(fixed), len(which)))
+    constants[0], constants[1:] = taus(layout), np.array(fixed)[:, None]
+    return gather, constants
+
+
+def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:
+    """Rows of a moving mesh: intervals follow each other, fill the phase and keep their lengths within bounds.
+
+    s_0 = t0,  s_{k+1} = s_k + h_k,  sum h_k = T,  least d_k T <= h_k <= most d_k T.
+    """
+    assert layout.own_clocks is not None
+    starts, spans = layout.own_clocks.T
+    count = layout.count
+    fractions = mesh.knots[:-1]
+    shares = mesh.lengths
+
+    def add(name: str, at: Array, lower: Array | float, upper: Array | float) -> NDArray[np.int_]:
+        lower, upper = (np.reshape(np.broadcast_to(side, len(at)), (-1, 1)) for side in (lower, upper))
+        return rows.add([Entry(index, name, "", "s")], at, lower, upper)[:, 0]
+
+    def subtract(at: NDArray[np.int_], scalar: Scalar, factors: Array) -> None:
+        """Write - factors * scalar on the left of the rows, where it is a column."""
+        if scalar.column is not None:
+            linear.add(at, np.full(len(at), scalar.column), -factors)
+
+    # Scalars that are no columns are known values and stand in the bounds.
+    begin, total = layout.t0.value, layout.duration.value
+    first = add("start of the first interval", fractions[:1], begin, begin)
+    linear.add(first, starts[:1], 1.0)
+    subtract(first, layout.t0, np.ones(1))
+    follow = add("intervals follow each other", fractions[1:], 0.0, 0.0)
+    linear.add(follow, starts[1:], 1.0)
+    linear.add(follow, starts[:-1], -1.0)
+    linear.add(follow, spans[:-1], -1.0)
+    whole = add("intervals fill the phase", np.array([1.0]), total, total)
+    linear.add(np.repeat(whole, count), spans, 1.0)
+    subtract(whole, layout.duration, np.ones(1))
+    least = add("least length of interval", fractions, mesh.least * shares * total, np.inf)
+    linear.add(least, spans, 1.0)
+    subtract(least, layout.duration, mesh.least * shares)
+    most = add("greatest length of interval", fractions, -np.inf, mesh.most * shares * total)
+    linear.add(most, spans, 1.0)
+    subtract(most, layout.duration, mesh.most * shares)

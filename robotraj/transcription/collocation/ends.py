@@ -1,0 +1,248 @@
+"""Blocks that read the ends of phases: Mayer costs, constraints at one end, and links."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.dynamics.rows import as_rows
+from robotraj.dynamics.variable import Named
+from robotraj.problem.constraints.base import Row, Where
+from robotraj.problem.links.base import BoundLink, Ends
+from robotraj.transcription.assembly.block import Block
+from robotraj.transcription.assembly.point_functions import PointFunctions
+from robotraj.transcription.assembly.triplets import Triplets
+from robotraj.transcription.collocation.collocation import (
+    PointSymbols,
+    column_of,
+    phase_scalars,
+    point_symbols,
+    shared_symbols,
+    weighted_sum,
+)
+from robotraj.transcription.collocation.index_reduction import (
+    equations_of,
+    held_throughout,
+    path_constraints,
+    path_rows,
+    rate_row,
+    settled,
+    shares_start,
+)
+from robotraj.transcription.collocation.invariants import start_rows
+from robotraj.transcription.layout import PhaseLayout, entries_of
+from robotraj.transcription.table import Entry, ScalarTable
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+
+class EndSymbols:
+    """Symbols of both ends of a phase, with their columns and the constants among them."""
+
+    def __init__(self, phase: Phase, layout: PhaseLayout) -> None:
+        nx, names, scalars = len(phase.dae.states), phase.parameter_names, phase_scalars(layout)
+        self.unknowns, self.constants, (t0, duration, *each) = shared_symbols(scalars, 2 * nx, 0)
+        p = column_of(each)
+        self.points = (
+            phase.dae.point(t0, self.unknowns[:nx], None, None, p, names),
+            phase.dae.point(t0 + duration, self.unknowns[nx : 2 * nx], None, None, p, names),
+        )
+        free = [scalar.column for scalar in scalars if scalar.column is not None]
+        self.columns = np.concatenate([layout.knots[0], layout.knots[-1], free]).astype(int)
+        self.values = np.array([scalar.value for scalar in scalars if scalar.column is None])
+
+
+def mayer_block(phase: Phase, layout: PhaseLayout) -> Block | None:
+    """Weighted sum of the phase's Mayer terms, or None where there are none."""
+    if not phase.end_costs:
+        return None
+    ends = EndSymbols(phase, layout)
+    cost = weighted_sum([(w, as_rows(t.value(*ends.points), "Mayer expression")[0]) for w, t in phase.end_costs])
+    read = _read(cost, ends.unknowns)
+    unknowns, columns = ends.unknowns[read.tolist()], ends.columns[read]
+    return single(unknowns, ends.constants, cost, columns, ends.values, np.array([], dtype=int), costed=0)
+
+
+def _read(expression: Any, unknowns: Any) -> Indices:
+    """Numbers of the unknowns that an expression reads, of all where it reads none.
+
+    Most terms and constraints at an end read few. The others would widen all that is made of the block, and torques
+    that a block reads cannot be eliminated.
+    """
+    read = np.array(ca.which_depends(expression, unknowns, 1, False), dtype=bool)
+    return np.flatnonzero(read) if read.any() else np.arange(read.size)
+
+
+def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable) -> list[Block]:
+    """Constraints that hold at the start or at the end alone."""
+    blocks = []
+    for where, node, fraction in ((Where.START, 0, 0.0), (Where.END, -1, 1.0)):
+        constraints = path_constraints(phase, where)
+        if not constraints:
+            continue
+        interval = layout.intervals[node]
+        s = point_symbols(phase, phase_scalars(layout))
+        y = path_rows(constraints, phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names))
+        inner = ca.vertcat(s.z, s.u)
+        if interval.scheme.nodes[node] != fraction and inner.numel() and ca.depends_on(y, inner):
+            raise InputError(
+                f"Phase {phase.name!r}: a constraint at the {where.value} reads accelerations or controls, but "
+                f"{type(interval.scheme).__name__} has no collocation point there; use a Lobatto scheme."
+            )
+        kept = [r for c in constraints for r in c.rows if r.variable is None]
+        entries = [Entry(index, r.name, r.joint or "", r.unit) for r in kept]
+        added = rows.add(
+            entries, np.array([fraction]), np.array([r.lower for r in kept]), np.array([r.upper for r in kept])
+        )
+        blocks.append(_at_end(layout, node, s, y, added[0]))
+    return blocks
+
+
+def _at_end(layout: PhaseLayout, node: int, s: PointSymbols, y: ca.SX, rows: Indices) -> Block:
+    """Block of rows y at the first knot (``node`` 0) or at the last one (-1), of ``s`` the unknowns that y reads."""
+    interval, scalars = layout.intervals[node], phase_scalars(layout)
+    shared = [scalar.column for scalar in scalars if scalar.column is not None]
+    inner = interval.algebraic[node], interval.controls[node]
+    columns = np.concatenate([layout.knots[node], *inner, shared]).astype(int)
+    constants = np.array([float(-node), *(scalar.value for scalar in scalars if scalar.column is None)])
+    read = _read(y, s.unknowns)
+    return single(s.unknowns[read.tolist()], s.constants, y, columns[read], constants, rows)
+
+
+def start_block(
+    phases: Sequence[Phase], index: int, layout: PhaseLayout, links: Sequence[BoundLink], rows: ScalarTable
+) -> Block | None:
+    """Rows I(x) = 0 at the first knot of a phase, None where none is needed."""
+    phase = phases[index]
+    if not phase.dae.invariants:
+        return None
+    kept = start_rows(phases, index, links)
+    if not kept:
+        return None
+    ends = EndSymbols(phase, layout)
+    y = phase.dae.invariant(ends.points[0])[kept]
+    entries = [entries_of(index, phase.dae.invariants)[i] for i in kept]
+    added = rows.add(entries, np.zeros(1), 0.0, 0.0)[0]
+    return single(ends.unknowns, ends.constants, y, ends.columns, ends.values, added)
+
+
+def equations_block(
+    phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, carried: frozenset[int]
+) -> Block | None:
+    """Rows of equations at the first knot: what the points say of it where it is none, h^(r) = 0 where it is one.
+
+    None where there is nothing to say; ``carried`` as for ``equations.hold_equations``.
+    """
+    equations, interval = equations_of(phase), layout.intervals[0]
+    if not equations:
+        return None
+    s, held = point_symbols(phase, phase_scalars(layout)), held_throughout(phase)
+    values: list[tuple[Row, ca.SX, float]] = []
+    if interval.scheme.nodes[0] > 0.0:
+        for equation, (at_start, _) in zip(equations, settled(phase, layout), strict=True):
+            row, found = held[equation.row][1], equation.values(s.t, s.x, s.p)
+            kept = [] if equation.row in carried else sorted(set(range(equation.order)) - at_start)
+            values += [(rate_row(row, k) if k else row, found[k], 0.0 if k else equation.target) for k in kept]
+    elif shares_start(interval.scheme) and not _chooses_rates(phase):
+        for equation in equations:
+            row = rate_row(held[equation.row][1], equation.order)
+            values.append((row, equation.chosen(s.t, s.x, s.z, s.u, s.p), 0.0))
+    if not values:
+        return None
+    entries = [Entry(index, row.name, row.joint or "", row.unit) for row, _, _ in values]
+    wanted = np.array([value for _, _, value in values])
+    added = rows.add(entries, np.zeros(1), wanted, wanted)[0]
+    return _at_end(layout, 0, s, ca.vertcat(*(value for _, value, _ in values)), added)
+
+
+def _chooses_rates(phase: Phase) -> bool:
+    """Whether rates of controls are chosen: the controls are states then, and accelerations follow from them."""
+    return not {u.name for u in phase.body.controls} <= {u.name for u in phase.dae.controls}
+
+
+def link_unknowns(link: BoundLink, columns: ScalarTable) -> NDArray[np.int_]:
+    """Add the columns of a link's own unknowns."""
+    phase = link.phases[0]
+    return columns.add([Entry(phase, v.quantity, v.label, v.unit) for v in link.unknowns], np.ones(1))[0]
+
+
+def link_block(
+    link: BoundLink,
+    phases: Sequence[Phase],
+    layouts: Sequence[PhaseLayout],
+    own: NDArray[np.int_],
+    rows: ScalarTable,
+) -> Block:
+    """Rows of a link between phases; ``own`` are the columns of its unknowns."""
+    ends = [EndSymbols(phases[i], layouts[i]) for i in link.phases]
+    brought = ca.SX.sym("b", len(own))
+    known = Named("unknown of the link", [v.name for v in link.unknowns], brought)
+    values: Any = link.expression([Ends(*e.points) for e in ends], known)
+    y = ca.vertcat(*as_rows(values, f"expression of {link.name}"))
+    entries = [Entry(link.phases[0], r.name, r.joint or "", r.unit) for r in link.rows]
+    bounds = np.array([r.lower for r in link.rows]), np.array([r.upper for r in link.rows])
+    added = rows.add(entries, np.array([1.0]), *bounds)
+    return single(
+        ca.vertcat(*(e.unknowns for e in ends), brought),
+        ca.vertcat(*(e.constants for e in ends)),
+        y,
+        np.concatenate([*(e.columns for e in ends), own]),
+        np.concatenate([e.values for e in ends]),
+        added[0],
+    )
+
+
+def single(
+    v: ca.SX,
+    c: ca.SX,
+    y: ca.SX,
+    columns: NDArray[np.int_],
+    constants: Array,
+    rows: NDArray[np.int_],
+    costed: int | None = None,
+) -> Block:
+    """Build a block of one place; its matrices are widened to the NLP's size by ``finish``."""
+    return repeated(v, c, y, columns[None, :], constants[None, :], rows[None, :], costed)
+
+
+def repeated(
+    v: ca.SX,
+    c: ca.SX,
+    y: ca.SX,
+    columns: NDArray[np.int_],
+    constants: Array,
+    rows: NDArray[np.int_],
+    costed: int | None = None,
+) -> Block:
+    """Build a block of the places whose columns (E, n_v), constants (E, n_c) and rows (E, n_y) are given."""
+    stage = PointFunctions(v, c if c.numel() else ca.SX(0, 1), y, costed)
+    gather, scatter = Triplets(), Triplets()
+    gather.add(np.arange(columns.size), columns.ravel(), 1.0)
+    scatter.add(rows.ravel(), np.arange(rows.size), 1.0)
+    width = (int(columns.max()) if columns.size else 0) + 1
+    height = (int(rows.max()) if rows.size else -1) + 1
+    count = len(columns)
+    return Block(
+        stage,
+        gather.matrix((columns.size, width)),
+        np.ascontiguousarray(constants.T),
+        scatter.matrix((height, count * stage.outputs)),
+        np.ones(count) if costed is not None else np.zeros(count),
+    )
+
+
+def widen(block: Block, rows: int, columns: int) -> Block:
+    """Pad a block's matrices with empty rows and columns to the size of the NLP."""
+    gather, scatter = block.gather.copy(), block.scatter.copy()
+    gather.resize((gather.shape[0], columns))
+    scatter.resize((rows, block.stage.outputs * block.count))
+    return Block(block.stage, gather, block.constants, scatter, block.weights)

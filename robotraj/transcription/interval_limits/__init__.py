@@ -1,0 +1,5 @@
+"""What holds limits between the collocation points of an interval."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

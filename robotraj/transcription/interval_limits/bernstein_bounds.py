@@ -1,0 +1,201 @@
+"""Rows on the Bernstein coefficients of the polynomials of an interval, which hold these in between.
+
+A polynomial of degree n lies between the least and the greatest of its n + 1 coefficients b_j in
+
+    sum_j b_j binom(n, j) tau^j (1 - tau)^(n - j),    tau in [0, 1].
+
+The first and the last are its values at the ends. The state, a polynomial of degree s whose rates at the s nodes are
+unknown, the control, a polynomial through its m sites, and accelerations, polynomials through the nodes, have
+coefficients that are linear in the unknowns: for the parabola through u_0, u_m, u_1 of Hermite-Simpson the middle one
+is 2 u_m - (u_0 + u_1) / 2.
+Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Computer Aided Geometric Design 29 (2012).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.polynomials import basis, integrals
+from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.transcription.assembly.triplets import Triplets
+from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.layout import Indices, PhaseLayout, Run
+from robotraj.transcription.schemes.onestep import OneStep
+from robotraj.transcription.table import Entry, ScalarTable
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+def hold_states(
+    interval_limits: ConstraintGeneration,
+    phase: Phase,
+    index: int,
+    layout: PhaseLayout,
+    rows: ScalarTable,
+    linear: Triplets,
+    scatter: Triplets,
+    outputs: int,
+) -> None:
+    """Add rows on the inner coefficients of covered states; the outer ones are the knots.
+
+    Parameters
+    ----------
+    outputs : int
+        Of the phase's stage, whose first ones are T f.
+    """
+    for chosen, component in _held(interval_limits, phase, [s.name for s in phase.dae.states]):
+        for run in layout.runs:
+            weights = state_weights(tuple(run.scheme.nodes.tolist()))
+            fractions = (np.arange(len(weights)) + 1) / (len(weights) + 1)
+            at = _add(rows, index, chosen, run, fractions)
+            linear.spread(at, run.left[:, None, component], 1.0)
+            scatter.spread(
+                at[..., None],
+                run.places[:, None, None, :] * outputs + component[:, None],
+                run.clock_length[:, None, None, None] * weights[:, None, :],
+            )
+
+
+def hold_controls(
+    interval_limits: ConstraintGeneration,
+    phase: Phase,
+    index: int,
+    layout: PhaseLayout,
+    rows: ScalarTable,
+    linear: Triplets,
+) -> None:
+    """Add rows on those coefficients of covered controls and algebraic variables that are no values at their sites."""
+    for variables, pieces in ((phase.dae.controls, _control_pieces), (phase.dae.algebraic, _algebraic_pieces)):
+        for chosen, component in _held(interval_limits, phase, [variable.name for variable in variables]):
+            for run in layout.runs:
+                for sites, first, last, own in pieces(run):
+                    weights, fractions = control_weights(tuple(sites.tolist()))
+                    if not weights.size:
+                        continue
+                    at = _add(rows, index, chosen, run, first + (last - first) * fractions)
+                    linear.spread(at[..., None], own[:, None][..., component].swapaxes(2, 3), weights[:, None, :])
+
+
+def covered_in(interval_limits: ConstraintGeneration, phase: Phase, layout: PhaseLayout) -> frozenset[str]:
+    """Variables with rows on coefficients: where a scheme steps over whole intervals, of states there are none."""
+    covered = interval_limits.covers(phase)
+    if isinstance(layout.scheme, OneStep):
+        covered -= {state.name for state in phase.dae.states}
+    return covered
+
+
+def columns_beside_rows(phase: Phase, layout: PhaseLayout) -> dict[str, Indices]:
+    """Columns of every variable that are bounded beside the rows on coefficients, in the order of time.
+
+    States are at their knots. Controls and algebraic variables are where they are coefficients, if both ends of an
+    interval are sites; else at all sites: those bounds follow from the rows, but without them fatrop takes up to four
+    times as many iterations.
+    """
+    held = {state.name: at for state, at in zip(phase.dae.states, layout.knots.T, strict=True)}
+    for variables, pieces in ((phase.dae.controls, _control_pieces), (phase.dae.algebraic, _algebraic_pieces)):
+        if not variables:
+            continue
+        found = []
+        for run in layout.runs:
+            for sites, _, _, own in pieces(run):
+                kept = are_coefficients(sites)
+                if kept.sum() < min(len(sites), 2):
+                    kept[:] = True
+                found.append(own[:, kept].reshape(-1, own.shape[-1]))
+        columns = np.sort(np.concatenate(found), axis=0)
+        fresh = np.append(True, np.diff(columns[:, 0]) > 0)
+        held |= {variable.name: at for variable, at in zip(variables, columns[fresh].T, strict=True)}
+    return held
+
+
+def are_coefficients(sites: Array) -> Mask:
+    """Which values of a control are coefficients: those at the ends of its piece, and that of a constant."""
+    return np.asarray((sites == 0.0) | (sites == 1.0) | (len(sites) == 1))
+
+
+@lru_cache(maxsize=256)
+def state_weights(nodes: tuple[float, ...]) -> Array:
+    """Weights W of x_0 + d sum_k W_jk (T f_k), the inner coefficients j = 1 .. s - 1 of an interval's state.
+
+    Parameters
+    ----------
+    nodes : tuple of float
+        The s nodes of the scheme; the state is a polynomial of degree s.
+    """
+    sites = np.linspace(0.0, 1.0, len(nodes) + 1)
+    return np.asarray((_from_values(len(nodes)) @ integrals(np.array(nodes), sites))[1:-1])
+
+
+@lru_cache(maxsize=256)
+def control_weights(sites: tuple[float, ...]) -> tuple[Array, Array]:
+    """Weights W of sum_k W_jk u_k, the coefficients of a control that are no u_k, and where they belong, (n, m), (n,).
+
+    Parameters
+    ----------
+    sites : tuple of float
+        Of the m values u_k; the control is a polynomial of degree m - 1.
+    """
+    at = np.array(sites)
+    places = np.linspace(0.0, 1.0, len(at)) if len(at) > 1 else at
+    missing = ~np.isin(places, at[are_coefficients(at)])
+    if not missing.any():
+        return np.empty((0, len(at))), np.empty(0)
+    return (_from_values(len(at) - 1) @ basis(at, places))[missing], places[missing]
+
+
+def _from_values(degree: int) -> Array:
+    """Matrix from a polynomial's values at equal distances to its coefficients, (degree + 1, degree + 1)."""
+    sites = np.linspace(0.0, 1.0, degree + 1)
+    j = np.arange(degree + 1)
+    binomials = np.array([math.comb(degree, k) for k in j.tolist()])
+    return np.asarray(np.linalg.inv(binomials * sites[:, None] ** j * (1.0 - sites[:, None]) ** (degree - j)))
+
+
+def is_held(constraint: BoundConstraint, row: Row, covered: frozenset[str]) -> bool:
+    """Whether a row is imposed on coefficients: an inequality on a covered variable, throughout the phase."""
+    limited = row.lower < row.upper and (np.isfinite(row.lower) or np.isfinite(row.upper))
+    return bool(limited) and constraint.where is Where.THROUGHOUT and row.variable in covered
+
+
+def _held(
+    interval_limits: ConstraintGeneration, phase: Phase, names: Sequence[str]
+) -> Iterator[tuple[list[Row], Indices]]:
+    """For every constraint its rows on coefficients of the variables named, and which of these they are."""
+    covered = interval_limits.covers(phase) & set(names)
+    for constraint in phase.bound_constraints:
+        chosen = [row for row in constraint.rows if is_held(constraint, row, covered)]
+        if chosen:
+            yield chosen, np.array([names.index(str(row.variable)) for row in chosen])
+
+
+def _add(rows: ScalarTable, index: int, chosen: Sequence[Row], run: Run, fractions: Array) -> Indices:
+    """Add rows at fractions of every interval of a run, (intervals, fractions, rows)."""
+    entries = [Entry(index, row.name, row.joint or "", row.unit) for row in chosen]
+    lower, upper = (np.array([getattr(row, side) for row in chosen]) for side in ("lower", "upper"))
+    at = run.start[:, None] + run.length[:, None] * fractions
+    return rows.add(entries, at.ravel(), lower, upper).reshape(*at.shape, len(chosen))
+
+
+def _algebraic_pieces(run: Run) -> Iterator[tuple[Array, float, float, Indices]]:
+    """Nodes of the polynomial of the algebraic variables, an interval's ends, its columns (intervals, nodes, nz)."""
+    yield run.scheme.nodes, 0.0, 1.0, run.algebraic
+
+
+def _control_pieces(run: Run) -> Iterator[tuple[Array, float, float, Indices]]:
+    """Sites of every polynomial of the control, where it begins and ends, its columns (intervals, sites, nu)."""
+    scheme = run.scheme
+    if not isinstance(scheme, OneStep):
+        yield scheme.control_sites, 0.0, 1.0, run.controls
+        return
+    for piece, (first, last) in enumerate(zip(scheme.pieces[:-1], scheme.pieces[1:], strict=True)):
+        yield scheme.piece_sites, float(first), float(last), run.controls[:, scheme.controls_of(piece)]

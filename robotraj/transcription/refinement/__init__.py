@@ -1,0 +1,5 @@
+"""Refinement: the error between knots, and the next mesh."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

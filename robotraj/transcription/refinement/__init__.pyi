@@ -1,0 +1,20 @@
+"""Refinement: the error between knots, and the next mesh."""
+
+from .assess import assess, errors_of
+from .error import interval_errors, state_errors
+from .integrals import integral_errors
+from .orders import RaiseOrder, SplitOrRaise
+from .strategy import Assessment, Refinement, SplitAndMerge
+
+__all__ = [
+    "Assessment",
+    "RaiseOrder",
+    "Refinement",
+    "SplitAndMerge",
+    "SplitOrRaise",
+    "assess",
+    "errors_of",
+    "integral_errors",
+    "interval_errors",
+    "state_errors",
+]

@@ -1,0 +1,100 @@
+"""Error of a collocated trajectory between its nodes, interval by interval.
+
+At any time the collocated polynomial x(t) has the residual e(t) = xdot(t) - f(x, z, u, p, t), zero at the nodes only.
+Kelly measures an interval by the integral of its absolute value, state by state and in the state's own unit; Betts
+relates that to the size of each state and takes the largest,
+
+    eta_i = integral |e_i| dt,    error = max_i eta_i / (1 + max over t of |x_i|, |xdot_i|).
+
+Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at every sample, so that the rows of g
+count as well: for a robot by inverse dynamics this compares the planned acceleration with the true one.
+
+Schemes that step from knot to knot have the same estimate, by the polynomial that stands for their dense output: it
+tells how well the motion between two knots is integrated. For classical Runge-Kutta and compressed Hermite-Simpson it
+falls as h^4; for an adaptive integrator it is of the size of the integrator's own tolerance, whatever the mesh. How
+well constants or lines stand for the best control it does not tell: that only shows in the objective.
+Sources: Betts, Practical Methods for Optimal Control (2010), section 4.7.4; Kelly, SIAM Review 59 (2017), section 8.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.transcription.extract import PhaseTrajectory
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+
+NEWTON_STEPS = 4
+"""Steps that solve g = 0 for z from the interpolated z; one is exact where g is linear in z, as for rigid bodies."""
+
+
+def interval_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
+    """Relative error of every interval by Betts's definition, (K,).
+
+    Parameters
+    ----------
+    phase : Phase
+    trajectory : PhaseTrajectory
+        Its polynomials.
+    """
+    x, rates = trajectory.x, trajectory.x.derivative()
+    size = 1.0 + np.max([np.abs(value).max(axis=0) for curve in (x, rates) for value in curve.values], axis=0)
+    return np.asarray((state_errors(phase, trajectory) / size).max(axis=1))
+
+
+def state_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
+    """Integral of |xdot - f| over every interval by Kelly's definition, (K, nx), each in its state's unit.
+
+    Parameters
+    ----------
+    phase : Phase
+    trajectory : PhaseTrajectory
+        Its polynomials.
+    """
+    breaks = trajectory.x.breaks
+    rates = trajectory.x.derivative()
+    counts = [len(sites) + 2 for sites in trajectory.z.sites]
+    times: list[Array] = []
+    weights: list[Array] = []
+    for k, count in enumerate(counts):
+        points, w = np.polynomial.legendre.leggauss(count)
+        length = breaks[k + 1] - breaks[k]
+        times.append(breaks[k] + 0.5 * length * (points + 1.0))
+        weights.append(0.5 * length * w)
+    t, weight = np.concatenate(times), np.concatenate(weights)
+    owner = np.repeat(np.arange(len(counts)), counts)
+    x, xdot, z, u = (curve(t) for curve in (trajectory.x, rates, trajectory.z, trajectory.u))
+    f = _rates(phase, t, x, z, u, np.array(list(trajectory.parameters.values())))
+    eta = np.zeros((len(counts), x.shape[1]))
+    np.add.at(eta, owner, weight[:, None] * np.abs(xdot - f))
+    return eta
+
+
+def _rates(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Array:
+    """Evaluate f at samples with z solved from g = 0, (m, nx)."""
+    dae = phase.dae
+    sizes = {"t": 1, "x": len(dae.states), "z": len(dae.algebraic), "u": len(dae.controls), "p": len(p)}
+    symbols = [ca.SX.sym(name, size) for name, size in sizes.items()]
+    time, state, algebraic, control, parameter = symbols
+    point = dae.point(time, state, algebraic, control, parameter, phase.parameter_names)
+    f = ca.Function("f", symbols, [ca.densify(dae.rates(point))]).map(len(t))
+    parameters = np.tile(p[:, None], len(t))
+    if z.shape[1]:
+        g = dae.residual(point)
+        step = ca.Function("g", symbols, [ca.densify(g), ca.densify(ca.jacobian(g, algebraic))]).map(len(t))
+        for _ in range(NEWTON_STEPS):
+            rows, slopes = step(t[None, :], x.T, z.T, u.T, parameters)
+            matrices = np.array(slopes).reshape(len(dae.residuals), len(t), z.shape[1]).transpose(1, 0, 2)
+            # Slack variables that an objective brought leave more unknowns than rows: the least change holds them.
+            change = (np.linalg.pinv(matrices) @ np.array(rows).T[:, :, None])[:, :, 0]
+            z = z - change
+            if np.max(np.abs(change)) <= 1e-12 * (1.0 + np.max(np.abs(z))):
+                break
+    return np.array(f(t[None, :], x.T, z.T, u.T, parameters)).T

@@ -1,0 +1,82 @@
+"""Error of integral constraints, interval by interval: a scheme's quadrature against a finer one.
+
+A scheme sums the integrand q of an integral constraint at its nodes, h sum_j b_j q(t_j). What it leaves of an interval,
+
+    error = |h sum_j b_j q(t_j) - integral q dt| / (1 + |bound|),
+
+with the integral by Gauss's rule along the polynomials of the states and controls, is no part of the residual of the
+dynamics: a control that swings from node to node may meet the sum and not the constraint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj.problem.constraints.base import Where
+from robotraj.transcription.collocation.index_reduction import path_constraints, path_rows
+from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.schemes.collocation import Collocation, Scheme
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+
+MORE = 8
+"""Points that the finer rule has more than the scheme."""
+
+
+def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme]) -> Array:
+    """Largest error of an integral constraint on every interval, relative to 1 + |bound|, (K,).
+
+    Parameters
+    ----------
+    phase : Phase
+    trajectory : PhaseTrajectory
+        Its polynomials.
+    schemes : sequence of Scheme
+        Of its intervals, (K,).
+    """
+    breaks = trajectory.x.breaks
+    constraints = path_constraints(phase, Where.INTEGRAL)
+    collocated = [scheme for scheme in schemes if isinstance(scheme, Collocation)]
+    errors = np.zeros(len(breaks) - 1)
+    if not constraints or len(collocated) < len(schemes):
+        return errors
+    places, weights, owner = [], [], []
+    for k, scheme in enumerate(collocated):
+        fine, gauss = np.polynomial.legendre.leggauss(len(scheme.nodes) + MORE)
+        places.append(np.concatenate([scheme.nodes, 0.5 * (fine + 1.0)]))
+        weights.append((breaks[k + 1] - breaks[k]) * np.concatenate([scheme.objective_weights, -0.5 * gauss]))
+        owner.append(np.full(len(places[-1]), k))
+    values = _integrands(phase, trajectory, places)
+    rows = [row for constraint in constraints for row in constraint.rows]
+    bounds = [max((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0) for row in rows]
+    left = np.zeros((len(errors), len(rows)))
+    np.add.at(left, np.concatenate(owner), np.concatenate(weights)[:, None] * values)
+    return np.asarray(np.max(np.abs(left) / (1.0 + np.array(bounds)), axis=1))
+
+
+def _integrands(phase: Phase, trajectory: PhaseTrajectory, places: Sequence[Array]) -> Array:
+    """Integrands at places of every interval, each on its interval's side of the knots, (m, rows)."""
+    dae, breaks = phase.dae, trajectory.x.breaks
+    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(trajectory.parameters))
+    t, x, z, u, p = symbols = [ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True)]
+    point = dae.point(t, x, z, u, p, phase.parameter_names)
+    rows = path_rows(path_constraints(phase, Where.INTEGRAL), point)
+    times = [a + (b - a) * tau for a, b, tau in zip(breaks[:-1], breaks[1:], places, strict=True)]
+
+    def seen(curve: PiecewisePolynomial) -> Array:
+        return np.vstack([curve(t, k) for k, t in enumerate(times)]).T
+
+    at = np.concatenate(times)
+    parameters = np.tile(np.array(list(trajectory.parameters.values()), dtype=float)[:, None], len(at))
+    function = ca.Function("integrands", symbols, [ca.densify(rows)]).map(len(at))
+    curves = [seen(curve) for curve in (trajectory.x, trajectory.z, trajectory.u)]
+    return np.array(function(at[None, :], *curves, parameters)).T

@@ -1,0 +1,190 @@
+"""The next mesh, from the errors on the last one."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.transcription.schemes.collocation import Collocation, Scheme
+from robotraj.transcription.schemes.integrators import Adaptive
+from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.schemes.onestep import OneStep
+from robotraj.transcription.schemes.shooting import Shooting
+
+Array = NDArray[np.float64]
+
+BULK = 0.8
+"""Part of what the controls' coarseness may cost that is cut at once: what is left falls to less than a half."""
+SHARE = 1e-2
+"""Tolerance of an adaptive integrator, relative to that of the mesh: what it leaves is not the mesh's to split."""
+LEAST = 1e-13
+"""Tolerance below which an adaptive integrator is not pushed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """What is known of a phase on its mesh.
+
+    Attributes
+    ----------
+    errors : ndarray (K,)
+        Relative error of every interval.
+    jumps : ndarray (K,)
+        Largest change of a control inside every interval, relative to its range over the phase.
+    decays : ndarray (K,)
+        Decades by which the Legendre coefficients of the states fall per degree; large where they are smooth.
+    broken : ndarray (K,)
+        How far path rows that read controls or accelerations are broken inside every interval, relative to 1 + |bound|.
+    settled : bool
+        Whether the objective changed by less than the tolerance since the last mesh.
+    coarse : ndarray (K,)
+        What the controls' shape may cost: duration of the interval times the square of how far a neighbour's control,
+        carried on, would miss its own. Read where the control is no part of the residual: of one-step schemes, and of
+        collocation with constants or lines for controls.
+    """
+
+    errors: Array
+    jumps: Array
+    decays: Array
+    broken: Array
+    settled: bool
+    coarse: Array
+
+
+class Refinement(ABC):
+    """A value that makes the next mesh. A new method is one new class."""
+
+    @abstractmethod
+    def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
+        """Mesh on which the errors should come below the tolerance."""
+
+
+@dataclass(frozen=True)
+class SplitAndMerge(Refinement):
+    """h-refinement: split intervals where it hurts, merge neighbours where it does not.
+
+    The residual of s-point collocation falls as h^(s + 1), so an interval of error e is cut into
+    ceil((2 e / tolerance)^(1 / (s + 1))) parts. Intervals inside which a control jumps are halved until the objective
+    has settled: the residual does not see that a switch lies between two nodes.
+
+    Shooting and compressed collocation are split in the same way, by the order of their dense output, and never merged:
+    their knots carry the control as well. Their residual says how well the motion is integrated, not how well
+    constants or lines stand for the control, nor does that of collocation with such controls, so until the objective
+    has settled the intervals whose controls change most are halved, enough of them to make up most of what all may
+    cost. An adaptive integrator is given a tighter
+    tolerance before its intervals are split: what it leaves does not fall with their length.
+
+    Parameters
+    ----------
+    most : int
+        Largest number of parts that one interval is cut into at once.
+    jump : float
+        Relative change of a control, inside an interval, that counts as a switch.
+    path : float
+        How far a path row that reads controls may be broken between nodes, relative to 1 + |bound|.
+    """
+
+    most: int = 4
+    jump: float = 0.2
+    path: float = 1e-3
+
+    def __post_init__(self) -> None:
+        if self.most < 2:
+            raise InputError(f"SplitAndMerge(most) must be at least 2, got {self.most}.")
+
+    def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
+        """Split and merge."""
+        knots, schemes, errors = mesh.knots, mesh.schemes, assessment.errors
+        tightened = tuple(_tightened(scheme, tolerance) for scheme in schemes)
+        if errors.max() > tolerance and tightened != schemes:
+            schemes, errors = tightened, np.zeros(len(errors))
+        parts = np.array([self.parts(error, scheme, tolerance) for error, scheme in zip(errors, schemes, strict=True)])
+        if not assessment.settled:
+            halved = self.switching(assessment, schemes)
+            parts[halved] = np.maximum(parts[halved], 2)
+        new_knots, new_schemes = [0.0], list[Scheme]()
+        k = 0
+        while k < len(parts):
+            last = k + 1
+            if self._mergeable(parts, assessment, schemes, k, tolerance):
+                last = k + 2
+            inner = np.linspace(knots[k], knots[last], parts[k] + 1)[1:]
+            new_knots += [*inner[:-1], knots[last]]
+            new_schemes += [schemes[k]] * parts[k]
+            k = last
+        return Mesh(tuple(new_knots), tuple(new_schemes))
+
+    def switching(self, assessment: Assessment, schemes: tuple[Scheme, ...]) -> NDArray[np.bool_]:
+        """Intervals inside which a control jumps or is too coarse, or a path row is broken, (K,)."""
+        broken = (assessment.jumps > self.jump) | (assessment.broken > self.path)
+        return np.asarray(broken | _bulk(assessment.coarse, schemes))
+
+    def parts(self, error: float, scheme: Scheme, tolerance: float) -> int:
+        """Parts that an interval of this error should be cut into."""
+        if error <= tolerance:
+            return 1
+        return int(np.clip(np.ceil((2 * error / tolerance) ** (1 / _exponent(scheme))), 2, self.most))
+
+    def _mergeable(
+        self, parts: NDArray[np.int_], assessment: Assessment, schemes: tuple[Scheme, ...], k: int, tolerance: float
+    ) -> bool:
+        """Two neighbours that would stay far below the tolerance as one interval, away from switches."""
+        if k + 1 >= len(parts) or parts[k] > 1 or parts[k + 1] > 1 or schemes[k] != schemes[k + 1]:
+            return False
+        if isinstance(schemes[k], OneStep) or _coarsely_controlled(schemes[k]):
+            return False
+        merged = assessment.errors[k : k + 2].max() * 2.0 ** _exponent(schemes[k])
+        return bool(merged < 0.01 * tolerance and assessment.jumps[k : k + 2].max() < 0.1 * self.jump)
+
+
+def _bulk(coarse: Array, schemes: tuple[Scheme, ...]) -> NDArray[np.bool_]:
+    """Fewest intervals that make up ``BULK`` of what all may cost, of schemes whose controls the residual does not see.
+
+    Those are one-step schemes, all of whose intervals are chosen where none costs any, and collocation with constants
+    or lines for controls instead of its own polynomial.
+    Source: Doerfler, A convergent adaptive algorithm for Poisson's equation, SIAM J. Numerical Analysis 33 (1996).
+    """
+    chosen = np.zeros(len(coarse), dtype=bool)
+    stepped = isinstance(schemes[0], OneStep)
+    if not stepped and (not coarse.any() or not any(map(_coarsely_controlled, schemes))):
+        return chosen
+    order = np.argsort(-coarse)
+    count = int(np.searchsorted(np.cumsum(coarse[order]), BULK * coarse.sum())) + 1
+    chosen[order[: count if coarse.sum() > 0 else None]] = True
+    return chosen
+
+
+def _coarsely_controlled(scheme: Scheme) -> bool:
+    return isinstance(scheme, Collocation) and len(scheme.control_sites) < len(scheme.nodes)
+
+
+def _tightened(scheme: Scheme, tolerance: float) -> Scheme:
+    """Give the same scheme with an adaptive integrator whose own error is far below the tolerance."""
+    if not isinstance(scheme, Shooting) or not isinstance(scheme.integrator, Adaptive):
+        return scheme
+    asked = max(SHARE * tolerance, LEAST)
+    if scheme.integrator.tolerance <= asked:
+        return scheme
+    return replace(scheme, integrator=replace(scheme.integrator, tolerance=asked))
+
+
+def _exponent(scheme: Scheme) -> int:
+    """Power of the interval's length with which the residual's integral falls."""
+    if isinstance(scheme, Shooting):
+        # Cubic pieces, one for each substep; adaptive integrators stand for one polynomial of their degree.
+        return 4 if scheme.order else scheme.degree + 1
+    return 4 if isinstance(scheme, OneStep) else points_of(scheme) + 1
+
+
+def points_of(scheme: Scheme) -> int:
+    """Collocation points of an interval."""
+    if not isinstance(scheme, Collocation):
+        raise InputError(
+            f"{type(scheme).__name__} has no collocation points to raise; refine it with rt.refinement.SplitAndMerge()."
+        )
+    return len(scheme.nodes)

@@ -1,0 +1,95 @@
+"""A transcription taken over: by a problem that differs in its ends alone, or by another guess."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.guess.guess import Guess
+from robotraj.native.engines.base import Engine
+from robotraj.transcription.collocation.index_reduction import settled
+from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
+from robotraj.transcription.schemes.onestep import OneStep
+from robotraj.transcription.transcribe import bounds_of, start_of
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+    from robotraj.problem.problem import Problem
+    from robotraj.transcription.layout import PhaseLayout
+
+Array = NDArray[np.float64]
+
+
+def transcribed_again(
+    nlp: Nlp,
+    problem: Problem,
+    mesh: Mesh | Sequence[Mesh],
+    engine: Engine | None,
+    interval_limits: ConstraintGeneration,
+    w: Array,
+) -> Nlp | None:
+    """Put another problem's ends into an NLP: only bounds and the start of the solver change.
+
+    Parameters
+    ----------
+    nlp : Nlp
+        Of a problem that ``problem.with_(start=..., end=...)`` was made from, or the same one.
+    problem : Problem
+    mesh, engine, between
+        As for ``transcribe``.
+    w : ndarray (n_w,)
+        Where the solver starts.
+
+    Returns
+    -------
+    Nlp or None
+        With the blocks, scales and functions of ``nlp``; None where more than the ends is different.
+    """
+    before = nlp.problem
+    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+    alike = (
+        len(before.phases) == len(problem.phases) == len(meshes)
+        and tuple(before.links) == tuple(problem.links)
+        and (engine is None or engine == nlp.engine)
+        and interval_limits == nlp.interval_limits
+        and all(_alike(*each) for each in zip(before.phases, problem.phases, nlp.layouts, strict=True))
+        and all(layout.mesh == mine for layout, mine in zip(nlp.layouts, meshes, strict=True))
+        and not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.given)
+        and len(nlp.free) == len(w)
+    )
+    if not alike:
+        return None
+    bounds = bounds_of(problem, nlp.layouts, interval_limits)
+    variables = nlp.free.bounded(bounds)
+    guess = np.clip(w, variables.lower, variables.upper)
+    return _with_functions(replace(nlp, problem=problem, variables=variables, guess=guess), nlp)
+
+
+def started_at(nlp: Nlp, guess: Guess) -> Nlp:
+    """Start an NLP at another guess; blocks, scales and functions are those of ``nlp``."""
+    start = start_of(nlp.problem, nlp.layouts, nlp.link_columns, nlp.variables, guess)
+    return _with_functions(replace(nlp, guess=start), nlp)
+
+
+def _with_functions(again: Nlp, nlp: Nlp) -> Nlp:
+    """Hand on the functions that were assembled, which a copy is without; preparing them was the first plan's work."""
+    if "functions" in nlp.__dict__:
+        again.__dict__["functions"] = replace(nlp.functions, preparing=0.0)
+    return again
+
+
+def _alike(before: Phase, now: Phase, layout: PhaseLayout) -> bool:
+    """Whether two phases share everything but their ends; ``Phase.with_`` shares what was made of the others."""
+    if before is now:
+        return not now.dae.invariants
+    same = before.dae is now.dae and before.bound_constraints is now.bound_constraints
+    if not same or before.duration_bounds != now.duration_bounds:
+        return False
+    # Which rows hold an invariant or an equation depends on what the ends fix.
+    return not now.dae.invariants and settled(before, layout) == settled(now, layout)

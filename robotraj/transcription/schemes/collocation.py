@@ -1,0 +1,96 @@
+"""Collocation on Lagrange polynomials: every scheme is its nodes; the Butcher table follows.
+
+On an interval of length h the state is the polynomial of degree s with
+
+    x(0) = x_0,    xdot(c_j) = f_j,    j = 1..s,
+
+so that x(tau) = x_0 + h sum_k f_k int_0^tau l_k. At the nodes this reads x_j = x_0 + h sum_k A_jk f_k with
+A_jk = int_0^{c_j} l_k, and at the end x_1 = x_0 + h sum_k b_k f_k with b_k = int_0^1 l_k.
+Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.7.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.polynomials import basis, integrals
+from robotraj._util.values import dataclass
+from robotraj.transcription.schemes.control import Control, PolynomialControl
+from robotraj.transcription.schemes.quadrature import OwnQuadrature, Quadrature
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Scheme(ABC):
+    """What a mesh applies on its intervals.
+
+    Parameters
+    ----------
+    control : Control
+        How the control runs inside an interval.
+    """
+
+    control: Control = field(default_factory=PolynomialControl, kw_only=True)
+
+    @property
+    @abstractmethod
+    def nodes(self) -> Array:
+        """Nodes c, (s,), in [0, 1]: where the state is unknown and the rows of the phase hold."""
+
+    @cached_property
+    def control_sites(self) -> Array:
+        """Sites of the control's values in [0, 1]."""
+        return self.control.sites(self.nodes)
+
+    @cached_property
+    def control_at_nodes(self) -> Array:
+        """Matrix from the control's values at its sites to its values at the nodes, (s, m)."""
+        return basis(self.control_sites, self.nodes)
+
+
+@dataclass(frozen=True)
+class Collocation(Scheme):
+    """Collocation at nodes 0 <= c_1 < ... < c_s <= 1.
+
+    Parameters
+    ----------
+    control : Control
+        How the control runs inside an interval.
+    quadrature : Quadrature
+        How the objective is integrated.
+    """
+
+    quadrature: Quadrature = field(default_factory=OwnQuadrature, kw_only=True)
+
+    @property
+    @abstractmethod
+    def order(self) -> int:
+        """Order of the error at the knots on smooth problems, with the scheme's own control and quadrature."""
+
+    @abstractmethod
+    def with_points(self, points: int) -> Collocation:
+        """Give the scheme of the same family, control and quadrature with another number of nodes."""
+
+    @cached_property
+    def matrix(self) -> Array:
+        """Butcher matrix A, (s, s)."""
+        return integrals(self.nodes, self.nodes)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Butcher weights b, (s,)."""
+        if self.nodes[-1] == 1.0:
+            # The last row of A reaches the end too.
+            return self.matrix[-1]
+        return integrals(self.nodes, np.array([1.0]))[0]
+
+    @cached_property
+    def objective_weights(self) -> Array:
+        """Weights of the objective's integrand at the nodes, (s,)."""
+        return self.quadrature.weights(self.nodes, self.weights)

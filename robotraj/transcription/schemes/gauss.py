@@ -1,0 +1,51 @@
+"""Gauss-Legendre: all nodes inside the interval. Order 2 s, the highest of s points.
+
+Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.7.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.transcription.schemes.collocation import Collocation
+
+Array = NDArray[np.float64]
+
+
+@lru_cache(maxsize=64)
+def legendre_gauss(points: int) -> Array:
+    """Legendre-Gauss nodes on (0, 1): the roots of P_s."""
+    nodes = 0.5 * (np.polynomial.legendre.leggauss(points)[0] + 1.0)
+    nodes.setflags(write=False)
+    return nodes
+
+
+@dataclass(frozen=True)
+class GaussLegendre(Collocation):
+    """Gauss-Legendre with ``points`` collocation points per interval, order 2 points."""
+
+    points: int = 2
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.points, int | np.integer) or self.points < 1:
+            raise InputError(f"GaussLegendre needs at least 1 point per interval, got {self.points!r}.")
+
+    @property
+    def nodes(self) -> Array:
+        """Legendre-Gauss nodes."""
+        return legendre_gauss(self.points)
+
+    @property
+    def order(self) -> int:
+        """2 s."""
+        return 2 * self.points
+
+    def with_points(self, points: int) -> GaussLegendre:
+        """Give the same family with that many points."""
+        return replace(self, points=points)

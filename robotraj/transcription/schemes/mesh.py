@@ -1,0 +1,136 @@
+"""A mesh: how a phase is cut into intervals, and the scheme on each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.polynomials import lobatto_sites
+from robotraj._util.values import dataclass
+from robotraj.transcription.schemes.collocation import Scheme
+from robotraj.transcription.schemes.lobatto import HermiteSimpson
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Intervals of a phase and their scheme.
+
+    Parameters
+    ----------
+    intervals : int or sequence of float
+        Number of equal intervals, or knots as fractions of the phase, from 0 to 1.
+    scheme : Scheme or sequence of Scheme
+        One for all intervals, or one for each.
+
+    Raises
+    ------
+    InputError
+        No interval, knots that do not ascend from 0 to 1, or another number of schemes than intervals.
+    """
+
+    intervals: int | Sequence[float] = 40
+    scheme: Scheme | Sequence[Scheme] = field(default_factory=HermiteSimpson)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.intervals, bool) or (isinstance(self.intervals, int | np.integer) and self.intervals < 1):
+            raise InputError(f"A mesh needs at least 1 interval, got {self.intervals}.")
+        if np.isscalar(self.intervals) and not isinstance(self.intervals, int | np.integer):
+            raise InputError(f"Mesh(intervals) must be a whole number or a list of knots, got {self.intervals!r}.")
+        if not isinstance(self.intervals, int | np.integer):
+            # A tuple compares and hashes as a value; an array does neither.
+            given = np.array(self.intervals, dtype=float).ravel()
+            # Times divided by a duration end at 1 up to a rounding.
+            given[np.abs(given - 1.0) < 1e-14] = 1.0
+            object.__setattr__(self, "intervals", tuple(given.tolist()))
+        knots = self.knots
+        if len(knots) < 2 or knots[0] != 0.0 or knots[-1] != 1.0 or not np.all(np.diff(knots) > 0):
+            raise InputError(f"The knots of a mesh must ascend from 0 to 1; got {knots.tolist()}.")
+        schemes: list[object] = list(self.scheme) if isinstance(self.scheme, Sequence) else [self.scheme]
+        for scheme in schemes:
+            if not isinstance(scheme, Scheme):
+                shown = f"the class {scheme.__name__}" if isinstance(scheme, type) else repr(scheme)
+                raise InputError(
+                    "Mesh(scheme) must be a scheme value such as rt.HermiteSimpson(), with its parentheses; "
+                    f"got {shown}."
+                )
+        if len(schemes) not in (1, len(knots) - 1):
+            raise InputError(f"The mesh has {len(knots) - 1} intervals but {len(schemes)} schemes.")
+
+    @classmethod
+    def chebyshev(cls, count: int, scheme: Scheme | Sequence[Scheme] | None = None) -> Mesh:
+        """Crowd ``count`` intervals at both ends: knots at (1 - cos(pi k / count)) / 2.
+
+        The first and last interval take (pi / (2 count))^2 of the phase, those in the middle pi / (2 count). In minimum
+        time a robot starts and stops within milliseconds: the panda of the benchmarks (0.69 s) comes within 1e-4 of the
+        optimum with 80 of these intervals by ``rt.schemes.RadauIIA(2)``, with equal ones it takes some 800.
+
+        Raises
+        ------
+        InputError
+            As for the class.
+        """
+        if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
+            raise InputError(f"Mesh.chebyshev(count) must be a whole number of at least 1, got {count!r}.")
+        knots = tuple(lobatto_sites(int(count) + 1).tolist())
+        return cls(knots, HermiteSimpson() if scheme is None else scheme)
+
+    @property
+    def knots(self) -> Array:
+        """Knots as fractions of the phase, (K + 1,)."""
+        if isinstance(self.intervals, int | np.integer):
+            return np.linspace(0.0, 1.0, int(self.intervals) + 1)
+        return np.asarray(self.intervals, dtype=float)
+
+    @property
+    def lengths(self) -> Array:
+        """Lengths of the intervals as fractions of the phase, (K,), to the last digit the same where they are equal."""
+        if isinstance(self.intervals, int | np.integer):
+            return np.full(int(self.intervals), 1.0 / int(self.intervals))
+        return np.diff(self.knots)
+
+    @property
+    def count(self) -> int:
+        """Number of intervals K."""
+        return len(self.knots) - 1
+
+    @property
+    def given(self) -> tuple[Scheme, ...]:
+        """The schemes as they were given: one for all intervals, or one for each."""
+        return (self.scheme,) if isinstance(self.scheme, Scheme) else tuple(self.scheme)
+
+    @property
+    def schemes(self) -> tuple[Scheme, ...]:
+        """The scheme of each interval."""
+        given = self.given
+        return given * self.count if len(given) == 1 else given
+
+
+@dataclass(frozen=True)
+class MovingMesh(Mesh):
+    """A mesh whose knots move: interval lengths are unknowns, and controls may jump at every knot.
+
+    A knot can so come to stand on a switching time; give the scheme a constant or linear control, which cannot bulge
+    over its limits inside a long interval. Interval k, of share d_k of the phase as given, keeps
+    least d_k T <= h_k <= most d_k T.
+
+    Parameters
+    ----------
+    intervals, scheme
+        As for ``Mesh``: where the knots start.
+    least, most : float
+        How far an interval may shrink and grow, relative to its given length.
+    """
+
+    least: float = 0.2
+    most: float = 3.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 < self.least <= 1 <= self.most:
+            raise InputError(f"MovingMesh needs 0 < least <= 1 <= most; got least {self.least}, most {self.most}.")

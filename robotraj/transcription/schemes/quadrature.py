@@ -1,0 +1,51 @@
+"""Weights that integrate the objective over an interval."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+
+Array = NDArray[np.float64]
+
+
+class Quadrature(ABC):
+    """Weights w_j of the integrand at the collocation points of a unit interval."""
+
+    @abstractmethod
+    def weights(self, nodes: Array, own: Array) -> Array:
+        """Weights at ``nodes``; ``own`` are the scheme's."""
+
+
+@dataclass(frozen=True)
+class OwnQuadrature(Quadrature):
+    """The scheme's own weights b: Simpson's for Hermite-Simpson."""
+
+    def weights(self, nodes: Array, own: Array) -> Array:
+        """Give the scheme's weights."""
+        return own
+
+
+@dataclass(frozen=True)
+class TrapezoidalQuadrature(Quadrature):
+    """Half at each end of the interval, nothing between: the lecture's choice, second order."""
+
+    def weights(self, nodes: Array, own: Array) -> Array:
+        """Half at the first and last collocation points.
+
+        Raises
+        ------
+        InputError
+            The scheme does not collocate at both ends of its intervals.
+        """
+        if nodes[0] != 0.0 or nodes[-1] != 1.0:
+            raise InputError(
+                "TrapezoidalQuadrature needs a scheme with collocation points at both knots: a Lobatto scheme."
+            )
+        weights = np.zeros(len(nodes))
+        weights[[0, -1]] = 0.5
+        return weights

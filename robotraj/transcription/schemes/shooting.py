@@ -1,0 +1,137 @@
+"""Multiple and single shooting: the defect of an interval is an integrator.
+
+    x_{k+1} - Phi(x_k, u_k, T, p) = 0
+
+Multiple shooting has the states at all knots as unknowns; single shooting those at both ends of the phase
+alone, and carries the first through all intervals. Rows of the phase hold at knots, and
+those on states also between them, where a solution is found to break one. Dynamics must be explicit: a robot is
+planned by its forward dynamics.
+Sources: Bock and Plitt, A multiple shooting algorithm for direct solution of optimal control problems, IFAC
+World Congress (1984); Betts, Practical Methods for Optimal Control (2010), sections 3.4 and 4.2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import field
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.transcription.schemes.control import ConstantControl, Control
+from robotraj.transcription.schemes.integrators import Integrator, RungeKutta4
+from robotraj.transcription.schemes.onestep import OneStep
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Shooting(OneStep):
+    """What multiple and single shooting share.
+
+    Parameters
+    ----------
+    integrator : Integrator
+        ``RungeKutta4(substeps)`` or ``Adaptive(tolerance)``.
+    control : Control
+        Constant by default, or linear; a polynomial one is linear here, since there are no nodes between
+        knots.
+    """
+
+    integrator: Integrator = field(default_factory=RungeKutta4)
+    control: Control = field(default_factory=ConstantControl, kw_only=True)
+
+    @property
+    def scalar_graph(self) -> bool:
+        """Runge-Kutta steps are; an adaptive integrator is a function of its own."""
+        return isinstance(self.integrator, RungeKutta4)
+
+    @property
+    def order(self) -> int | None:
+        """Fourth by Runge-Kutta, for the control as it is parametrised."""
+        return 4 if isinstance(self.integrator, RungeKutta4) else None
+
+    @property
+    def degree(self) -> int:
+        """The integrator's."""
+        return self.integrator.degree
+
+    def step(self, rate: ca.Function) -> ca.Function:
+        """Integrate; the state at the end of the piece is not read."""
+        flow = self.integrator.flow(rate)
+        kind: Any = ca.SX if self.scalar_graph else ca.MX
+        x0, x1, q = (kind.sym(n, rate.size1_in(i)) for n, i in (("x0", 1), ("x1", 1), ("q", 2)))
+        return ca.Function("step", [x0, x1, q], [flow(x0, q), kind(rate.size1_in(1), 0)])
+
+    def samples(self, rate: ca.Function, sites: Array) -> ca.Function:
+        """Dense output of the integrator."""
+        dense = self.integrator.samples(rate, sites)
+        x0, x1, q = (ca.MX.sym(n, rate.size1_in(i)) for n, i in (("x0", 1), ("x1", 1), ("q", 2)))
+        return ca.Function("samples", [x0, x1, q], [dense(x0, q)])
+
+
+@dataclass(frozen=True)
+class MultipleShooting(Shooting):
+    """Multiple shooting: states at every knot, one integration per interval."""
+
+
+@dataclass(frozen=True)
+class SingleShooting(Shooting):
+    """Single shooting: one integration from the first state to the last, controls piece by piece.
+
+    Rows and bounds on states between both ends of the phase are imposed on what the integration gives at the
+    knots. Every unknown acts on all that comes after it: matrices are dense, and motions that are unstable
+    or long do better with multiple shooting or collocation.
+    """
+
+    def over(self, knots: Array) -> Shot:
+        """Make one interval of a mesh's intervals."""
+        return Shot(self.integrator, tuple(knots), control=self.control)
+
+
+@dataclass(frozen=True)
+class Shot(Shooting):
+    """The one interval of single shooting, whose pieces are the intervals of the mesh."""
+
+    knots: tuple[float, ...] = (0.0, 1.0)
+
+    @property
+    def pieces(self) -> Array:
+        """The knots of the mesh."""
+        return np.array(self.knots)
+
+    @property
+    def scalar_graph(self) -> bool:
+        """Pieces are functions called one after the other."""
+        return False
+
+    @property
+    def _shared(self) -> bool:
+        """Whether neighbouring pieces share the control's value between them."""
+        return bool(self.piece_sites[0] == 0.0 and self.piece_sites[-1] == 1.0)
+
+    def controls_of(self, piece: int) -> slice:
+        """Own sites of a piece."""
+        count = len(self.piece_sites)
+        first = piece * (count - 1 if self._shared else count)
+        return slice(first, first + count)
+
+    @cached_property
+    def control_sites(self) -> Array:
+        """Sites of all pieces."""
+        own = self.piece_sites[:-1] if self._shared else self.piece_sites
+        sites = (self.pieces[:-1, None] + np.diff(self.pieces)[:, None] * own).ravel()
+        return np.append(sites, 1.0) if self._shared else sites
+
+    @cached_property
+    def control_at_nodes(self) -> Array:
+        """The first and the last piece's value at the ends of the phase."""
+        at_ends = np.zeros((2, len(self.control_sites)))
+        last = len(self.pieces) - 2
+        within = self.control_within(np.array([0.0, 1.0]))
+        at_ends[0, self.controls_of(0)] = within[0]
+        at_ends[1, self.controls_of(last)] = within[1]
+        return at_ends

@@ -1,0 +1,1 @@
+"""Single and multiple shooting of a phase."""

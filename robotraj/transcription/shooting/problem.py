@@ -1,0 +1,74 @@
+"""What one-step schemes ask of a problem: explicit dynamics, one scheme a phase, rows that knots can hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from robotraj._util.errors import InputError
+from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
+from robotraj.problem.constraints.base import Where
+from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
+from robotraj.transcription.schemes.onestep import OneStep
+from robotraj.transcription.schemes.shooting import Shooting, SingleShooting
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+    from robotraj.problem.problem import Problem
+
+
+def explicit(problem: Problem, meshes: Sequence[Mesh]) -> Problem:
+    """Give the problem as its meshes can transcribe it: robots of one-step phases by forward dynamics.
+
+    Raises
+    ------
+    InputError
+        A mesh that mixes one-step schemes with others, single shooting on a moving mesh, algebraic
+        variables, or an objective whose slacks hold at collocation points.
+    """
+    phases = [
+        _explicit(phase, mesh) if any(isinstance(scheme, OneStep) for scheme in mesh.schemes) else phase
+        for phase, mesh in zip(problem.phases, meshes, strict=True)
+    ]
+    if all(new is old for new, old in zip(phases, problem.phases, strict=True)):
+        return problem
+    return replace(problem, phases=tuple(phases))
+
+
+def _explicit(phase: Phase, mesh: Mesh) -> Phase:
+    scheme = mesh.schemes[0]
+    name = type(next(s for s in mesh.schemes if isinstance(s, OneStep))).__name__
+    if any(other != scheme for other in mesh.schemes):
+        raise InputError(
+            f"The mesh of phase {phase.name!r} mixes {name} with other schemes; give all its intervals the same "
+            "one, or split the motion into phases joined by rt.Continuity."
+        )
+    if isinstance(scheme, SingleShooting) and isinstance(mesh, MovingMesh):
+        raise InputError(
+            f"SingleShooting cannot move the knots of phase {phase.name!r}; use rt.schemes.MultipleShooting with rt.schemes.MovingMesh."
+        )
+    if phase.robot is not None and isinstance(phase.dynamics, InverseDynamics):
+        if phase.algebraic:
+            raise InputError(
+                f"{name} plans phase {phase.name!r} by forward dynamics, where accelerations are no variables to "
+                "bound by algebraic=; use the constraint rt.constraints.JointAcceleration."
+            )
+        phase = replace(phase, dynamics=ForwardDynamics())
+    if phase.dae.algebraic:
+        names = ", ".join(repr(variable.name) for variable in phase.dae.algebraic)
+        raise InputError(
+            f"{name} needs explicit dynamics, but phase {phase.name!r} has the algebraic variables {names}; use a "
+            "collocation scheme such as rt.HermiteSimpson()."
+        )
+    if any(constraint.where is Where.INTEGRAL for constraint in phase.bound_constraints):
+        raise InputError(
+            f"{name} integrates no constraints, but phase {phase.name!r} bounds an integral; make it a state of the "
+            "System, or use a collocation scheme such as rt.HermiteSimpson()."
+        )
+    if isinstance(scheme, Shooting) and any(c.where is Where.AT_NODES for c in phase.bound_constraints):
+        raise InputError(
+            f"The objective of phase {phase.name!r} has slacks that are held at collocation points, which {name} does "
+            "not have; use its smooth form, or a collocation scheme such as rt.HermiteSimpson()."
+        )
+    return phase

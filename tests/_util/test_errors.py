@@ -1,0 +1,65 @@
+"""Functions that users give fail under their own names, with their own error as the cause."""
+
+from __future__ import annotations
+
+import pickle
+
+import casadi as ca
+import pytest
+
+import robotraj as rt
+from robotraj._util.errors import FailedExpression, UnknownName, called, unknown_name
+
+
+def test_what_a_function_returns_is_handed_on() -> None:
+    assert called("sum", lambda a, b: a + b, 1, 2) == 3
+
+
+def test_an_error_of_ones_own_becomes_the_cause_of_one_that_names_the_function() -> None:
+    own = RuntimeError("first line\nsecond  line")
+
+    def fails(point: object) -> None:
+        raise own
+
+    with pytest.raises(FailedExpression) as caught:
+        called("expression of constraint 'power'", fails, 0)
+    assert caught.value.__cause__ is own
+    message = str(caught.value)
+    assert message.startswith("The expression of constraint 'power' failed: RuntimeError: first line second line. ")
+    assert str(pickle.loads(pickle.dumps(caught.value))) == message
+
+
+def test_errors_of_robotraj_pass_through() -> None:
+    def fails() -> None:
+        raise unknown_name("state", "w", ["x", "v"])
+
+    with pytest.raises(UnknownName, match=r"^There is no state named 'w'"):
+        called("expression", fails)
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (lambda x: x[9], "RuntimeError: Slice (start=9, stop=10, step=1) out of bounds with supplied length of 2. It"),
+        (lambda x: x["a"], "NotImplementedError: Wrong number or type of arguments for overloaded function 'SX_get'."),
+        (lambda x: abs(x[0]) and 1, "RuntimeError: Cannot compute the truth value of a CasADi SXElem symbolic"),
+        (lambda x: x[0] or 1, "casadi.logic_or"),
+        (lambda: 0, "It is called with 1 argument and"),
+    ],
+    ids=["index", "name", "and", "or", "arguments"],
+)
+def test_errors_of_casadi_lose_their_source_lines_and_prototypes(function: object, said: str) -> None:
+    with pytest.raises(FailedExpression) as caught:
+        called("expression", function, ca.SX.sym("x", 2))  # type: ignore[arg-type]
+    message = str(caught.value)
+    assert said in message and ".cpp" not in message and "prototypes" not in message and "\n" not in message
+
+
+def test_what_a_point_has_is_listed_where_something_else_is_asked_of_it() -> None:
+    phase = rt.Phase(rt.load("two_link_arm"), 1.0, rt.State(v=0), rt.State(v=0), rt.Effort())
+    ball = rt.PathConstraint(lambda point: point.frame("tip").translation, 0, 1, name="ball")
+    with pytest.raises(FailedExpression, match=r"'translation'\. It has acceleration, position, rotation, velocity\.$"):
+        rt.plan(phase.with_(constraints=[ball]))
+    bad = rt.Lagrange(lambda point: point.torque)
+    with pytest.raises(FailedExpression, match=r"'torque'\. It has .*\btau\b"):
+        rt.plan(phase.with_(objective=bad))

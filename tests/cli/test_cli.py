@@ -1,0 +1,235 @@
+"""The command line does what it says, writes where it says, and fails in one clear line."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+import robotraj as rt
+from robotraj.cli.app import app
+from robotraj.cli.demos import DEMOS
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+PARTS = ("combinations", "functions", "linear", "steps")
+"""What fatrop, which plans arms, says of its seconds."""
+
+
+def run(*arguments: Any) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments], env={"COLUMNS": "200"})
+
+
+def succeed(*arguments: Any) -> str:
+    result = run(*arguments)
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def fail(*arguments: Any) -> str:
+    result = run(*arguments)
+    assert result.exit_code == 1 and isinstance(result.exception, SystemExit)
+    assert "Traceback" not in result.output
+    (line,) = result.stderr.strip().splitlines()
+    assert line.startswith("error: ")
+    return line
+
+
+def test_demo_prints_the_phase_and_the_proof_and_writes_its_replay(here: Path) -> None:
+    said = succeed("demo")
+    assert "minimise Effort" in said and "position limit" in said
+    assert "solved: objective 58.80766" in said
+    assert "PASSED" in said
+    assert said.rstrip().endswith(f"wrote {here / 'cartpole.html'}")
+    assert "</html>" in (here / "cartpole.html").read_text()[-200:]
+    assert [path.name for path in here.iterdir()] == ["cartpole.html"]
+
+
+def test_demo_writes_where_it_is_told(here: Path) -> None:
+    said = succeed("demo", "block", "--html", "a.html", "--save", "b", "--plot", "c.svg")
+    assert all(f"wrote {here / name}" in said for name in ("a.html", "b.npz", "c.svg"))
+    assert rt.load_solution("b.npz").duration == pytest.approx(2 * np.sqrt(10))
+    assert "<svg" in (here / "c.svg").read_text()
+
+
+def test_plan_moves_from_rest_to_rest(here: Path) -> None:
+    succeed("plan", "two_link_arm", "--start", "-0.5,0.2", "--to", "elbow=1", "--duration", "5", "--save", "arm")
+    solution = rt.load_solution("arm")
+    first, last = solution.at(0.0), solution.at(5.0)
+    robot = solution.problem.phases[0].robot
+    assert robot is not None
+    assert np.allclose(first.q, [-0.5, 0.2]) and np.allclose(last.q, [robot.neutral[0], 1.0])
+    assert np.allclose(first.v, 0) and np.allclose(last.v, 0)
+
+
+def test_plan_can_take_the_least_time_within_given_limits(here: Path) -> None:
+    said = succeed("plan", "block", "--start=0", "--to=1", "--objective=duration", "--effort=0.25", "--save=a")
+    assert "-0.25 .. 0.25" in said
+    # 2 sqrt(distance mass / force) with a force that jumps; here it has to run from one bound to the other.
+    assert 4.0 < rt.load_solution("a").duration < 4.002
+
+
+def test_plan_refines_when_a_tolerance_is_asked_for(here: Path) -> None:
+    succeed("plan", "cartpole", "--to", "1,3.14159265", "--tolerance", "1e-5", "--save", "swing")
+    assert len(rt.load_solution("swing").refinement) > 1
+
+
+def test_plan_without_limits_imposes_none(here: Path) -> None:
+    said = succeed("plan", "two_link_arm", "--to", "0.5,0.5", "--no-limits")
+    assert "limit" not in said.split("solved:")[0]
+
+
+def test_a_urdf_path_is_a_robot(here: Path) -> None:
+    urdf = next(entry.urdf for entry in rt.catalogue() if entry.name == "pendulum")
+    assert "pivot" in succeed("show", urdf)
+    said = succeed("plan", urdf, "--to", "1", "--duration", "1:3")
+    assert "1 .. 3" in said and "PASSED" in said
+
+
+def test_validate_and_replay_read_saved_solutions(here: Path) -> None:
+    succeed("demo", "pendulum", "--save", "swing")
+    assert "PASSED" in succeed("validate", "swing.npz")
+    assert f"wrote {here / 'swing.html'}" in succeed("replay", "swing.npz")
+    assert f"wrote {here / 'slow.html'}" in succeed("replay", "swing", "slow.html", "--speed", "0.5")
+    assert (here / "slow.html").read_text() != (here / "swing.html").read_text()
+    result = run("replay", "swing.npz", "--periods", "3")
+    assert result.exit_code != 0
+    assert "ends elsewhere" in " ".join(result.output.split())
+
+
+def test_a_proof_that_fails_exits_with_one(here: Path) -> None:
+    succeed("demo", "block", "--save", "a")
+    result = run("validate", "a.npz", "--drift", "1e-12")
+    assert result.exit_code == 1
+    assert "FAILED" in result.stdout
+
+
+def test_what_a_file_cannot_hold_is_a_note(here: Path) -> None:
+    system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]], name="cart")
+    phase = rt.Phase(system, 1.0, start=rt.State([0, 0]), end=rt.State([1, 0]), objective=rt.Effort())
+    rt.plan(phase, rt.Mesh(4)).save("a")
+    result = run("replay", "a.npz")
+    assert result.exit_code == 0 and (here / "a.html").is_file()
+    assert result.stderr.startswith("note: a.npz was loaded without the equations of system 'cart'")
+    result = run("validate", "a.npz")
+    assert result.exit_code == 1
+    assert "error: The equations of system 'cart' are Python functions" in result.stderr
+
+
+def test_robots_lists_the_catalogue() -> None:
+    said = succeed("robots")
+    for entry in rt.catalogue():
+        assert f" {entry.name} " in said
+    found = succeed("robots", "cart-pole")
+    assert "1 robot" in found and "cartpole" in found and "ur5" not in found
+
+
+def test_show_prints_joints_limits_and_frames() -> None:
+    said = succeed("show", "cartpole")
+    assert "slider" in said and "[-2, 2]" in said and "20 N" in said
+    assert "tip" in said.split("frames")[1]
+    assert "licence:" in said
+    assert "! Joint 'joint1' cannot be planned" in succeed("show", "double_pendulum")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["demo", "cartpol"], "no demo named 'cartpol'. Did you mean 'cartpole'"),
+        (["show", "ur6"], "no robot named 'ur6'. Did you mean 'ur5'"),
+        (["show", "absent.urdf"], "absent.urdf"),
+        (["robots", "zzz"], "contains 'zzz'"),
+        (["validate", "absent.npz"], "no file 'absent.npz'"),
+        (["replay", "absent.npz"], "no file 'absent.npz'"),
+        (["plan", "ur5", "--to", "elbo=1"], "Did you mean 'elbow_joint'"),
+        (["plan", "ur5", "--to", "1,2"], "takes 6 values"),
+        (["plan", "block", "--to", "x"], "--to holds 'x', which is no number"),
+        (["plan", "block", "--to", "nan"], "--to holds 'nan', which is no number"),
+        (["plan", "two_link_arm", "--to", "elbow=1,2"], "mixes 'joint=value' with values alone"),
+        (["plan", "block", "--to", "1", "--duration", "soon"], "--duration holds 'soon'"),
+        (["plan", "block", "--to", "1", "--duration", "3:1"], "lower bound lies above"),
+        (["plan", "block", "--to", "50"], "outside its position limit"),
+        (["plan", "block", "--to", "1", "--no-limits", "--effort", "2"], "leave out --velocity and --effort"),
+        (["plan", "block", "--to", "1", "--intervals", "0"], "at least 1 interval"),
+        (["plan", "double_pendulum", "--to", "1,1"], "Joint 'joint1' cannot be planned"),
+        (["demo", "block", "--html", "a.txt"], "let it end in .html"),
+        (["demo", "block", "--plot", "a.xyz"], "Cannot draw 'a.xyz'"),
+        (["demo", "block", "--save", "absent/a"], "does not exist"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_errors_are_one_line(here: Path, arguments: list[str], message: str) -> None:
+    assert message in fail(*arguments)
+
+
+@pytest.mark.parametrize("words", [["demo"], ["plan", "block", "--to=1"]], ids=["demo", "plan"])
+@pytest.mark.parametrize(("name", "message"), [("a.txt", "let it end in .html"), ("absent/a.html", "does not exist")])
+def test_where_no_replay_can_be_written_nothing_is_planned(
+    here: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], name: str, message: str
+) -> None:
+    def planned(*_: Any, **__: Any) -> None:
+        raise AssertionError("planned")
+
+    monkeypatch.setattr("robotraj.cli.app.plan", planned)
+    assert message in fail(*words, "--html", name)
+
+
+def test_a_plan_that_is_not_found_says_why(here: Path) -> None:
+    result = run("plan", "block", "--to", "10", "--start", "0", "--duration", "2")
+    assert result.exit_code == 1 and isinstance(result.exception, SystemExit)
+    assert "was not solved" in result.stderr and "try: " in result.stderr
+
+
+@pytest.mark.parametrize(
+    "command", ["demo", "plan", "validate", "replay", "compile", "cache", "profile", "robots", "show"]
+)
+def test_every_command_explains_itself(command: str) -> None:
+    assert command in succeed("--help")
+    said = succeed(command, "--help")
+    assert f"{command} [OPTIONS]" in said and "--help" in said
+    if command == "demo":
+        assert all(name in said for name in DEMOS)
+
+
+def test_the_version_is_told() -> None:
+    assert succeed("--version").startswith("robotraj")
+
+
+def test_python_m_robotraj_runs() -> None:
+    command = [sys.executable, "-m", "robotraj", "robots", "ur5"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=Path(rt.__file__).parents[1])
+    assert done.returncode == 0 and "ur5_limited" in done.stdout
+
+
+@pytest.mark.slow
+def test_compiled_functions_are_made_shown_used_and_cleared(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(here / "cache"))
+    assert "least effort: 3 of 3 point functions compiled" in (told := succeed("compile", "ur5"))
+    assert "least duration: 3 of 3" in told
+    assert "6 functions," in succeed("cache")
+    run("plan", "ur5", "--to", "1,-1,1,0,0,0", "--compiled", "--save", "plan.npz")  # proved or not
+    assert "6 functions," in succeed("cache")
+    assert "its problem: 0 of 3 point functions compiled" in succeed("compile", "plan.npz")
+    told = succeed("profile", "plan.npz")
+    assert [line.split()[0] for line in told.splitlines()][:4] == ["build", "compile", "setup", "solve"]
+    assert "linear algebra and steps" in told
+    assert "freed" in succeed("cache", "--clear") and "0 functions, 0.0 MB" in succeed("cache")
+
+
+def test_a_plan_says_where_its_time_went(here: Path) -> None:
+    succeed("plan", "block", "--to", "1", "--duration", "4", "--save", "plan.npz")
+    told = [line.split() for line in succeed("profile", "plan.npz").splitlines()]
+    assert [words[0] for words in told] == ["build", "compile", "setup", "solve", *PARTS, "total"]
+    seconds = [float(words[-3]) for words in told[:-1]]
+    assert sum(seconds[4:]) == pytest.approx(seconds[3], abs=1e-3)
+    assert sum(seconds[:4]) == pytest.approx(float(told[-1][1]), abs=1e-3)

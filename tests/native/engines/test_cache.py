@@ -1,0 +1,218 @@
+"""The cache is its owner's alone, whole at every instant, and shared."""
+
+from __future__ import annotations
+
+import os
+import stat
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.native.engines import compiler
+from robotraj.native.engines.base import Mapped
+from robotraj.native.engines.cache import Cache, default_folder
+from robotraj.native.engines.compiler import CompilationFailed
+
+CODE = """
+import casadi as ca
+x, y = ca.SX.sym("x", 3), ca.SX.sym("y", 2)
+polynomial = ca.Function("polynomial", [x, y], [ca.vertcat(x[0] * y[1] + x[2], ca.dot(x, x) - 2.5 * y[0])])
+"""
+"""The function, to be built by other processes too."""
+KNOWN: dict[str, Any] = {}
+exec(CODE, KNOWN)
+POLYNOMIAL = KNOWN["polynomial"]
+WANTED = [Mapped(POLYNOMIAL, 8)]
+
+
+def use(engine: rt.engines.Compiled) -> None:
+    """Prepare a function and see that it computes."""
+    [mapped] = engine.prepare(WANTED)
+    x, y = np.arange(24.0).reshape(3, 8), np.ones((2, 8))
+    np.testing.assert_array_equal(np.array(mapped(x, y)), np.array(POLYNOMIAL.map(8)(x, y)))
+
+
+def library(engine: rt.engines.Compiled) -> Path:
+    [path] = engine.libraries(WANTED)
+    return path
+
+
+def test_the_folder_is_its_owners_alone(tmp_path: Path) -> None:
+    folder = tmp_path / "cache"
+    folder.mkdir(mode=0o755)
+    Cache(folder)
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+
+
+def test_a_folder_that_others_may_write_is_refused(engine: rt.engines.Compiled) -> None:
+    folder = Path(str(engine.cache))
+    folder.mkdir()
+    folder.chmod(0o770)
+    with pytest.raises(rt.InputError, match=r"Others may write .*mode 770\).*XDG_CACHE_HOME"):
+        engine.prepare(WANTED)
+
+
+def test_a_folder_of_another_user_is_refused(engine: rt.engines.Compiled, monkeypatch: pytest.MonkeyPatch) -> None:
+    use(engine)
+    me = os.getuid()
+    monkeypatch.setattr(os, "getuid", lambda: me + 1)
+    with pytest.raises(rt.InputError, match=rf"belongs to user {me}, not to you \({me + 1}\)"):
+        engine.prepare(WANTED)
+
+
+def test_a_link_is_no_cache(engine: rt.engines.Compiled, tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir(mode=0o700)
+    Path(str(engine.cache)).symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(rt.InputError, match="is a link"):
+        engine.prepare(WANTED)
+
+
+def test_a_library_that_others_may_write_or_that_is_a_link_is_not_loaded(engine: rt.engines.Compiled) -> None:
+    use(engine)
+    path = library(engine)
+    path.chmod(0o666)
+    with pytest.raises(rt.InputError, match="Others may write"):
+        engine.prepare(WANTED)
+    path.chmod(0o600)
+    moved = path.rename(path.with_suffix(".moved"))
+    path.symlink_to(moved)
+    with pytest.raises(rt.InputError, match="no regular file"):
+        engine.prepare(WANTED)
+
+
+def test_a_library_is_compiled_once(engine: rt.engines.Compiled) -> None:
+    use(engine)
+    written = library(engine).stat().st_mtime_ns
+    use(engine)
+    assert library(engine).stat().st_mtime_ns == written
+
+
+def test_two_that_need_the_same_at_once_share_one_compilation(
+    engine: rt.engines.Compiled, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stored = []
+    store = Cache.store
+    monkeypatch.setattr(Cache, "store", lambda self, key, made: stored.append(key) or store(self, key, made))
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(use, [engine] * 4))
+    assert len(stored) == 1
+
+
+def test_another_process_finds_it(engine: rt.engines.Compiled) -> None:
+    use(engine)
+    code = (
+        f"{CODE}\nimport robotraj as rt\nfrom robotraj.native.engines import Mapped\n"
+        f"engine = rt.engines.Compiled(least=1, cache={str(engine.cache)!r})\n"
+        "print(*engine.libraries([Mapped(polynomial, 8)]))\n"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.strip() == str(library(engine))
+
+
+def test_a_damaged_library_is_made_again(engine: rt.engines.Compiled) -> None:
+    use(engine)
+    path = library(engine)
+    damaged = path.with_suffix(".new")
+    damaged.write_bytes(b"\x7fELF, and then the disk was full")
+    os.replace(damaged, path)
+    use(engine)
+    assert path.stat().st_size > 1000
+
+
+def test_clearing_leaves_nothing(engine: rt.engines.Compiled) -> None:
+    use(engine)
+    cache = engine.open_cache()
+    size = cache.size()
+    assert size > 0 and cache.clear() == size
+    assert list(cache.folder.iterdir()) == [] and cache.size() == 0
+    use(engine)
+
+
+def test_where_it_is(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert default_folder() == tmp_path / "robotraj" / "engines"
+    for ignored in ("", "relative"):
+        monkeypatch.setenv("XDG_CACHE_HOME", ignored)
+        assert default_folder() == Path.home() / ".cache" / "robotraj" / "engines"
+
+
+def test_other_compilers_flags_and_processors_have_other_libraries(
+    engine: rt.engines.Compiled, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use(engine)
+    monkeypatch.setattr(compiler, "FLAGS", (*compiler.FLAGS, "-DOTHER"))
+    assert not engine.libraries(WANTED)
+    monkeypatch.undo()
+    assert engine.libraries(WANTED)
+    monkeypatch.setattr(compiler, "processor", lambda: "another")
+    assert not engine.libraries(WANTED)
+
+
+def test_without_a_compiler_the_way_out_is_named(
+    engine: rt.engines.Compiled, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    with pytest.raises(
+        rt.InputError, match=r"gcc or clang or cc is not .*Install gcc or clang.*rt.engines.VirtualMachine\(\)"
+    ):
+        engine.prepare(WANTED)
+    with pytest.raises(rt.InputError, match="'nonesuch' is not on this machine"):
+        rt.engines.Compiled(least=1, compiler="nonesuch", cache=engine.cache).prepare(WANTED)
+
+
+def test_a_compiler_that_fails_is_quoted(engine: rt.engines.Compiled, tmp_path: Path) -> None:
+    fake = tmp_path / "fake"
+    fake.write_text('#!/bin/sh\n[ "$1" = -v ] && exit 0\necho "no space left" >&2\nexit 3\n')
+    fake.chmod(0o755)
+    broken = rt.engines.Compiled(least=1, compiler=str(fake), cache=engine.cache)
+    with pytest.raises(CompilationFailed, match=r"code 3; engine=rt.engines.VirtualMachine\(\).*\nno space left"):
+        broken.prepare(WANTED)
+    assert not [path for path in Path(str(engine.cache)).iterdir() if path.is_dir()]
+
+
+def test_after_a_failure_nothing_more_is_compiled(engine: rt.engines.Compiled, tmp_path: Path) -> None:
+    fake, log = tmp_path / "fake", tmp_path / "log"
+    fake.write_text(f'#!/bin/sh\n[ "$1" = -v ] && exit 0\necho x >> {log}\nsleep 0.2\nexit 3\n')
+    fake.chmod(0o755)
+    x = ca.SX.sym("x", 3)
+    wanted = [Mapped(ca.Function(f"f{i}", [x], [i * x]), 8) for i in range(1, 30)]
+    broken = rt.engines.Compiled(least=1, compiler=str(fake), cache=engine.cache, jobs=1)
+    with pytest.raises(CompilationFailed):
+        broken.prepare(wanted)
+    assert len(log.read_text().split()) < 10  # of 58 files
+    assert not [path for path in Path(str(engine.cache)).iterdir() if path.is_dir()]
+
+
+def test_in_the_background_the_virtual_machine_serves_until_the_library_is_there(engine: rt.engines.Compiled) -> None:
+    later = rt.engines.Compiled(wait=False, least=1, cache=engine.cache)
+    use(later)
+    cache = later.open_cache()
+    assert not cache.libraries()
+    use(later)  # finds the compilation under way
+    for _ in range(600):
+        if later.libraries(WANTED):
+            break
+        time.sleep(0.1)
+    log = cache.folder / "background.log"
+    assert later.libraries(WANTED), log.read_text()
+    assert log.read_text() == ""
+    use(later)
+    assert len(list(cache.folder.glob("job-*"))) == 0
+
+
+def test_senseless_values_are_refused() -> None:
+    with pytest.raises(rt.InputError, match="least"):
+        rt.engines.Compiled(least=-1)
+    with pytest.raises(rt.InputError, match="jobs"):
+        rt.engines.Compiled(jobs=0)
+    with pytest.raises(rt.InputError, match="engine="):
+        rt.plan(rt.Phase(rt.load("pendulum"), 1.0), engine="compiled")  # type: ignore[arg-type]

@@ -1,0 +1,184 @@
+"""Durations that were guessed too short, and guesses that lead nowhere: problems that were called infeasible."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning.solve import solve
+from robotraj.problem.problem import Problem
+from robotraj.solvers.status import Status
+
+FORCE = {"u": rt.between(-1, 1)}
+
+
+def oscillator(start: float, duration: Any = (0.1, 40.0), **changes: Any) -> rt.Phase:
+    """x'' = -x + u, to rest in least time."""
+    system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], -point.x["x"] + point.u["u"]])
+    return rt.Phase(system, duration, rt.State([start, 0]), rt.State([0, 0]), rt.Duration(), controls=FORCE, **changes)
+
+
+@pytest.mark.parametrize("halves", [1, 2, 3, 4])
+@pytest.mark.parametrize("solver", [rt.Fatrop(), rt.Ipopt()], ids=["fatrop", "ipopt"])
+def test_the_bang_bang_oscillator(halves: int, solver: rt.solvers.Solver) -> None:
+    # From 2 m, m a whole number, half circles about -1 and 1 lead home: m pi seconds.
+    solution = rt.plan(oscillator(2.0 * halves), solver=solver)
+    assert solution.duration == pytest.approx(halves * np.pi, rel=1e-2)
+
+
+def test_refined_from_there() -> None:
+    solution = rt.plan(oscillator(5.0), tolerance=1e-6)
+    # scipy.optimize.fsolve of the switching times.
+    assert solution.duration == pytest.approx(7.93741, abs=1e-5)
+    assert rt.validate(solution).passed
+
+
+def test_the_triple_integrator() -> None:
+    states = ["a", "b", "c"]
+    system = rt.System(states, ["u"], lambda point: [point.x["b"], point.x["c"], point.u["u"]])
+    start, end = rt.State([5, 1, -1]), rt.State([0, 0, 0])
+    solution = rt.plan(rt.Phase(system, (0.1, 50), start, end, rt.Duration(), controls=FORCE))
+    assert solution.duration == pytest.approx(5.540681, abs=1e-4)
+    assert "the guess was too short" in solution.message
+
+
+def test_what_it_took_is_counted() -> None:
+    solution = rt.plan(oscillator(5.0))
+    again = rt.plan(solution.problem, guess=solution)
+    assert "from a motion of" in solution.message and "from a motion of" not in again.message
+    assert solution.iterations > 3 * again.iterations
+
+
+def test_an_earlier_solution_that_leads_nowhere_is_left() -> None:
+    near = rt.plan(oscillator(2.0))
+    far = rt.plan(near.problem.with_(start=rt.State([5, 0])), guess=near)
+    assert far.duration == pytest.approx(7.93741, abs=5e-3)
+
+
+def test_phases_are_given_more_time_together() -> None:
+    there = oscillator(5.0, (0.1, 20.0), name="there").with_(end=rt.State({"v": 0}))
+    home = oscillator(0.0, (0.1, 20.0), name="home").with_(start=rt.State())
+    solution = rt.plan(rt.Problem([there, home], [rt.Continuity(0, 1)]), rt.Mesh(20))
+    assert solution.duration == pytest.approx(7.93741, rel=2e-2)
+
+
+def test_what_is_infeasible_stays_so() -> None:
+    solution = rt.plan(too_far(), check=False)
+    assert solution.status is Status.INFEASIBLE and solution.violations
+
+
+def test_guesses_with_a_course_of_their_own_are_kept() -> None:
+    own = rt.guess.Keyframes([0, 1], [rt.State([5, 0]), rt.State([0, 0])], duration=0.5)
+    solution = rt.plan(oscillator(5.0), guess=own, check=False)
+    assert not solution.success and "from a motion of" not in solution.message
+
+
+def test_more_equations_than_unknowns_are_called_so() -> None:
+    decay = rt.System(["x"], [], lambda point: [-point.x["x"]])
+    phase = rt.Phase(decay, 1.0, rt.State([1]), rt.State([0.5]))
+    assert rt.plan(phase, check=False).status is Status.OVERDETERMINED
+    assert rt.plan(phase.with_(end=None)).success
+
+
+def too_far() -> rt.Phase:
+    """10 m at 1 m/s^2 take 6.3 s, not 3."""
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    return rt.Phase(block, (0.1, 3.0), rt.State([0, 0]), rt.State([10, 0]), rt.Duration(), controls=FORCE)
+
+
+def test_what_was_tried_in_vain_is_counted() -> None:
+    once = solve(Problem([too_far()]), rt.Mesh(), None, rt.Ipopt(), retry=False)
+    solution = rt.plan(too_far(), solver=rt.Ipopt(), check=False)
+    assert solution.status is once.status is Status.INFEASIBLE
+    # Motions of three and nine times 0.55 s, no longer than 3 s, and two variations.
+    assert solution.iterations > 3 * once.iterations and solution.times["solve"] > 2 * once.times["solve"]
+    np.testing.assert_array_equal(solution.phases[0].trajectory.x.breaks, once.phases[0].trajectory.x.breaks)
+
+
+def test_a_guess_that_was_long_enough_is_not_called_short() -> None:
+    solution = rt.plan(oscillator(5.0), guess=rt.guess.StraightLine(30.0))
+    assert solution.duration < 8.0 and solution.message.endswith("from a motion of 40 s: the guess led nowhere")
+
+
+def test_motions_that_a_fixed_duration_makes_impossible_are_passed_over() -> None:
+    # A radian at 1 rad/s takes a second: 3, 9 and 27 times 0.02 s are refused.
+    robot = rt.load("pendulum")
+    never = rt.PathConstraint(lambda point: point.tau[0] ** 2, upper=-1.0, name="never")
+    limits = robot.limits.with_(velocity=1.0)
+    ends = rt.State(q=0, v=0), rt.State(q=1, v=0)
+    phase = rt.Phase(robot, (0.01, 5.0), *ends, rt.Duration(), constraints=[never], limits=limits)
+    solution = rt.plan(phase, rt.Mesh(5), guess=rt.guess.StraightLine(0.02), check=False)
+    assert not solution.success and "never" in str(solution.violations(1)[0])
+
+
+def test_rows_between_the_points_are_weighed_by_solutions_of_the_problem_alone() -> None:
+    problem, asked = Problem([oscillator(5.0)]), []
+
+    def hold(solution: rt.Solution) -> bool:
+        asked.append(solution.problem)
+        return True
+
+    assert solve(problem, rt.Mesh(), None, rt.Ipopt(), hold=hold).success
+    assert asked and all(each is problem for each in asked)
+
+
+def test_an_interruption_ends_all_beginnings(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, solves, plain = Problem([too_far()]), [], rt.Ipopt.solve
+
+    def stopped(self: rt.Ipopt, *arguments: Any) -> Any:
+        outcome = plain(self, *arguments)
+        solves.append(outcome)
+        return outcome if len(solves) == 1 else replace(outcome, status=Status.INTERRUPTED)
+
+    monkeypatch.setattr(rt.Ipopt, "solve", stopped)
+    solution = rt.plan(problem, solver=rt.Ipopt(), check=False)
+    assert solution.status is Status.INTERRUPTED and len(solves) == 2
+    assert solution.iterations == sum(outcome.iterations for outcome in solves)
+
+
+def around_a_ball(duration: float = 1.0, **changes: Any) -> rt.Phase:
+    """A ur5 whose tool goes round a ball to a place 0.3 m away; no joint says where that is."""
+    robot = rt.load("ur5")
+    home = [0, -1.3, 1.6, -1.9, -1.57, 0]
+    place = np.array([0.5854305, 0.10921554, 0.30325228])
+    centre = place + [0.0, 0.15, 0.0]
+
+    def distance(point: Any) -> Any:
+        return ca.sumsqr(point.frame("tool0").position - ca.DM(centre))
+
+    there = dict(zip("xyz", place + [0.0, 0.3, 0.0], strict=True))
+    rows = [
+        rt.PathConstraint(distance, lower=0.1**2, name="ball", unit="m^2"),
+        rt.AtEnd(rt.FramePosition("tool0", there)),
+    ]
+    ends = rt.State(q=home, v=0), rt.State(v=0)
+    return rt.Phase(robot, duration, *ends, rt.Effort(), constraints=rows, **changes)
+
+
+def test_an_obstacle_in_the_way_of_the_default_guess() -> None:
+    solution = rt.plan(around_a_ball(), rt.Mesh(30))
+    assert "from a variation of the default guess" in solution.message
+    # The best of several starts.
+    assert solution.objective == pytest.approx(599.517, rel=1e-4)
+    rt.validate(solution, drift=None).check(limits=1e-3)
+
+
+def test_ones_own_guess_is_not_varied() -> None:
+    solution = rt.plan(around_a_ball(), rt.Mesh(30), guess=rt.guess.StraightLine(), check=False)
+    assert not solution.success and "variation" not in solution.message
+
+
+def test_what_no_variation_can_do_is_infeasible() -> None:
+    solution = rt.plan(around_a_ball(0.05), rt.Mesh(10), check=False)
+    assert not solution.success and "variation" not in solution.message
+
+
+def test_a_seed_may_be_a_number() -> None:
+    phase = around_a_ball()
+    one, other = (rt.guesses.Perturbed(rt.guess.StraightLine(), seed).of(phase, 0) for seed in (3, (3,)))
+    np.testing.assert_array_equal(one.states(np.linspace(0, 1, 5)), other.states(np.linspace(0, 1, 5)))

@@ -1,0 +1,198 @@
+"""One solve on one mesh: what is held between the collocation points, and what an earlier solution brings along."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning import refine as adaptive
+from robotraj.planning import solve as solving
+
+RADAU = rt.Mesh(5, rt.schemes.RadauIIA(3))
+
+
+def block() -> rt.System:
+    return rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
+
+
+def turning(*constraints: Any) -> rt.Phase:
+    """There and back in a second."""
+    ends = rt.State([0, 1.0]), rt.State([0, -1.0])
+    return rt.Phase(block(), 1.0, *ends, rt.Effort(), constraints=list(constraints))
+
+
+def below(bound: float) -> rt.PathConstraint:
+    return rt.PathConstraint(lambda p: p.x["x"], upper=bound)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        lambda: rt.AtEnd(rt.PathConstraint(lambda p: p.x["x"] + 0.1 * p.x["v"], upper=0.1)),
+        lambda: rt.IntegralConstraint(lambda p: p.x["x"], upper=0.2, name="path constraint"),
+        lambda: rt.PathConstraint(lambda p: p.u["u"], lower=-100, upper=100),
+    ],
+    ids=["at the end", "integral", "of a control"],
+)
+def test_rows_of_the_same_name_that_are_held_elsewhere_take_no_guards(other: Callable[[], Any]) -> None:
+    known = rt.plan(turning(below(0.1)), RADAU, interval_limits=rt.interval_limits.ConstraintGeneration(1e-5))
+    assert known.guards
+    warm, cold = (rt.plan(turning(other()), RADAU, guess=guess) for guess in (known, None))
+    assert warm.objective == pytest.approx(cold.objective, rel=1e-6)
+    assert not warm.guards
+
+
+def test_without_rounds_no_row_of_the_guess_is_imposed() -> None:
+    known = rt.plan(turning(below(0.1)), RADAU, interval_limits=rt.interval_limits.ConstraintGeneration(1e-5))
+    assert known.guards
+    for problem in (known.problem, turning(below(0.1))):
+        warm, cold = (
+            rt.plan(problem, RADAU, guess=g, interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0))
+            for g in (known, None)
+        )
+        assert not warm.guards
+        assert warm.objective == pytest.approx(cold.objective, rel=1e-8)
+        assert warm.interval_violations[0].amount == pytest.approx(cold.interval_violations[0].amount, rel=1e-6)
+
+
+def on_a_circle() -> rt.Phase:
+    point = rt.System(["x", "y", "vx", "vy"], ["a", "b"], lambda p: [p.x["vx"], p.x["vy"], p.u["a"], p.u["b"]])
+    circle = rt.PathConstraint(lambda p: p.x["x"] ** 2 + p.x["y"] ** 2, lower=1, upper=1, name="circle")
+    ends = rt.State({"x": 1, "y": 0}), rt.State({"x": 0, "y": 1})
+    return rt.Phase(point, 1.0, *ends, rt.Effort(), constraints=[circle])
+
+
+@pytest.mark.parametrize("scheme", [rt.schemes.Trapezoidal(), rt.schemes.RadauIIA(3)], ids=["trapezoidal", "radau"])
+@pytest.mark.parametrize("count", [1, 2])
+def test_equations_between_the_points_do_not_take_a_solution_away(scheme: Any, count: int) -> None:
+    mesh = rt.Mesh(count, scheme)
+    assert rt.plan(
+        on_a_circle(), mesh, interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0), check=False
+    ).success
+    assert rt.plan(
+        on_a_circle(), mesh, interval_limits=rt.interval_limits.ConstraintGeneration(1e-6), check=False
+    ).success
+
+
+def test_a_failed_solve_with_further_rows_leaves_the_solution_without(monkeypatch: pytest.MonkeyPatch) -> None:
+    once = solving._solve
+
+    def failing(nlp: Any, guess: Any, *arguments: Any) -> Any:
+        solution, w = once(nlp, guess, *arguments)
+        if isinstance(guess, rt.Solution):
+            object.__setattr__(solution, "status", rt.solvers.Status.INFEASIBLE)
+        return solution, w
+
+    monkeypatch.setattr(solving, "_solve", failing)
+    solution = rt.plan(turning(below(0.1)), RADAU, check=False)
+    assert solution.success and not solution.guards
+    assert solution.interval_violations[0].amount > 5e-4
+
+
+def test_the_first_knot_of_radau_is_looked_at() -> None:
+    free = rt.Mayer(lambda start, end: -start.x["x"]) + 1e-3 * rt.Effort()
+    phase = rt.Phase(
+        block(), 1.0, None, rt.State([-1, 0]), free, states={"v": rt.between(-5, 5)}, constraints=[below(0.1)]
+    )
+    open_ended = rt.plan(phase, RADAU, interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0))
+    assert open_ended.at(0.0).x["x"] > 0.102
+    assert open_ended.interval_violations[0].time == 0.0
+    assert rt.plan(phase, RADAU).at(0.0).x["x"] <= 0.1 + 5e-4
+
+
+def test_peaks_between_the_places_that_are_looked_at_are_found() -> None:
+    """A motion at the limits of all joints on 17 intervals, whose speeds fall off by twice their limits in some."""
+    panda = rt.load("panda")
+    start, end = [0.5, -0.5, 0.3, -1.2, 0.5, 1.0, -0.5], [-0.9, 0.6, -0.8, -0.6, -0.9, 1.4, 1.0]
+    phase = rt.Phase(panda, 1.5, rt.State(q=start, v=0), rt.State(q=end, v=0), rt.Effort())
+    solution = rt.plan(phase, rt.Mesh(17), solver=rt.Ipopt())
+    assert not solution.interval_violations
+    fast = np.abs(solution.at(np.linspace(0, 1.5, 40001)).v) - panda.limits.velocity
+    assert fast.max() <= 5e-4
+
+
+def hurried() -> rt.Phase:
+    start, end = rt.State(q=[-1.1, -1.8, 1.6, -1.2, -1.57, 0], v=0), rt.State(q=[1.1, -0.8, 0.6, -0.6, -0.6, 1.2], v=0)
+    return rt.Phase(rt.load("ur5"), (0.3, 3), start, end, rt.Duration())
+
+
+def largest_share_of_effort(solution: rt.Solution) -> float:
+    (part,) = solution.phases
+    assert part.robot is not None
+    tau = solution.at(np.linspace(0, solution.duration, 20001)).tau
+    assert tau is not None
+    return float(np.max(np.abs(tau) / part.robot.limits.effort))
+
+
+def test_torques_that_bulge_over_their_limits_are_told_and_held_where_asked_for() -> None:
+    bulging = rt.plan(hurried(), rt.Mesh(20))
+    share = largest_share_of_effort(bulging)
+    assert share > 1.05
+    worst = bulging.control_interval_violations[0]
+    assert worst.name.startswith("effort limit")
+    assert "controls=True" in str(bulging)
+    held = rt.plan(hurried(), rt.Mesh(20), interval_limits=rt.interval_limits.BernsteinBounds(controls=True))
+    assert not held.control_interval_violations
+    assert largest_share_of_effort(held) <= 1 + 1e-6
+
+
+def largest_acceleration(solution: rt.Solution) -> float:
+    """Between the points, to the left and the right of every knot."""
+    (part,) = solution.phases
+    tau = np.linspace(0, 1, 101)
+    knots = enumerate(zip(part.knots[:-1], part.knots[1:], strict=True))
+    every = (part.at(first + (last - first) * tau, interval=k).a for k, (first, last) in knots)
+    return max(float(np.abs(a).max()) for a in every)
+
+
+def test_accelerations_that_bulge_over_their_limits_are_told_and_held_where_torques_are() -> None:
+    phase = hurried()
+    phase = phase.with_(objective=rt.Duration() + 1e-4 * rt.Effort(), limits=phase.limits.with_(acceleration=6.0))
+    for scheme in (rt.HermiteSimpson(), rt.schemes.RadauIIA(3)):
+        bulging = rt.plan(phase, rt.Mesh(15, scheme))
+        assert largest_acceleration(bulging) > 6.6
+        assert bulging.control_interval_violations[0].name.startswith("acceleration limit")
+        assert bulging.control_interval_violations[0].amount == pytest.approx(
+            largest_acceleration(bulging) - 6.0, rel=0.1
+        )
+        assert "acceleration limit" in str(bulging)
+        held = rt.plan(phase, rt.Mesh(15, scheme), interval_limits=rt.interval_limits.BernsteinBounds(controls=True))
+        assert not held.control_interval_violations
+        assert largest_acceleration(held) <= 6.0 + 1e-5
+        assert bulging.objective < held.objective < 1.01 * bulging.objective
+    assert largest_acceleration(rt.plan(phase, tolerance=1e-3)) <= 6.0 + 1e-5
+
+
+def test_torques_of_refined_plans_are_held_between_the_points() -> None:
+    solution = rt.plan(hurried(), tolerance=1e-3)
+    assert largest_share_of_effort(solution) <= 1 + 1e-6
+    assert not solution.control_interval_violations
+    assert solution.objective == pytest.approx(0.72573, rel=3e-4)
+
+
+def test_a_refined_effort_is_that_of_the_limits_themselves() -> None:
+    """A hull of the speeds would ask for 4e-6 more."""
+    phase = hurried().with_(duration=1.0, objective=rt.Effort())
+    assert rt.plan(phase, tolerance=1e-6).objective == pytest.approx(1071.8077, rel=1e-6)
+
+
+def test_an_interrupted_last_solve_of_a_refinement_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    states = {"x": rt.between(0, 4), "v": rt.between(-2, 2), "a": rt.between(-4, 4)}
+    carriage = rt.System(["x", "v", "a"], ["j"], lambda p: [p.x["v"], p.x["a"], p.u["j"]])
+    limits = {"states": states, "controls": {"j": rt.between(-40, 40)}}
+    phase = rt.Phase(carriage, (0.1, 10), rt.State([0, 0, 0]), rt.State([4, 0, 0]), rt.Duration(), **limits)
+    once = adaptive.solve
+
+    def interrupted(*arguments: Any) -> rt.Solution:
+        solution = once(*arguments)
+        if len(arguments) == 7:
+            object.__setattr__(solution, "status", rt.solvers.Status.INTERRUPTED)
+        return solution
+
+    monkeypatch.setattr(adaptive, "solve", interrupted)
+    monkeypatch.setattr(adaptive, "MOST_MESHES", 2)
+    assert rt.plan(phase, tolerance=1e-6, check=False).status is rt.solvers.Status.INTERRUPTED

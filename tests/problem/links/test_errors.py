@@ -1,0 +1,125 @@
+"""Links that cannot hold say which phase, state or parameter is wrong."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+OTHER = rt.System(["y"], ["u"], lambda point: [point.u["u"]])
+
+
+def refused(phases: Any, link: Any, kind: type[Exception] = rt.InputError) -> str:
+    with pytest.raises(kind) as caught:
+        rt.Problem(phases, [link])
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "link",
+    [
+        rt.Continuity(0, 2),
+        rt.links.Jump(2, 1),
+        rt.links.EqualDuration(0, 2),
+        rt.links.Linkage((0, 2), lambda a, b: 0),
+        rt.Periodic(last=2),
+        rt.Mirror(first=2),
+        rt.links.SameParameter("p", (0, 2)),
+    ],
+    ids=lambda link: type(link).__name__,
+)
+def test_a_phase_that_does_not_exist(push: Any, link: Any) -> None:
+    phases = [push.phase(parameters={"p": 1.0}), push.phase(parameters={"p": 1.0})]
+    assert "names phase 2; the problem has phases 0 to 1" in refused(phases, link)
+
+
+@pytest.mark.parametrize("link", [rt.Continuity(0, 1), rt.links.Jump(0, 1), rt.Periodic()], ids=str)
+def test_phases_of_other_states_are_named_with_their_states(push: Any, link: Any) -> None:
+    phases = [push.phase(name="ride"), rt.Phase(OTHER, 1.0, name="walk")]
+    message = refused(phases, link)
+    for part in ("'ride'", "'walk'", "['x', 'v']", "['y']"):
+        assert part in message
+
+
+def test_a_state_that_does_not_exist_lists_the_valid_ones(push: Any) -> None:
+    phases = [push.phase(), push.phase()]
+    message = refused(phases, rt.links.Jump(0, 1, {"w": 1.0}))
+    assert "'w'" in message and "x" in message and "v" in message
+    assert "'w'" in refused(phases, rt.Periodic({"w": 1.0}))
+
+
+def test_a_period_of_a_phase_by_its_number_says_what_is_meant(push: Any) -> None:
+    assert "Phases are told by first= and last=" in refused([push.phase()], rt.Periodic(0))  # type: ignore[arg-type]
+
+
+def test_a_parameter_that_a_phase_lacks_names_the_phase(push: Any) -> None:
+    phases = [push.phase(parameters={"mass": 1.0}), push.phase(name="coast", parameters={"drag": 1.0})]
+    message = refused(phases, rt.links.SameParameter("mass", (0, 1)), rt.UnknownName)
+    assert "'mass'" in message and "'coast'" in message and "drag" in message
+    assert "it takes two to share" in refused(phases, rt.links.SameParameter("mass"))
+
+
+def test_a_mirror_of_a_joint_that_does_not_exist(push: Any) -> None:
+    robot = rt.Phase(rt.load("two_link_arm"), 1.0)
+    message = refused([robot], rt.Mirror({"shoulder": "wrist"}), rt.UnknownName)
+    assert "'wrist'" in message and "elbow" in message
+    assert "'w'" in refused([push.phase()], rt.Mirror(negated=["w"]), rt.UnknownName)
+
+
+def test_a_link_that_binds_nothing(push: Any) -> None:
+    assert "leaves every state free" in refused([push.phase()], rt.Periodic({"x": None, "v": None}))
+
+
+def test_bounds_of_another_length_than_the_linkage(push: Any) -> None:
+    message = refused([push.phase()], rt.links.Linkage((0,), lambda a: [a.end.t, a.start.t], [0, 0, 0], name="clock"))
+    assert "'clock'" in message and "2 rows" in message and "3 values" in message
+
+
+def test_a_bound_that_is_not_a_number(push: Any) -> None:
+    assert "NaN" in refused([push.phase()], rt.links.Linkage((0,), lambda a: a.end.t, np.nan, name="clock"))
+
+
+def test_controls_are_not_known_at_the_ends(push: Any) -> None:
+    with pytest.raises(rt.RobotrajError, match="u"):
+        rt.Problem([push.phase()], [rt.links.Linkage((0,), lambda a: a.end.u["u"])])
+
+
+def test_what_is_no_link_is_refused(push: Any) -> None:
+    assert "'next' in the links of the problem is not a link" in refused([push.phase()], "next")
+
+
+def test_the_rows_of_links_are_printed_and_named(push: Any) -> None:
+    phases = [push.phase(name="out"), push.phase(name="home")]
+    problem = rt.Problem(phases, [rt.Continuity(0, 1), rt.links.EqualDuration(0, 1)])
+    printed = str(problem)
+    assert "link Continuity(0, 1): continuity, v in [0, 0] m/s" in printed
+    assert "link equal duration: equal duration in [0, 0] s" in printed
+    names = rt.transcription.transcribe(problem, rt.Mesh(2)).row_names
+    assert sum("continuity" in name for name in names) == 3
+    assert sum("equal duration" in name for name in names) == 1
+
+
+def test_contradicting_links_are_infeasible_and_say_which_row(push: Any) -> None:
+    phases = [push.phase(1.0, [0, 0], {"x": 1}), push.phase(1.0, {"x": 2})]
+    with pytest.raises(rt.NoSolutionFound) as caught:
+        push.plan(phases, [rt.Continuity(0, 1)])
+    assert not caught.value.solution.success
+    assert any("continuity" in str(violation) for violation in caught.value.solution.violations(10))
+
+
+@pytest.mark.parametrize("link", [rt.Continuity(0, 0), rt.Continuity(1, 0), rt.links.Jump(-1, 0), rt.Continuity(1, -1)])
+def test_time_runs_on_into_a_later_phase(link: rt.links.Link) -> None:
+    system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    phases = [rt.Phase(system, 1.0, name=name) for name in ("there", "back")]
+    with pytest.raises(rt.InputError, match=r"time runs on into a later phase.*rt.Periodic"):
+        rt.Problem(phases, [link])
+
+
+def test_feet_come_down_in_a_later_phase_or_into_the_image_of_the_first() -> None:
+    robot = rt.load("five_link", root="planar")
+    step = rt.gait.walk(robot, step_length=0.4, duration=0.6)
+    with pytest.raises(rt.InputError, match=r"Touchdown\(0, 0\): time runs on"):
+        rt.Problem(step.phases, [rt.Touchdown(0, 0)])

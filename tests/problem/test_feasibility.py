@@ -1,0 +1,31 @@
+"""What contradicts itself at an end is refused before solving, by name."""
+
+from __future__ import annotations
+
+import pytest
+
+import robotraj as rt
+from robotraj._util.errors import InputError
+
+
+@pytest.mark.parametrize(("where", "which"), [(rt.AtStart, "start"), (rt.AtEnd, "end")])
+def test_a_joint_held_elsewhere_at_an_end_contradicts_that_end(where: type, which: str) -> None:
+    arm = rt.load("two_link_arm")
+    ends = {"start": rt.State(q=0, v=0), "end": rt.State(q=[0.5, 0.5], v=0)}
+    held = where(rt.constraints.JointPosition({"shoulder": 0.1}))
+    with pytest.raises(InputError, match=f"the {which} position of 'shoulder' is .* outside"):
+        rt.Phase(arm, duration=5.0, constraints=[held], **ends)
+    with pytest.raises(InputError, match="contradict each other"):
+        rt.Phase(arm, duration=5.0, constraints=[held, where(rt.constraints.JointPosition({"shoulder": 0.2}))])
+
+
+def test_ends_held_at_different_values_do_not_contradict() -> None:
+    arm = rt.load("two_link_arm")
+    rt.Phase(
+        arm,
+        duration=5.0,
+        constraints=[
+            rt.AtStart(rt.constraints.JointPosition({"elbow": 0.1})),
+            rt.AtEnd(rt.constraints.JointPosition({"elbow": 0.2})),
+        ],
+    )

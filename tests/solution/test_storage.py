@@ -1,0 +1,443 @@
+"""What is saved is what is loaded: bit for bit where it is data, and by name where it is not."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.constraints.bounds import Between
+from robotraj.problem.constraints.joint_limits import JointLimit
+from robotraj.problem.objectives.base import Sum
+from robotraj.robot.loading.geometry import NoGeometry
+from robotraj.solution.storage.codec import NotPlainData, Packer, Unpacker
+from robotraj.solvers.base import Multipliers
+
+
+def there_and_back(value: Any) -> Any:
+    packer = Packer()
+    text = json.dumps(packer.pack(value, "value"), allow_nan=False)
+    return Unpacker(packer.arrays).unpack(json.loads(text))
+
+
+def packed(value: Any) -> tuple[Any, dict[str, bytes]]:
+    """All of a value in a form that compares bit for bit."""
+    packer = Packer()
+    return packer.pack(value, "value"), {name: array.tobytes() for name, array in packer.arrays.items()}
+
+
+@pytest.fixture(scope="module")
+def cartpole() -> rt.Solution:
+    robot = rt.load("cartpole")
+    phase = rt.Phase(
+        robot,
+        duration=(1.5, 2.5),
+        start=rt.State(q=[0, 0], v=0),
+        end=rt.State(q={"slider": rt.between(0.8, 1.0), "pole": np.pi}, v=[0, None]),
+        objective=rt.Effort() + 0.1 * rt.Duration(),
+        constraints=[
+            rt.GroundClearance("tip", -0.6, rt.terrain.Slope(0.1)),
+            rt.AtEnd(rt.FramePosition("tip", {"z": rt.between(0, 2)})),
+        ],
+        parameters={"mass": rt.between(1, 2)},
+        limits=robot.limits.with_(effort=15.0),
+        name="swing-up",
+    )
+    mesh = rt.Mesh([0, 0.3, 0.5, 1], [rt.HermiteSimpson(), rt.schemes.LobattoIIIA(6), rt.schemes.RadauIIA(5)])
+    return rt.plan(phase, mesh)
+
+
+def block_phase(**changes: Any) -> rt.Phase:
+    system = rt.System(
+        states=["x", "v"],
+        controls=["u"],
+        algebraic=["f"],
+        dynamics=lambda point: [point.x["v"], point.z["f"]],
+        residual=lambda point: [point.z["f"] - point.u["u"]],
+        units={"x": "m", "v": "m/s", "u": "N"},
+        name="block",
+    )
+    known: dict[str, Any] = {
+        "duration": (0.1, 20),
+        "start": rt.State({"x": 0, "v": 0}),
+        "end": rt.State({"x": 10, "v": 0}),
+        "controls": {"u": rt.between(-1, 1)},
+        "objective": rt.Duration(),
+        "name": "move",
+    }
+    return rt.Phase(system, **(known | changes))
+
+
+@pytest.fixture(scope="module")
+def block() -> rt.Solution:
+    return rt.plan(block_phase(), rt.Mesh(10, rt.HermiteSimpson(control=rt.schemes.ConstantControl())))
+
+
+def polynomials(solution: rt.Solution) -> list[bytes]:
+    return [
+        array.tobytes()
+        for part in solution.phases
+        for curve in (part.trajectory.x, part.trajectory.z, part.trajectory.u)
+        for array in (curve.breaks, *curve.sites, *curve.values)
+    ]
+
+
+def test_the_polynomials_survive_bit_for_bit(cartpole: rt.Solution, tmp_path: Path) -> None:
+    loaded = rt.load_solution(cartpole.save(tmp_path / "swing.npz"))
+    assert polynomials(loaded) == polynomials(cartpole)
+    times = np.linspace(0, cartpole.duration, 57)
+    for name in ("q", "v", "a", "tau"):
+        assert np.array_equal(getattr(loaded.at(times), name), getattr(cartpole.at(times), name))
+
+
+def test_every_fact_of_the_solution_survives(cartpole: rt.Solution, tmp_path: Path) -> None:
+    loaded = rt.load_solution(cartpole.save(tmp_path / "swing.npz"))
+    for entry in fields(cartpole):
+        if entry.name not in ("problem", "phases"):
+            known = getattr(cartpole, entry.name)
+            known = known.plain if isinstance(known, Multipliers) else known
+            assert packed(getattr(loaded, entry.name)) == packed(known), entry.name
+    assert loaded.multipliers is not None and loaded.multipliers.rows.size > 0
+    assert str(loaded) == str(cartpole) and loaded.parameters == cartpole.parameters
+    (part,), (known,) = loaded.phases, cartpole.phases
+    assert part.mesh == known.mesh
+    assert np.array_equal(part.points, known.points)
+
+
+def test_the_problem_of_a_robot_survives_whole(cartpole: rt.Solution, tmp_path: Path) -> None:
+    path = cartpole.save(tmp_path / "swing.npz")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        loaded = rt.load_solution(path)
+    phase, known = loaded.problem.phases[0], cartpole.problem.phases[0]
+    assert str(loaded.problem) == str(cartpole.problem)
+    assert phase.constraints == known.constraints
+    assert phase.start == known.start and phase.end == known.end
+    assert phase.robot is not None and known.robot is not None
+    assert phase.robot.model == known.robot.model
+    assert phase.robot.visual_model.ngeoms == known.robot.visual_model.ngeoms > 0
+
+
+def test_a_loaded_solution_warm_starts_and_proves_like_the_first(cartpole: rt.Solution, tmp_path: Path) -> None:
+    loaded = rt.load_solution(cartpole.save(tmp_path / "swing.npz"))
+    again = rt.plan(loaded.problem, loaded.phases[0].mesh, guess=loaded)
+    assert again.objective == pytest.approx(cartpole.objective, rel=1e-6)
+    assert again.iterations < cartpole.iterations
+    assert rt.validate(loaded).drift.worst == rt.validate(cartpole).drift.worst
+
+
+def test_the_model_is_in_the_file_when_the_urdf_is_gone(tmp_path: Path) -> None:
+    urdf = tmp_path / "mine.urdf"
+    text = next(entry.urdf for entry in rt.catalogue() if entry.name == "block").read_text()
+    urdf.write_text(text.replace('robot name="block"', 'robot name="mine"'))
+    robot = rt.load(urdf)
+    phase = rt.Phase(robot, duration=5.0, start=rt.State(q=0, v=0), end=rt.State(q=1, v=0), objective=rt.Effort())
+    path = rt.plan(phase, rt.Mesh(5)).save(tmp_path / "mine.npz")
+    urdf.unlink()
+    with pytest.warns(UserWarning, match="URDF of 'mine' is gone"):
+        loaded = rt.load_solution(path)
+    found = loaded.problem.phases[0].robot
+    assert found is not None and found.model == robot.model
+    assert found.visual_model.ngeoms == 0
+    assert rt.validate(loaded).passed
+
+
+def test_a_robot_of_the_catalogue_finds_its_shapes_where_they_are_now(cartpole: rt.Solution, tmp_path: Path) -> None:
+    phase = cartpole.problem.phases[0]
+    assert phase.robot is not None
+    elsewhere = replace(phase.robot.geometry, urdf=tmp_path / "gone" / "cartpole.urdf")  # type: ignore[type-var]
+    moved = replace(phase, subject=replace(phase.robot, geometry=elsewhere), limits=phase.limits)
+    parts = tuple(replace(part, phase=moved) for part in cartpole.phases)
+    path = replace(cartpole, problem=rt.Problem([moved]), phases=parts).save(tmp_path / "swing.npz")
+    loaded = rt.load_solution(path).problem.phases[0].robot
+    assert loaded is not None and loaded.visual_model.ngeoms > 0
+
+
+def test_phases_share_their_robot_and_links_come_back(tmp_path: Path) -> None:
+    robot = rt.load("block")
+    first = rt.Phase(robot, duration=2.0, start=rt.State(q=0, v=0), objective=rt.Effort(), name="first")
+    second = rt.Phase(robot, duration=3.0, end=rt.State(q=1, v=0), objective=rt.Effort(), name="second")
+    solution = rt.plan(rt.Problem([first, second], links=[rt.Continuity(0, 1)]), rt.Mesh(4))
+    loaded = rt.load_solution(solution.save(tmp_path / "two"))
+    one, two = loaded.problem.phases
+    assert one.robot is two.robot
+    assert loaded.problem.links == (rt.Continuity(0, 1),)
+    assert polynomials(loaded) == polynomials(solution)
+    assert loaded.phases[1].t0 == 2.0
+
+
+def test_a_refined_solution_keeps_its_history(tmp_path: Path) -> None:
+    phase = rt.Phase(
+        rt.load("pendulum"),
+        duration=2.5,
+        start=rt.State(q=0, v=0),
+        end=rt.State(q=np.pi, v=0),
+        objective=rt.Effort(),
+    )
+    solution = rt.plan(phase, tolerance=1e-4)
+    loaded = rt.load_solution(solution.save(tmp_path / "refined"))
+    assert loaded.refinement == solution.refinement and len(loaded.refinement) > 1
+
+
+def test_a_failed_solution_keeps_its_status_and_violations(tmp_path: Path) -> None:
+    phase = block_phase(duration=3.0)
+    solution = rt.plan(phase, rt.Mesh(5), check=False)
+    assert not solution.success and solution.violation_list
+    loaded = rt.load_solution(solution.save(tmp_path / "failed"), problem=phase)
+    assert loaded.status is solution.status
+    assert loaded.violation_list == solution.violation_list
+
+
+def test_a_system_loads_without_its_equations_and_says_so(block: rt.Solution, tmp_path: Path) -> None:
+    path = block.save(tmp_path / "block")
+    with pytest.warns(UserWarning, match=r"without the equations of system 'block'.*problem="):
+        loaded = rt.load_solution(path)
+    assert polynomials(loaded) == polynomials(block)
+    assert loaded.at(1.0).x["v"] == block.at(1.0).x["v"]
+    assert str(loaded.problem) == str(block.problem)
+    with pytest.raises(rt.InputError, match=r"equations of system 'block'.*problem="):
+        rt.validate(loaded)
+
+
+def test_a_system_with_its_problem_is_whole(block: rt.Solution, tmp_path: Path) -> None:
+    phase = block.problem.phases[0]
+    path = block.save(tmp_path / "block")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        loaded = rt.load_solution(path, problem=phase)
+    assert loaded.problem.phases[0] is phase
+    assert rt.validate(loaded).passed
+
+
+def test_functions_are_listed_by_name_and_the_rest_is_kept(tmp_path: Path) -> None:
+    phase = block_phase(
+        constraints=[rt.PathConstraint(lambda point: point.x["v"] * point.u["u"], upper=50, name="power", unit="W")],
+        objective=rt.Duration() + 0.5 * rt.Lagrange(lambda point: 1e-3 * point.u["u"] ** 2) + 2 * rt.Effort(),
+    )
+    path = rt.plan(phase, rt.Mesh(5)).save(tmp_path / "block")
+    with pytest.warns(UserWarning) as caught:
+        loaded = rt.load_solution(path)
+    (message,) = [str(warning.message) for warning in caught]
+    assert "constraint PathConstraint(expression=<lambda>, lower=None, upper=50, name='power', unit='W')" in message
+    assert "objective 0.5 Lagrange(expression=<lambda>) of phase 'move'" in message
+    assert " at 0x" not in message and "locals" not in message
+    assert loaded.problem.phases[0].objective == Sum(((1.0, rt.Duration()), (2.0, rt.Effort())))
+    assert loaded.problem.phases[0].constraints == ()
+
+
+def test_a_height_function_is_left_out_with_its_constraint(tmp_path: Path) -> None:
+    robot = rt.load("cartpole")
+    hills = rt.GroundClearance("tip", -2.0, ground=lambda x, y: 0.1 * x)
+    kept = rt.GroundClearance("tip", -2.0)
+    phase = rt.Phase(
+        robot,
+        duration=1.0,
+        start=rt.State(q=0, v=0),
+        end=rt.State(q=[0.1, 0], v=0),
+        constraints=[hills, kept],
+    )
+    path = rt.plan(phase, rt.Mesh(5)).save(tmp_path / "hills")
+    with pytest.warns(UserWarning, match="without constraint GroundClearance.*<lambda>"):
+        loaded = rt.load_solution(path)
+    assert loaded.problem.phases[0].constraints == (kept,)
+
+
+def every_constraint() -> list[Constraint]:
+    limits = {"slider": Between(-1.5, None), "pole": Between(-1, np.array(2.0))}
+    pose = pin.SE3(pin.Quaternion(0.0, 0.6, 0.0, 0.8).matrix(), np.array([0.1, 0.0, 1 / 3]))
+    return [
+        *(kind(limits) for kind in sorted(JointLimit.__subclasses__(), key=lambda kind: kind.__name__)),
+        rt.GroundClearance(["tip", "cart"], 0.05, rt.terrain.Flat(-0.0)),
+        rt.GroundClearance(
+            [rt.constraints.CollisionShapes("cart"), ("tip", (0.1, 0, 0))],
+            rt.constraints.SwingApex(0.1, "from", 1.0),
+            rt.terrain.Steps([0.0], [0, 0.1]),
+        ),
+        rt.AtStart(rt.FramePosition("tip", [None, rt.between(0, np.inf), 0.1])),
+        rt.FramePose("tip", (np.array([0.1, 0.2, 0.3]), np.array([0.0, 0.0, 0.0, 1.0]))),
+        rt.FramePose("tip", pose),
+    ]
+
+
+@pytest.mark.parametrize("constraint", every_constraint(), ids=lambda c: type(c).__name__)
+def test_every_constraint_of_plain_data_survives(constraint: Constraint) -> None:
+    copy = there_and_back(constraint)
+    assert type(copy) is type(constraint)
+    assert repr(copy) == repr(constraint)
+
+
+def test_a_height_map_survives() -> None:
+    hills = rt.terrain.HeightMap(np.arange(20.0).reshape(4, 5) ** 2, (0.1, 0.2), (1 / 3, -0.0))
+    assert there_and_back(rt.GroundClearance("tip", ground=hills)) == rt.GroundClearance("tip", ground=hills)
+
+
+@dataclass(frozen=True)
+class Mine(Constraint):
+    """A user's own constraint: the codec has never heard of it."""
+
+    gains: dict[str, tuple[float, ...]]
+
+    def bind(self, dynamics: Any, parameters: Any = ()) -> Any:
+        raise AssertionError("not needed here")
+
+
+def test_a_new_class_needs_no_line_in_the_codec() -> None:
+    mine = Mine({"slider": (0.1, np.inf)})
+    packed = Packer().pack(mine, "mine")
+    packed["$class"] = packed["$class"].replace(Mine.__name__, "Absent")
+    with pytest.raises(NotPlainData, match="Absent.*import the module"):
+        Unpacker({}).unpack(packed)
+
+
+@pytest.mark.parametrize("value", [0.1, -0.0, 5e-324, 1.7976931348623157e308, 1 / 3, np.inf, -np.inf, np.nan])
+def test_floats_survive_bit_for_bit(value: float) -> None:
+    assert np.float64(there_and_back(value)).tobytes() == np.float64(value).tobytes()
+
+
+def test_containers_keep_their_kind() -> None:
+    value = {"a": [1, (2.5, None, True)], "b": (), "c": {"d": "text"}, "e": [np.arange(3.0), np.ones(1)]}
+    copy = there_and_back(value)
+    assert [part.tolist() for part in copy.pop("e")] == [part.tolist() for part in value.pop("e")]
+    assert copy == value
+
+
+def test_what_is_no_data_is_refused_and_stores_nothing() -> None:
+    packer = Packer()
+    with pytest.raises(NotPlainData, match=r"x\.b"):
+        packer.pack({"a": np.ones(3), "b": len}, "x")
+    assert packer.arrays == {}
+
+
+def test_nothing_but_dataclasses_and_enums_is_made_from_a_file() -> None:
+    for name in ("os.system", "builtins.eval", "robotraj.solution.storage.codec.Packer", "pathlib.Path"):
+        with pytest.raises(NotPlainData, match="no class"):
+            Unpacker({}).unpack({"$class": name, "fields": {}})
+
+
+def test_a_bare_model_has_no_shapes_to_lose(tmp_path: Path) -> None:
+    model = rt.load("block").model.copy()
+    robot = rt.load(model)
+    assert isinstance(robot.geometry, NoGeometry)
+    phase = rt.Phase(robot, duration=5.0, start=rt.State(q=0, v=0), end=rt.State(q=1, v=0))
+    loaded = rt.load_solution(rt.plan(phase, rt.Mesh(3)).save(tmp_path / "bare"))
+    assert loaded.problem.phases[0].robot is not None
+    assert loaded.problem.phases[0].robot.model == robot.model
+
+
+def test_the_suffix_is_added_once_and_plain_numpy_reads_the_file(
+    block: rt.Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert block.save("a") == block.save("a.npz") == tmp_path / "a.npz"
+    assert block.save("v1.2") == tmp_path / "v1.2.npz"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.npz", "v1.2.npz"]
+    with np.load("a.npz", allow_pickle=False) as archive:
+        about = json.loads(str(archive["about"]))
+        assert about["format"] == "robotraj solution" and about["version"] == 1 and "robotraj" in about
+        assert archive["phases.0.trajectory.x.breaks"].shape == (11,)
+    with pytest.warns(UserWarning):
+        assert rt.load_solution("a").duration == block.duration
+
+
+def rewritten(source: Path, target: Path, **changes: Any) -> Path:
+    with np.load(source) as archive:
+        entries = {name: archive[name] for name in archive.files}
+    np.savez(target, **{name: value for name, value in (entries | changes).items() if value is not None})
+    return target
+
+
+def test_files_that_are_not_ours_are_refused(block: rt.Solution, tmp_path: Path) -> None:
+    path = block.save(tmp_path / "good")
+    with pytest.raises(rt.InputError, match=r"no file '.*missing\.npz'"):
+        rt.load_solution(tmp_path / "missing.npz")
+    other = tmp_path / "other.npz"
+    np.savez(other, x=np.ones(3))
+    text, array, pickled = tmp_path / "text.npz", tmp_path / "array.npz", tmp_path / "pickled.npz"
+    text.write_text("hello")
+    with array.open("wb") as file:
+        np.save(file, np.ones(3))
+    np.savez(pickled, about=np.array([{}], dtype=object))
+    empty = tmp_path / "empty.npz"
+    empty.touch()
+    cut = tmp_path / "cut.npz"
+    cut.write_bytes(path.read_bytes()[:-200])
+    for wrong in (other, text, array, pickled, empty, cut):
+        with pytest.raises(rt.InputError, match="holds no robotraj solution"):
+            rt.load_solution(wrong)
+    foreign = rewritten(path, tmp_path / "foreign.npz", about=np.array('{"format": "maps", "version": 1}'))
+    with pytest.raises(rt.InputError, match="'maps'"):
+        rt.load_solution(foreign)
+
+
+def test_another_version_is_refused_and_named(block: rt.Solution, tmp_path: Path) -> None:
+    about = np.array(json.dumps({"format": "robotraj solution", "version": 99, "robotraj": "7.0"}))
+    path = rewritten(block.save(tmp_path / "good"), tmp_path / "new.npz", about=about)
+    with pytest.raises(rt.InputError, match=r"version 99.*robotraj 7\.0.*reads version 1"):
+        rt.load_solution(path)
+
+
+def test_a_damaged_file_says_so(block: rt.Solution, tmp_path: Path) -> None:
+    good = block.save(tmp_path / "good")
+    path = rewritten(good, tmp_path / "bad.npz", **{"phases.0.trajectory.x.values": None})
+    with pytest.raises(rt.InputError, match="damaged"):
+        rt.load_solution(path, problem=block.problem)
+
+
+def test_a_problem_that_does_not_fit_is_refused(block: rt.Solution, cartpole: rt.Solution, tmp_path: Path) -> None:
+    path = block.save(tmp_path / "block")
+    with pytest.raises(rt.InputError, match=r"phase 'move' has the states \['x', 'v'\].*q\.slider"):
+        rt.load_solution(path, problem=cartpole.problem)
+    two = rt.Problem([block_phase(), block_phase()])
+    with pytest.raises(rt.InputError, match="has 1 phases, but problem= has 2"):
+        rt.load_solution(path, problem=two)
+
+
+def test_saving_where_nothing_can_be_saved_is_refused(block: rt.Solution, tmp_path: Path) -> None:
+    with pytest.raises(rt.InputError, match="directory .*absent' does not exist"):
+        block.save(tmp_path / "absent" / "a.npz")
+    (tmp_path / "folder.npz").mkdir()
+    with pytest.raises(rt.InputError, match="is a directory"):
+        block.save(tmp_path / "folder.npz")
+
+
+def test_a_contact_on_a_function_is_not_saved_and_says_why(tmp_path: Path) -> None:
+    robot = rt.load("hopper", root="planar")
+    stand = {"root_x": 0.0, "root_z": 0.5, "root_pitch": 0.0, "hip": 0.0, "leg": 0.5}
+    phase = rt.Phase(
+        robot,
+        duration=0.2,
+        contacts=[rt.PointContact("foot", ground=lambda x, y: 0.0 * x)],
+        start=rt.State(q=stand, v=0),
+        name="stand",
+    )
+    solution = rt.plan(phase, mesh=rt.Mesh(3))
+    with pytest.raises(rt.InputError, match=r"Phase 'stand' cannot be saved: .* rt.terrain.HeightMap"):
+        solution.save(tmp_path / "stand.npz")
+
+
+def test_what_is_given_anew_is_no_longer_missing(tmp_path: Path) -> None:
+    """A constraint and an objective that the file could not keep, put back by hand."""
+    slow = rt.PathConstraint(lambda p: p.v[0], upper=5.0, name="slow")
+    cost = rt.Effort() + rt.Lagrange(lambda p: p.v[1] ** 2)
+    phase = rt.Phase(
+        rt.load("cartpole"), 2.0, rt.State(q=0, v=0), rt.State(q=[1, np.pi], v=0), cost, constraints=[slow]
+    )
+    saved = rt.plan(phase, rt.Mesh(8)).save(tmp_path / "plan")
+    with pytest.warns(UserWarning, match="slow"):
+        known = rt.load_solution(saved)
+    assert len(known.problem.missing) == 2
+    assert known.problem.with_(end=phase.end).missing == known.problem.missing
+    (objective,) = known.problem.with_(constraints=[slow]).missing
+    assert objective.startswith("objective ")
+    again = rt.plan(known.problem.with_(constraints=[slow], objective=cost), rt.Mesh(8), guess=known)
+    assert not again.problem.missing
+    assert again.error is not None
+    assert not rt.validate(again).unchecked

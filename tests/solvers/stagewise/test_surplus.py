@@ -1,0 +1,112 @@
+"""Rows that hold by themselves, or that others say already, are left out; what contradicts them is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+import robotraj as rt
+from robotraj.solvers.stagewise.reduction import reduce
+from robotraj.transcription.reuse import transcribed_again
+from robotraj.transcription.transcribe import transcribe
+
+Array = NDArray[np.float64]
+HEIGHT = 0.3
+LEVEL = rt.FramePosition("tool0", {"z": HEIGHT})
+MESH = rt.Mesh(12)
+
+
+@pytest.fixture(scope="module")
+def robot() -> rt.Robot:
+    return rt.load("ur5")
+
+
+def reaching(robot: rt.Robot, x: float, y: float) -> Array:
+    """Joint positions with the tool at (x, y, HEIGHT)."""
+    model, data = robot.model, robot.model.createData()
+    frame = model.getFrameId("tool0")
+
+    def missed(q: Array) -> Array:
+        pin.framesForwardKinematics(model, data, q)
+        return np.asarray(data.oMf[frame].translation - [x, y, HEIGHT])
+
+    found = least_squares(missed, np.array([0.3, -1.2, 1.4, -1.7, -1.57, 0.0]), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    return np.asarray(found.x)
+
+
+def level(robot: rt.Robot, end: rt.State, *more: rt.Constraint, **options: object) -> rt.Problem:
+    start = rt.State(q=reaching(robot, 0.4, 0.3), v=0)
+    settings = {"duration": 1.5, "objective": rt.Effort()} | options
+    return rt.Problem([rt.Phase(robot, start=start, end=end, constraints=[LEVEL, *more], **settings)])  # type: ignore[arg-type]
+
+
+def solve(problem: rt.Problem, solver: rt.Solver, guess: rt.Solution | None = None) -> rt.Solution:
+    return rt.plan(
+        problem,
+        MESH,
+        guess,
+        solver=solver,
+        interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0),
+        check=False,
+        progress=False,
+    )
+
+
+def test_rows_of_fixed_columns_are_no_equations(robot: rt.Robot) -> None:
+    held = level(robot, rt.State(q=reaching(robot, 0.4, -0.3), v=0))
+    program = reduce(transcribe(held, MESH, None, None)).program
+    # A stage has the height of its first knot and its rate. Both ends say them by the joints' positions and rest; the
+    # first has the height's acceleration.
+    assert program.equalities.tolist() == [1, *[2] * 11, 12]
+
+
+@pytest.mark.parametrize("objective", [rt.Effort(), rt.Duration()], ids=["effort", "time"])
+def test_a_hand_held_at_a_height_is_planned_as_by_ipopt(robot: rt.Robot, objective: rt.Objective) -> None:
+    duration = 1.5 if isinstance(objective, rt.Effort) else (0.3, 4.0)
+    end = rt.State(q=reaching(robot, 0.4, -0.3), v=0)
+    problem = level(robot, end, objective=objective, duration=duration)
+    fatrop = solve(problem, rt.Fatrop(fallback=None))
+    # Least times are flat in accelerations along the equation: from the same one IPOPT finds the same optimum.
+    ipopt = solve(problem, rt.Ipopt(), fatrop)
+    assert fatrop.success
+    assert fatrop.iterations < 200
+    assert not fatrop.violations()
+    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
+
+
+def test_a_goal_that_says_the_height_again_is_one_row(robot: rt.Robot) -> None:
+    goal = rt.AtEnd(rt.FramePosition("tool0", [0.1, 0.5, HEIGHT]))
+    problem = level(robot, rt.State(v=0), goal)
+    program = reduce(transcribe(problem, MESH, None, None)).program
+    # Rest, x and y, and one height.
+    assert program.equalities.tolist() == [1, *[2] * 11, 9]
+    fatrop = solve(problem, rt.Fatrop(fallback=None))
+    # There are several ways to take the joints there; from the same one IPOPT finds the same optimum.
+    ipopt = solve(problem, rt.Ipopt(), fatrop)
+    assert fatrop.success
+    assert fatrop.iterations < 200
+    assert not fatrop.violations()
+    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
+
+
+def test_a_goal_at_another_height_stays_a_contradiction(robot: rt.Robot) -> None:
+    goal = rt.AtEnd(rt.FramePosition("tool0", [0.4, -0.3, HEIGHT + 0.01]))
+    problem = level(robot, rt.State(v=0), goal)
+    assert reduce(transcribe(problem, MESH, None, None)).program.equalities[-1] == 10
+    solution = solve(problem, rt.Fatrop(fallback=None, max_iterations=200))
+    assert not solution.success
+    assert any("frame position" in violation.name for violation in solution.violations())
+
+
+def test_another_goal_that_holds_the_row_refreshes_the_program(robot: rt.Robot) -> None:
+    problem = level(robot, rt.State(q=reaching(robot, 0.4, -0.3), v=0))
+    first = transcribe(problem, MESH, None, None)
+    moved = problem.with_(end=rt.State(q=reaching(robot, 0.4, -0.25), v=0))
+    other = transcribed_again(first, moved, MESH, None, rt.interval_limits.ConstraintGeneration(), first.guess)
+    assert other is not None
+    refreshed = reduce(first).refreshed(other)
+    assert refreshed is not None
+    assert refreshed.program.equalities[-1] == 12

@@ -1,0 +1,6 @@
+"""The benchmarks' problems are importable here."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[3] / "benchmarks"))

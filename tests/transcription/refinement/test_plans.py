@@ -1,0 +1,412 @@
+"""plan(tolerance=...): meshes that refine until the error holds, and say so where it does not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import robotraj as rt
+from robotraj.planning import refine as adaptive
+from robotraj.planning import sharpening
+from robotraj.transcription.refinement.error import interval_errors
+from robotraj.transcription.refinement.strategy import Assessment, Refinement
+
+PENDULUM = rt.System(["q", "w"], ["u"], lambda point: [point.x["w"], point.u["u"] - 9.81 * ca.sin(point.x["q"])])
+
+
+def swing_up(**more: Any) -> rt.Phase:
+    effort = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    return rt.Phase(PENDULUM, 1.5, rt.State([0, 0]), rt.State([np.pi, 0]), effort, **more)
+
+
+@pytest.fixture(scope="module")
+def optimum() -> float:
+    return rt.plan(swing_up(), rt.Mesh(30, rt.schemes.GaussLegendre(6)), solver=rt.Ipopt(1e-11)).objective
+
+
+@pytest.mark.parametrize(
+    "refinement",
+    [rt.refinement.SplitAndMerge(), rt.refinement.RaiseOrder(), rt.refinement.SplitOrRaise()],
+    ids=lambda r: type(r).__name__,
+)
+@pytest.mark.parametrize(
+    "scheme",
+    [rt.schemes.Trapezoidal(), rt.HermiteSimpson(), rt.schemes.RadauIIA(3), rt.schemes.GaussLegendre(2)],
+    ids=lambda s: type(s).__name__,
+)
+def test_every_refinement_of_every_family_reaches_the_tolerance(
+    optimum: float, refinement: Refinement, scheme: Any
+) -> None:
+    solution = rt.plan(swing_up(), rt.Mesh(6, scheme), tolerance=1e-4, refinement=refinement)
+    part = solution.phases[0]
+    assert solution.success
+    assert interval_errors(part.phase, part.trajectory).max() <= 1e-4
+    assert solution.objective == pytest.approx(optimum, rel=1e-4)
+    assert {type(s) for s in part.mesh.schemes} <= {type(scheme), rt.schemes.LobattoIIIA}
+
+
+def test_a_tighter_tolerance_is_a_smaller_error(optimum: float) -> None:
+    errors = [
+        abs(rt.plan(swing_up(), tolerance=t, solver=rt.Ipopt(1e-11)).objective / optimum - 1)
+        for t in (1e-3, 1e-5, 1e-8)
+    ]
+    assert errors[0] < 1e-3 and errors[1] < 1e-5 and errors[2] < 1e-8
+
+
+def test_the_meshes_are_told_one_by_one() -> None:
+    solution = rt.plan(swing_up(), rt.Mesh(5, rt.schemes.RadauIIA(3)), tolerance=1e-6)
+    steps = solution.refinement
+    assert steps[0].intervals == 5 and steps[0].points == 15
+    assert steps[0].error > 1e-6 >= steps[-1].error
+    assert steps[-1].objective == solution.objective
+    assert abs(steps[-1].objective - steps[-2].objective) <= 0.5e-6 * solution.objective
+    assert steps[-1].points == len(solution.phases[0].points)
+    printed = str(solution)
+    for i, step in enumerate(steps, 1):
+        assert f"mesh {i}: {step.intervals} intervals, {step.points} points, error {step.error:.2e}" in printed
+
+
+def test_each_mesh_starts_from_the_last() -> None:
+    steps = rt.plan(swing_up(), tolerance=1e-7).refinement
+    assert len(steps) >= 2
+    assert all(step.iterations < steps[0].iterations for step in steps[1:])
+
+
+@dataclass(frozen=True)
+class Stubborn(Refinement):
+    """Leaves every mesh as it is."""
+
+    def refine(self, mesh: rt.Mesh, assessment: Assessment, tolerance: float) -> rt.Mesh:
+        return mesh
+
+
+def test_a_tolerance_that_is_not_reached_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(adaptive, "MOST_MESHES", 4)
+    given = {"mesh": rt.Mesh(5, rt.schemes.RadauIIA(3)), "tolerance": 1e-9, "refinement": Stubborn()}
+    solution = rt.plan(swing_up(), check=False, **given)
+    assert solution.status is rt.solvers.Status.TOLERANCE_NOT_REACHED
+    assert not solution.success
+    assert len(solution.refinement) == 4 and solution.refinement[-1].error > 1e-9
+    assert "tolerance not reached" in str(solution)
+    with pytest.raises(rt.NoSolutionFound, match="tolerance not reached") as caught:
+        rt.plan(swing_up(), **given)
+    assert caught.value.solution.refinement[-1].error == solution.refinement[-1].error
+
+
+def test_a_solve_that_fails_ends_the_refinement() -> None:
+    short = swing_up(controls={"u": rt.between(-0.1, 0.1)})
+    solution = rt.plan(short, tolerance=1e-6, check=False)
+    assert not solution.success
+    assert solution.status is not rt.solvers.Status.TOLERANCE_NOT_REACHED
+    assert len(solution.refinement) == 1
+
+
+@pytest.mark.parametrize("tolerance", [0, 1, -1e-6, np.nan])
+def test_tolerances_that_make_no_sense(tolerance: float) -> None:
+    with pytest.raises(rt.InputError, match="between 0 and 1"):
+        rt.plan(swing_up(), tolerance=tolerance)
+
+
+STEPPED: dict[Any, float] = {
+    rt.schemes.CompressedHermiteSimpson(): 1e-6,
+    rt.schemes.MultipleShooting(): 1e-4,
+    rt.schemes.MultipleShooting(rt.schemes.RungeKutta4(1), control=rt.schemes.LinearControl()): 1e-6,
+    rt.schemes.MultipleShooting(rt.schemes.Adaptive(), control=rt.schemes.LinearControl()): 1e-5,
+    rt.schemes.SingleShooting(rt.schemes.RungeKutta4(2), control=rt.schemes.LinearControl()): 1e-6,
+}
+"""Tolerances that take less than 200 intervals."""
+
+
+@pytest.mark.parametrize(("scheme", "tolerance"), STEPPED.items(), ids=str)
+def test_schemes_that_step_from_knot_to_knot_reach_the_tolerance_by_splitting(
+    optimum: float, scheme: Any, tolerance: float
+) -> None:
+    """The motion errs by no more than the tolerance from the exact one, and the objective from its optimum."""
+    solution = rt.plan(swing_up(), rt.Mesh(6, scheme), tolerance=tolerance, solver=rt.Ipopt(1e-10))
+    part = solution.phases[0]
+    assert set(part.mesh.schemes) == {scheme}
+    assert solution.error is not None and solution.error <= tolerance
+    assert local_errors(part) <= 1.25 * tolerance
+    assert solution.objective == pytest.approx(optimum, rel=tolerance)
+    assert solution.refinement[-1].intervals < 200
+
+
+def local_errors(part: rt.solution.PhaseSolution) -> float:
+    """Largest distance of an interval's motion from SciPy's from the same start under the same control; relative."""
+    worst, curve = 0.0, part.trajectory.x
+    size = 1 + np.max([np.abs(v).max(axis=0) for c in (curve, curve.derivative()) for v in c.values], axis=0)
+    for k, span in enumerate(zip(part.knots[:-1], part.knots[1:], strict=True)):
+
+        def rates(t: float, x: Any, k: int = k) -> Any:
+            return [x[1], part.trajectory.u(t, k)[0] - 9.81 * np.sin(x[0])]
+
+        times = np.linspace(*span, 9)
+        true = solve_ivp(rates, span, curve(span[0], k), "DOP853", times, rtol=1e-12, atol=1e-13).y.T
+        worst = max(worst, float(np.max(np.abs(curve(times, k) - true) / size)))
+    return worst
+
+
+def test_an_integrator_that_is_too_coarse_for_the_tolerance_is_tightened(optimum: float) -> None:
+    scheme = rt.schemes.MultipleShooting(rt.schemes.Adaptive(1e-3), control=rt.schemes.LinearControl())
+    solution = rt.plan(swing_up(), rt.Mesh(6, scheme), tolerance=1e-5)
+    (used,) = {
+        s.integrator.tolerance for s in solution.phases[0].mesh.schemes if isinstance(s, rt.schemes.MultipleShooting)
+    }
+    assert used == pytest.approx(1e-7)
+    assert local_errors(solution.phases[0]) <= 1e-5
+    assert solution.objective == pytest.approx(optimum, rel=1e-5)
+
+
+def test_constants_do_not_pass_for_settled_where_only_the_integration_is_accurate(optimum: float) -> None:
+    """Four Runge-Kutta steps hold 1e-4 on 12 intervals, whose constants cost percents of the objective."""
+    first = rt.plan(swing_up(), rt.Mesh(12, rt.schemes.MultipleShooting()))
+    assert first.error is not None and first.error < 1e-4
+    assert first.objective > 1.005 * optimum
+    last = rt.plan(swing_up(), rt.Mesh(12, rt.schemes.MultipleShooting()), tolerance=1e-4)
+    assert last.objective == pytest.approx(optimum, rel=1e-4)
+
+
+@pytest.mark.parametrize("scheme", STEPPED, ids=str)
+def test_an_order_that_a_scheme_does_not_have_is_not_raised(scheme: Any) -> None:
+    with pytest.raises(rt.InputError, match=rf"{type(scheme).__name__} has no collocation points.*SplitAndMerge"):
+        rt.plan(swing_up(), rt.Mesh(5, scheme), tolerance=1e-6, refinement=rt.refinement.RaiseOrder())
+
+
+def test_phases_of_shooting_and_of_collocation_are_refined_each_in_its_own_way() -> None:
+    """A block brought to rest by constants, then a swing from there by Radau."""
+    block = rt.System(["q", "w"], ["u"], lambda point: [point.x["w"], point.u["u"]])
+    limits = {"controls": {"u": rt.between(-2, 1)}}
+    fast = rt.Phase(block, (0.1, 20), rt.State([-10, 0]), rt.State([0, 0]), rt.Duration(), **limits)
+    effort = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    up = rt.Phase(PENDULUM, 1.5, None, rt.State([np.pi, 0]), effort)
+    meshes = [rt.Mesh(10, rt.schemes.MultipleShooting(rt.schemes.RungeKutta4(1))), rt.Mesh(6, rt.schemes.RadauIIA(3))]
+    solution = rt.plan(rt.Problem([fast, up], [rt.Continuity(0, 1)]), meshes, tolerance=1e-5)
+    alone = rt.plan(swing_up(), tolerance=1e-8)
+    assert solution.objective == pytest.approx(np.sqrt(30) + alone.objective, rel=1e-5)
+    assert {type(s) for s in solution.phases[0].mesh.schemes} == {rt.schemes.MultipleShooting}
+    assert {type(s) for s in solution.phases[1].mesh.schemes} == {rt.schemes.RadauIIA}
+
+
+def test_a_robot_is_refined_by_shooting() -> None:
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[1, np.pi], v=0)
+    phase = rt.Phase(rt.load("cartpole"), 2.0, *ends, rt.Effort())
+    shot = rt.plan(phase, rt.Mesh(20, rt.schemes.MultipleShooting(control=rt.schemes.LinearControl())), tolerance=1e-5)
+    assert shot.objective == pytest.approx(rt.plan(phase, tolerance=1e-8).objective, rel=1e-5)
+
+
+def test_more_intervals_than_help_are_not_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(adaptive, "MOST_INTERVALS", 40)
+    solution = rt.plan(swing_up(), rt.Mesh(10, rt.schemes.MultipleShooting()), tolerance=1e-8, check=False)
+    assert solution.status is rt.solvers.Status.TOLERANCE_NOT_REACHED
+    assert solution.refinement[-1].intervals <= 40
+
+
+def limited(limit: float = 1 / 9) -> rt.Phase:
+    """Bryson and Denham's block, which touches its limit along an arc."""
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    effort = rt.Lagrange(lambda point: 0.5 * point.u["u"] ** 2)
+    return rt.Phase(block, 1.0, rt.State([0, 1]), rt.State([0, -1]), effort, states={"x": rt.between(None, limit)})
+
+
+def s_curve() -> rt.Phase:
+    """4 m in least time under limits of speed, acceleration and jerk: 2.6 s."""
+    states = {"x": rt.between(0, 4), "v": rt.between(-2, 2), "a": rt.between(-4, 4)}
+    carriage = rt.System(["x", "v", "a"], ["j"], lambda point: [point.x["v"], point.x["a"], point.u["j"]])
+    limits = {"states": states, "controls": {"j": rt.between(-40, 40)}}
+    return rt.Phase(carriage, (0.1, 10), rt.State([0, 0, 0]), rt.State([4, 0, 0]), rt.Duration(), **limits)
+
+
+def test_rows_are_held_between_the_knots() -> None:
+    """No sample between the points lies above the limit."""
+    solution = rt.plan(limited(), tolerance=1e-6)
+    assert solution.objective == pytest.approx(4, rel=1e-6)
+    assert solution.at(np.linspace(0, 1, 5001)).x["x"].max() <= 1 / 9 + 1e-6
+    free = rt.plan(limited(), rt.Mesh(6, rt.schemes.RadauIIA(3)))
+    assert free.at(np.linspace(0, 1, 5001)).x["x"].max() <= 1 / 9 + 1e-3
+
+
+@pytest.mark.parametrize("solver", [rt.Fatrop(fallback=None), rt.Ipopt()], ids=lambda s: type(s).__name__)
+def test_rows_are_held_between_the_knots_once_a_mesh_is_fine_enough_or_no_better(
+    solver: rt.Fatrop | rt.Ipopt, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solved: list[rt.Solution] = []
+
+    def watched(*arguments: Any) -> rt.Solution:
+        solved.append(solve(*arguments))
+        return solved[-1]
+
+    solve = adaptive.solve
+    monkeypatch.setattr(adaptive, "solve", watched)
+    solution = rt.plan(s_curve(), tolerance=1e-6, solver=solver)
+    held = [bool(each.guards) for each in solved]
+    assert not held[0] and held[-1]
+    assert held == sorted(held), "held from one mesh on"
+    errors = [step.error for step in solution.refinement[: held.index(True)]]
+    assert errors == sorted(errors, reverse=True), "every mesh before it is better than the last"
+    assert not solution.interval_violations
+    assert solution.objective == pytest.approx(2.6, rel=1e-6)
+
+
+@pytest.mark.parametrize("most", ["MOST_MESHES", "MOST_INTERVALS"])
+def test_rows_are_held_between_the_knots_where_the_tolerance_is_not_reached(
+    most: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(adaptive, most, {"MOST_MESHES": 2, "MOST_INTERVALS": 60}[most])
+    solution = rt.plan(s_curve(), tolerance=1e-6, check=False)
+    assert solution.status is rt.solvers.Status.TOLERANCE_NOT_REACHED
+    assert solution.guards and not solution.interval_violations
+    assert [step.intervals for step in solution.refinement] == [20, solution.phases[0].mesh.count]
+
+
+@pytest.mark.parametrize("solver", [rt.Fatrop(fallback=None), rt.Ipopt()], ids=lambda s: type(s).__name__)
+def test_guards_come_along_on_the_intervals_that_a_mesh_keeps(solver: rt.Fatrop | rt.Ipopt) -> None:
+    phase, scheme = s_curve(), rt.schemes.RadauIIA(3)
+    before = rt.plan(
+        phase, rt.Mesh(12, scheme), solver=solver, interval_limits=rt.interval_limits.ConstraintGeneration(1e-5)
+    )
+    first = min(guard.interval for guard in before.guards)
+    assert first < 11
+    knots = np.linspace(0, 1, 13)
+    # The last interval is cut, and another one before the first guard: that one's number grows by one.
+    cuts = [0.5 * knots[1], 0.5 * (knots[-2] + 1)] if first > 0 else [0.5 * (knots[-2] + 1)]
+    mesh = rt.Mesh(tuple(sorted([*knots, *cuts])), scheme)
+    # Nothing is broken by 100: no guard joins those that come along.
+    alone = rt.interval_limits.ConstraintGeneration(100)
+    after = rt.plan(phase, mesh, before, solver, interval_limits=alone, check=False)
+    kept = [guard for guard in before.guards if guard.interval not in ({0, 11} if first > 0 else {11})]
+    moved = [guard.interval + (first > 0) for guard in kept]
+    assert kept and [guard.interval for guard in after.guards] == moved
+    assert [(g.constraint, g.row, g.tau) for g in after.guards] == [(g.constraint, g.row, g.tau) for g in kept]
+    assert after.success and not rt.plan(phase, mesh, solver=solver, interval_limits=alone).guards
+
+
+@pytest.mark.parametrize(
+    "scheme",
+    [
+        rt.schemes.RadauIIA(3, control=rt.schemes.ConstantControl()),
+        rt.HermiteSimpson(control=rt.schemes.ConstantControl()),
+        rt.schemes.Trapezoidal(control=rt.schemes.ConstantControl()),
+        rt.schemes.GaussLegendre(3, control=rt.schemes.ConstantControl()),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("refinement", [None, rt.refinement.SplitAndMerge()], ids=str)
+def test_controls_that_are_too_coarse_for_the_optimum_are_cut(scheme: Any, refinement: Any) -> None:
+    # The dynamics hold exactly on any mesh; the least effort is 6, on ten intervals 6.06.
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    effort = rt.Lagrange(lambda point: 0.5 * point.u["u"] ** 2)
+    phase = rt.Phase(block, 1.0, rt.State([0, 0]), rt.State([1, 0]), effort)
+    solution = rt.plan(phase, rt.Mesh(10, scheme), tolerance=1e-4, refinement=refinement)
+    assert solution.objective == pytest.approx(6.0, rel=1e-4)
+    assert solution.refinement[0].objective > 6.05
+
+
+@pytest.mark.parametrize("refinement", [None, rt.refinement.SplitAndMerge(), rt.refinement.RaiseOrder()], ids=str)
+@pytest.mark.parametrize(
+    "scheme",
+    [rt.schemes.Trapezoidal(), rt.HermiteSimpson(), rt.schemes.RadauIIA(3), rt.schemes.GaussLegendre(2)],
+    ids=lambda s: type(s).__name__,
+)
+def test_an_objective_settles_on_a_finer_mesh_alone(scheme: Any, refinement: Any) -> None:
+    # Any control leaves no residual; the least integral of exp(t) u^2 that gains 1 is 1 / (1 - exp(-1)).
+    system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    cost = rt.Lagrange(lambda point: ca.exp(point.t) * point.u["u"] ** 2)
+    phase = rt.Phase(system, 1.0, rt.State([0]), rt.State([1]), cost)
+    solution = rt.plan(phase, rt.Mesh(8, scheme), tolerance=1e-6, refinement=refinement)
+    assert solution.objective == pytest.approx(1 / (1 - np.exp(-1)), rel=1e-6)
+    points = [step.points for step in solution.refinement]
+    assert points == sorted(set(points))
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize(
+    "scheme", [rt.schemes.RadauIIA(5), rt.schemes.GaussLegendre(4)], ids=lambda s: type(s).__name__
+)
+def test_what_a_hull_costs_goes_with_the_mesh(scheme: Any, tolerance: float) -> None:
+    # u = clip(c (1 - 2 t), -5, 5), with c from the integral of (1 - t) u, which is 1: scipy.optimize.brentq.
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    effort = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    limits = {"u": rt.between(-5, 5)}
+    phase = rt.Phase(block, 1.0, rt.State([0, 0]), rt.State([1, 0]), effort, controls=limits)
+    solution = rt.plan(phase, rt.Mesh(6, scheme), tolerance=tolerance)
+    assert solution.objective == pytest.approx(12.090055512642, rel=tolerance)
+
+
+def test_controls_within_limits_everywhere_once_refined() -> None:
+    # Fuller's problem: ever shorter arcs of full force, between which polynomials would bulge.
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    cost = rt.Lagrange(lambda point: point.x["x"] ** 2)
+    limits = {"u": rt.between(-1, 1)}
+    phase = rt.Phase(block, 4.0, rt.State([1, 0]), rt.State([0, 0]), cost, controls=limits)
+    solution = rt.plan(phase, tolerance=1e-6)
+    assert solution.objective == pytest.approx(0.764017, abs=2e-6)
+    report = rt.validate(solution)
+    assert report.passed, str(report)
+
+
+def test_a_tolerance_that_meshes_do_not_come_closer_to_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    errors = [1e-2, 1e-3, 1e-3, 9e-4, 9e-4, 9e-4]
+    assert adaptive._stuck(errors) and not adaptive._stuck([*errors, 1e-4]) and not adaptive._stuck(errors[:5])
+    assert not adaptive._stuck([1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015])
+    # A swing without an objective, by whatever motion: the next mesh was fine enough.
+    assert not adaptive._stuck([1e-3, 9e-6, 4e-8, 1.2e-8, 4e-8, 4e-8, 1e-7, 2e-8])
+    meshes: dict[int, float] = {}
+    assess = adaptive.assess
+
+    def same(*arguments: Any) -> Assessment:
+        found = assess(*arguments)
+        error = meshes.setdefault(len(found.errors), errors[min(len(meshes), len(errors) - 1)])
+        return replace(found, errors=np.full(len(found.errors), error))
+
+    monkeypatch.setattr(adaptive, "assess", same)
+    solution = rt.plan(swing_up(), rt.Mesh(5, rt.HermiteSimpson()), tolerance=1e-6, check=False)
+    assert solution.status is rt.solvers.Status.TOLERANCE_NOT_REACHED and len(solution.refinement) == len(errors)
+
+
+def test_a_small_objective_is_as_accurate_as_a_large_one() -> None:
+    """The last barrier leaves a nanounit of the objective at every active bound, more than the tolerance of 0.015.
+
+    A mass is moved by 1 m in 3 s with the least impulse: burn for a, coast, burn for a, where a (3 - a) = 1.
+    """
+    slider = rt.System(["x", "v"], ["ahead", "back"], lambda point: [point.x["v"], point.u["ahead"] - point.u["back"]])
+    solution = rt.plan(
+        rt.Phase(
+            slider,
+            duration=3.0,
+            start=rt.State([0, 0]),
+            end=rt.State([1, 0]),
+            objective=0.02 * rt.Lagrange(lambda point: point.u["ahead"] + point.u["back"]),
+            controls={"ahead": rt.between(0, 1), "back": rt.between(0, 1)},
+        ),
+        tolerance=1e-6,
+        solver=rt.Ipopt(),
+    )
+    assert solution.objective == pytest.approx(0.02 * (3 - np.sqrt(5)), rel=1e-6)
+
+
+def test_a_complementarity_that_the_user_asks_for_stays() -> None:
+    plain = rt.Ipopt(tolerance=1e-7)
+    assert plain.sharper(0.1).options == {"compl_inf_tol": pytest.approx(1e-8)}
+    assert plain.sharper(1e-9) == plain.sharper(1e-10)
+    own = rt.Ipopt(options={"compl_inf_tol": 1e-5})
+    assert own.sharper(0.1) is own
+
+
+def test_a_sharper_solver_that_fails_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The plan is the one of the solver as it was given."""
+    asked: list[rt.Ipopt] = []
+
+    def sharper(self: rt.Ipopt, factor: float) -> rt.Ipopt:
+        asked.append(replace(self, options={"max_iter": 0, "compl_inf_tol": factor * self.tolerance}))
+        return asked[-1]
+
+    monkeypatch.setattr(rt.Ipopt, "sharper", sharper)
+    monkeypatch.setattr(sharpening, "left_open", lambda solution: 1.0)
+    solution = rt.plan(swing_up(), tolerance=1e-6, solver=rt.Ipopt())
+    assert solution.success and solution.refinement[-1].error <= 1e-6
+    assert len(asked) == 3

@@ -1,0 +1,172 @@
+"""Planning again with other ends: what was made for the first plan is used, and the answer is that of a fresh plan."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+from robotraj.solvers.base import Origin
+from tests.solvers.stagewise.problems import GOAL, START, arm, pendulum, step, two_phases
+
+MESH = rt.Mesh(12)
+FATROP = {"solver": rt.Fatrop(), "interval_limits": rt.interval_limits.BernsteinBounds(), "progress": False}
+"""Guards are rows of one solution; without them a plan takes over the whole NLP."""
+OTHER = rt.State(q=np.add(GOAL, [-0.1, 0.05, 0.0, 0.1, 0.0, -0.2]), v=0)
+
+
+def origin(solution: rt.Solution) -> Origin:
+    assert solution.multipliers is not None
+    assert solution.multipliers.origin is not None
+    return solution.multipliers.origin
+
+
+@pytest.mark.parametrize("solver", [rt.Fatrop(), rt.Ipopt()])
+def test_a_plan_with_another_goal_is_that_of_a_fresh_one(solver: rt.Fatrop | rt.Ipopt) -> None:
+    problem = arm()
+    options = FATROP | {"solver": solver}
+    first = rt.plan(problem, MESH, **options)
+    again = rt.plan(problem.with_(end=OTHER), MESH, guess=first, **options)
+    fresh = rt.plan(rt.Problem([rt.Phase(**{**vars_of(problem), "end": OTHER})]), MESH, **options)
+    assert again.objective == pytest.approx(fresh.objective, rel=1e-8)
+    assert not again.violations()
+    np.testing.assert_allclose(again.at(again.duration).q, OTHER.q, atol=1e-9)
+    assert origin(again).nlp.blocks is origin(first).nlp.blocks
+
+
+def vars_of(problem: rt.Problem) -> dict[str, object]:
+    (phase,) = problem.phases
+    return {"subject": phase.subject, "duration": 1.0, "start": phase.start, "objective": phase.objective}
+
+
+def test_fatrop_keeps_its_compiled_program() -> None:
+    problem = arm()
+    first = rt.plan(problem, MESH, **FATROP)
+    again = rt.plan(problem.with_(end=OTHER), MESH, guess=first, **FATROP)
+    assert origin(again).compiled.native is origin(first).compiled.native  # type: ignore[attr-defined]
+    third = rt.plan(problem.with_(start=rt.State(q=np.add(START, 0.1), v=0)), MESH, guess=again, **FATROP)
+    assert third.success
+    assert origin(third).compiled.native is origin(first).compiled.native  # type: ignore[attr-defined]
+    # What an earlier solution says does not change when its program solves another problem.
+    np.testing.assert_allclose(first.at(first.duration).q, GOAL, atol=1e-9)
+    assert np.abs(first.multipliers.rows).max() > 0  # type: ignore[union-attr]
+
+
+def test_what_the_first_plan_prepared_is_not_counted_again() -> None:
+    options = FATROP | {"solver": rt.Ipopt()}
+    first = rt.plan(arm(), MESH, **options)
+    again = rt.plan(first.problem.with_(end=OTHER), MESH, guess=first, **options)
+    assert origin(again).nlp.blocks is origin(first).nlp.blocks
+    assert first.times["compile"] > 0
+    assert again.times["compile"] == 0
+    assert min(again.times.values()) >= 0
+
+
+def test_the_same_problem_again_takes_fewer_iterations() -> None:
+    problem = arm()
+    first = rt.plan(problem, MESH, **FATROP)
+    again = rt.plan(problem.with_(), MESH, guess=first, **FATROP)
+    assert again.iterations < first.iterations
+    assert again.objective == pytest.approx(first.objective, rel=1e-9)
+
+
+@pytest.mark.parametrize("change", ["mesh", "duration", "objective", "interval_limits"])
+def test_what_differs_in_more_is_transcribed_anew(change: str) -> None:
+    problem = arm()
+    first = rt.plan(problem, MESH, **FATROP)
+    other, mesh, options = problem, MESH, FATROP
+    if change == "mesh":
+        mesh = rt.Mesh(10)
+    elif change == "duration":
+        other = problem.with_(duration=1.1)
+    elif change == "objective":
+        other = problem.with_(objective=rt.Effort() + rt.Lagrange(lambda p: p.v[0] ** 2))
+    else:
+        options = FATROP | {"interval_limits": rt.interval_limits.ConstraintGeneration(rounds=0)}
+    again = rt.plan(other, mesh, guess=first, **options)
+    fresh = rt.plan(other, mesh, **options)
+    assert origin(again).nlp.blocks is not origin(first).nlp.blocks
+    assert again.objective == pytest.approx(fresh.objective, rel=1e-7)
+
+
+def test_phases_share_what_does_not_depend_on_their_ends() -> None:
+    (phase,) = arm().phases
+    moved = phase.with_(end=OTHER)
+    assert moved.dae is phase.dae
+    assert moved.end_bounds.lower[0] == OTHER.q[0]
+    assert phase.end_bounds.lower[0] == GOAL[0]
+
+
+def test_several_phases_take_their_outer_ends() -> None:
+    problem = two_phases().with_(start=rt.State({"x": 0.1, "v": 0}), end=rt.State({"x": 0.2, "v": 0}))
+    assert problem.phases[0].start_bounds.lower.tolist() == [0.1, 0]
+    assert problem.phases[1].end_bounds.lower.tolist() == [0.2, 0]
+    assert rt.plan(problem, rt.Mesh(5), progress=False).success
+
+
+def test_what_cannot_be_changed_is_named() -> None:
+    with pytest.raises(rt.InputError, match="which of 2 phases"):
+        two_phases().with_(duration=1.0)
+    with pytest.raises(rt.InputError, match="objective"):
+        pendulum().with_(objectives=rt.Duration())
+    with pytest.raises(rt.InputError, match="outside"):
+        arm().with_(end=rt.State(q=[100, 0, 0, 0, 0, 0], v=0))
+
+
+def test_contacts_are_transcribed_anew() -> None:
+    from tests.gait.test_five_link import guess
+
+    problem = step()
+    (phase,) = problem.phases
+    first = rt.plan(problem, rt.Mesh(6), guess=guess(phase.robot), progress=False)
+    again = rt.plan(problem.with_(start=rt.State()), rt.Mesh(6), guess=first, progress=False)
+    assert again.objective == pytest.approx(first.objective, rel=1e-7)
+
+
+def test_a_loop_may_write_to_its_arrays() -> None:
+    """A start that is measured into the same array over and over is what it was in the phases made before."""
+    q, weights, bounds = np.array(START), np.ones(6), {"elbow_joint": rt.between(-3, 3)}
+    phase = (
+        arm()
+        .phases[0]
+        .with_(
+            start=rt.State(q=q, v=0), objective=rt.Effort(weights), constraints=[rt.constraints.JointPosition(bounds)]
+        )
+    )
+    first = rt.plan(phase, MESH, **FATROP)
+    q += 0.1
+    weights *= 2
+    bounds["elbow_joint"] = rt.between(0, 1)
+    for other in (phase.with_(end=rt.State(q=GOAL, v=0)), phase.with_(duration=1.0)):
+        assert other.start_bounds.lower[:6].tolist() == START
+        again = rt.plan(other, MESH, guess=first, **FATROP)
+        assert again.objective == pytest.approx(first.objective, rel=1e-8)
+    (kept,) = first.problem.phases
+    np.testing.assert_array_equal(kept.start.q, START)  # type: ignore[union-attr]
+
+
+def moved(target: pin.SE3) -> None:
+    target.translation[0] += 1.0
+
+
+@pytest.mark.parametrize(
+    ("given", "change", "make"),
+    [
+        (np.zeros(6), lambda a: a.fill(9.0), lambda a: rt.constraints.JointVelocity(rt.between(a - 1, a))),
+        (np.zeros(6), lambda a: a.fill(9.0), lambda a: rt.constraints.JointVelocity(rt.between(a, None))),
+        ({"x": 0.4}, dict.clear, lambda a: rt.FramePosition("tool0", a)),
+        (pin.SE3.Identity(), moved, lambda a: rt.FramePose("tool0", a)),
+        (pin.SE3.Identity(), moved, lambda a: rt.objectives.TerminalPose("tool0", a)),
+        ([0.4, 0.0, 0.1], list.clear, lambda a: rt.objectives.TerminalPose("tool0", a)),
+        ([0.5], list.clear, lambda a: rt.PathConstraint(lambda p: p.q[0], lower=a)),
+        ({"v": 1.0}, dict.clear, lambda a: rt.links.Jump(0, 1, a)),
+    ],
+)
+def test_values_keep_what_they_were_made_of(given: Any, change: Any, make: Any) -> None:
+    value = make(given)
+    before = repr(value)
+    change(given)
+    assert repr(value) == before
