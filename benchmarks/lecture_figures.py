@@ -44,7 +44,7 @@ def saved(figure: Figure, number: int) -> Path:
     return path
 
 
-def pieces(solution: rt.Solution) -> list[tuple[Array, rt.Sample]]:
+def pieces(solution: rt.Solution) -> list[tuple[Array, rt.solution.Sample]]:
     """Sample every interval from inside it, so that controls jump at knots."""
     part = solution.phases[0]
     spans = zip(part.knots[:-1], part.knots[1:], strict=True)

@@ -1,7 +1,8 @@
 """IPOPT and fatrop on every case and on the examples' first problems: `python benchmarks/solvers.py`.
 
 Each problem is planned twice, once with each solver, from the same guess, with the same mesh or tolerance and
-`interval_limits=rt.interval_limits.ConstraintGeneration()`; fatrop has nothing to fall back on. Prints and writes solvers.md: which of them solved, which
+`interval_limits=rt.interval_limits.ConstraintGeneration()`; fatrop has nothing to fall back on. Prints and
+writes solvers.md: which of them solved, which
 found the better optimum, and their processor seconds. Swing-ups of the acrobot, whose optima lie close together, are
 planned on several meshes in several durations as well.
 """
@@ -80,7 +81,7 @@ class Timed(Solver):
     seconds: float = 0.0
     iterations: int = 0
 
-    def default_engine(self) -> rt.Engine:
+    def default_engine(self) -> rt.engines.Engine:
         """Give the solver's own."""
         return self.inner.default_engine()
 
@@ -339,7 +340,8 @@ def write(lines: list[Line], more: list[str]) -> None:
         "# IPOPT and fatrop",
         "",
         f"`python benchmarks/solvers.py`, {datetime.date.today().isoformat()}. The same guess, mesh or tolerance "
-        f"({TOLERANCE:g}) and `interval_limits=rt.interval_limits.ConstraintGeneration()` for both, each with its own engine, one thread, fatrop without "
+        f"({TOLERANCE:g}) and `interval_limits=rt.interval_limits.ConstraintGeneration()` for both, each with "
+        f"its own engine, one thread, fatrop without "
         f"anything to fall back on, {LIMIT:.0f} s a mesh. Processor seconds inside the solver, set-up included. "
         f"*uniform*: {UNIFORM.count} intervals of Hermite-Simpson; examples: their first plan, where it has at "
         f"most {LARGEST} variables. Objectives within {EQUAL:g} are the same optimum.",

@@ -70,7 +70,8 @@ def torques_apart(point: Any) -> Torques | None:
     Returns
     -------
     Torques or None
-        None where the point is no robot's, where its model has unknown parameters (``rt.Design``), or where a joint
+        None where the point is no robot's, where its model has unknown parameters (``rt.design.Design``), or
+        where a joint
         neither turns about an axis nor slides along one and is no free-flyer at the root. None too where nothing turns:
         the expressions then have M a + g itself, which is smaller than anything that could stand for it.
     """

@@ -47,7 +47,8 @@ def walk(
     With it the step begins with both feet on the ground, "double support", until the rear one lifts (``Liftoff``). With
     ``repeat=rt.Periodic(...)`` both steps of a stride are written, for robots that are not symmetric.
 
-    What comes back is a ``Problem`` to plan with ``rt.plan``, which starts from ``rt.guess.InvertedPendulum`` where no guess
+    What comes back is a ``Problem`` to plan with ``rt.plan``, which starts from ``rt.guess.InvertedPendulum``
+    where no guess
     is given, or to edit: ``dataclasses.replace(problem, phases=[dataclasses.replace(problem.phases[0], ...)])``.
 
     Parameters
@@ -64,7 +65,8 @@ def walk(
     double_support : float
         Share of the step with both feet on the ground, 0 to less than 1.
     clearance : float or None
-        Height [m] at which the swing foot passes the standing one, ``rt.constraints.SwingApex``; 0 asks it to stay above the
+        Height [m] at which the swing foot passes the standing one, ``rt.constraints.SwingApex``; 0 asks it to
+        stay above the
         ground, None for nothing at all, as for walkers without knees.
     objective : Objective, optional
         Of every phase. ``rt.Effort()`` by default; in space with the distance of the joints from how the robot stands,

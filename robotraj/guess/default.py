@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def default_guess(problem: Problem) -> Guess:
-    """``rt.guess.InvertedPendulum()`` where one robot with a free root stands on contacts, else ``rt.guess.StraightLine()``."""
+    """Choose the guess: an inverted pendulum for one robot with a free root on contacts, else a straight line."""
     robots = {id(phase.robot) for phase in problem.phases}
     robot = problem.phases[0].robot
     footed = any(contact.anchors for phase in problem.phases for contact in phase.bound_contacts)

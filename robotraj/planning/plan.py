@@ -52,7 +52,8 @@ def plan(
         mesh, of 20 intervals of Radau IIA with 3 points by default.
     guess : Guess or Solution, optional
         A straight line by default; an earlier solution on any mesh and scheme warm starts. Where a plan without
-        contacts leads nowhere, it begins elsewhere (``robotraj.planning.restarts``): from longer motions where a duration is
+        contacts leads nowhere, it begins elsewhere (``robotraj.planning.restarts``): from longer motions where
+        a duration is
         free, unless the guess has a course of its own, and from seeded variations of the default. The message of a
         solution on one mesh says so; with ``tolerance`` it is the last mesh's, which starts from the one before.
     solver : Solver, optional
@@ -61,24 +62,30 @@ def plan(
         second state; ``rt.Ipopt()`` for all else and with ``engine=rt.engines.Compiled()``.
     engine : Engine, optional
         Evaluates the point functions: by default ``rt.engines.Native()`` with ``rt.Fatrop()`` and for robots with a
-        free-flyer, ``rt.engines.VirtualMachine()`` with ``rt.Ipopt()`` for all else. The former is many times faster, the
-        numbers are the same to rounding, and neither needs a compiler; ``rt.engines.Compiled()`` keeps libraries of C for later
+        free-flyer, ``rt.engines.VirtualMachine()`` with ``rt.Ipopt()`` for all else. The former is many times
+        faster, the
+        numbers are the same to rounding, and neither needs a compiler; ``rt.engines.Compiled()`` keeps
+        libraries of C for later
         plans.
     tolerance : float, optional
         Refine the mesh until the relative error between the knots (``refinement.errors_of``) is below this and
         the objective has settled to it. Any scheme; those of low order, shooting with constant controls above all,
         take many intervals to settle. A tolerance that was not reached is said in the status.
     refinement : Refinement, optional
-        How meshes are refined; ``rt.refinement.SplitOrRaise()`` (hp) by default, which splits the intervals of shooting and
+        How meshes are refined; ``rt.refinement.SplitOrRaise()`` (hp) by default, which splits the intervals of
+        shooting and
         compressed collocation (h), since they have no order to raise.
     continuation : sequence of ContinuationStep
         Easier problems solved first, each the guess of the next: coarser meshes, fewer constraints, simpler
         objectives. The last stage, the problem itself, is understood.
     interval_limits : ConstraintGeneration, optional
-        What holds rows on states and controls between the collocation points: ``rt.interval_limits.ConstraintGeneration()`` imposes those on states
+        What holds rows on states and controls between the collocation points:
+        ``rt.interval_limits.ConstraintGeneration()`` imposes those on states
         where a solution breaks them and solves again, the default with ``rt.Ipopt()`` and for systems;
-        ``rt.interval_limits.BernsteinBounds()`` holds limits of speeds everywhere in one solve, and asks a little more than they do, the
-        default for robots with ``rt.Fatrop()``; ``rt.interval_limits.BernsteinBounds(controls=True)`` holds torques so too, the default for
+        ``rt.interval_limits.BernsteinBounds()`` holds limits of speeds everywhere in one solve, and asks a
+        little more than they do, the
+        default for robots with ``rt.Fatrop()``; ``rt.interval_limits.BernsteinBounds(controls=True)`` holds
+        torques so too, the default for
         these with a tolerance (``states=False`` where durations are fixed), and for systems (``states=False``). What is
         broken nevertheless is told:
         ``solution.interval_violations``, ``solution.control_interval_violations``.
@@ -112,7 +119,8 @@ def plan(
         engine = engine_for(problem, solver)
     if not isinstance(engine, Engine):
         raise InputError(
-            f"engine= must be rt.engines.VirtualMachine(), rt.engines.Native() or rt.engines.Compiled(); got {engine!r}."
+            f"engine= must be rt.engines.VirtualMachine(), rt.engines.Native() or rt.engines.Compiled(); got "
+            f"{engine!r}."
         )
     if tolerance is not None and not (isinstance(tolerance, float | int | np.number) and 0 < tolerance < 1):
         raise InputError(f"tolerance= is a relative error between 0 and 1, such as 1e-6; got {tolerance!r}.")
@@ -133,7 +141,8 @@ def plan(
             interval_limits = BernsteinBounds(states=False, controls=True)
     if not isinstance(interval_limits, ConstraintGeneration):
         raise InputError(
-            f"interval_limits= must be rt.interval_limits.ConstraintGeneration() or rt.interval_limits.BernsteinBounds(); got {interval_limits!r}."
+            f"interval_limits= must be rt.interval_limits.ConstraintGeneration() or "
+            f"rt.interval_limits.BernsteinBounds(); got {interval_limits!r}."
         )
     with watching(solver, progress) as show:
         # What few plans ask for is imported when it is asked for.

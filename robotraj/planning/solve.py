@@ -60,9 +60,11 @@ def solve(
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
-    Where a row on states turns out broken between collocation points, it is imposed there too, as ``interval_limits`` says,
+    Where a row on states turns out broken between collocation points, it is imposed there too, as
+    ``interval_limits`` says,
     and the problem solved again, from the last answer; only if ``hold``, where given, says of the first answer that
-    it is worth it. A guess brings its guards along, on the intervals that its mesh has as well, unless ``interval_limits`` has
+    it is worth it. A guess brings its guards along, on the intervals that its mesh has as well, unless
+    ``interval_limits`` has
     no rounds: then nothing is imposed. Where the problem with further rows cannot be solved, the solution without them
     stays, and ``interval_limits`` lists what is broken.
 

@@ -65,7 +65,8 @@ class Solution:
         Rows on states that are still broken between collocation points, worst first; empty where they all hold there.
     controls_between : tuple of Violation
         Bounds of controls and of algebraic variables, accelerations among them, that are exceeded by more than 1 %
-        there, worst first: their polynomials bulge where they switch, unless ``rt.interval_limits.BernsteinBounds(controls=True)`` holds
+        there, worst first: their polynomials bulge where they switch, unless
+        ``rt.interval_limits.BernsteinBounds(controls=True)`` holds
         them.
     impulses : tuple of mapping
         For every link of the problem, the impulses of its impact by name, ``"impulse.left_foot.z"`` [N s, N m s]; empty
@@ -222,7 +223,8 @@ class Solution:
         if self.control_interval_violations:
             worst = self.control_interval_violations[0]
             lines.append(
-                f"between collocation points: {worst}; interval_limits=rt.interval_limits.BernsteinBounds(controls=True) would hold it"
+                f"between collocation points: {worst}; "
+                f"interval_limits=rt.interval_limits.BernsteinBounds(controls=True) would hold it"
             )
         if not self.success:
             lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]

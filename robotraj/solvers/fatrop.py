@@ -1,6 +1,7 @@
 """fatrop, driven stage by stage through its own interface, with point functions evaluated in place.
 
-The problem is rewritten in stages (``robotraj.solvers.stagewise``) and handed to C++ once; an iteration runs no Python, and its
+The problem is rewritten in stages (``robotraj.solvers.stagewise``) and handed to C++ once; an iteration runs
+no Python, and its
 time grows with the number of intervals and no faster.
 Source: Vanroye, Sathya, De Schutter, Decre, FATROP: a fast constrained optimal control problem solver for robot
 trajectory optimization and control, IROS 2023.

@@ -71,7 +71,8 @@ def transcribe(
     engine : Engine, optional
         Evaluates the point functions; ``rt.engines.VirtualMachine()`` by default.
     interval_limits : ConstraintGeneration, optional
-        What holds rows between the collocation points; ``rt.interval_limits.ConstraintGeneration()``, which adds nothing yet, by default.
+        What holds rows between the collocation points; ``rt.interval_limits.ConstraintGeneration()``, which
+        adds nothing yet, by default.
 
     Returns
     -------

@@ -73,7 +73,7 @@ def test_what_the_motors_give_is_the_height_gained_and_the_impact(climb: rt.Solu
     assert robot is not None
     data = robot.model.createData()
 
-    def energy(sample: rt.sample.Sample) -> float:
+    def energy(sample: rt.solution.Sample) -> float:
         kinetic = pin.computeKineticEnergy(robot.model, data, sample.q, sample.v)
         return float(kinetic + pin.computePotentialEnergy(robot.model, data, sample.q))
 

@@ -103,7 +103,7 @@ def test_starts_share_a_transcription_and_the_compiled_program(monkeypatch: pyte
 
 
 @pytest.mark.parametrize("solver", [rt.Fatrop(), rt.Ipopt()])
-def test_a_start_ends_where_it_would_alone(solver: rt.Solver) -> None:
+def test_a_start_ends_where_it_would_alone(solver: rt.solvers.Solver) -> None:
     phase = two_ways()
     found = search(phase, solver=solver)
     assert found.iterations > 0

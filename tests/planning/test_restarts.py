@@ -180,5 +180,5 @@ def test_what_no_variation_can_do_is_infeasible() -> None:
 
 def test_a_seed_may_be_a_number() -> None:
     phase = around_a_ball()
-    one, other = (rt.guesses.Perturbed(rt.guess.StraightLine(), seed).of(phase, 0) for seed in (3, (3,)))
+    one, other = (rt.guess.Perturbed(rt.guess.StraightLine(), seed).of(phase, 0) for seed in (3, (3,)))
     np.testing.assert_array_equal(one.states(np.linspace(0, 1, 5)), other.states(np.linspace(0, 1, 5)))

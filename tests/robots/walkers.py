@@ -14,7 +14,7 @@ import robotraj as rt
 GRAVITY = 9.81
 
 
-def objective(robot: rt.Robot, contact: object, calm: float = 1e-5) -> rt.Objective:
+def objective(robot: rt.Robot, contact: object, calm: float = 1e-5) -> rt.objectives.Objective:
     """Give what a gait minimises by default, and a little of the joints' accelerations."""
     posture = rt.gait.gait_objective(robot, rt.gait.stand(robot, contact=contact))  # type: ignore[arg-type]
     return posture + calm * rt.Lagrange(lambda point: ca.sumsqr(point.a[6:]))

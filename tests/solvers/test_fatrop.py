@@ -248,7 +248,7 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
     ],
     ids=["stalls", "meets the limit", "stalls at a square"],
 )
-def test_what_runs_off_is_diverged_and_is_not_handed_on(objective: rt.Objective) -> None:
+def test_what_runs_off_is_diverged_and_is_not_handed_on(objective: rt.objectives.Objective) -> None:
     push = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
     phase = rt.Phase(push, 1.0, rt.State([0, 0]), rt.State([1, None]), objective)
     solution = rt.plan(phase, solver=rt.Fatrop(), check=False, progress=False)

@@ -50,7 +50,9 @@ def effort() -> rt.Lagrange:
     return rt.Lagrange(lambda p: p.u["fx"] ** 2 + p.u["fy"] ** 2)
 
 
-def moved(*constraints: rt.Constraint, start: Any = (0, 0, 0, 0), end: Any = (1, 1, 0, 0), **more: Any) -> rt.Phase:
+def moved(
+    *constraints: rt.constraints.Constraint, start: Any = (0, 0, 0, 0), end: Any = (1, 1, 0, 0), **more: Any
+) -> rt.Phase:
     return rt.Phase(plane(), 1.0, rt.State(start), rt.State(end), effort(), constraints=list(constraints), **more)
 
 
@@ -76,7 +78,9 @@ def reach(robot: rt.Robot, y: float) -> Array:
     return np.asarray(least_squares(missed, near, xtol=1e-15, ftol=1e-15, gtol=1e-15).x)
 
 
-def drawing(robot: rt.Robot, objective: rt.Objective, end: rt.State | None = None, *more: rt.Constraint) -> rt.Phase:
+def drawing(
+    robot: rt.Robot, objective: rt.objectives.Objective, end: rt.State | None = None, *more: rt.constraints.Constraint
+) -> rt.Phase:
     duration = (0.2, 3.0) if isinstance(objective, rt.Duration) else 1.5
     start, end = rt.State(q=reach(robot, 0.3), v=0), end or rt.State(q=reach(robot, -0.3), v=0)
     return rt.Phase(robot, duration, start, end, objective, constraints=[LINE, DOWN, *more])
@@ -121,7 +125,7 @@ def test_orders_beyond_two_and_inequalities() -> None:
 
 
 @pytest.mark.parametrize("objective", [rt.Effort(), rt.objectives.Jerk()], ids=["accelerations", "jerks"])
-def test_poses_are_of_the_order_of_accelerations(ur5: rt.Robot, objective: rt.Objective) -> None:
+def test_poses_are_of_the_order_of_accelerations(ur5: rt.Robot, objective: rt.objectives.Objective) -> None:
     phase = drawing(ur5, objective)
     assert [equation.order for equation in equations_of(phase)] == [2] * 4
     # Where rates of torques are chosen, the accelerations that the phase starts with follow from the torques.
@@ -155,7 +159,7 @@ def test_a_rate_stands_at_an_end_that_does_not_settle_it(end: Any, last: float) 
 
 @each_scheme
 @pytest.mark.parametrize("solver", [ALONE, rt.Ipopt()], ids=["fatrop", "ipopt"])
-def test_a_straight_line_is_the_closed_form(scheme: Any, intervals: int, solver: rt.Solver) -> None:
+def test_a_straight_line_is_the_closed_form(scheme: Any, intervals: int, solver: rt.solvers.Solver) -> None:
     """Along x = y both move by the same acceleration a: 12 times the distance squared of (1 + 4) a^2, 60."""
     solution = rt.plan(moved(diagonal()), rt.Mesh(intervals, scheme), solver=solver, progress=False)
     exact = scheme not in (rt.schemes.Trapezoidal(), rt.schemes.RadauIIA(1))

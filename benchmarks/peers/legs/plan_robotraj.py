@@ -65,7 +65,7 @@ def periodic(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
     return problem, [rt.Mesh(stance if len(p.contacts) == len(walk.feet) else swing) for p in problem.phases]
 
 
-def foot_of(walk: Walk, frame: str) -> rt.Contact:
+def foot_of(walk: Walk, frame: str) -> rt.contacts.Contact:
     """Give the contact of a foot."""
     if walk.sole is None:
         return rt.PointContact(frame, friction=walk.friction)
@@ -145,7 +145,7 @@ class Still:
         return {"q": self.q, "v": self.v}
 
 
-def objective_of(walk: Walk, robot: rt.Robot) -> rt.Objective:
+def objective_of(walk: Walk, robot: rt.Robot) -> rt.objectives.Objective:
     """Effort, posture as ``rt.gait`` weighs it, and calm joints: 0.3 s of speed counts as much as distance."""
     q = standing(walk, robot)
     data = robot.model.createData()

@@ -9,7 +9,8 @@ from typing import Any
 from walks import WALKS
 
 NAMES = {
-    "crocoddyl": "Crocoddyl 3.2.1", "robotraj": "robotraj", "robotraj compiled": "robotraj, `engine=rt.engines.Compiled()`",
+    "crocoddyl": "Crocoddyl 3.2.1", "robotraj": "robotraj", "robotraj compiled": "robotraj, "
+    "`engine=rt.engines.Compiled()`",
     "robotraj fatrop": "robotraj, fatrop",
     "robotraj periodic": "robotraj, one step that repeats",
     "robotraj periodic fatrop": "robotraj, fatrop, one step that repeats",

@@ -102,7 +102,8 @@ class FlatFoot(Contact):
         positive(self.friction, f"friction of {who}", "")
         if not isinstance(self.sole, Sole):
             raise InputError(
-                f"The sole of {who} is {self.sole!r}; give rt.contacts.PressureAndTorsion() or rt.contacts.FourCorners()."
+                f"The sole of {who} is {self.sole!r}; give rt.contacts.PressureAndTorsion() or "
+                f"rt.contacts.FourCorners()."
             )
         keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
         keep(self, length=_length(self.length, f"length of {who}"))

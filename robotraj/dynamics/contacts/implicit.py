@@ -36,9 +36,11 @@ class ImplicitContact(Contact):
         phi n <= e,    mu n - sum b_k >= 0,    (mu n - sum b_k) s <= e,
         s + d_k' v >= 0,    (s + d_k' v) b_k <= e,
 
-    where e, the relaxation, goes to zero in stages (``rt.planning.tightening``): a force only where the foot touches, sticking
+    where e, the relaxation, goes to zero in stages (``rt.planning.tightening``): a force only where the foot
+    touches, sticking
     inside the friction cone and the most dissipating force where it slips. At the end of a step an impact is a force
-    that lasts one interval: plan with one collocation point at the end of each, ``rt.schemes.RadauIIA(1)`` (implicit Euler), on
+    that lasts one interval: plan with one collocation point at the end of each, ``rt.schemes.RadauIIA(1)``
+    (implicit Euler), on
     short motions.
     Source: Posa, Cantu and Tedrake, A direct method for trajectory optimization of rigid bodies through contact, Int.
     J. Robotics Research 33 (2014), section 3.
@@ -78,7 +80,8 @@ class ImplicitContact(Contact):
         object.__setattr__(self, "offset", offset_of(self.offset, who))
         if not isinstance(as_ground(self.ground), Flat | Slope):
             raise InputError(
-                f"{who} finds its contacts on a plane, rt.terrain.Flat() or rt.terrain.Slope(...); the ground is {self.ground!r}. Give "
+                f"{who} finds its contacts on a plane, rt.terrain.Flat() or rt.terrain.Slope(...); the ground "
+                f"is {self.ground!r}. Give "
                 "the sequence of contacts by phases with rt.PointContact on other grounds."
             )
 

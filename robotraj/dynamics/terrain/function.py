@@ -50,5 +50,6 @@ def as_ground(value: Any) -> Ground:
     if callable(value):
         return HeightFunction(value)
     raise InputError(
-        f"ground must be rt.terrain.Flat, rt.terrain.Slope, rt.terrain.Steps, rt.terrain.HeightMap or a function of (x, y) [m]; got {value!r}."
+        f"ground must be rt.terrain.Flat, rt.terrain.Slope, rt.terrain.Steps, rt.terrain.HeightMap or a "
+        f"function of (x, y) [m]; got {value!r}."
     )

@@ -57,7 +57,8 @@ class HeightMap(Ground):
         if len(bad):
             i, j = (int(k) for k in bad[0])
             raise InputError(
-                f"rt.terrain.HeightMap: heights[{i}, {j}] is {heights[i, j]}, one of {len(bad)} that are not finite; fill them."
+                f"rt.terrain.HeightMap: heights[{i}, {j}] is {heights[i, j]}, one of {len(bad)} that are not "
+                f"finite; fill them."
             )
         heights.setflags(write=False)
         object.__setattr__(self, "heights", heights)

@@ -46,14 +46,16 @@ class Steps(Ground):
         object.__setattr__(self, "heights", heights)
         if len(heights) != len(edges) + 1:
             raise InputError(
-                f"rt.terrain.Steps has {len(edges)} edges and {len(heights)} heights; it needs one height more than edges."
+                f"rt.terrain.Steps has {len(edges)} edges and {len(heights)} heights; it needs one height more "
+                f"than edges."
             )
         if not np.isfinite([*edges, *heights, self.width]).all() or not self.width > 0:
             raise InputError(f"{self!r}: edges, heights and a width above 0 are finite numbers in metres.")
         for (left, right), (a, b) in zip(zip(self.risers, self.risers[1:], strict=False), _pairs(edges), strict=True):
             if not (b > a and right[0] >= left[1]):
                 raise InputError(
-                    f"rt.terrain.Steps: the edges x = {a:g} m and {b:g} m do not leave room for ramps of {self.width:g} m; "
+                    f"rt.terrain.Steps: the edges x = {a:g} m and {b:g} m do not leave room for ramps of "
+                    f"{self.width:g} m; "
                     "edges must increase by more than the width."
                 )
 

@@ -77,8 +77,8 @@ class Compiler:
         if done.returncode:
             words = "\n".join(done.stderr.splitlines()[:10])
             raise CompilationFailed(
-                f"{self.command} failed with code {done.returncode}; engine=rt.engines.VirtualMachine() needs no compiler.\n"
-                + words
+                f"{self.command} failed with code {done.returncode}; engine=rt.engines.VirtualMachine() needs "
+                f"no compiler.\n" + words
             )
 
 
@@ -103,7 +103,8 @@ def find_compiler(command: str | None = None) -> Compiler:
     sought = repr(command) if command else " or ".join(CANDIDATES)
     raise InputError(
         f"rt.engines.Compiled() needs a C compiler, and {sought} is not on this machine's path. Install gcc or clang "
-        "(Debian and Ubuntu: apt install gcc), or plan with engine=rt.engines.VirtualMachine(), the default, which needs none."
+        "(Debian and Ubuntu: apt install gcc), or plan with engine=rt.engines.VirtualMachine(), the default, "
+        "which needs none."
     )
 
 

@@ -28,7 +28,7 @@ class Native(Engine):
     machine.
 
     Joints that neither turn about an axis nor slide along one, but for a free-flyer at the root, and models with
-    unknown parameters (``rt.Design``) have their dynamics as a graph.
+    unknown parameters (``rt.design.Design``) have their dynamics as a graph.
 
     Parameters
     ----------

@@ -33,9 +33,11 @@ class GroundClearance(Constraint):
         Frames whose origins are kept clear; points ``("foot", (0.1, 0, -0.02))`` fixed in a frame [m];
         ``rt.constraints.CollisionShapes("foot")``, the shapes that the URDF gives a link.
     height : float, RequiredHeight or callable
-        Clearance [m]; ``rt.constraints.SwingApex(0.05, start, end)`` over the way of a swing foot; or a function of the point.
+        Clearance [m]; ``rt.constraints.SwingApex(0.05, start, end)`` over the way of a swing foot; or a
+        function of the point.
     ground : Ground or callable
-        ``rt.terrain.Flat()`` (the default), ``rt.terrain.Slope``, ``rt.terrain.Steps``, ``rt.terrain.HeightMap`` or any function of (x, y) written
+        ``rt.terrain.Flat()`` (the default), ``rt.terrain.Slope``, ``rt.terrain.Steps``,
+        ``rt.terrain.HeightMap`` or any function of (x, y) written
         with CasADi.
     """
 

@@ -167,7 +167,8 @@ def spots_of(what: Any, robot: Robot) -> list[Spot]:
         return [Spot(frame, f"{frame} ({', '.join(f'{v:g}' for v in offset)})", offset)]
     if not isinstance(what, Sequence):
         raise InputError(
-            f"GroundClearance names {what!r}; give frames, points ('frame', (x, y, z)) or rt.constraints.CollisionShapes('link')."
+            f"GroundClearance names {what!r}; give frames, points ('frame', (x, y, z)) or "
+            f"rt.constraints.CollisionShapes('link')."
         )
     return [spot for entry in what for spot in spots_of(entry, robot)]
 

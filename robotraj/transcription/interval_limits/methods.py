@@ -71,7 +71,8 @@ class BernsteinBounds(ConstraintGeneration):
         as ``rt.plan`` does where it refines with fatrop. Off, they hold at the sites of the scheme, as its published
         optima have them.
     states : bool
-        Impose bounds of states so. Off, they are dealt with as in ``ConstraintGeneration``, which takes nothing from the optimum.
+        Impose bounds of states so. Off, they are dealt with as in ``ConstraintGeneration``, which takes
+        nothing from the optimum.
 
     Notes
     -----

@@ -46,7 +46,8 @@ def _explicit(phase: Phase, mesh: Mesh) -> Phase:
         )
     if isinstance(scheme, SingleShooting) and isinstance(mesh, MovingMesh):
         raise InputError(
-            f"SingleShooting cannot move the knots of phase {phase.name!r}; use rt.schemes.MultipleShooting with rt.schemes.MovingMesh."
+            f"SingleShooting cannot move the knots of phase {phase.name!r}; use rt.schemes.MultipleShooting "
+            f"with rt.schemes.MovingMesh."
         )
     if phase.robot is not None and isinstance(phase.dynamics, InverseDynamics):
         if phase.algebraic:

@@ -67,7 +67,8 @@ def second_opinion(
         raise InputError(f"step = {step!r}; give a positive time [s].")
     if not (feedback is None or isinstance(feedback, Feedback)):
         raise InputError(
-            f"feedback = {feedback!r}; give rt.witness.LinearQuadratic(), rt.witness.JointFeedback() or rt.witness.NoFeedback(), or nothing."
+            f"feedback = {feedback!r}; give rt.witness.LinearQuadratic(), rt.witness.JointFeedback() or "
+            f"rt.witness.NoFeedback(), or nothing."
         )
     if not (ground is None or isinstance(ground, SoftGround)):
         raise InputError(

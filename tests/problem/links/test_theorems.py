@@ -200,7 +200,7 @@ def test_time_runs_on_where_no_link_says_when_a_phase_starts(push: Any) -> None:
     ],
     ids=["equal duration", "durations", "total", "place", "parameter"],
 )
-def test_a_link_that_says_nothing_of_a_start_time_leaves_time_running_on(push: Any, link: rt.Link) -> None:
+def test_a_link_that_says_nothing_of_a_start_time_leaves_time_running_on(push: Any, link: rt.links.Link) -> None:
     known = {"parameters": {"p": rt.between(0, 1)}}
     phases = [push.phase((1.5, 3), [0, 0], [1, 0], **known), push.phase((1.5, 3), [1, 0], [2, 0], **known)]
     problem = rt.Problem(phases, [link])

@@ -8,12 +8,12 @@ import pytest
 import robotraj as rt
 
 
-def reach(robot: rt.Robot, objective: rt.Objective, **more: object) -> rt.Phase:
+def reach(robot: rt.Robot, objective: rt.objectives.Objective, **more: object) -> rt.Phase:
     ends = {"start": rt.State(q=0, v=0), "end": rt.State(q=[0.5, 0.5], v=0)}
     return rt.Phase(robot, duration=2.0, objective=objective, **ends, **more)
 
 
-def designed(objective: rt.Objective, mass: object) -> rt.Phase:
+def designed(objective: rt.objectives.Objective, mass: object) -> rt.Phase:
     arm = rt.load("two_link_arm", limits={"effort": 100.0, "velocity": 100.0})
     return reach(arm, objective, parameters={"m": mass}, design={"m": rt.design.BodyMass("forearm")})
 

@@ -12,7 +12,9 @@ from robotraj._util.errors import InputError, UnknownName
 MESH = rt.Mesh(40, rt.schemes.LobattoIIIA(4))
 
 
-def rest_to_rest(robot: rt.Robot, q: list[float], duration: float, objective: rt.Objective, **more: object) -> rt.Phase:
+def rest_to_rest(
+    robot: rt.Robot, q: list[float], duration: float, objective: rt.objectives.Objective, **more: object
+) -> rt.Phase:
     return rt.Phase(
         robot,
         duration=duration,

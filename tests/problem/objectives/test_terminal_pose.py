@@ -58,7 +58,7 @@ def test_a_reachable_pose_is_reached(ur5: rt.Robot, with_rotation: bool) -> None
 
 
 def test_frames_and_poses_are_checked(ur5: rt.Robot) -> None:
-    def phase(objective: rt.Objective) -> rt.Phase:
+    def phase(objective: rt.objectives.Objective) -> rt.Phase:
         return rt.Phase(ur5, duration=1.0, objective=objective)
 
     with pytest.raises(UnknownName, match="tool1"):

@@ -99,7 +99,7 @@ def test_a_frame_follows_a_path(arm: rt.Robot) -> None:
 
 
 def test_what_the_reference_does_not_give_is_named(arm: rt.Robot) -> None:
-    def phase(objective: rt.Objective) -> rt.Phase:
+    def phase(objective: rt.objectives.Objective) -> rt.Phase:
         return rt.Phase(arm, duration=1.0, objective=objective)
 
     with pytest.raises(InputError, match="'q'"):

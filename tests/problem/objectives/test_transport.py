@@ -16,14 +16,14 @@ def block() -> rt.Robot:
     return rt.load("block", limits={"effort": 20.0})
 
 
-def move(block: rt.Robot, objective: rt.Objective, end: object = 1.0) -> rt.Phase:
+def move(block: rt.Robot, objective: rt.objectives.Objective, end: object = 1.0) -> rt.Phase:
     return rt.Phase(block, duration=1.0, start=rt.State(q=0, v=0), end=rt.State(q=end, v=0), objective=objective)
 
 
 @pytest.mark.parametrize("frame", [None, "block"])
 @pytest.mark.parametrize("work", [rt.objectives.AbsolutePower(), rt.Effort()], ids=["absolute power", "effort"])
 def test_over_a_fixed_distance_it_is_the_work_by_weight_and_distance(
-    block: rt.Robot, frame: str | None, work: rt.Objective
+    block: rt.Robot, frame: str | None, work: rt.objectives.Objective
 ) -> None:
     ratio = rt.plan(move(block, rt.objectives.CostOfTransport(frame, work=work)), mesh=MESH)
     total = rt.plan(move(block, work), mesh=MESH)

@@ -18,7 +18,7 @@ def block() -> rt.Robot:
     return rt.load("block", limits={"effort": 20.0, "position": (-100.0, 100.0)})
 
 
-def move(block: rt.Robot, objective: rt.Objective, **changes: object) -> rt.Phase:
+def move(block: rt.Robot, objective: rt.objectives.Objective, **changes: object) -> rt.Phase:
     ends = {"start": rt.State(q=0, v=0), "end": rt.State(q=1, v=0)}
     return rt.Phase(block, **({"duration": 1.0, "objective": objective} | ends | changes))
 

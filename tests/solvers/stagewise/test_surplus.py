@@ -37,13 +37,13 @@ def reaching(robot: rt.Robot, x: float, y: float) -> Array:
     return np.asarray(found.x)
 
 
-def level(robot: rt.Robot, end: rt.State, *more: rt.Constraint, **options: object) -> rt.Problem:
+def level(robot: rt.Robot, end: rt.State, *more: rt.constraints.Constraint, **options: object) -> rt.Problem:
     start = rt.State(q=reaching(robot, 0.4, 0.3), v=0)
     settings = {"duration": 1.5, "objective": rt.Effort()} | options
     return rt.Problem([rt.Phase(robot, start=start, end=end, constraints=[LEVEL, *more], **settings)])  # type: ignore[arg-type]
 
 
-def solve(problem: rt.Problem, solver: rt.Solver, guess: rt.Solution | None = None) -> rt.Solution:
+def solve(problem: rt.Problem, solver: rt.solvers.Solver, guess: rt.Solution | None = None) -> rt.Solution:
     return rt.plan(
         problem,
         MESH,
@@ -64,7 +64,7 @@ def test_rows_of_fixed_columns_are_no_equations(robot: rt.Robot) -> None:
 
 
 @pytest.mark.parametrize("objective", [rt.Effort(), rt.Duration()], ids=["effort", "time"])
-def test_a_hand_held_at_a_height_is_planned_as_by_ipopt(robot: rt.Robot, objective: rt.Objective) -> None:
+def test_a_hand_held_at_a_height_is_planned_as_by_ipopt(robot: rt.Robot, objective: rt.objectives.Objective) -> None:
     duration = 1.5 if isinstance(objective, rt.Effort) else (0.3, 4.0)
     end = rt.State(q=reaching(robot, 0.4, -0.3), v=0)
     problem = level(robot, end, objective=objective, duration=duration)
