@@ -37,15 +37,15 @@ from .problem.links.periodic import Mirror, Periodic
 from .problem.links.touchdown import Liftoff, Touchdown
 from .problem.objectives.duration import Duration
 from .problem.objectives.effort import Effort
-from .problem.objectives.lagrange import Lagrange
-from .problem.objectives.mayer import Mayer
+from .problem.objectives.expressions import Lagrange, Mayer
 from .problem.phase import Phase
 from .problem.problem import Problem
 from .problem.state import State
 from .replay_page.write import replay
 from .robot.known_robots.catalogue import catalogue
 from .robot.limits import Limits
-from .robot.robot import Robot, load
+from .robot.load import load
+from .robot.robot import Robot
 from .solution.solution import Solution, load_solution
 from .solvers.fatrop import Fatrop
 from .solvers.ipopt import Ipopt

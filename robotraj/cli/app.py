@@ -20,7 +20,7 @@ from robotraj.native.engines.compiled import Compiled
 from robotraj.planning.plan import plan
 from robotraj.replay_page.write import html_path, replay
 from robotraj.robot.known_robots.catalogue import catalogue
-from robotraj.robot.robot import load
+from robotraj.robot.load import load
 from robotraj.solution.solution import Solution, load_solution
 from robotraj.transcription.schemes.control import LinearControl, PolynomialControl
 from robotraj.transcription.schemes.lobatto import HermiteSimpson

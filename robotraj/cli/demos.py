@@ -15,7 +15,7 @@ from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.effort import Effort
 from robotraj.problem.phase import Phase
 from robotraj.problem.state import State
-from robotraj.robot.robot import load
+from robotraj.robot.load import load
 from robotraj.transcription.schemes.control import ConstantControl, LinearControl
 from robotraj.transcription.schemes.lobatto import FifthDegree, HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh

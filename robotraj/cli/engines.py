@@ -13,7 +13,7 @@ from robotraj.native.engines.compiled import Compiled
 from robotraj.planning.compilation import precompile
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.robot.robot import load
+from robotraj.robot.load import load
 from robotraj.solution.solution import load_solution
 from robotraj.transcription.schemes.control import LinearControl
 from robotraj.transcription.schemes.lobatto import HermiteSimpson

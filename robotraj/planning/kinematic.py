@@ -20,7 +20,7 @@ from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, symbol
 from robotraj.problem.constraints.joint_limits import JointEffort
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.duration import Duration
-from robotraj.problem.objectives.lagrange import Lagrange
+from robotraj.problem.objectives.expressions import Lagrange
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.chart import way

@@ -63,7 +63,7 @@ def page(heading: Heading, description: dict[str, Any], commands: bytes | None) 
 
 
 def _own(name: str) -> str:
-    return resources.files("robotraj.replay_page").joinpath(name).read_text(encoding="utf-8")
+    return resources.files("robotraj.replay_page").joinpath("web", name).read_text(encoding="utf-8")
 
 
 def _meshcat(name: str) -> str:

@@ -96,7 +96,7 @@ def replay(
     scene = None
     if robot is not None:
         # Imported here, since meshcat and trimesh take a second that planning alone need not wait for.
-        from robotraj.replay_page.scene import scene_of
+        from robotraj.replay_page.scene.scene import scene_of
 
         scene = scene_of(robot, course, int(fps), names)
     description = {

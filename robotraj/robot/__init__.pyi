@@ -5,7 +5,8 @@ Start with ``robot.py``. The room may import ``symbolic`` and ``_util``.
 
 from .known_robots.catalogue import catalogue
 from .limits import Limits
-from .robot import Robot, load
+from .load import load
+from .robot import Robot
 
 __all__ = [
     "Limits",

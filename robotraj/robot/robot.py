@@ -1,9 +1,7 @@
-"""The robot: a frozen planning model with limits, motors, damping and friction; and ``load``."""
+"""The robot: a frozen planning model with limits, motors, damping and friction."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,19 +13,15 @@ import pinocchio as pin
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
 from robotraj.robot.configuration import as_vector, unit_quaternion
-from robotraj.robot.known_robots.catalogue import catalogue
 from robotraj.robot.limits import Limits
-from robotraj.robot.loading.assembly import assemble, units
+from robotraj.robot.loading.assembly import units
 from robotraj.robot.loading.geometry import Geometry, NoGeometry
-from robotraj.robot.loading.source import describe
 from robotraj.robot.loading.surgery import names_of
 from robotraj.robot.root import QUATERNION, root_of
-from robotraj.robot.table import table
+from robotraj.robot.table import Joints, joint_table, number
 
 if TYPE_CHECKING:
     from robotraj.symbolic import SymbolicModel
-
-__all__ = ["Limits", "Robot", "catalogue", "load"]
 
 Array = npt.NDArray[np.float64]
 
@@ -102,7 +96,24 @@ class Robot:
             raise InputError(f"friction_speed is {self.friction_speed}; it must be a positive speed [rad/s, m/s].")
 
     def __repr__(self) -> str:
-        return table(self)
+        """Tabulate the joints, with what loading decided as notes."""
+        limits, quaternion = self.limits, self.nq - self.nv
+        root = "" if self.root == "fixed" else f"{self.root} root, "
+        moving = self.nv - limits.free
+        title = (
+            f"{self.name}: {root}{moving} moving joint{'s' if moving != 1 else ''}, {self.nu} actuated, "
+            f"{self.mass:.4g} kg moving, from {self.origin}"
+        )
+        # A floating root's positions belong to no joint: they stand in a line of their own.
+        neutral = np.where(np.arange(self.nv) < limits.free if quaternion else False, np.nan, self.neutral[quaternion:])
+        motors = [joint in self.actuated for joint in self.velocity_names]
+        joints = Joints(self.velocity_names, self.units, limits, motors, self.damping, self.friction, neutral)
+        lines = [title, *joint_table(joints)]
+        if quaternion:
+            place = list(zip(self.position_names, self.neutral, self.position_units, strict=True))[: limits.free + 1]
+            stands = ", ".join(f"{name} {number(value, unit)}" for name, value, unit in place)
+            lines.append(f"neutral root: {stands}; velocities in the root link's own axes")
+        return "\n".join([*lines, *(f"note: {note}" for note in (*self.notes, *limits.complaints(self.actuated)))])
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the fields only: meshes and compiled functions are made again where they are wanted."""
@@ -122,6 +133,11 @@ class Robot:
     def nu(self) -> int:
         """Number of motors."""
         return len(self.actuated)
+
+    @cached_property
+    def mass(self) -> float:
+        """Mass of the moving links [kg]."""
+        return float(sum(inertia.mass for inertia in list(self.model.inertias)[1:]))
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
@@ -241,55 +257,3 @@ class Robot:
         """
         speed = np.asarray(v, dtype=float)
         return self.damping * speed + self.friction * np.tanh(speed / self.friction_speed)
-
-
-def load(
-    source: Any,
-    *,
-    package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
-    actuated: Iterable[str] | None = None,
-    locked: Mapping[str, float] | None = None,
-    root: str = "fixed",
-    limits: Limits | Mapping[str, Any] | None = None,
-) -> Robot:
-    """Load a robot for planning.
-
-    Parameters
-    ----------
-    source : str, path, pinocchio.Model or pinocchio.RobotWrapper
-        A name (``catalogue()`` lists them; robotraj's own win over example-robot-data's), the path of a URDF
-        file, or a model, which is copied and never written to.
-    package_dirs : path or sequence of paths
-        Folders to find meshes in, before the URDF's own, those above it and ROS's package paths.
-    actuated : iterable of str, optional
-        Joints with a motor. Default: those the catalogue knows (acrobot: the elbow; cartpole: the slider),
-        else all.
-    locked : mapping, optional
-        Joints held at a value, ``{"wrist": 0.0}`` [rad, m]; they are no part of q and v any more.
-    root : str
-        ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the plane y = 0 and turns about y;
-        ``"floating"``: it moves freely, with a quaternion. Neither has motors, limits or damping; see ``Robot``. A
-        model whose first joint is a free-flyer takes ``"floating"``.
-    limits : mapping or Limits, optional
-        Overrides by quantity: ``{"position": {"elbow": (-1, 1)}, "velocity": 3.0, "effort": {"elbow":
-        20}}``; see ``Limits.with_``.
-
-    Returns
-    -------
-    Robot
-        Frozen. ``print(robot)`` shows its joints, limits and what loading decided.
-
-    Raises
-    ------
-    InputError
-        An unknown name, an unreadable file, joints with more than one degree of freedom, names that the root
-        would share with joints or links, nothing left to move, impossible limits.
-
-    Notes
-    -----
-    Joints that the URDF couples by ``<mimic>`` are locked together with their leader, because Pinocchio's
-    forward dynamics has no coupled joints: ``locked={leader: value}`` says where. Rotor inertias are added
-    to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
-    limits.
-    """
-    return Robot(**assemble(describe(source, package_dirs), actuated, locked, limits, root))

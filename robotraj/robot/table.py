@@ -1,13 +1,14 @@
-"""A robot as a table for people: one line per joint."""
+"""A robot's joints as a table: one line per joint."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
+from robotraj.robot.limits import Limits
 
 HEAD = (
     "joint",
@@ -24,48 +25,58 @@ HEAD = (
 RATES = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
 
 
-def _number(value: float, unit: str = "") -> str:
-    return "-" if np.isinf(value) else f"{value:.4g} {unit}".strip()
+class Joints(NamedTuple):
+    """What the table lists of every joint, in the order of the velocities.
+
+    Attributes
+    ----------
+    names, units : sequence of str
+    limits : Limits
+    motors : sequence of bool
+    damping, friction : (nv,) [N m s/rad, N s/m], [N m, N]
+    neutral : (nv,) [rad, m]
+        NaN where the joint's position is a part of a quaternion.
+    """
+
+    names: Sequence[str]
+    units: Sequence[str]
+    limits: Limits
+    motors: Sequence[bool]
+    damping: NDArray[np.float64]
+    friction: NDArray[np.float64]
+    neutral: NDArray[np.float64]
+
+
+def number(value: float, unit: str = "") -> str:
+    """Write a number with its unit; ``-`` where there is none."""
+    return f"{value:.4g} {unit}".strip() if np.isfinite(value) else "-"
 
 
 def _interval(low: float, high: float) -> str:
     return "-" if np.isinf(low) and np.isinf(high) else f"[{low:.4g}, {high:.4g}]"
 
 
-def table(robot: Robot) -> str:
-    """Write the robot's joints with units, limits (``-``: none), motors and damping; then its notes."""
-    limits = robot.limits
+def joint_table(joints: Joints) -> list[str]:
+    """Write the joints with units, limits (``-``: none), motors and damping, a line each."""
+    limits = joints.limits
     rows = [HEAD]
-    quaternion = robot.nq - robot.nv  # a floating root's positions are no joints'
-    for i, (joint, unit) in enumerate(zip(robot.velocity_names, robot.units, strict=True)):
+    for i, (joint, unit) in enumerate(zip(joints.names, joints.units, strict=True)):
         speed, rate, effort = RATES[unit]
         rows.append(
             (
                 joint,
                 unit,
                 _interval(limits.position_lower[i], limits.position_upper[i]),
-                _number(limits.velocity[i], speed),
-                _number(limits.acceleration[i], rate),
-                _number(limits.effort[i], effort),
-                "yes" if joint in robot.actuated else "no",
-                _number(robot.damping[i]),
-                _number(robot.friction[i]),
-                "-" if quaternion and i < limits.free else _number(robot.neutral[i + quaternion]),
+                number(limits.velocity[i], speed),
+                number(limits.acceleration[i], rate),
+                number(limits.effort[i], effort),
+                "yes" if joints.motors[i] else "no",
+                number(joints.damping[i]),
+                number(joints.friction[i]),
+                number(joints.neutral[i]),
             )
         )
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     lines.insert(1, "-" * max(len(line) for line in lines))
-    moving = robot.nv - limits.free
-    root = "" if robot.root == "fixed" else f"{robot.root} root, "
-    title = (
-        f"{robot.name}: {root}{moving} moving joint{'s' if moving != 1 else ''}, {robot.nu} actuated, "
-        f"{sum(inertia.mass for inertia in list(robot.model.inertias)[1:]):.4g} kg moving, from "
-        f"{robot.origin}"
-    )
-    if quaternion:
-        place = zip(robot.position_names, robot.neutral, robot.position_units, strict=True)
-        stands = ", ".join(f"{name} {_number(value, unit)}" for name, value, unit in list(place)[: limits.free + 1])
-        lines.append(f"neutral root: {stands}; velocities in the root link's own axes")
-    notes = [f"note: {note}" for note in (*robot.notes, *robot.limits.complaints(robot.actuated))]
-    return "\n".join([title, *lines, *notes])
+    return lines

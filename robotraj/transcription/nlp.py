@@ -159,7 +159,7 @@ class Nlp:
         """Plot the sparsity of the Jacobian and of the Lagrangian's Hessian."""
         from robotraj.transcription.spy import spy
 
-        return spy(self)
+        return spy(self.functions, self.rows, len(self.variables))
 
     def __str__(self) -> str:
         jacobian = self.functions.jacobian.nnz_out(1)

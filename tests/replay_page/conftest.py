@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.robot.robot import load
+from robotraj.robot.load import load
 
 
 class Where(Enum):

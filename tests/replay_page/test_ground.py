@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.replay_page.ground import ground_of
+from robotraj.replay_page.scene.ground import ground_of
 
 LOW, HIGH = np.array([-0.5, -0.5, 0.0]), np.array([0.5, 0.5, 1.0])
 

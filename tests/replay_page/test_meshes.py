@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from robotraj.replay_page.meshes import read_mesh
+from robotraj.replay_page.scene.meshes import read_mesh
 
 NAMESPACE = {"c": "http://www.collada.org/2005/11/COLLADASchema"}
 

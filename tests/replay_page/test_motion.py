@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
-from robotraj.replay_page.motion import FINEST, keys, motion_of
+from robotraj.replay_page.scene.motion import FINEST, keys, motion_of
 
 
 def replayed(motion, joint: int, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

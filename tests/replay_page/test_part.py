@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from trimesh import creation
 
-from robotraj.replay_page.part import merge_by_color, weld
+from robotraj.replay_page.scene.part import merge_by_color, weld
 
 
 def area(vertices: np.ndarray, faces: np.ndarray) -> float:

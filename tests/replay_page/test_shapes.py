@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from robotraj.replay_page.shapes import PLANE_SIDE, rod, shape_part, tube
+from robotraj.replay_page.scene.shapes import PLANE_SIDE, rod, shape_part, tube
 
 
 def solid(part) -> trimesh.Trimesh:

@@ -5,7 +5,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from robotraj.replay_page.visuals import DEFAULT_COLOR, visuals_of
+from robotraj.replay_page.scene.visuals import DEFAULT_COLOR, visuals_of
 
 
 def test_talos_keeps_its_mirrored_meshes_mirrored(talos):

@@ -6,8 +6,8 @@ import numpy as np
 import umsgpack
 from trimesh import creation
 
-from robotraj.replay_page.part import weld
-from robotraj.replay_page.window import RecordingWindow, draw
+from robotraj.replay_page.scene.part import weld
+from robotraj.replay_page.scene.window import RecordingWindow, draw
 
 
 def unpack(data: bytes) -> list[dict]:

@@ -3,9 +3,8 @@
 from .base import EndCost, Integral, Objective, Sum
 from .duration import Duration
 from .effort import Effort
+from .expressions import Lagrange, Mayer
 from .force_rate import ForceRate
-from .lagrange import Lagrange
-from .mayer import Mayer
 from .momentum import CentroidalMomentum
 from .rates import Jerk, TorqueRate
 from .smoothness import FrameSmoothness

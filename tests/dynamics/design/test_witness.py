@@ -56,7 +56,7 @@ def test_the_solution_gives_the_robot(solution, arm) -> None:
 
 
 def test_the_replay_places_joints_by_the_design(solution, tmp_path, monkeypatch) -> None:
-    from robotraj.replay_page import scene
+    from robotraj.replay_page.scene import scene
 
     seen = []
     motion_of = scene.motion_of

@@ -11,9 +11,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.replay_page.meshes import read_mesh
-from robotraj.replay_page.part import Color, Part
-from robotraj.replay_page.shapes import rod, shape_part
+from robotraj.replay_page.scene.meshes import read_mesh
+from robotraj.replay_page.scene.part import Color, Part
+from robotraj.replay_page.scene.shapes import rod, shape_part
 
 DEFAULT_COLOR: Color = (0.75, 0.77, 0.80, 1.0)
 LINK_COLOR: Color = (0.36, 0.45, 0.56, 1.0)

@@ -9,7 +9,7 @@ import trimesh
 from numpy.typing import NDArray
 from trimesh import creation
 
-from robotraj.replay_page.part import Part, weld
+from robotraj.replay_page.scene.part import Part, weld
 
 PLANE_SIDE = 4.0
 """Side [m] of the square that stands for an infinite plane."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.replay_page.part import Part, weld
+from robotraj.replay_page.scene.part import Part, weld
 
 SAMPLES = 49
 """A ground that is not level is drawn from so many samples a side, and where it bends."""

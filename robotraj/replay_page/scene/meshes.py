@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from robotraj.replay_page.part import Color, Part, merge_by_color
+from robotraj.replay_page.scene.part import Color, Part, merge_by_color
 
 MOST_COLORS = 24
 """A mesh painted face by face in more colours than this is drawn in their mean."""

@@ -1,4 +1,4 @@
-"""Any expression of a phase's two end points."""
+"""Objectives that the user writes: an expression of a point that is integrated, or one of a phase's two ends."""
 
 from __future__ import annotations
 
@@ -8,11 +8,29 @@ from typing import TYPE_CHECKING, Any
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import rows_of
-from robotraj.problem.constraints.base import ends_of
-from robotraj.problem.objectives.base import EndCost
+from robotraj.problem.constraints.base import ends_of, symbols_of
+from robotraj.problem.objectives.base import EndCost, Integral
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+
+
+@dataclass(frozen=True)
+class Lagrange(Integral):
+    """Integral of ``expression(point)`` over the phase: ``rt.Lagrange(lambda point: point.u["u"] ** 2)``."""
+
+    expression: Callable[[Any], Any]
+
+    def rate(self, point: Any) -> Any:
+        """Integrand at a point."""
+        return self.expression(point)
+
+    def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
+        """Try the expression on symbols."""
+        what = "Lagrange expression of the objective"
+        rows = rows_of(what, self.expression, symbols_of(dynamics, parameters))
+        if len(rows) != 1:
+            raise InputError(f"A Lagrange expression must return one scalar; it returned {len(rows)}.")
 
 
 @dataclass(frozen=True)

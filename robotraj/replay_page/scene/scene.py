@@ -19,11 +19,11 @@ from robotraj.replay_page.clearance import clearance_scene
 from robotraj.replay_page.colors import rgb
 from robotraj.replay_page.contacts import contact_scene
 from robotraj.replay_page.footholds import contact_frames
-from robotraj.replay_page.ground import GroundView, ground_of
-from robotraj.replay_page.motion import Motion, keys, motion_of
-from robotraj.replay_page.shapes import tube
-from robotraj.replay_page.visuals import Visual, visuals_of
-from robotraj.replay_page.window import PackedTrack, RecordingWindow, draw
+from robotraj.replay_page.scene.ground import GroundView, ground_of
+from robotraj.replay_page.scene.motion import Motion, keys, motion_of
+from robotraj.replay_page.scene.shapes import tube
+from robotraj.replay_page.scene.visuals import Visual, visuals_of
+from robotraj.replay_page.scene.window import PackedTrack, RecordingWindow, draw
 from robotraj.robot.root import root_of
 from robotraj.solution.gait_cycles import Unrolled
 

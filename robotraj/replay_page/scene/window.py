@@ -14,7 +14,7 @@ import umsgpack
 from meshcat.animation import AnimationTrack
 from meshcat.geometry import Geometry, Mesh, MeshPhongMaterial
 
-from robotraj.replay_page.part import Color, Part
+from robotraj.replay_page.scene.part import Color, Part
 
 _EXTENSIONS = {
     "uint16": ("Uint16Array", 0x14),

@@ -1,0 +1,1 @@
+"""The three-dimensional scene of a page: links, meshes, ground, markers and their motion."""

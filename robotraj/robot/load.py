@@ -1,0 +1,64 @@
+"""``load``: from a name, a file or a model to a robot."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from robotraj.robot.limits import Limits
+from robotraj.robot.loading.assembly import assemble
+from robotraj.robot.loading.source import describe
+from robotraj.robot.robot import Robot
+
+
+def load(
+    source: Any,
+    *,
+    package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
+    actuated: Iterable[str] | None = None,
+    locked: Mapping[str, float] | None = None,
+    root: str = "fixed",
+    limits: Limits | Mapping[str, Any] | None = None,
+) -> Robot:
+    """Load a robot for planning.
+
+    Parameters
+    ----------
+    source : str, path, pinocchio.Model or pinocchio.RobotWrapper
+        A name (``catalogue()`` lists them; robotraj's own win over example-robot-data's), the path of a URDF
+        file, or a model, which is copied and never written to.
+    package_dirs : path or sequence of paths
+        Folders to find meshes in, before the URDF's own, those above it and ROS's package paths.
+    actuated : iterable of str, optional
+        Joints with a motor. Default: those the catalogue knows (acrobot: the elbow; cartpole: the slider),
+        else all.
+    locked : mapping, optional
+        Joints held at a value, ``{"wrist": 0.0}`` [rad, m]; they are no part of q and v any more.
+    root : str
+        ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the plane y = 0 and turns about y;
+        ``"floating"``: it moves freely, with a quaternion. Neither has motors, limits or damping; see ``Robot``. A
+        model whose first joint is a free-flyer takes ``"floating"``.
+    limits : mapping or Limits, optional
+        Overrides by quantity: ``{"position": {"elbow": (-1, 1)}, "velocity": 3.0, "effort": {"elbow":
+        20}}``; see ``Limits.with_``.
+
+    Returns
+    -------
+    Robot
+        Frozen. ``print(robot)`` shows its joints, limits and what loading decided.
+
+    Raises
+    ------
+    InputError
+        An unknown name, an unreadable file, joints with more than one degree of freedom, names that the root
+        would share with joints or links, nothing left to move, impossible limits.
+
+    Notes
+    -----
+    Joints that the URDF couples by ``<mimic>`` are locked together with their leader, because Pinocchio's
+    forward dynamics has no coupled joints: ``locked={leader: value}`` says where. Rotor inertias are added
+    to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
+    limits.
+    """
+    return Robot(**assemble(describe(source, package_dirs), actuated, locked, limits, root))
