@@ -19,12 +19,8 @@ draw = rt.Phase(
     name="ur5, a line in least time",
 )
 about = [rt.State(q=[pan, -1.2, 1.6, -2.0, -1.57, 0.0]) for pan in (0.3, -0.8)]
-solution = rt.plan(
-    draw,
-    rt.Mesh(40),
-    rt.guess.Keyframes([0, 1], about),
-    interval_limits=rt.interval_limits.BernsteinBounds(controls=True),
-)
+everywhere = rt.interval_limits.BernsteinBounds(controls=True)
+solution = rt.plan(draw, rt.Mesh(40), rt.guess.Keyframes([0, 1], about), interval_limits=everywhere)
 print(solution)
 
 # How far the tool is from the line and from the vertical at any time, at the points of the mesh and between them.

@@ -1,131 +1,145 @@
-"""Imports point down only: a module reads its own layer and those below, even where only types are checked."""
+"""The house: imports point down between rooms, inside a room there is no circle, and every folder can be overlooked.
+
+Imports inside functions and those for types alone count as well.
+"""
 
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
+import robotraj as rt
+
 PACKAGE = Path(__file__).parents[1] / "robotraj"
 
-LAYERS: dict[int, tuple[str, ...]] = {
-    0: (
-        "chart",
-        "errors",
-        "lazily",
-        "memory",
-        "robot",
-        "loading",
-        "symbolic",
-        "native",
-        "polynomials",
-        "splines",
-        "sparse",
-        "tangent",
-        "terrain",
-        "values",
-    ),
-    1: ("contacts", "design", "dynamics", "trajectory"),
-    2: ("constraints", "objectives"),
-    3: ("state", "links", "feasibility", "printing", "phase", "problem", "unrolled"),
-    4: ("engines", "schemes", "guess", "guesses", "gait"),
-    5: ("transcription", "refinement"),
-    6: ("stagewise", "solvers", "status", "progress"),
-    7: (
-        "sample",
-        "violations",
-        "solution",
-        "phase_solution",
-        "records",
-        "storage",
-        "columns",
-        "export",
-        "plotting",
-        "indirect",
-        "retries",
-        "sharpening",
-        "starts",
-        "solving",
-    ),
-    8: ("adaptive", "kinematic", "stages", "compiling", "planning"),
-    9: ("workers", "sweep", "multistart", "demos"),
-    10: ("arguments", "cli", "cli_engines", "__main__", "__init__"),
+ROOMS = (
+    ("_util",),
+    ("native",),
+    ("symbolic",),
+    ("robot",),
+    ("dynamics",),
+    ("problem",),
+    ("guess",),
+    ("gait",),
+    ("transcription",),
+    ("solvers",),
+    ("solution",),
+    ("indirect", "replay_page", "witness"),
+    ("planning",),
+    ("cli",),
+)
+"""Floors from the ground up; the three readers of a solution share one and do not import each other."""
+
+FLOOR = {room: floor for floor, rooms in enumerate(ROOMS) for room in rooms}
+
+CLOSED = {
+    "symbolic": {"native", "robot"},
+    "replay_page": {"transcription", "solvers"},
+    "witness": {"transcription", "solvers"},
 }
-"""DESIGN.md's layers, with the files that each holds."""
-
-WITNESSES = ("witness", "replay")
-"""They check and show the answer without the code that made it: layers 0 to 3 and themselves, nothing else."""
-
-LAYER_OF = {name: layer for layer, names in LAYERS.items() for name in names}
-MODULES = sorted(path for path in PACKAGE.rglob("*.py"))
+"""Rooms below that a room does not open all the same: whoever checks a plan shares no code with its maker."""
 
 
-def part_of(path: Path) -> str:
-    """First name of a module below the package: the file or the folder that stands in the table."""
-    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+def module_of(path: Path, package: Path) -> str:
+    """Dotted name of a file below the package; a package's is that of its folder."""
+    parts = path.relative_to(package.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def imported_parts(path: Path) -> list[tuple[str, int]]:
-    """Parts of the package a file imports, with line numbers; ``__init__`` for the package itself."""
-    found = []
+def imports_of(path: Path, modules: Iterable[str]) -> set[str]:
+    """Modules of the package that a file imports, at any level of nesting."""
+    known, found = set(modules), set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
+            found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}:{node.lineno}: a relative import"
-            names = [
-                f"{node.module}.{alias.name}" if node.module == "robotraj" else str(node.module) for alias in node.names
-            ]
-        else:
-            continue
-        parts = [name.split(".") for name in names if name.split(".")[0] == "robotraj"]
-        found += [(part[1] if len(part) > 1 else "__init__", node.lineno) for part in parts]
-    return found
+            full = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name if name in known else str(node.module) for name in full}
+    return found & known
 
 
-def identify(path: Path) -> str:
-    return str(path.relative_to(PACKAGE))
+def graph_of(package: Path) -> dict[str, set[str]]:
+    """Every module of the package with those that it imports."""
+    paths = {module_of(path, package): path for path in sorted(package.rglob("*.py"))}
+    return {name: imports_of(path, paths) - {name} for name, path in paths.items()}
 
 
-@pytest.mark.parametrize("path", MODULES, ids=identify)
-def test_every_module_has_a_layer_and_imports_point_down(path: Path) -> None:
-    part = part_of(path)
-    if part in WITNESSES:
-        above = [
-            f"line {line}: {other}"
-            for other, line in imported_parts(path)
-            if LAYER_OF.get(other, 0 if other == part else 99) > 3
-        ]
-    else:
-        assert part in LAYER_OF, f"give {part} a layer"
-        above = [
-            f"line {line}: {other}"
-            for other, line in imported_parts(path)
-            if (LAYER_OF.get(other, 99) > LAYER_OF[part] if other not in WITNESSES else LAYER_OF[part] < 9)
-        ]
-    assert not above, f"{identify(path)} imports from above: {above}"
+def circles(graph: dict[str, set[str]]) -> list[str]:
+    """What is left when modules that import nothing, or that nothing imports, are taken away again and again."""
+    left = {name: set(needed) for name, needed in graph.items()}
+    while True:
+        wanted = set().union(*left.values()) if left else set()
+        kept = {name: needed & left.keys() for name, needed in left.items() if needed & left.keys() and name in wanted}
+        if kept == left:
+            return sorted(left)
+        left = kept
 
 
-@pytest.mark.parametrize("path", [p for p in MODULES if part_of(p) == "symbolic"], ids=identify)
-def test_symbolic_stands_alone(path: Path) -> None:
-    assert {part for part, _ in imported_parts(path)} <= {"errors", "symbolic", "values"}
+GRAPH = graph_of(PACKAGE)
+INSIDE = sorted(name for name in GRAPH if "." in name and name != "robotraj.__main__")
 
 
-@pytest.mark.parametrize("folder", ["schemes", "solvers", "transcription"])
-def test_schemes_transcription_and_solvers_know_nothing_of_robots(folder: str) -> None:
-    for path in (PACKAGE / folder).glob("*.py"):
-        assert not {part for part, _ in imported_parts(path)} & {"robot", "loading", "symbolic"}, path
+def room_of(module: str) -> str:
+    return module.split(".")[1]
 
 
-def test_imports_in_functions_and_for_types_alone_are_seen(tmp_path: Path) -> None:
-    path = tmp_path / "module.py"
-    path.write_text(
-        "from typing import TYPE_CHECKING\n"
-        "import robotraj._util.errors\n"
-        "if TYPE_CHECKING:\n"
-        "    from robotraj.solution.solution import Solution\n"
-        "def late():\n"
-        "    from robotraj import planning\n"
-    )
-    assert imported_parts(path) == [("errors", 2), ("solution", 4), ("planning", 6)]
+def test_every_folder_is_a_room_and_nothing_lies_loose_beside_them() -> None:
+    folders = {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name not in ("__pycache__", "robots")}
+    assert folders == set(FLOOR)
+    assert {path.name for path in PACKAGE.glob("*.py")} == {"__init__.py", "__main__.py"}
+
+
+@pytest.mark.parametrize("module", INSIDE)
+def test_imports_point_down(module: str) -> None:
+    own = room_of(module)
+    others = {room_of(name): name for name in GRAPH[module] if name != "robotraj" and room_of(name) != own}
+    assert "robotraj" not in GRAPH[module], "a module imports the package's face"
+    above = [name for room, name in others.items() if FLOOR[room] >= FLOOR[own] or room in CLOSED.get(own, ())]
+    assert not above
+
+
+def test_no_module_imports_in_a_circle() -> None:
+    assert not circles(GRAPH)
+
+
+@pytest.mark.parametrize("folder", sorted({path.parent for path in PACKAGE.rglob("*.py")}), ids=lambda f: f.name)
+def test_a_folder_can_be_overlooked_and_says_what_it_is_for(folder: Path) -> None:
+    assert len([path for path in folder.iterdir() if path.suffix in (".py", ".js", ".css", ".html")]) <= 15
+    assert len(ast.get_docstring(ast.parse((folder / "__init__.py").read_text())) or "") > 40
+
+
+@pytest.mark.parametrize("room", sorted(FLOOR))
+def test_a_room_says_where_to_start_and_what_it_may_import(room: str) -> None:
+    doc = ast.get_docstring(ast.parse((PACKAGE / room / "__init__.py").read_text())) or ""
+    assert "Start with" in doc and "may import" in doc
+
+
+def test_rooms_are_not_named_as_public_functions() -> None:
+    names = {name for name in rt.__all__ if not isinstance(getattr(rt, name), type(rt))}
+    assert not names & set(FLOOR)
+
+
+def test_tests_mirror_the_rooms() -> None:
+    tests = Path(__file__).parent
+    folders = {path.name for path in tests.iterdir() if path.is_dir() and path.name != "__pycache__"}
+    assert folders - {"cases", "fuzz", "robots"} <= set(FLOOR)
+    inside = {path.relative_to(tests).parts[:2] for room in FLOOR for path in (tests / room).rglob("test_*.py")}
+    for room, name in inside:
+        if not name.endswith(".py"):
+            assert (PACKAGE / room / name).is_dir(), f"tests/{room}/{name} mirrors no folder"
+
+
+def test_the_counting_of_imports_sees_functions_types_and_circles(tmp_path: Path) -> None:
+    package = tmp_path / "thing"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "a.py").write_text("from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from thing.b import B\n")
+    (package / "b.py").write_text("def late():\n    from thing import a\n")
+    (package / "c.py").write_text("import thing.a\n")
+    graph = graph_of(package)
+    assert graph["thing.a"] == {"thing.b"} and graph["thing.b"] == {"thing.a"} and graph["thing.c"] == {"thing.a"}
+    assert circles(graph) == ["thing.a", "thing.b"]

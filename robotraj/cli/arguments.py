@@ -13,7 +13,8 @@ from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.effort import Effort
 from robotraj.problem.phase import Phase
 from robotraj.problem.state import State
-from robotraj.robot.robot import Limits, Robot
+from robotraj.robot.limits import Limits
+from robotraj.robot.robot import Robot
 
 
 class Minimise(str, Enum):

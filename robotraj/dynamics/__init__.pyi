@@ -1,4 +1,7 @@
-"""Dynamics as semi-explicit DAEs: user systems and rigid bodies."""
+"""Dynamics as semi-explicit DAEs: rigid bodies with contacts, ground and design parameters, and systems of one's own.
+
+Start with ``dae.py``. The room may import ``robot`` and what lies below.
+"""
 
 from . import contacts, design, terrain
 from .dae import Dynamics, TimeOrders

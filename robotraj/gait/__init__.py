@@ -1,4 +1,7 @@
-"""Gaits: phases and links of robots that walk, run, trot, crawl and jump, written out to plan or to edit."""
+"""Gaits: phases and links of robots that walk, run, trot, crawl and jump, written out to plan or to edit.
+
+Start with ``walks.py``. The room may import ``guess``, ``problem`` and what lies below.
+"""
 
 from robotraj.gait.crawls import crawl
 from robotraj.gait.feet import feet_of, limb_ends

@@ -1,4 +1,7 @@
-"""Guesses that know robots: where a solver starts, as the motions people would sketch."""
+"""Where a solver starts: straight lines, keyframes, inverse kinematics, earlier solutions, and walks of legs.
+
+Start with ``guess.py``. The room may import ``problem`` and what lies below.
+"""
 
 from .default import default_guess
 from .guess import FromSolution, Guess, StraightLine

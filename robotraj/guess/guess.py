@@ -16,7 +16,7 @@ from robotraj._util.values import dataclass
 from robotraj.guess.least_time import fastest_line
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.robot.chart import Chart, way
-from robotraj.robot.robot import Limits
+from robotraj.robot.limits import Limits
 from robotraj.robot.root import QUATERNION
 
 if TYPE_CHECKING:

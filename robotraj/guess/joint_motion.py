@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.guess.guess import Curve, PhaseGuess
-from robotraj.robot.robot import Limits, Robot
+from robotraj.robot.limits import Limits
+from robotraj.robot.robot import Robot
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable

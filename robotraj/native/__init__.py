@@ -1,7 +1,7 @@
-"""Point functions evaluated in C++ at many points, and the stagewise program that fatrop solves over them.
+"""Point functions evaluated in C++ at many points, and the stagewise program that the solver runs over them.
 
-Everything here works on numbers: sparse combinations prepared elsewhere, and functions handed over as casadi's
-serialised text or as Pinocchio's.
+Everything here works on numbers: sparse combinations prepared elsewhere, and functions as casadi's serialised text.
+Start with ``engines/base.py``. The room may import ``_util``.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from robotraj.problem.objectives.expressions import Lagrange
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.chart import way
-from robotraj.robot.robot import Limits
+from robotraj.robot.limits import Limits
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solvers.base import Solver
 from robotraj.solvers.ipopt import Ipopt

@@ -11,7 +11,7 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj.problem.constraints.base import BoundConstraint, Row, Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
-from robotraj.robot.robot import Limits
+from robotraj.robot.limits import Limits
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

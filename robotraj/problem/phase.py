@@ -27,7 +27,8 @@ from robotraj.problem.feasibility import check_phase
 from robotraj.problem.objectives.base import EndCost, Integral, Objective
 from robotraj.problem.printing import phase_table
 from robotraj.problem.state import State
-from robotraj.robot.robot import Limits, Robot
+from robotraj.robot.limits import Limits
+from robotraj.robot.robot import Robot
 
 if TYPE_CHECKING:
     from robotraj.dynamics.design.binding import Design

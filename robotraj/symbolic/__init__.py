@@ -1,6 +1,7 @@
 """Pinocchio's algorithms as CasADi functions, for any ``pinocchio.Model``.
 
 It stands by itself: whoever wants ``pinocchio.casadi`` from wheels can use only this.
+Start with ``model.py``. The room may import ``_util``.
 
 >>> import pinocchio, robotraj.symbolic
 >>> symbolic = robotraj.symbolic.SymbolicModel(pinocchio.buildSampleModelManipulator())

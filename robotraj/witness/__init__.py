@@ -1,4 +1,8 @@
-"""The witness: plain Pinocchio and SciPy check a plan that they did not make."""
+"""A solution proved by other code: plain Pinocchio and SciPy check a plan that they did not make.
+
+Start with ``validation.py``. The room reads solutions: it may import ``solution``, ``problem`` and what lies below, but
+neither ``transcription`` nor ``solvers``.
+"""
 
 from robotraj.witness.drift import Drift, DriftRow
 from robotraj.witness.energy import Energy

@@ -195,7 +195,7 @@ def test_ctrl_c_between_stages_keeps_what_the_last_one_found(second: list[rt.pla
 
 
 @pytest.mark.parametrize(
-    "options", [{}, {"tolerance": 1e-6}, {"stages": [rt.planning.ContinuationStep(mesh=rt.Mesh(10))]}]
+    "options", [{}, {"tolerance": 1e-6}, {"continuation": [rt.planning.ContinuationStep(mesh=rt.Mesh(10))]}]
 )
 def test_ctrl_c_before_anything_was_found_is_raised(options: dict[str, Any]) -> None:
     with pytest.raises(KeyboardInterrupt):

@@ -632,12 +632,12 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
     "stage on a number of intervals": (
         lambda: rt.planning.ContinuationStep(mesh=3),
         rt.InputError,
-        ["Stage(mesh)", "rt.Mesh", "3"],
+        ["ContinuationStep(mesh)", "rt.Mesh", "3"],
     ),
     "stage with a solver's name": (
         lambda: rt.planning.ContinuationStep(solver="ipopt"),
         rt.InputError,
-        ["Stage(solver)", "rt.Ipopt()", "'ipopt'"],
+        ["ContinuationStep(solver)", "rt.Ipopt()", "'ipopt'"],
     ),
     "second stage that cannot be posed": (
         lambda: rt.plan(

@@ -9,9 +9,8 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.robot.known_robots.catalogue import find
+from robotraj.robot.known_robots.catalogue import catalogue, find
 from robotraj.robot.known_robots.example_robots import folder
-from robotraj.robot.robot import catalogue
 
 ARM = """<robot name="arm"><link name="base"/>
 <link name="upper"><inertial><mass value="1"/>{inertia}</inertial></link>
@@ -59,10 +58,10 @@ def test_names_in_robots_win(monkeypatch):
     assert len(names) == len(set(names))
     own = [e.name for e in entries if e.source == "robots/"]
     assert own == names[: len(own)]
-    from robotraj.robot.known_robots import catalogue as module  # the function's module shares its name
+    from robotraj.robot.known_robots import catalogue as module
 
     own = dataclasses.replace(find("pendulum"), name="ur5")
-    monkeypatch.setitem(module.__globals__, "own_robot", lambda name: own if name == "ur5" else None)
+    monkeypatch.setitem(vars(module), "own_robot", lambda name: own if name == "ur5" else None)
     assert rt.load("ur5").joint_names == ("pivot",)
 
 

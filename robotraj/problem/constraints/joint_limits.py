@@ -14,7 +14,7 @@ from robotraj.problem.constraints.bounds import Between, as_bounds
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
-    from robotraj.robot.robot import Limits
+    from robotraj.robot.limits import Limits
 
 RATES = ("v", "a", "tau")
 """Joint quantities, in the order of their units in ``RATE_UNITS``."""
