@@ -19,7 +19,7 @@ timetable = [
     ("come to rest", (left, right), 0.3, {"left_foot.x": second, "right_foot.x": second}),
 ]
 supports = [rt.gait.Support(feet, duration, name) for name, feet, duration, _ in timetable]
-terms = rt.gait.Terms(foot, clearance=0.0, objective=rt.Effort(), ground=stairs)
+terms = rt.gait.GaitTerms(foot, clearance=0.0, objective=rt.Effort(), ground=stairs)
 start, end = rt.State(q=rt.gait.stand(robot), v=0), rt.State(v=0)
 written = rt.gait.sequence(robot, supports, terms, None, start, end)
 places = [where for *_, where in timetable]

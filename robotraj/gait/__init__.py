@@ -8,7 +8,7 @@ from robotraj.gait.feet import feet_of, limb_ends
 from robotraj.gait.flight import Flight
 from robotraj.gait.jumps import jump
 from robotraj.gait.mirroring import mirror
-from robotraj.gait.phase_sequence import Support, Terms, sequence
+from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
 from robotraj.gait.posture import gait_objective
 from robotraj.gait.standing import stand
 from robotraj.gait.upright import Upright
@@ -17,7 +17,7 @@ from robotraj.gait.walks import run, trot, walk
 __all__ = [
     "Flight",
     "Support",
-    "Terms",
+    "GaitTerms",
     "Upright",
     "crawl",
     "feet_of",

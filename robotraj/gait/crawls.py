@@ -14,7 +14,7 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.gait.checks import share
 from robotraj.gait.feet import FootKind
 from robotraj.gait.halves import pace, repeated, some_feet
-from robotraj.gait.phase_sequence import Support, Terms, shares
+from robotraj.gait.phase_sequence import GaitTerms, Support, shares
 from robotraj.gait.sides import other_side
 from robotraj.gait.upright import Upright
 from robotraj.problem.links.periodic import Mirror, Periodic
@@ -86,4 +86,6 @@ def crawl(
     ]
     if full_support > 0.0:
         phases.insert(0, Support(names, spans[0], "all stand"))
-    return repeated(robot, phases, parts, sides, Terms(contact, clearance, objective, upright, ground), repeat, length)
+    return repeated(
+        robot, phases, parts, sides, GaitTerms(contact, clearance, objective, upright, ground), repeat, length
+    )

@@ -15,7 +15,7 @@ from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.checks import check_ground_repeats, check_kinds, number
 from robotraj.gait.feet import FootKind, feet_of, stands
 from robotraj.gait.mirroring import mirror
-from robotraj.gait.phase_sequence import Support, Terms, sequence
+from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
 from robotraj.problem.links.linkage import Linkage
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.problem import Problem
@@ -27,7 +27,7 @@ def repeated(
     phases: Sequence[Support],
     parts: Sequence[float],
     sides: Mapping[str, str],
-    terms: Terms,
+    terms: GaitTerms,
     repeat: Mirror | Periodic | None,
     length: float,
 ) -> Problem:

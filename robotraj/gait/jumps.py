@@ -16,9 +16,9 @@ from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.checks import check_kinds, number
 from robotraj.gait.feet import FootKind, feet_of, stands
 from robotraj.gait.halves import grounded
-from robotraj.gait.phase_sequence import Support, Terms, sequence
+from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
 from robotraj.gait.upright import Upright
-from robotraj.guess.legs.stance import Stance, standing
+from robotraj.guess.legs.stance import BalancedStance, standing
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
@@ -69,7 +69,7 @@ def jump(
         raise InputError(f"rt.gait.jump: height= is {height!r}; give a positive height [m].")
     gravity = float(np.linalg.norm(robot.model.gravity.linear))
     kind = grounded(contact, ground)
-    q = standing(Stance(robot, tuple(stands(kind, name).bind(robot) for name in names)))
+    q = standing(BalancedStance(robot, tuple(stands(kind, name).bind(robot) for name in names)))
     landed = np.array(q)
     landed[0] += length
     data = robot.model.createData()
@@ -77,7 +77,7 @@ def jump(
     landed[1 if robot.root == "planar" else 2] += rise
     air = float(np.sqrt(8.0 * height / gravity))
     phases = [Support(names, push, "push off"), Support((), air, "flight"), Support(names, land, "landing")]
-    terms = Terms(kind, clearance, objective, upright, ground)
+    terms = GaitTerms(kind, clearance, objective, upright, ground)
     return sequence(robot, phases, terms, None, State(q=q, v=0.0), State(q=landed, v=0.0))
 
 

@@ -20,7 +20,7 @@ from robotraj.gait.feet import FootKind, stands
 from robotraj.gait.flight import Flight
 from robotraj.gait.posture import gait_objective
 from robotraj.gait.upright import Upright
-from robotraj.guess.legs.stance import Stance, standing
+from robotraj.guess.legs.stance import BalancedStance, standing
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.bounds import Between, between
 from robotraj.problem.constraints.clearance import GroundClearance
@@ -58,7 +58,7 @@ class Support:
 
 
 @dataclass(frozen=True)
-class Terms:
+class GaitTerms:
     """What the phases of a gait share.
 
     Attributes
@@ -84,7 +84,7 @@ class Terms:
 def sequence(
     robot: Robot,
     supports: Sequence[Support],
-    terms: Terms,
+    terms: GaitTerms,
     repeat: Mirror | Periodic | None,
     start: State | None = None,
     end: State | None = None,
@@ -99,7 +99,7 @@ def sequence(
     robot : Robot
     supports : sequence of Support
         In the order of time.
-    terms : Terms
+    terms : GaitTerms
     repeat : Mirror, Periodic or None
         How the start sees the end; a gait that repeats starts at root_x = 0 (and root_y = 0, heading along x, where it
         does not turn left into right), since it could start anywhere.
@@ -131,7 +131,7 @@ def sequence(
     partners = _partners(repeat)
     every = tuple(dict.fromkeys((*feet, *(partners.get(foot, foot) for foot in feet))))
     contacts = {foot: stands(terms.contact, foot) for foot in every}
-    posture = standing(Stance(robot, tuple(contact.bound_to(robot) for contact in contacts.values())))
+    posture = standing(BalancedStance(robot, tuple(contact.bound_to(robot) for contact in contacts.values())))
     objective = terms.objective if terms.objective is not None else gait_objective(robot, posture)
     phases: list[Phase] = []
     for i, support in enumerate(supports):
@@ -205,7 +205,7 @@ def _swing(
     robot: Robot,
     support: Support,
     swinging: Sequence[str],
-    terms: Terms,
+    terms: GaitTerms,
     ground: Ground,
     repeat: Mirror | Periodic | None,
     passes: Mapping[str, str] | None,
@@ -230,7 +230,7 @@ def _swing(
         other, corners = partners.get(foot, foot), stands(terms.contact, foot).bound_to(robot).outline()
         if terms.clearance > 0.0 and other in support.feet and isinstance(gain, int | float) and gain != 0.0:
             place, step = f"{stands(terms.contact, other).label}.x", float(gain)
-            rows.append(GroundClearance(_spot(terms, foot), Arc(terms.clearance, place, step), ground))
+            rows.append(GroundClearance(_spot(terms, foot), SwingArc(terms.clearance, place, step), ground))
             level += corners if len(corners) > 1 else []
         else:
             level += corners
@@ -246,14 +246,14 @@ def _swing(
     return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows
 
 
-def _spot(terms: Terms, foot: str) -> Any:
+def _spot(terms: GaitTerms, foot: str) -> Any:
     """Give the place of a foot that stands: the origin of its frame, or what its contact is offset by."""
     offset = getattr(stands(terms.contact, foot), "offset", None)
     return foot if offset is None or not np.any(offset) else (foot, tuple(offset))
 
 
 @dataclass(frozen=True)
-class Arc(RequiredHeight):
+class SwingArc(RequiredHeight):
     """Height [m] of a swing foot, h = 4 (apex + d) s (1 - s) - d with d = 0.1 mm, s its progress between footholds.
 
     Halfway it is the apex, and below -d the foot never comes. s runs from 0 to 1 between one step behind and one step
@@ -296,4 +296,4 @@ def shares(duration: Any, parts: Sequence[float]) -> list[Any]:
     return [tuple(float(v) for v in value) if value.shape else float(value) for value in every]
 
 
-__all__ = ["Arc", "Support", "Terms", "sequence", "shares"]
+__all__ = ["GaitTerms", "Support", "SwingArc", "sequence", "shares"]

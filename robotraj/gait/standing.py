@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.gait.feet import FootKind, feet_of, stands
-from robotraj.guess.legs.stance import Stance, height_above, standing
+from robotraj.guess.legs.stance import BalancedStance, height_above, standing
 from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ def stand(
         No such frames, or feet that do not reach the ground.
     """
     names = feet_of(robot, feet)
-    stance = Stance(robot, tuple(stands(contact, name).bound_to(robot) for name in names))
+    stance = BalancedStance(robot, tuple(stands(contact, name).bound_to(robot) for name in names))
     q = standing(stance, height)
     rows, _ = stance.places(q, stance.locate(q))
     if np.max(np.abs(rows), initial=0.0) > REACHED:

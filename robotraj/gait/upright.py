@@ -61,7 +61,7 @@ class Upright:
         height = z - float(ground.height(x, y))
         return [
             PathConstraint(
-                HeightOf(link, ground),
+                RootHeight(link, ground),
                 lower=self.least_height * height,
                 upper=self.greatest_height * height,
                 name="root height",
@@ -71,7 +71,7 @@ class Upright:
 
 
 @dataclass(frozen=True)
-class HeightOf:
+class RootHeight:
     """Height [m] of a frame's origin above the ground, of a point."""
 
     frame: str

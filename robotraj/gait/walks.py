@@ -14,7 +14,7 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.gait.checks import share
 from robotraj.gait.feet import FootKind
 from robotraj.gait.halves import pace, repeated, some_feet
-from robotraj.gait.phase_sequence import Support, Terms, shares
+from robotraj.gait.phase_sequence import GaitTerms, Support, shares
 from robotraj.gait.sides import other_side
 from robotraj.gait.upright import Upright
 from robotraj.problem.links.periodic import Mirror, Periodic
@@ -93,7 +93,7 @@ def walk(
     phases = [Support((first,), spans[-1], "single support")]
     if double_support > 0.0:
         phases.insert(0, Support((first, second), spans[0], "double support"))
-    terms = Terms(contact, clearance, objective, upright, ground)
+    terms = GaitTerms(contact, clearance, objective, upright, ground)
     return repeated(robot, phases, parts, {first: second, second: first}, terms, repeat, length)
 
 
@@ -133,7 +133,7 @@ def run(
     parts = [1.0 - flight, flight]
     stance, air = shares(time, parts)
     phases = [Support((names[0],), stance, "stance"), Support((), air, "flight")]
-    terms = Terms(contact, clearance, objective, upright, ground)
+    terms = GaitTerms(contact, clearance, objective, upright, ground)
     return repeated(robot, phases, parts, {names[0]: names[1], names[1]: names[0]}, terms, repeat, length)
 
 
@@ -180,7 +180,9 @@ def trot(
     parts = [1.0 - flight, flight] if share(flight, "rt.gait.trot(flight)") > 0.0 else [1.0]
     stance, *air = shares(time, parts)
     phases = [Support(pair, stance, title), *(Support((), span, "flight") for span in air)]
-    return repeated(robot, phases, parts, sides, Terms(contact, clearance, objective, upright, ground), repeat, length)
+    return repeated(
+        robot, phases, parts, sides, GaitTerms(contact, clearance, objective, upright, ground), repeat, length
+    )
 
 
 def _left(robot: Robot, foot: str, other: str) -> bool:

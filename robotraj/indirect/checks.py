@@ -48,7 +48,7 @@ def refuse_active_constraints(costates: PhaseCostates) -> None:
     if not felt:
         return
     times = np.unique(felt)
-    held = Held(solution.phase, np.array(list(solution.parameters.values()), dtype=float))
+    held = HeldRow(solution.phase, np.array(list(solution.parameters.values()), dtype=float))
     at = solution.trajectory
     controls = [control.name for control in solution.phase.dae.controls]
     for row, value in held(times, at.x(times), at.z(times), at.u(times)):
@@ -118,7 +118,7 @@ def _samples(result: Polished, k: int) -> dict[str, Array]:
 def _broken(equations: Pontryagin, s: dict[str, Array]) -> list[str]:
     """Say which constraints held throughout the extremal breaks."""
     found = []
-    for row, value in Held(equations.phase, equations.parameters)(s["t"], s["x"], s["z"], s["u"]):
+    for row, value in HeldRow(equations.phase, equations.parameters)(s["t"], s["x"], s["z"], s["u"]):
         out = np.maximum(row.lower - value, value - row.upper)
         bound = min((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0)
         if np.max(out) > HELD * (1.0 + bound):
@@ -128,7 +128,7 @@ def _broken(equations: Pontryagin, s: dict[str, Array]) -> list[str]:
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class HeldRow:
     """Rows of a phase that hold throughout, with their values along a trajectory."""
 
     phase: Phase

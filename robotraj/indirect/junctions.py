@@ -49,7 +49,7 @@ LEAST, MOST = 0.2, 5.0
 
 
 @dataclass(frozen=True)
-class Stretch:
+class BoundArc:
     """A state at a bound from ``start`` to ``end`` [s]; junctions are the ends that lie inside the motion."""
 
     start: float
@@ -158,7 +158,7 @@ def _refuse_what_cannot_be_shared(phase: Phase) -> None:
         )
 
 
-def _stretches(part: PhaseSolution) -> list[Stretch]:
+def _stretches(part: PhaseSolution) -> list[BoundArc]:
     """Arcs on bounds of states, in the order of time."""
     times = np.linspace(part.t0, part.t0 + part.duration, SAMPLES)
     x = part.trajectory.x(times)
@@ -169,7 +169,7 @@ def _stretches(part: PhaseSolution) -> list[Stretch]:
         edges = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]])))
         for first, after in edges.reshape(-1, 2):
             if after - first > SHORTEST * SAMPLES:
-                found.append(Stretch(float(times[first]), float(times[after - 1]), i, bound))
+                found.append(BoundArc(float(times[first]), float(times[after - 1]), i, bound))
     return sorted(found, key=lambda stretch: stretch.start)
 
 
@@ -187,7 +187,7 @@ def _state_bounds(phase: Phase) -> list[tuple[int, float, Row]]:
 
 
 def _piece(
-    phase: Phase, part: PhaseSolution, i: int, times: Sequence[float], junctions: Sequence[tuple[float, Stretch]]
+    phase: Phase, part: PhaseSolution, i: int, times: Sequence[float], junctions: Sequence[tuple[float, BoundArc]]
 ) -> Phase:
     """Phase of arc i: the rows of the ends go with the first and the last, a junction is the end of the arc before."""
     first, last = i == 0, i == len(times) - 2
@@ -209,7 +209,7 @@ def _piece(
     )
 
 
-def _junction(phase: Phase, stretch: Stretch) -> list[AtEnd]:
+def _junction(phase: Phase, stretch: BoundArc) -> list[AtEnd]:
     """Hold the bound and its derivatives that no control enters at the end."""
     dae, names = phase.dae, phase.parameter_names
     sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(names))

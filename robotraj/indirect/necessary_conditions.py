@@ -20,7 +20,7 @@ from robotraj._util.errors import InputError, require_solution
 from robotraj._util.polynomials import integrals
 from robotraj.indirect.arcs import control_bounds
 from robotraj.indirect.boundary import end_data, potential
-from robotraj.indirect.checks import TOUCHED, Held
+from robotraj.indirect.checks import TOUCHED, HeldRow
 from robotraj.indirect.costate_trajectory import PhaseCostates, costates
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.indirect.report import Condition, ConditionsReport
@@ -206,7 +206,7 @@ class _Along:
         parameters = np.array(list(self.solution.parameters.values()), dtype=float)
         size = self._size() + SMALL
         path = 0
-        for row, value in Held(self.phase, parameters)(at["t"], at["x"], at["z"], at["u"]):
+        for row, value in HeldRow(self.phase, parameters)(at["t"], at["x"], at["z"], at["u"]):
             if row.variable is None:
                 multiplier = at["eta"][:, path]
                 path += 1

@@ -19,7 +19,7 @@ LEAST_STEP = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Root:
+class NewtonRoot:
     """Where Newton's method stopped.
 
     Attributes
@@ -39,14 +39,14 @@ class Root:
     trouble: str = ""
 
 
-def find_root(nlp: Nlp, tolerance: float) -> Root:
+def find_root(nlp: Nlp, tolerance: float) -> NewtonRoot:
     """Solve g(w) = 0 from ``nlp.guess`` by damped Newton steps with the exact sparse Jacobian.
 
     Converged are rows that cannot be made smaller and are below ``tolerance``, both relative to the rows'
     scales.
     """
     if len(nlp.rows) != len(nlp.variables):
-        return Root(nlp.guess, np.inf, 0, f"{len(nlp.rows)} equations for {len(nlp.variables)} unknowns")
+        return NewtonRoot(nlp.guess, np.inf, 0, f"{len(nlp.rows)} equations for {len(nlp.variables)} unknowns")
     blocks = [block.scaled(nlp.scale, nlp.row_scale) for block in nlp.blocks]
     chains = [block.jacobian_chain() for block in blocks]
     linear = scaled(nlp.linear, nlp.row_scale, nlp.scale).scipy()
@@ -72,11 +72,13 @@ def find_root(nlp: Nlp, tolerance: float) -> Root:
     for step in range(MOST_STEPS):
         size = float(np.max(np.abs(g)))
         if not np.isfinite(size):
-            return Root(w * nlp.scale, np.inf, step, "an expression gave NaN or infinity")
+            return NewtonRoot(w * nlp.scale, np.inf, step, "an expression gave NaN or infinity")
         try:
             direction = -splu(jacobian(w)).solve(g)
         except RuntimeError:
-            return Root(w * nlp.scale, size, step, "the Jacobian is singular: the arcs do not determine the motion")
+            return NewtonRoot(
+                w * nlp.scale, size, step, "the Jacobian is singular: the arcs do not determine the motion"
+            )
         part = 1.0
         while True:
             trial = w + part * direction
@@ -84,13 +86,15 @@ def find_root(nlp: Nlp, tolerance: float) -> Root:
             if np.all(np.isfinite(after)) and np.linalg.norm(after) <= (1.0 - 0.1 * part) * np.linalg.norm(g):
                 break
             if size < tolerance:
-                return Root(w * nlp.scale, size, step)
+                return NewtonRoot(w * nlp.scale, size, step)
             part *= 0.5
             if part < LEAST_STEP:
-                return Root(w * nlp.scale, size, step, "Newton's steps no longer bring the equations closer")
+                return NewtonRoot(w * nlp.scale, size, step, "Newton's steps no longer bring the equations closer")
         w, g = trial, after
         settled = settled + 1 if float(np.max(np.abs(g))) < tolerance else 0
         if settled >= 3:
             break
     size = float(np.max(np.abs(g)))
-    return Root(w * nlp.scale, size, step + 1, "" if size < tolerance else f"no convergence in {MOST_STEPS} steps")
+    return NewtonRoot(
+        w * nlp.scale, size, step + 1, "" if size < tolerance else f"no convergence in {MOST_STEPS} steps"
+    )

@@ -26,7 +26,7 @@ from robotraj.indirect.boundary import EndData, boundary_value_problem, end_data
 from robotraj.indirect.checks import complaints, refuse_active_constraints
 from robotraj.indirect.costate_trajectory import PhaseCostates, costates
 from robotraj.indirect.flow import Flow, scales
-from robotraj.indirect.newton import Root, find_root
+from robotraj.indirect.newton import NewtonRoot, find_root
 from robotraj.indirect.polished import Polished, PolishFailed
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.problem.phase import Phase
@@ -150,7 +150,7 @@ def _wrap(
     equations: Pontryagin,
     arcs: Sequence[Arc],
     trajectories: Sequence[PhaseTrajectory],
-    root: Root,
+    root: NewtonRoot,
     error: float,
     steps: int,
     tolerance: float,

@@ -94,7 +94,7 @@ class TorqueChain(Tapes):
         if not self._added:
             return plain(tape)
         calls = Calls(self._added, "values")
-        parts = _Parts.after(tape, 0, 0, self._argument_numbers, 0, calls.numbers)
+        parts = _ChainParts.after(tape, 0, 0, self._argument_numbers, 0, calls.numbers)
         terms, outputs = Terms(parts.made), self._graph.outputs
         own = entries(np.arange(outputs), np.zeros(outputs, dtype=np.int64), 1)
         made = terms.collect([copied(own), *calls.terms(parts.calls, self._graph.inputs)], full=outputs)
@@ -114,7 +114,7 @@ class TorqueChain(Tapes):
         tape, by_v, by_r = self._graph.slopes(output)
         through = len(by_r[0]) > 0
         calls, torques = Calls(added, "jacobian"), len(self._torque_pattern[0]) if through else 0
-        parts = _Parts.after(tape, torques, 0, self._argument_numbers, 0, calls.numbers)
+        parts = _ChainParts.after(tape, torques, 0, self._argument_numbers, 0, calls.numbers)
         terms = Terms(parts.made)
         sums = [copied(entries(*by_v, 1)), *calls.terms(parts.calls, self._graph.inputs)]
         if through:
@@ -137,7 +137,7 @@ class TorqueChain(Tapes):
         rows, columns = self._tree.hessian_pattern()
         calls, torques = Calls(self._added, "hessian"), len(self._torque_pattern[0]) if through else 0
         bent = len(self._curvature[0])
-        parts = _Parts.after(tape, torques, len(rows), self._argument_numbers, bent, calls.numbers)
+        parts = _ChainParts.after(tape, torques, len(rows), self._argument_numbers, bent, calls.numbers)
         terms = Terms(parts.made)
         sums = [copied(own), self._moved(terms, entries(rows, columns, parts.hessian), parts)]
         sums += [copied(entries(*self._curvature, parts.curvature)), *calls.terms(parts.calls, self._graph.inputs)]
@@ -155,7 +155,7 @@ class TorqueChain(Tapes):
     def _torque_pattern(self) -> Pattern:
         return self._tree.jacobian_pattern()
 
-    def _rates(self, terms: Terms, parts: _Parts) -> Entries:
+    def _rates(self, terms: Terms, parts: _ChainParts) -> Entries:
         """D = R chi_v."""
         every = entries(*self._torque_pattern, parts.jacobian)
         if self._places is None:
@@ -163,7 +163,7 @@ class TorqueChain(Tapes):
         moved = Entries(every.rows, self._places[every.columns], every.places)
         return moved.where(moved.columns >= 0)
 
-    def _moved(self, terms: Terms, h: Entries, parts: _Parts) -> Sums:
+    def _moved(self, terms: Terms, h: Entries, parts: _ChainParts) -> Sums:
         """Terms of the lower triangle of chi_v' H chi_v, H given by one of its triangles."""
         if self._places is None:
             both = joined(h, h.where(h.rows != h.columns).T)
@@ -187,7 +187,7 @@ class TorqueChain(Tapes):
     def _argument_numbers(self) -> int:
         return 0 if self._places is not None else self._graph.arguments + len(self._arguments[2][0])
 
-    def _inner(self, parts: _Parts) -> Entries:
+    def _inner(self, parts: _ChainParts) -> Entries:
         """chi_v."""
         return entries(*self._arguments[2], parts.arguments + self._graph.arguments)
 
@@ -206,7 +206,7 @@ class TorqueChain(Tapes):
 
 
 @dataclass(frozen=True)
-class _Parts:
+class _ChainParts:
     """Where the parts of a recipe's buffer begin."""
 
     jacobian: int
@@ -217,5 +217,5 @@ class _Parts:
     made: int
 
     @classmethod
-    def after(cls, tape: Tape, *sizes: int) -> _Parts:
+    def after(cls, tape: Tape, *sizes: int) -> _ChainParts:
         return cls(*accumulate(sizes, initial=1 + tape.outputs))

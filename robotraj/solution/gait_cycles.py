@@ -215,7 +215,7 @@ class Passage:
 
 
 @dataclass(frozen=True, eq=False)
-class Impact:
+class PlannedImpact:
     """Impulses of one touchdown.
 
     Attributes
@@ -266,7 +266,7 @@ class Unrolled:
         return tuple(self.passage(i, k) for k in range(self.periods) for i in range(len(self.solution.phases)))
 
     @property
-    def impacts(self) -> tuple[Impact, ...]:
+    def impacts(self) -> tuple[PlannedImpact, ...]:
         """Impacts of all periods in time, the one that ends the motion included."""
         phases = self.solution.phases
         links = getattr(getattr(self.solution, "problem", None), "links", ())
@@ -278,7 +278,7 @@ class Unrolled:
             for period in range(self.periods):
                 after = self.passage(second, period if link.repeat is None else period + 1)
                 before = self.passage(first, period)
-                found.append(Impact(before.t0 + before.duration, after, impulses))
+                found.append(PlannedImpact(before.t0 + before.duration, after, impulses))
         return tuple(sorted(found, key=lambda impact: impact.t))
 
     def passage(self, index: int, period: int) -> Passage:

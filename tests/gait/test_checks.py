@@ -43,8 +43,8 @@ WRONG: dict[str, tuple[Callable[[rt.Robot], Any], str]] = {
     "no flight": (lambda b: rt.gait.run(b, step_length=0.5, duration=0.5, contact=FOOT, flight=0), "rt.gait.walk"),
     "length of a jump": (lambda b: rt.gait.jump(b, length="far"), "length.*'far'"),
     "height of a jump": (lambda b: rt.gait.jump(b, height="0.2"), "height.*'0.2'"),
-    "supports": (lambda b: rt.gait.sequence(b, [("left_foot", 0.3)], rt.gait.Terms(FOOT), None), "rt.gait.Support"),
-    "no supports": (lambda b: rt.gait.sequence(b, [], rt.gait.Terms(FOOT), None), "rt.gait.Support"),
+    "supports": (lambda b: rt.gait.sequence(b, [("left_foot", 0.3)], rt.gait.GaitTerms(FOOT), None), "rt.gait.Support"),
+    "no supports": (lambda b: rt.gait.sequence(b, [], rt.gait.GaitTerms(FOOT), None), "rt.gait.Support"),
     "too tall": (lambda b: rt.gait.stand(b, height=1.2), "1.2 m above.* as near as was found"),
 }
 

@@ -23,7 +23,7 @@ def climb() -> rt.Solution:
     foot = rt.PointContact(LEFT, friction=0.8, ground=STAIRS)
     stands = [((LEFT, RIGHT), 0.3), ((LEFT,), (0.4, 0.7)), ((RIGHT,), (0.4, 0.7)), ((LEFT, RIGHT), 0.3)]
     supports = [rt.gait.Support(feet, duration, f"part {i}") for i, (feet, duration) in enumerate(stands)]
-    terms = rt.gait.Terms(foot, clearance=0.0, objective=rt.Effort(), ground=STAIRS)
+    terms = rt.gait.GaitTerms(foot, clearance=0.0, objective=rt.Effort(), ground=STAIRS)
     start = rt.State(q=rt.gait.stand(robot), v=0)
     written = rt.gait.sequence(robot, supports, terms, None, start, rt.State(v=0))
     on_top = rt.between(0.25, 0.6)

@@ -15,7 +15,7 @@ import robotraj as rt
 from robotraj import gait
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
 from robotraj.dynamics.contacts.point_contact import PointContact
-from robotraj.gait.phase_sequence import Arc
+from robotraj.gait.phase_sequence import SwingArc
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def test_two_steps_cost_twice_one(biped: rt.Robot) -> None:
 
 
 def test_an_arc_is_as_high_as_asked_halfway() -> None:
-    arc = Arc(0.1, "foot.x", 0.5)
+    arc = SwingArc(0.1, "foot.x", 0.5)
     point = SimpleNamespace(p={"foot.x": 2.0})
     for x, height in ((1.5, -1e-4), (2.0, 0.1), (2.5, -1e-4), (1.75, 0.75 * 0.1001 - 1e-4)):
         assert arc.heights(point, [x, 0.0, 0.0])["swing apex"] == pytest.approx(height, abs=1e-12)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.guess.legs.pendulum import Pendulum, heights
 from robotraj.guess.legs.schedule import Schedule, Stand
-from robotraj.guess.legs.stance import Stance, standing
+from robotraj.guess.legs.stance import BalancedStance, standing
 from robotraj.guess.legs.swing import Swing, swings
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class Footsteps:
     ----------
     problem : Problem
     schedule : Schedule
-    stance : Stance
+    stance : BalancedStance
         All feet.
     height : float or None
         Of the centre of mass above the feet [m]; None for that of the robot as it stands.
@@ -40,7 +40,7 @@ class Footsteps:
 
     problem: Problem
     schedule: Schedule
-    stance: Stance
+    stance: BalancedStance
     height: float | None = None
     lift: float | None = None
 

@@ -17,7 +17,7 @@ from robotraj._util.values import dataclass
 from robotraj.guess.guess import Curve, Guess, PhaseGuess, default_parameters
 from robotraj.guess.legs.footsteps import Footsteps
 from robotraj.guess.legs.schedule import schedule_of
-from robotraj.guess.legs.stance import Stance
+from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.support import support
 from robotraj.problem.links.base import BoundLink
 from robotraj.problem.problem import Problem
@@ -78,7 +78,7 @@ class InvertedPendulum(Guess):
         schedule = schedule_of(problem, self.durations)
         if not any(contact.anchors for contact in schedule.contacts):
             raise InputError("InvertedPendulum needs contacts with the ground, but no phase has any.")
-        stance = Stance(robot, schedule.contacts)
+        stance = BalancedStance(robot, schedule.contacts)
         return _Walk(Footsteps(problem, schedule, stance, self.height, self.apex))
 
 
@@ -89,7 +89,7 @@ class _Walk(Guess):
     steps: Footsteps
 
     @property
-    def _stance(self) -> Stance:
+    def _stance(self) -> BalancedStance:
         return self.steps.stance
 
     @cached_property
@@ -159,7 +159,7 @@ class _Walk(Guess):
         return {name: LANDING * weight / len(up) for name in up}
 
 
-def _loads(stance: Stance, held: Sequence[str], motion: Sequence[Array]) -> dict[str, Array]:
+def _loads(stance: BalancedStance, held: Sequence[str], motion: Sequence[Array]) -> dict[str, Array]:
     """Contact forces and torques by variable name, of a motion q, v, a at some places, (m, ...) each."""
     robot = stance.robot
     names = [force.name for contact in stance.contacts if contact.name in held for force in contact.forces]

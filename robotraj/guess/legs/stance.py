@@ -33,7 +33,7 @@ ROOT_FREEDOMS = {"fixed": 0, "planar": 3, "floating": 6}
 
 
 @dataclass(frozen=True, eq=False)
-class Stance:
+class BalancedStance:
     """A robot and the contacts that its feet make, in numbers.
 
     Attributes
@@ -216,7 +216,7 @@ def upright(robot: Robot, q: Array) -> Array:
     return q
 
 
-def standing(stance: Stance, height: float | None = None) -> Array:
+def standing(stance: BalancedStance, height: float | None = None) -> Array:
     """Give the configuration (nq,) with all feet on the ground below, knees bent, the centre of mass over their middle.
 
     The feet stand where the neutral configuration has them. Where its legs are straight, joints at the end of their
@@ -224,7 +224,7 @@ def standing(stance: Stance, height: float | None = None) -> Array:
 
     Parameters
     ----------
-    stance : Stance
+    stance : BalancedStance
     height : float, optional
         Of the centre of mass above the feet [m].
     """
@@ -261,7 +261,7 @@ def standing(stance: Stance, height: float | None = None) -> Array:
     return found
 
 
-def height_above(stance: Stance, feet: Mapping[str, float], com: Array) -> float:
+def height_above(stance: BalancedStance, feet: Mapping[str, float], com: Array) -> float:
     """Height of the centre of mass above the middle of the feet [m]."""
     heights = []
     for contact in stance.contacts:

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotraj.guess.legs.stance import Stance
+from robotraj.guess.legs.stance import BalancedStance
 
 if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact
@@ -25,7 +25,7 @@ INSIDE = 0.7
 """How much of the cone tangential forces may use."""
 
 
-def support(stance: Stance, held: Sequence[str], q: Array, v: Array, a: Array) -> tuple[Array, Array]:
+def support(stance: BalancedStance, held: Sequence[str], q: Array, v: Array, a: Array) -> tuple[Array, Array]:
     """Find forces of the standing contacts and torques of the motors, for a motion q, v, a.
 
     Forces balance what has no motor as well as they can, B_0' (RNEA(q, v, a) + d(v) - J' f) = 0 in the least-squares
@@ -56,11 +56,11 @@ def support(stance: Stance, held: Sequence[str], q: Array, v: Array, a: Array) -
     return forces, np.asarray(robot.actuation.T @ torque)
 
 
-def _forces(stance: Stance, held: Sequence[str]) -> list[Variable]:
+def _forces(stance: BalancedStance, held: Sequence[str]) -> list[Variable]:
     return [force for contact in stance.contacts if contact.name in held for force in contact.forces]
 
 
-def inside(stance: Stance, held: Sequence[str], forces: Array, least: float) -> Array:
+def inside(stance: BalancedStance, held: Sequence[str], forces: Array, least: float) -> Array:
     """Bring forces inside their cones: enough upwards, tangential parts and moments no more than that allows."""
     forces, first = np.array(forces), 0
     for contact in stance.contacts:

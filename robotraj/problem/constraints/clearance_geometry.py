@@ -21,7 +21,7 @@ its radius, on the safe side."""
 
 
 @dataclass(frozen=True)
-class Spot:
+class ClearancePoint:
     """A point, ball or disc fixed in a frame.
 
     Attributes
@@ -88,7 +88,7 @@ class CollisionShapes:
 
     links: str | Sequence[str] = ()
 
-    def spots(self, robot: Robot) -> list[Spot]:
+    def spots(self, robot: Robot) -> list[ClearancePoint]:
         """Read the shapes.
 
         Raises
@@ -111,15 +111,17 @@ class CollisionShapes:
         return [spot for link, shape in shapes if link in chosen for spot in _spots(robot, link, shape)]
 
 
-def _spots(robot: Robot, link: str, shape: Any) -> list[Spot]:
+def _spots(robot: Robot, link: str, shape: Any) -> list[ClearancePoint]:
     """Points, balls or discs that hold the lowest point of one shape."""
     geometry, kind = shape.geometry, type(shape.geometry).__name__
     placement = robot.model.frames[shape.parentFrame].placement.actInv(shape.placement)
     axis = placement.rotation[:, 2]
 
-    def at(local: Any, label: str, radius: float = 0.0, disc: bool = False) -> Spot:
+    def at(local: Any, label: str, radius: float = 0.0, disc: bool = False) -> ClearancePoint:
         centre = placement.act(np.asarray(local, dtype=float))
-        return Spot(link, f"{shape.name} {label}".strip(), _vector(centre), radius, _vector(axis) if disc else None)
+        return ClearancePoint(
+            link, f"{shape.name} {label}".strip(), _vector(centre), radius, _vector(axis) if disc else None
+        )
 
     if kind == "Sphere":
         return [at(np.zeros(3), "", float(geometry.radius))]
@@ -146,7 +148,7 @@ def _vector(values: Any) -> Vector:
     return x, y, z
 
 
-def spots_of(what: Any, robot: Robot) -> list[Spot]:
+def spots_of(what: Any, robot: Robot) -> list[ClearancePoint]:
     """Read frames, points ``(frame, offset)``, CollisionShapes, or a sequence of these.
 
     Raises
@@ -158,13 +160,13 @@ def spots_of(what: Any, robot: Robot) -> list[Spot]:
         return what.spots(robot)
     if isinstance(what, str):
         robot.frame(what)
-        return [Spot(what, what)]
+        return [ClearancePoint(what, what)]
     if _is_point(what):
         frame, offset = what[0], _vector(what[1])
         robot.frame(frame)
         if not np.isfinite(offset).all():
             raise InputError(f"GroundClearance: the point of frame {frame!r} lies at {offset}; give three metres.")
-        return [Spot(frame, f"{frame} ({', '.join(f'{v:g}' for v in offset)})", offset)]
+        return [ClearancePoint(frame, f"{frame} ({', '.join(f'{v:g}' for v in offset)})", offset)]
     if not isinstance(what, Sequence):
         raise InputError(
             f"GroundClearance names {what!r}; give frames, points ('frame', (x, y, z)) or "

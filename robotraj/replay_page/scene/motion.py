@@ -19,7 +19,7 @@ TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True)
-class Motion:
+class SceneMotion:
     """A robot over a whole solution, sampled on a fine time grid.
 
     Attributes
@@ -43,7 +43,7 @@ class Motion:
     world: Array
 
 
-def motion_of(model: pin.Model, solution: Any, fps: int) -> Motion:
+def motion_of(model: pin.Model, solution: Any, fps: int) -> SceneMotion:
     """Sample every phase at 1/(FINEST fps) and put the robot there.
 
     At a boundary the later phase counts, except at the very end.
@@ -72,7 +72,7 @@ def motion_of(model: pin.Model, solution: Any, fps: int) -> Motion:
         for joint in range(1, model.njoints):
             local[k, joint] = data.liMi[joint].homogeneous
             world[k, joint] = data.oMi[joint].homogeneous
-    return Motion(stamps, q, local[:, :, :3, 3], _quaternions(local[:, :, :3, :3]), world)
+    return SceneMotion(stamps, q, local[:, :, :3, 3], _quaternions(local[:, :, :3, :3]), world)
 
 
 def _quaternions(rotation: Array) -> Array:

@@ -20,7 +20,7 @@ from robotraj.replay_page.colors import rgb
 from robotraj.replay_page.contacts import contact_scene
 from robotraj.replay_page.footholds import contact_frames
 from robotraj.replay_page.scene.ground import GroundView, ground_of
-from robotraj.replay_page.scene.motion import Motion, keys, motion_of
+from robotraj.replay_page.scene.motion import SceneMotion, keys, motion_of
 from robotraj.replay_page.scene.shapes import tube
 from robotraj.replay_page.scene.visuals import Visual, visuals_of
 from robotraj.replay_page.scene.window import PackedTrack, RecordingWindow, draw
@@ -119,7 +119,7 @@ def tip_frame(model: pin.Model) -> str:
 
 
 def _description(
-    model: pin.Model, motion: Motion, paths: list[str], hull: Array, ground: GroundView, traces: list[Any]
+    model: pin.Model, motion: SceneMotion, paths: list[str], hull: Array, ground: GroundView, traces: list[Any]
 ) -> dict[str, Any]:
     return {
         "joints": {model.names[j]: f"meshcat/{paths[j]}".split("/") for j in range(1, model.njoints)},
@@ -139,7 +139,7 @@ def _matrix(position: Array, quaternion: Array) -> Array:
     return np.asarray(pin.XYZQUATToSE3(np.concatenate([position, quaternion])).homogeneous)
 
 
-def _hull(visuals: Sequence[Visual], motion: Motion) -> Array:
+def _hull(visuals: Sequence[Visual], motion: SceneMotion) -> Array:
     """Outermost points (k, 3) [m] of all visuals over the whole motion, at 80 instants, in 162 directions.
 
     The extremes along the world's axes are among them; the camera frames these points.
@@ -154,14 +154,14 @@ def _hull(visuals: Sequence[Visual], motion: Motion) -> Array:
     return points[np.unique(np.argmax(points @ directions.T, axis=0))]
 
 
-def _stature(visuals: Sequence[Visual], motion: Motion) -> float:
+def _stature(visuals: Sequence[Visual], motion: SceneMotion) -> float:
     """Longest side [m] of the box around all visuals at the start."""
     frames = motion.world[0]
     clouds = [v.corners() @ frames[v.joint, :3, :3].T + frames[v.joint, :3, 3] for v in visuals]
     return float(np.ptp(np.concatenate(clouds), axis=0).max())
 
 
-def _animation(motion: Motion, paths: list[str], fps: int) -> Animation:
+def _animation(motion: SceneMotion, paths: list[str], fps: int) -> Animation:
     """One clip per joint that moves, with a track for what changes."""
     animation = Animation(default_framerate=fps)
     frames = (motion.times - motion.times[0]) * fps
@@ -182,7 +182,7 @@ def _animation(motion: Motion, paths: list[str], fps: int) -> Animation:
 
 def _trace(
     viewer: meshcat.Visualizer,
-    motion: Motion,
+    motion: SceneMotion,
     frame: pin.Frame,
     number: int,
     color: tuple[float, float, float],

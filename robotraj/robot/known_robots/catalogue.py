@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from robotraj._util.errors import unknown_name
-from robotraj.robot.known_robots.entry import Entry
+from robotraj.robot.known_robots.entry import KnownRobot
 from robotraj.robot.known_robots.example_robots import example_robot, example_robots
 from robotraj.robot.known_robots.own_robots import own_robot, own_robots
 
 
-def catalogue() -> tuple[Entry, ...]:
+def catalogue() -> tuple[KnownRobot, ...]:
     """List every robot known by name: robotraj's own first, then example-robot-data's; own names win."""
     own = own_robots()
     others = [entry for name, entry in sorted(example_robots().items()) if name not in own]
     return (*own.values(), *others)
 
 
-def find(name: str) -> Entry:
+def find(name: str) -> KnownRobot:
     """Look a robot up by name.
 
     Raises

@@ -8,7 +8,7 @@ from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True)
-class Entry:
+class KnownRobot:
     """A robot that ``rt.load`` knows by name.
 
     Attributes

@@ -7,7 +7,7 @@ import sys
 from functools import lru_cache
 from pathlib import Path
 
-from robotraj.robot.known_robots.entry import Entry
+from robotraj.robot.known_robots.entry import KnownRobot
 
 SHARE = Path("cmeel.prefix/share/example-robot-data/robots")
 
@@ -25,14 +25,14 @@ def folder() -> Path | None:
 
 
 @lru_cache(maxsize=1)
-def example_robots() -> dict[str, Entry]:
+def example_robots() -> dict[str, KnownRobot]:
     """Give the catalogue's entries whose URDF is there."""
     entries = (example_robot(row["name"]) for row in csv.DictReader(_lines()))
     return {entry.name: entry for entry in entries if entry is not None}
 
 
 @lru_cache(maxsize=64)
-def example_robot(name: str) -> Entry | None:
+def example_robot(name: str) -> KnownRobot | None:
     """Give the entry of that name, if it is in the table and its URDF is there."""
     robots, row = folder(), _row(name)
     if robots is None or row is None:
@@ -41,7 +41,7 @@ def example_robot(name: str) -> Entry | None:
     package = row["urdf"].split("/")[0]
     if not urdf.is_file():
         return None
-    return Entry(
+    return KnownRobot(
         name,
         row["description"],
         "example-robot-data",

@@ -7,7 +7,7 @@ import os
 from functools import lru_cache
 from pathlib import Path
 
-from robotraj.robot.known_robots.entry import Entry
+from robotraj.robot.known_robots.entry import KnownRobot
 
 
 def folder() -> Path:
@@ -18,20 +18,20 @@ def folder() -> Path:
 
 
 @lru_cache(maxsize=1)
-def own_robots() -> dict[str, Entry]:
+def own_robots() -> dict[str, KnownRobot]:
     """Read every robots/<name>/robot.json."""
     names = sorted(path.parent.name for path in folder().glob("*/robot.json"))
     return {name: entry for name in names if (entry := own_robot(name)) is not None}
 
 
 @lru_cache(maxsize=64)
-def own_robot(name: str) -> Entry | None:
+def own_robot(name: str) -> KnownRobot | None:
     """Read robots/<name>/robot.json, where it is; the URDF beside it is <name>.urdf."""
     path = folder() / name / "robot.json"
     if Path(name).name != name or not path.is_file():
         return None
     about = json.loads(path.read_text(encoding="utf-8"))
-    return Entry(
+    return KnownRobot(
         name,
         about["description"],
         "robots/",

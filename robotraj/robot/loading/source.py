@@ -12,7 +12,7 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.robot.known_robots.catalogue import find
-from robotraj.robot.known_robots.entry import Entry
+from robotraj.robot.known_robots.entry import KnownRobot
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.loading.mimic import Mimic, read_mimics
 from robotraj.robot.loading.surgery import names_of
@@ -71,7 +71,7 @@ def describe(source: Any, package_dirs: str | os.PathLike[str] | Sequence[str | 
         return _wrapper(source)
     if isinstance(source, os.PathLike) or (isinstance(source, str) and _is_path(source)):
         path = Path(source).expanduser()
-        return _from_urdf(Entry("", "", str(path), path), folders)
+        return _from_urdf(KnownRobot("", "", str(path), path), folders)
     if isinstance(source, str):
         return _from_urdf(find(source), folders)
     raise InputError(
@@ -91,7 +91,7 @@ def _wrapper(wrapper: Any) -> Description:
     return Description(wrapper.model.name or "robot", wrapper.model, (shapes[0], shapes[1]), "a RobotWrapper")
 
 
-def _from_urdf(entry: Entry, folders: tuple[str | os.PathLike[str], ...]) -> Description:
+def _from_urdf(entry: KnownRobot, folders: tuple[str | os.PathLike[str], ...]) -> Description:
     root = read_xml(entry.urdf)
     model = read_model(entry.urdf)
     return Description(
