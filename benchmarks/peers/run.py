@@ -104,7 +104,6 @@ def run_other(name: str, asked: argparse.Namespace) -> None:
     more = ["--results", str(asked.results)] if asked.results else []
     if name == "T6":
         more += ["--repeats", str(asked.repeats), "--cache", str(asked.cache), "--once", str(asked.once)]
-        more += ["--readme", str(asked.readme)] if asked.readme else []
     variables = {**os.environ, "PYTHONPATH": str(ROOT)}
     subprocess.run([sys.executable, str(ROOT / OTHERS[name]), *more], check=True, env=variables)
 
@@ -120,7 +119,6 @@ def main() -> None:
     parser.add_argument("--cache", type=Path, default=DEFAULT_CACHE)
     parser.add_argument("--out", type=Path, default=Path("results.json"), help="record; added to where it exists")
     parser.add_argument("--commit", help="of what is measured; the checkout's by default")
-    parser.add_argument("--readme", type=Path, help="write the short table between this file's peers markers")
     parser.add_argument("--results", type=Path, help="write all tables between this file's markers, plots beside it")
     asked = parser.parse_args()
     cache = asked.cache.resolve()
@@ -150,7 +148,8 @@ def main() -> None:
     for key in tasks:
         record["results"][key] = record["results"].get(key, {}) | compare(key, pythons, asked, cache)
         asked.out.write_text(json.dumps(record, indent=1))
-        table.write_all(record, asked.readme, asked.results)
+        if asked.results:
+            table.write_all(record, asked.results)
     for name in OTHERS:
         if name in asked.tasks:
             run_other(name, asked)

@@ -14,8 +14,6 @@ from tasks import task_of
 from tools import TOOLS
 
 PACKAGES = ("drake", "crocoddyl", "pin", "casadi", "robotraj", "dymos", "openmdao", "opty")
-SHOWN = ("T1", "T2", "T3", "T4", "T4@200", "T5")
-"""Columns of the short table."""
 
 
 def commit(root: Path) -> str:
@@ -120,51 +118,15 @@ def growth(record: Mapping[str, Any]) -> list[str]:
     return [*lines, ""]
 
 
-def short(record: Mapping[str, Any]) -> str:
-    """Solve, and build and solve, of every tool on every task."""
-    tasks = [key for key in SHOWN if key in record["results"]]
-    names = [name for name in TOOLS if any(name in record["results"][key] for key in tasks)]
-    where = "benchmarks/peers"
-    lines = [
-        "Processor seconds in the solver / of build and solve (after the imports, in a fresh process); the largest "
-        f"excess over a limit between the knots. M{repeats(record)[1:]}, {record['date']}, commit "
-        f"{record['commit']}. Crocoddyl takes speed limits and the goal as penalties. Whole processes, memory, drift, "
-        f"second plans, other meshes: [RESULTS.md]({where}/RESULTS.md).",
-        "",
-        "| | " + " | ".join(title_of(key) for key in tasks) + " |",
-        "|---" * (len(tasks) + 1) + "|",
-    ]
-    for name in names:
-        cells = [TOOLS[name].title]
-        for key in tasks:
-            runs = record["results"][key].get(name, [])
-            if good(runs):
-                cells.append(
-                    f"{seconds(median(runs, 'solve cpu'))} / {seconds(median(runs, 'work cpu'))}; {over(runs)}"
-                )
-            else:
-                cells.append(str(runs[0]["failed"]) if runs else "")
-        lines.append("| " + " | ".join(cells) + " |")
-    lines += [
-        "",
-        f"![solve seconds by task]({where}/{plots.BARS})",
-        f"![seconds against intervals]({where}/{plots.SWEEP})",
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def between_markers(path: Path, text: str, name: str = "peers") -> None:
+def between_markers(path: Path, text: str, name: str) -> None:
     """Replace what stands between a file's markers of that name."""
     begin, end = f"<!-- {name}:begin -->", f"<!-- {name}:end -->"
     before, rest = path.read_text().split(begin)
     path.write_text(f"{before}{begin}\n{text}{end}{rest.split(end)[1]}")
 
 
-def write_all(record: Mapping[str, Any], readme: Path | None, results: Path | None) -> None:
-    """Fill the files that were named, plots beside the second."""
-    if readme is not None:
-        between_markers(readme, short(record))
-    if results is not None:
-        between_markers(results, full(record), "tasks")
-        plots.bars(record, results.parent / plots.BARS)
-        plots.sweep(record, results.parent / plots.SWEEP)
+def write_all(record: Mapping[str, Any], results: Path) -> None:
+    """Fill the file of results, plots beside it."""
+    between_markers(results, full(record), "tasks")
+    plots.bars(record, results.parent / plots.BARS)
+    plots.sweep(record, results.parent / plots.SWEEP)

@@ -68,41 +68,6 @@ ROWS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
 )
 
 
-SHORT = (
-    ("solve [s]", "worked", _number),
-    ("process [s]", "total worked", _number),
-    ("iterations", "iterations", lambda value: f"{value:.0f}"),
-    ("cones", "cone", _percent),
-    ("slip", "slip", _metres),
-    ("sink", "sink", _metres),
-    ("off the ground", "off ground", _metres),
-    ("footholds missed by", "step missed by", _metres),
-    ("equations broken by", "equations root", _percent),
-    ("phase simulated, error", "drift", _number),
-)
-
-
-INTRO = (
-    "Walks beside Crocoddyl's own examples (`python benchmarks/peers/legs/run.py`): processor seconds; cones broken by "
-    "a share of the weight; how far standing feet move and are off the ground; footholds; equations of the root "
-    "between the knots, of the weight; error [rad, m] of a phase simulated open loop. robotraj's limits, cones and "
-    "heights are hard rows, Crocoddyl's are penalties. More in [RESULTS.md](benchmarks/peers/RESULTS.md). "
-)
-
-
-def short(record: Mapping[str, Any]) -> str:
-    """Give a line for each plan; processor seconds."""
-    lines = [f"{INTRO}{record['date']}, medians of at most {record['repeats']}.", ""]
-    lines += ["| | " + " | ".join(title for title, *_ in SHORT) + " |", "|---" * (len(SHORT) + 1) + "|"]
-    for walk, tools in record["results"].items():
-        for tool, runs in tools.items():
-            good = [run for run in runs if "failed" not in run]
-            if good:
-                cells = [written(statistics.median(run[key] for run in good)) for _, key, written in SHORT]
-                lines.append(f"| {WALKS[walk].title}, {NAMES[tool]} | " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
-
-
 def full(record: Mapping[str, Any]) -> str:
     """Every figure of every walk: medians over the runs."""
     lines = []

@@ -1,6 +1,6 @@
 """Walks by Crocoddyl's own examples and by robotraj, interleaved, each in a fresh process, judged alike.
 
-python benchmarks/peers/legs/run.py [--walks L1 L2 L3] [--repeats 5] [--readme README.md] [--results RESULTS.md]
+python benchmarks/peers/legs/run.py [--walks L1 L2 L3] [--repeats 5] [--results RESULTS.md]
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np  # noqa: E402
 from environments import DEFAULT_CACHE, python_of  # noqa: E402
 from judge import judge  # noqa: E402
 from models import robot_of  # noqa: E402
-from report import full, short  # noqa: E402
+from report import full  # noqa: E402
 from table import between_markers  # noqa: E402
 from walks import WALKS  # noqa: E402
 
@@ -70,7 +70,6 @@ def main() -> None:
     parser.add_argument("--once", type=float, default=100.0, help="what takes longer than this [s] runs once")
     parser.add_argument("--limit", type=float, default=900.0, help="what takes longer than this [s] is stopped")
     parser.add_argument("--out", type=Path, default=Path("legs.json"))
-    parser.add_argument("--readme", type=Path, help="write the short table between this file's walks markers")
     parser.add_argument("--results", type=Path, help="write the full tables between this file's walks markers")
     asked = parser.parse_args()
     pythons = {tool: python_of(TOOLS[tool][1], asked.cache.resolve()) for tool in asked.tools}
@@ -88,8 +87,6 @@ def main() -> None:
                 print(walk, tool, shown, flush=True)
                 asked.out.write_text(json.dumps(record, indent=1))
                 asked.out.with_suffix(".md").write_text(full(record))
-    if asked.readme is not None:
-        between_markers(asked.readme, short(record), "walks")
     if asked.results is not None:
         between_markers(asked.results, full(record), "walks")
 

@@ -1,0 +1,69 @@
+"""Every Python block of README, CONTRIBUTING and docs/ runs; every relative link leads to a file or a heading."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+DOCUMENTS = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+SLOW = "<!-- slow -->"
+"""Stands on the first lines of a document whose blocks take more than about 5 s."""
+
+
+def python_blocks(text: str) -> list[tuple[int, str]]:
+    """Python blocks of a document with the line on which each begins."""
+    blocks = [(match.start(2), match[2]) for match in FENCE.finditer(text) if match[1] == "python"]
+    return [(text.count("\n", 0, start), code) for start, code in blocks]
+
+
+def anchors(text: str) -> set[str]:
+    """Anchors that a forge makes of the headings."""
+    titles = re.findall(r"^#+ (.*)$", FENCE.sub("", text), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).strip().replace(" ", "-") for title in titles}
+
+
+WITH_CODE = [
+    pytest.param(path, id=path.stem, marks=[pytest.mark.slow] if SLOW in path.read_text() else [])
+    for path in DOCUMENTS
+    if python_blocks(path.read_text())
+]
+
+
+@pytest.mark.parametrize("document", WITH_CODE)
+def test_the_blocks_of_a_document_run_in_turn(document: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {"__name__": "__main__"}
+    for line, code in python_blocks(document.read_text()):
+        # The blank lines make a traceback show the document's own line.
+        exec(compile("\n" * line + code, str(document), "exec"), names)
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.stem)
+def test_relative_links_lead_somewhere(document: Path) -> None:
+    text = FENCE.sub("", document.read_text())
+    for target in re.findall(r"""(?:\]\(|href="|src=")([^)"\s]+)[)"]""", text):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (document.parent / path).resolve() if path else document
+        assert file.exists(), f"{document.name} links to {target}, which does not exist"
+        if anchor and file.suffix == ".md":
+            assert anchor in anchors(file.read_text()), f"{document.name} links to {target}: no such heading"
+
+
+def test_the_front_page_is_short() -> None:
+    """At most 900 words, pictures, tables and code included."""
+    assert len((ROOT / "README.md").read_text().split()) <= 900
+
+
+def test_the_times_on_the_front_page_are_those_of_the_benchmark(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "peers"))
+    import front
+
+    table = front.front(front.RESULTS.read_text())
+    assert len(re.findall(r"\| [\d.]+\*?(?= \|)", table)) == 8
+    assert f"<!-- peers:begin -->\n{table}<!-- peers:end -->" in front.README.read_text()
