@@ -1,4 +1,4 @@
-"""A block of 1 kg pushed by at most 1 N, 10 m in the least time: full ahead, full back."""
+"""A block of 1 kg moves 10 m in minimum time with a force of at most 1 N: full acceleration, then full braking."""
 
 import numpy as np
 
@@ -15,13 +15,13 @@ move = rt.Phase(
 )
 print(move)
 
-# A constant force in every interval can switch at a knot, and cannot bulge over its limit between two.
+# A force that is constant in every interval switches at the knots and keeps its limit between them.
 mesh = rt.Mesh(50, rt.HermiteSimpson(control=rt.schemes.ConstantControl()))
 solution = rt.plan(move, mesh=mesh)
 print(solution)
 print(f"minimum time {solution.duration:.7f} s, exactly 2 sqrt(10) = {2 * np.sqrt(10):.7f} s")
 
-# The same door takes any system written with CasADi.
+# rt.System takes any equations written with CasADi.
 system = rt.System(states=["x", "v"], controls=["u"], dynamics=lambda point: [point.x["v"], point.u["u"]])
 same = rt.Phase(
     system,

@@ -1,4 +1,4 @@
-"""A damped pendulum swings up with little torque, in at most 2.5 s."""
+"""A damped pendulum swings up with least effort, and then with a motor too weak to lift it."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ swing_up = rt.Phase(
 solution = rt.plan(swing_up, mesh=rt.Mesh(20, rt.HermiteSimpson()))
 print(solution)
 
-# A motor of 0.5 N m cannot lift the pendulum, which weighs 1 N m: it has to be swung, back and forth.
+# Gravity exerts up to 1 N m. A motor of 0.5 N m has to swing the pendulum back and forth.
 weak = rt.Phase(
     pendulum,
     duration=(2.0, 20.0),

@@ -1,4 +1,4 @@
-"""The cart-pole swing-up of Kelly's tutorial (SIAM Review 59, 2017), by three schemes."""
+"""The cart-pole swing-up of Kelly's tutorial (SIAM Review 59, 2017), by four schemes."""
 
 import numpy as np
 

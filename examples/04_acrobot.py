@@ -1,4 +1,4 @@
-"""An acrobot, driven at the elbow alone, swings up; a guess of keyframes decides which way."""
+"""An acrobot with a motor at the elbow alone swings up; keyframes guide the solver to one of several optima."""
 
 import numpy as np
 
@@ -13,12 +13,12 @@ swing_up = rt.Phase(
     objective=rt.Effort(),
     name="acrobot swing-up",
 )
-# Swing back, tuck, swing through, stand: shoulder from hanging, elbow relative to the upper link.
+# Swing back, tuck, swing through, stand. The shoulder is measured from hanging, the elbow from the upper link.
 poses = [[0, 0], [-np.pi / 2, np.pi / 2], [np.pi / 2, np.pi / 2], [np.pi, 0]]
 keyframes = rt.guess.Keyframes([0, 0.25, 0.75, 1], [rt.State(q=pose, v=0) for pose in poses])
 
 coarse = rt.plan(swing_up, mesh=rt.Mesh(20), guess=keyframes)
-# Refine from there until the error between the knots is below 1e-6: what is balanced on its head drifts fast.
+# Upright is unstable, so that small errors grow fast: refine until the error between the knots is below 1e-6.
 solution = rt.plan(swing_up, mesh=rt.Mesh(40, rt.schemes.FifthDegree()), guess=coarse, tolerance=1e-6)
 print(solution)
 

@@ -1,4 +1,4 @@
-"""A ur5 moves over a ground plane within all limits of its URDF, its wrist never closer than 5 cm to the ground."""
+"""A ur5 moves within all limits of its URDF, with its wrist at least 5 cm above the ground."""
 
 import robotraj as rt
 

@@ -1,4 +1,4 @@
-"""The lecture's experiment: a block moved 10 m in minimum time, |u| <= 1, by every method, with its figures."""
+"""The lecture's experiment: a block moves 10 m in minimum time with |u| <= 1, by six methods, with figures."""
 
 import numpy as np
 from matplotlib.figure import Figure

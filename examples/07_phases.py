@@ -1,4 +1,4 @@
-"""A sliding mass in one to four phases gives one answer; a bouncing one jumps between two."""
+"""A sliding mass planned in one to four phases has one optimum; a bouncing mass jumps between two phases."""
 
 import robotraj as rt
 
@@ -16,7 +16,7 @@ for count in (1, 2, 3, 4):
     solution = rt.plan(problem, mesh=mesh, solver=rt.Ipopt(tolerance=1e-11))
     print(f"{count} phases: {solution.duration:.9f} s, exactly 0.447213595")
 
-# The mass hits a wall at x = 0.5 with at least 1 m/s and comes back with 80 % of its speed.
+# The mass hits a wall at x = 0.5 m with at least 1 m/s and rebounds with 80 % of its speed.
 wall = rt.State({"x": 0.5, "v": rt.between(1, None)})
 to, back = (
     rt.Phase(slider, (0.01, 2.0), start, end, rt.Effort(), controls=force, name=name)

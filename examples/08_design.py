@@ -1,4 +1,4 @@
-"""Plan an arm and its motion together: how long its links are, and what its upper arm weighs."""
+"""Plan an arm and its motion together: the lengths of its links, the mass of its upper arm, and the torques."""
 
 import robotraj as rt
 
@@ -17,7 +17,7 @@ carry = [
 bent = rt.guess.Keyframes([0, 1], [rt.State(q=[0.5, -1.8], v=0), rt.State(q=[1.9, -1.7], v=0)])
 as_built = rt.plan(rt.Phase(arm, constraints=carry, **task), mesh=rt.Mesh(40), guess=bent)
 
-# A rod of 1 kg a metre weighs what it is long.
+# A rod of 1 kg/m: its mass equals its length.
 rod = rt.AtStart(rt.PathConstraint(lambda p: p.p["mass"] - p.p["upper"], lower=0, upper=0, name="rod", unit="kg"))
 together = rt.Phase(
     arm,

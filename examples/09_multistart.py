@@ -1,4 +1,4 @@
-"""Many starts show which optima there are; stages and a sweep reuse what was found."""
+"""Multistart lists the local optima; continuation and a sweep solve families of problems."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A compass walks down a slope without torque, and on level ground with as little as can be."""
+"""A compass walker walks down a slope without torque, and on level ground with least effort."""
 
 import numpy as np
 
@@ -6,14 +6,14 @@ import robotraj as rt
 
 walker = rt.load("compass_walker", root="planar")
 legs = {"left_hip": "right_hip", "left_foot": "right_foot"}
-# One motor between the legs: equal and opposite torques, which do not turn the hip's own mass.
+# One motor acts between the legs: its equal and opposite torques do not turn the hip's own mass.
 motor = rt.PathConstraint(lambda point: point.tau[0] + point.tau[1], 0, 0, name="one motor", unit="N m")
 
 for name, descent, length in (("downhill", 0.0525, rt.between(0.3, 0.8)), ("level", 0.0, 0.4)):
     ground = rt.terrain.Slope(-np.tan(descent))
 
     def height(point, ground=ground):
-        """Of the swing foot, which scuffs as with every compass: it is on the ground where it comes down."""
+        """Height of the swing foot over the ground. It is zero at touchdown; stiff legs scuff before that."""
         foot = point.frame("right_foot").position
         return foot[2] - ground.height(foot[0], foot[1])
 

@@ -1,4 +1,4 @@
-"""A five-link biped's periodic step, as in Kelly's tutorial: least effort, and what it costs to lift the foot."""
+"""The periodic step of a five-link biped, as in Kelly's tutorial: least effort, without and with lifted feet."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ import robotraj as rt
 published = {("five_link", 0.0): 469.650, ("five_link_table", 0.0): 390.7905}
 for name, clearance in (("five_link", 0.0), ("five_link", 0.1), ("five_link_table", 0.0)):
     robot = rt.load(name, root="planar")
-    # One step of 0.5 m in 0.7 s: the left foot stands, the right one comes down with an impact, and all is mirrored.
+    # One step of 0.5 m in 0.7 s. The left foot stands, the right one lands with an impact; the next step mirrors it.
     step = rt.gait.walk(
         robot,
         step_length=0.5,

@@ -1,4 +1,4 @@
-"""The five-link biped runs at 2.5 m/s: stance, flight, and a landing on the other foot."""
+"""A five-link biped runs at 2.5 m/s: stance, flight, and a landing on the other foot."""
 
 from dataclasses import replace
 
@@ -8,13 +8,13 @@ import robotraj as rt
 
 robot = rt.load("five_link", root="planar")
 written = rt.gait.run(robot, step_length=1.0, duration=0.4, contact=rt.PointContact("left_foot", friction=0.8))
-# How much of the step it flies is not for us to say: both durations are free, their sum is not.
+# The durations of stance and flight are free; their sum is given.
 stance, flight = (replace(phase, duration=(0.05, 0.35)) for phase in written.phases)
 pace = rt.links.Linkage(
     [0, 1], lambda first, last: last.end.t - first.start.t, 0.4, 0.4, name="time of a step", unit="s"
 )
 problem = rt.Problem([stance, flight], [*written.links, pace])
-# Torques on lines between the knots stay inside their limits there too.
+# Torques that are linear in every interval keep their limits between the knots.
 solution = rt.plan(problem, mesh=rt.Mesh(10, rt.HermiteSimpson(control=rt.schemes.LinearControl())), tolerance=1e-5)
 print(solution)
 report = rt.validate(solution)

@@ -1,7 +1,7 @@
-"""A hopper goes half a metre forward: when its foot stands, slips or flies is found, not given.
+"""A hopper moves half a metre forward; the solver finds when its foot stands, slips or flies.
 
-The contact is a relaxed complementarity, tightened in stages; every interval ends in one collocation point, so that an
-impact is a force that lasts one interval.
+The contact is a relaxed complementarity that is tightened step by step. Every interval has one collocation point at its
+end, so that an impact is a force that lasts one interval.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ hop = rt.Phase(
     objective=rt.Effort({"hip": 1.0, "leg": 0.01}),
     name="hop",
 )
-# A stronger barrier than usual: the guess, a straight line, says nothing of the contacts.
+# The guess is a straight line without contacts: a larger initial barrier keeps the first steps away from bounds.
 solver, stages = rt.Ipopt(initial_barrier=0.1), rt.planning.tightening(hop, [1.0, 0.1, 1e-2, 1e-3])
 solution = rt.plan(hop, mesh=rt.Mesh(40, rt.schemes.RadauIIA(1)), solver=solver, continuation=stages)
 print(solution)

@@ -1,4 +1,4 @@
-"""Solo12 trots at 0.3 m/s, one diagonal pair of feet after the other, and jumps 10 cm forward and 8 cm up."""
+"""Solo12 trots at 0.3 m/s on alternating diagonal pairs of feet, and jumps 10 cm forward and 8 cm up."""
 
 from functools import partial
 
@@ -7,16 +7,16 @@ import numpy as np
 
 import robotraj as rt
 
-# The URDF says 10 rad, 1000 rad/s and 1000 N m; the motors give 2.7 N m.
+# The URDF's limits are placeholders of 10 rad, 1000 rad/s and 1000 N m; the motors give 2.7 N m.
 robot = rt.load("solo12", root="floating", limits={"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7})
 foot = partial(rt.PointContact, friction=0.5)
-# Torques, distance from the standing posture, and a little of the joints' accelerations, which makes swings smooth.
+# Torques, distance from the standing posture, and a small weight on joint accelerations for smooth swings.
 posture = rt.gait.gait_objective(robot, rt.gait.stand(robot, contact=foot))
 calm = 1e-5 * rt.Lagrange(lambda point: ca.sumsqr(point.a[6:]))
 
-# Half a stride, closed on its own mirror image by the impact of the other feet.
+# Half a stride; the impact of the other two feet links it to its mirror image.
 trot = rt.gait.trot(robot, step_length=0.06, duration=0.2, clearance=0.04, contact=foot, objective=posture + calm)
-# Feet that push and land never quite without load: a force of zero is the tip of the cone.
+# A small load is kept on standing feet, because the friction cone is not smooth at its tip.
 loaded = partial(foot, cone=rt.contacts.Linearised(4), normal_force=(0.5, 40.0))
 jump = rt.gait.jump(robot, length=0.1, height=0.08, push=0.25, land=0.25, contact=loaded, objective=posture + 10 * calm)
 meshes = rt.Mesh(5, rt.schemes.LobattoIIIA(4)), [rt.Mesh(n, rt.HermiteSimpson()) for n in (14, 8, 12)]

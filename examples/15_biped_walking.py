@@ -1,4 +1,4 @@
-"""Bolt, a biped on two points, and the legs of Talos on flat feet walk in space, from the built-in guess.
+"""Bolt on point feet and the legs of Talos on flat feet walk in three dimensions, from the built-in guess.
 
 One step is planned and closed on its own mirror image. Bolt never stands still: every step falls into the next one.
 """
@@ -10,7 +10,7 @@ import numpy as np
 
 import robotraj as rt
 
-# Bolt's URDF says 10 rad, 1000 rad/s and 1000 N m; its motors give 2.7 N m. Those of Talos's URDF hold as they are.
+# Bolt's URDF has placeholders of 10 rad, 1000 rad/s and 1000 N m; its motors give 2.7 N m. Talos keeps its own.
 bolt = rt.load("bolt", root="floating", limits={"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7})
 talos = rt.load("talos_legs", root="floating")
 point = partial(rt.PointContact, friction=0.6)
@@ -24,7 +24,7 @@ for robot, on, pace, calm, mesh in (
     (bolt, small, fast, 1e-5, rt.Mesh(6, rt.schemes.LobattoIIIA(4))),
     (talos, large, slow, 0.3, [rt.Mesh(n, rt.schemes.LobattoIIIA(4)) for n in (5, 7)]),
 ):
-    # Torques, distance from the standing posture, and a little of the joints' accelerations: swings get smooth.
+    # Torques, distance from the standing posture, and a small weight on joint accelerations for smooth swings.
     cost = rt.gait.gait_objective(robot, rt.gait.stand(robot, **on)) + calm * rt.Lagrange(lambda p: ca.sumsqr(p.a[6:]))
     solution = rt.plan(rt.gait.walk(robot, **on, **pace, objective=cost), mesh=mesh)
     sample = solution.at(np.linspace(0, solution.duration, 2001))

@@ -1,4 +1,4 @@
-"""The five-link biped climbs two stairs: from standing on both feet at the bottom to standing on both at the top."""
+"""A five-link biped climbs two stairs, from rest on both feet at the bottom to rest on both feet at the top."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ foot = rt.PointContact("left_foot", friction=0.8, ground=stairs)
 left, right = "left_foot", "right_foot"
 first, second = rt.between(0.25, 0.5), rt.between(0.65, 1.0)
 
-# Which feet stand, for how long, and where they may stand; footholds are unknowns, away from the edges of the treads.
+# Standing feet, duration [s] and bounds of the footholds, which are unknowns away from the edges of the treads.
 timetable = [
     ("lean forward", (left, right), 0.3, {}),
     ("right foot to the first stair", (left,), (0.4, 0.7), {}),
@@ -30,7 +30,7 @@ coarse = rt.plan(climb, rt.Mesh(6))
 solution = rt.plan(climb, rt.Mesh(12, rt.schemes.LobattoIIIA(5)), guess=coarse)
 print(solution)
 print("footholds:", *(f"{k} = {v:.3f} m" for phase in solution.phases for k, v in phase.parameters.items()))
-# Standing on points is unstable: each phase holds by itself, the climb as a whole with feedback of the joints.
+# Standing on points is unstable. Each phase is simulated open loop, and the whole climb with joint feedback.
 report = rt.validate(solution, drift=None)
 print(report)
 report.check()

@@ -1,4 +1,4 @@
-"""The indirect view: costates of a direct plan, Pontryagin's conditions, and a polish to round-off."""
+"""Costates of a direct plan, Pontryagin's conditions, and a polish of the solution to round-off."""
 
 import numpy as np
 
@@ -16,8 +16,8 @@ print(polished)
 (switch,) = polished.switching_times["tau.slider"]
 print(f"switching time {switch:.12f} s, exactly sqrt(10) = {np.sqrt(10):.12f} s")
 
-# Bryson and Denham's problem: a bound on a state is met, kept and left, and the costate of x jumps there. Cut at these
-# junctions, the motion is three phases of free durations, whose ends come to stand on the jumps.
+# Bryson and Denham's problem: the motion reaches a bound on x, follows it and leaves it; the costate of x jumps there.
+# Cut at these junctions, the motion has three phases of free duration, and the jumps lie at their ends.
 mass = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
 effort = rt.Lagrange(lambda point: 0.5 * point.u["u"] ** 2)
 bounce = rt.Phase(mass, 1.0, rt.State([0, 1]), rt.State([0, -1]), effort, states={"x": rt.between(None, 1 / 9)})

@@ -1,4 +1,4 @@
-"""A ur5 draws a straight line in least time with its tool pointing down: four equations along the whole way."""
+"""A ur5 draws a straight line in minimum time with its tool pointing down: four equality constraints throughout."""
 
 import numpy as np
 import pinocchio as pin
@@ -23,7 +23,7 @@ everywhere = rt.interval_limits.BernsteinBounds(controls=True)
 solution = rt.plan(draw, rt.Mesh(40), rt.guess.Keyframes([0, 1], about), interval_limits=everywhere)
 print(solution)
 
-# How far the tool is from the line and from the vertical at any time, at the points of the mesh and between them.
+# Distance of the tool from the line and from the vertical, at the points of the mesh and between them.
 poses = []
 for q in solution.at(np.linspace(0, solution.duration, 1001)).q:
     data = ur5.model.createData()
