@@ -15,10 +15,10 @@ from playwright.sync_api import Page, sync_playwright
 PICTURES = {
     "cartpole": ("03_cartpole.html", 1.1),
     "ur5": ("05_ur5.html", 0.45),
-    "five_link": ("11_five_link_0.1.html", 0.42),
+    "five_link": ("11_five_link_0.1.html", 2.5),
     "solo12": ("14_solo12_trot.html", 0.35),
     "talos": ("15_talos_legs_walking.html", 1.1),
-    "stairs": ("16_stairs.html", 1.35),
+    "stairs": ("16_stairs.html", 1.0),
 }
 """Picture, its replay, and the moment [s] that it shows."""
 
@@ -34,7 +34,8 @@ def take(page: Page, replay: Path, moment: float, picture: Path) -> None:
     page.evaluate("t => window.robotraj.seek(t)", moment)
     page.add_style_tag(content=QUIET)
     page.wait_for_timeout(1500)
-    page.locator("#view").screenshot(path=picture)
+    box = page.locator("#view").bounding_box()
+    page.screenshot(path=picture, clip={"x": box["x"], "y": box["y"], "width": 600, "height": 480})
 
 
 def main(folder: Path, wanted: list[str]) -> None:
