@@ -1,4 +1,4 @@
-"""Pinocchio's algorithms as CasADi functions, for any ``pinocchio.Model``.
+"""The algorithms of rigid bodies as CasADi functions, for any ``pinocchio.Model``.
 
 It stands by itself: whoever wants ``pinocchio.casadi`` from wheels can use only this.
 Start with ``model.py``. The room may import ``_util``.

@@ -1,4 +1,4 @@
-"""SymbolicModel: one lazily built ``casadi.Function`` per algorithm of Pinocchio."""
+"""SymbolicModel: one lazily built ``casadi.Function`` per algorithm of rigid bodies."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class SymbolicModel:
     the linear part first. Armature enters as Pinocchio does it; damping, friction and rotor inertia do not.
     A quaternion in ``q`` is (x, y, z, w) and must have length 1.
 
-    Source: Pinocchio's algorithms (Featherstone, Rigid Body Dynamics Algorithms, 2008), on ``casadi::SX``.
+    Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, on ``casadi::SX``; models and joints are Pinocchio's.
 
     Examples
     --------

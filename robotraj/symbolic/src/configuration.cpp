@@ -4,6 +4,7 @@
 #include "planar.hpp"
 
 #include <pinocchio/algorithm/joint-configuration.hpp>
+#include <pinocchio/multibody.hpp>
 
 #include <boost/variant/get.hpp>
 
@@ -13,7 +14,7 @@
 namespace robotraj {
 namespace {
 
-using Joint = pinocchio::JointModelTpl<SX>;
+using JointType = pinocchio::JointModelTpl<SX>;
 using CompositeJoint = pinocchio::JointModelCompositeTpl<SX>;
 
 /// Rate of a unit quaternion (x, y, z, w) under the body's angular velocity: half of the product with (w, 0).
@@ -33,7 +34,7 @@ Eigen::Matrix<SX, 3, 1> rotated(const Vector& quaternion, const Vector& vector) 
 }
 
 /// A joint, or the parts of a composite one.
-void append_parts(const Joint& joint, std::vector<Joint>& parts) {
+void append_parts(const JointType& joint, std::vector<JointType>& parts) {
   if (joint.shortname() == CompositeJoint::classname()) {
     for (const auto& part : boost::get<CompositeJoint>(joint.toVariant()).joints) append_parts(part, parts);
   } else {
@@ -41,17 +42,17 @@ void append_parts(const Joint& joint, std::vector<Joint>& parts) {
   }
 }
 
-std::vector<Joint> simple_joints(const Model& model) {
-  std::vector<Joint> parts;
+std::vector<JointType> simple_joints(const Model& model) {
+  std::vector<JointType> parts;
   for (std::size_t joint = 1; joint < model.joints.size(); ++joint) append_parts(model.joints[joint], parts);
   return parts;
 }
 
-bool is_continuous(const Joint& joint) { return joint.nq() == 2 && joint.nv() == 1; }
+bool is_continuous(const JointType& joint) { return joint.nq() == 2 && joint.nv() == 1; }
 
-bool is_planar(const Joint& joint) { return joint.shortname() == pinocchio::JointModelPlanarTpl<SX>::classname(); }
+bool is_planar(const JointType& joint) { return joint.shortname() == pinocchio::JointModelPlanarTpl<SX>::classname(); }
 
-void write_rate(const Joint& joint, const Vector& q, const Vector& v, Vector& rate) {
+void write_rate(const JointType& joint, const Vector& q, const Vector& v, Vector& rate) {
   const int nq = joint.nq(), nv = joint.nv();
   const Vector here = q.segment(joint.idx_q(), nq), velocity = v.segment(joint.idx_v(), nv);
   auto out = rate.segment(joint.idx_q(), nq);
@@ -75,12 +76,12 @@ void write_rate(const Joint& joint, const Vector& q, const Vector& v, Vector& ra
 }  // namespace
 
 std::string integrate(const SymbolicModel& symbolic) {
-  const Model& model = symbolic.model;
+  const Model& model = *symbolic.tree.model;
   Graph graph(symbolic);
   const Vector q = graph.input("q", model.nq);
   const Vector dv = graph.input("dv", model.nv);
   Vector q1 = pinocchio::integrate(model, q, dv);
-  for (const Joint& joint : simple_joints(model))
+  for (const JointType& joint : simple_joints(model))
     if (is_planar(joint))
       q1.segment(joint.idx_q(), 4) = planar_integrate(q.segment(joint.idx_q(), 4), dv.segment(joint.idx_v(), 3));
   graph.output("q1", q1);
@@ -88,12 +89,12 @@ std::string integrate(const SymbolicModel& symbolic) {
 }
 
 std::string difference(const SymbolicModel& symbolic) {
-  const Model& model = symbolic.model;
+  const Model& model = *symbolic.tree.model;
   Graph graph(symbolic);
   const Vector q0 = graph.input("q0", model.nq);
   const Vector q1 = graph.input("q1", model.nq);
   Vector dv = pinocchio::difference(model, q0, q1);
-  for (const Joint& joint : simple_joints(model)) {
+  for (const JointType& joint : simple_joints(model)) {
     const auto from = joint.idx_q();
     if (is_continuous(joint)) dv[joint.idx_v()] = angle_between(q0[from], q0[from + 1], q1[from], q1[from + 1]);
     else if (is_planar(joint))
@@ -104,12 +105,12 @@ std::string difference(const SymbolicModel& symbolic) {
 }
 
 std::string configuration_rate(const SymbolicModel& symbolic) {
-  const Model& model = symbolic.model;
+  const Model& model = *symbolic.tree.model;
   Graph graph(symbolic);
   const Vector q = graph.input("q", model.nq);
   const Vector v = graph.input("v", model.nv);
   Vector rate(model.nq);
-  for (const Joint& joint : simple_joints(model)) write_rate(joint, q, v, rate);
+  for (const JointType& joint : simple_joints(model)) write_rate(joint, q, v, rate);
   graph.output("qdot", rate);
   return graph.serialize("configuration_rate");
 }

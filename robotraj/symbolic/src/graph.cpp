@@ -10,25 +10,25 @@ Matrix to_eigen(const SX& source) {
 }
 
 SymbolicModel::SymbolicModel(const std::string& text, bool parametric_)
-    : model(read_model(text)), parametric(parametric_) {
+    : tree(read_model(text)), parametric(parametric_) {
   if (!parametric) return;
-  const auto njoints = static_cast<casadi_int>(model.njoints);
+  const auto njoints = static_cast<casadi_int>(tree.joints.size());
   inertias = SX::sym("inertias", 10, njoints);
   translations = SX::sym("translations", 3, njoints);
   const Matrix parameters = to_eigen(inertias);
-  for (std::size_t joint = 1; joint < static_cast<std::size_t>(model.njoints); ++joint) {
+  for (std::size_t joint = 1; joint < tree.joints.size(); ++joint) {
     const auto column = parameters.col(static_cast<Eigen::Index>(joint));
     const SX mass = column[0];
     // A body of mass 0 has no centre; dividing by 1 instead keeps it and its derivatives finite.
     const SX divisor = mass + (mass == 0);
-    const Eigen::Matrix<SX, 3, 1> lever(column[1] / divisor, column[2] / divisor, column[3] / divisor);
+    const Vector3 lever(column[1] / divisor, column[2] / divisor, column[3] / divisor);
     // I_origin = I_centre - m [c]x [c]x, in the order Ixx, Ixy, Iyy, Ixz, Iyz, Izz.
     const SX x = lever[0], y = lever[1], z = lever[2];
     Eigen::Matrix<SX, 6, 1> about_centre;
     about_centre << column[4] - mass * (y * y + z * z), column[5] + mass * x * y, column[6] - mass * (x * x + z * z),
         column[7] + mass * x * z, column[8] + mass * y * z, column[9] - mass * (x * x + y * y);
-    model.inertias[joint] = Model::Inertia(mass, lever, Model::Inertia::Symmetric3(about_centre));
-    model.jointPlacements[joint].translation() =
+    tree.joints[joint].body = Inertia(mass, lever, Inertia::Symmetric3(about_centre));
+    tree.joints[joint].placement.translation() =
         to_eigen(translations(casadi::Slice(), static_cast<casadi_int>(joint)));
   }
 }

@@ -1,21 +1,13 @@
-// The common ground of all algorithms: Pinocchio's types on casadi::SX, and the making of a Function.
+// The common ground of all algorithms: a model on casadi::SX, and the making of a Function.
 #pragma once
 
-#include <pinocchio/autodiff/casadi.hpp>
-#include <pinocchio/multibody.hpp>
+#include "tree.hpp"
 
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace robotraj {
-
-using casadi::SX;
-using Model = pinocchio::ModelTpl<SX>;
-using Data = pinocchio::DataTpl<SX>;
-using Force = pinocchio::ForceTpl<SX>;
-using Vector = Eigen::Matrix<SX, Eigen::Dynamic, 1>;
-using Matrix = Eigen::Matrix<SX, Eigen::Dynamic, Eigen::Dynamic>;
 
 /// Column-major dense copy; structural zeros become the constant 0, so every output has a fixed layout.
 template <typename Derived>
@@ -29,7 +21,7 @@ SX to_casadi(const Eigen::MatrixBase<Derived>& source) {
 
 Matrix to_eigen(const SX& source);
 
-struct Kinematics;
+struct Moving;
 
 /// A model whose numbers are constants of the graph, or partly symbols of it.
 ///
@@ -39,16 +31,13 @@ struct Kinematics;
 struct SymbolicModel {
   SymbolicModel(const std::string& text, bool parametric);
 
-  Model model;
+  Tree tree;
   bool parametric;
   SX inertias;
   SX translations;
-  /// Placements, velocities and accelerations of all joints, made for the first frame that asks (frames.cpp).
-  mutable std::shared_ptr<Kinematics> kinematics;
+  /// The motion of all joints, made for the first frame that asks (frames.cpp).
+  mutable std::shared_ptr<const Moving> moving;
 };
-
-/// The double-precision model read from Model::saveToString(), cast to SX (numbers become constants).
-Model read_model(const std::string& text);
 
 /// One function being built: its inputs are symbols in the order asked for, its outputs any expressions of them.
 class Graph {
