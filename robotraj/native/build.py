@@ -11,8 +11,7 @@ from types import ModuleType
 
 import casadi
 
-from robotraj._util.errors import BuildMismatch
-from robotraj.symbolic.build import check_versions
+from robotraj.symbolic.build import check_versions, not_loaded
 
 
 @cache
@@ -43,10 +42,7 @@ def load_native() -> ModuleType:
             ctypes.CDLL(str(wheel / library))
         native = import_module("robotraj.native._native")
     except (ImportError, OSError) as error:
-        raise BuildMismatch(
-            f"robotraj's compiled solver could not be loaded beside casadi {casadi.CasadiMeta.version()} ({error}). "
-            "Build it again, for the versions in pyproject.toml: 'pip install --force-reinstall .' in its folder."
-        ) from error
+        raise not_loaded("robotraj.native._native", error) from error
     check_versions(native)
     return native
 

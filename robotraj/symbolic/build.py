@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from functools import cache
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 
@@ -56,6 +57,39 @@ def wheel_version(name: str) -> str | None:
     return None if first is None else first.name.removesuffix(".dist-info").rpartition("-")[2]
 
 
+def not_loaded(module: str, error: Exception) -> BuildMismatch:
+    """Say why a compiled module could not be imported, and what helps.
+
+    Parameters
+    ----------
+    module : str
+        Its full name.
+    error : Exception
+        What the import raised.
+
+    Returns
+    -------
+    BuildMismatch
+
+    Notes
+    -----
+    A folder of sources shadows an installed robotraj when Python runs inside it. Another ``pip install .`` would not
+    help there, since it puts the compiled modules into the installed package.
+    """
+    folder = Path(__file__).resolve().parents[2]
+    from_sources = (folder / "pyproject.toml").exists()
+    if from_sources and find_spec(module) is None:
+        return BuildMismatch(
+            f"Python imports robotraj from its sources in {folder}, where {module} is not compiled: "
+            "run Python in another folder, or run 'pip install -e .' in this one."
+        )
+    remedy = f"'pip install -e .' in {folder}" if from_sources else "'pip install --force-reinstall .' in its sources"
+    return BuildMismatch(
+        f"robotraj's compiled module {module} could not be loaded beside pinocchio {pinocchio.__version__} and "
+        f"casadi {casadi.CasadiMeta.version()} ({error}). Build it again: {remedy}."
+    )
+
+
 @cache
 def load_graphs() -> ModuleType:
     """Import the compiled module and check it.
@@ -78,10 +112,6 @@ def load_graphs() -> ModuleType:
     try:
         graphs = import_module("robotraj.symbolic._graphs")
     except ImportError as error:
-        versions = f"pinocchio {pinocchio.__version__} and casadi {casadi.CasadiMeta.version()}"
-        raise BuildMismatch(
-            f"robotraj's compiled module could not be loaded beside {versions} ({error}). Build it again, "
-            "for the versions in pyproject.toml: 'pip install --force-reinstall .' in robotraj's folder."
-        ) from error
+        raise not_loaded("robotraj.symbolic._graphs", error) from error
     check_versions(graphs)
     return graphs

@@ -13,7 +13,7 @@ import pinocchio as pin
 import pytest
 
 from robotraj._util.errors import BuildMismatch, InputError, UnknownName
-from robotraj.symbolic import SymbolicModel
+from robotraj.symbolic import SymbolicModel, build
 from robotraj.symbolic.build import check_versions, wheel_version
 
 OTHER = "99.0.0"
@@ -46,8 +46,26 @@ def test_missing_module_is_a_build_mismatch_at_import(tmp_path: Path) -> None:
     command = [sys.executable, "-c", script]
     result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert result.returncode != 0
-    assert "BuildMismatch: robotraj's compiled module could not be loaded" in result.stderr
+    assert "BuildMismatch: " in result.stderr
     assert "pip install" in result.stderr
+
+
+def test_sources_without_compiled_modules_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Inside a clone that was installed without -e, another install of the same kind does not help."""
+    (tmp_path / "pyproject.toml").touch()
+    monkeypatch.setattr(build, "__file__", str(tmp_path / "robotraj" / "symbolic" / "build.py"))
+    message = str(build.not_loaded("robotraj.symbolic.absent", ImportError("no module")))
+    assert str(tmp_path) in message
+    assert "another folder" in message
+    assert "'pip install -e .'" in message
+    assert "reinstall" not in message
+
+
+def test_an_installed_module_that_does_not_load_is_built_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(build, "__file__", str(tmp_path / "robotraj" / "symbolic" / "build.py"))
+    message = str(build.not_loaded("robotraj.symbolic.build", ImportError("undefined symbol")))
+    assert "undefined symbol" in message
+    assert "--force-reinstall" in message
 
 
 @pytest.mark.parametrize("method", ["frame_placement", "frame_velocity", "frame_acceleration", "frame_jacobian"])

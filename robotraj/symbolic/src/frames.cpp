@@ -87,11 +87,12 @@ std::string frame_jacobian(const SymbolicModel& symbolic, std::size_t index, Ref
   const Vector3 origin = (at.placements[seen.joint] * seen.placement).translation();
   while (seen.joint > 0) {
     const Joint& joint = tree.joints[seen.joint];
-    Placement placement = reference == pinocchio::LOCAL ? seen.placement.inverse() : at.placements[seen.joint];
-    if (reference == pinocchio::LOCAL_WORLD_ALIGNED) placement.translation() -= origin;
+    Placement seen_from = at.placements[seen.joint];
+    if (reference == pinocchio::LOCAL_WORLD_ALIGNED) seen_from.translation() -= origin;
     for (Eigen::Index k = 0; k < joint.count; ++k) {
       const Motion axis{Eigen::Matrix<SX, 6, 1>(at.joints[seen.joint].axes.col(k))};
-      J.col(joint.first + k) = placement.act(axis).toVector();
+      const Motion column = reference == pinocchio::LOCAL ? seen.placement.actInv(axis) : seen_from.act(axis);
+      J.col(joint.first + k) = column.toVector();
     }
     seen = {joint.parent, at.joints[seen.joint].placement * seen.placement};
   }
