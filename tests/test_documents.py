@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import robotraj as rt
+
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -40,6 +42,15 @@ def test_the_blocks_of_a_document_run_in_turn(document: Path, tmp_path: Path, mo
     for line, code in python_blocks(document.read_text()):
         # The blank lines make a traceback show the document's own line.
         exec(compile("\n" * line + code, str(document), "exec"), names)
+
+
+def test_the_first_plan_of_a_newcomer_is_proved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for _, code in python_blocks((ROOT / "README.md").read_text()):
+        exec(code, names)
+    assert rt.validate(names["solution"]).passed  # type: ignore[arg-type]
+    assert list(tmp_path.glob("*.html"))
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.stem)
