@@ -1,0 +1,64 @@
+"""The rows that must give are those that were made too tight."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning.diagnosis.elastic import conflicts
+from robotraj.planning.solve import solve
+
+A = np.array([-1.1, -1.8, 1.6, -1.2, -1.57, 0.0])
+B = np.array([1.1, -0.8, 0.6, -0.6, -0.6, 1.2])
+
+
+@pytest.fixture(scope="module")
+def ur5() -> rt.Robot:
+    return rt.load("ur5")
+
+
+def coarse(problem: rt.Problem, guess: rt.Solution | None) -> rt.Solution:
+    return solve(problem, rt.Mesh(15), guess, rt.Ipopt(max_iterations=300), retry=False)
+
+
+def reach(ur5: rt.Robot, **changes: Any) -> rt.Problem:
+    options = {"duration": 1.0, "start": rt.State(q=A, v=0), "end": rt.State(q=B, v=0)} | changes
+    return rt.Problem([rt.Phase(ur5, **options)])
+
+
+def test_a_problem_that_has_a_solution_needs_no_stretch(ur5: rt.Robot) -> None:
+    assert conflicts(reach(ur5), coarse) == ()
+
+
+def test_the_weak_motor_is_named_with_a_torque_that_would_do(ur5: rt.Robot) -> None:
+    limits = ur5.limits.with_(effort={"shoulder_lift_joint": 20.0})
+    (conflict,) = conflicts(reach(ur5, limits=limits), coarse)
+    assert conflict.name == "effort limit, shoulder_lift_joint" and conflict.unit == "N m"
+    assert abs(conflict.bound) == 20.0 and 20.0 < abs(conflict.needed) < 60.0
+    stronger = ur5.limits.with_(effort={"shoulder_lift_joint": 1.02 * abs(conflict.needed)})
+    assert coarse(reach(ur5, limits=stronger), None).success
+
+
+def test_a_pose_out_of_reach_is_told_with_the_miss(ur5: rt.Robot) -> None:
+    far = rt.AtEnd(rt.FramePosition("tool0", [1.5, 0.0, 0.3]))
+    found = conflicts(reach(ur5, end=rt.State(v=0), constraints=[far]), coarse)
+    assert found and found[0].name.startswith("frame position") and found[0].time == pytest.approx(1.0)
+    assert abs(found[0].bound - found[0].needed) > 0.3
+
+
+def test_a_duration_below_what_the_motors_allow_is_told() -> None:
+    """A double integrator over 1 m with force 1 on 1 kg needs 2 s from rest to rest."""
+    block = rt.System(["x", "v"], ["u"], dynamics=lambda p: [p.x["v"], p.u["u"]])
+    phase = rt.Phase(
+        block,
+        duration=1.9,
+        start=rt.State({"x": 0, "v": 0}),
+        end=rt.State({"x": 1, "v": 0}),
+        controls={"u": rt.between(-1, 1)},
+    )
+    found = conflicts(rt.Problem([phase]), coarse)
+    assert [conflict.name for conflict in found] == ["duration"]
+    assert found[0].needed == pytest.approx(2.0, rel=0.02)
