@@ -1,0 +1,227 @@
+"""Time-varying linear feedback along a plan, found from the plan's own linearisation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from robotraj.design import realised
+from robotraj.errors import InputError
+from robotraj.feedback.linearisation import Linearisation
+from robotraj.feedback.riccati import backwards, transition
+from robotraj.values import dataclass
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+BANDWIDTH = 20.0
+"""Rate [1/s] at which the feedback brings a deviation back: above the fall of a small robot, below a drive's."""
+
+LONGEST_PIECE = 0.02
+"""Longest time [s] for which the linearised motion and its gain count as constant."""
+
+IDLE = 1e-6
+"""Least cost of a torque that moves nothing, relative to what the motor's torque costs: it settles internal forces."""
+
+
+class PlanLike(Protocol):
+    """What the gains read of a solution."""
+
+    @property
+    def phases(self) -> Sequence[Any]:
+        """Phases in the order they are moved through."""
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseGains:
+    """Gains of one phase.
+
+    Attributes
+    ----------
+    times : ndarray (m,)
+        Ascending [s], global time.
+    matrices : ndarray (m, nu, 2 nv)
+        K at these times: [N m/rad] and [N m s/rad] for joints that turn, [N/m] and [N s/m] for those that slide.
+    growth : ndarray (m,)
+        Largest factor by which a deviation at the start of the plan has grown without feedback by ``times``, with
+        velocities counted at a tenth: one radian is as large as 10 rad/s. Infinite where it exceeds all numbers.
+    """
+
+    times: Array
+    matrices: Array
+    growth: Array
+
+    def at(self, t: Any) -> Array:
+        """Gains (nu, 2 nv), or (m, nu, 2 nv) for m times: linear between ``times``, constant outside of them."""
+        where = np.clip(np.asarray(t, dtype=float), self.times[0], self.times[-1])
+        after = np.clip(np.searchsorted(self.times, where), 1, max(len(self.times) - 1, 1))
+        if len(self.times) == 1:
+            return np.asarray(self.matrices[np.zeros_like(after)])
+        begin, end = self.times[after - 1], self.times[after]
+        share = ((where - begin) / (end - begin))[..., None, None]
+        return np.asarray((1.0 - share) * self.matrices[after - 1] + share * self.matrices[after])
+
+
+@dataclass(frozen=True, eq=False)
+class Gains:
+    """Feedback that holds a robot on its plan.
+
+        tau(t) = tau_plan(t) - K(t) e,    e = (difference(q_plan, q), v - v_plan)
+
+    ``difference`` is Pinocchio's: q - q_plan for joints; for a floating root its displacement in the axes of the
+    planned root and a rotation vector. e has 2 nv entries in the order of ``robot.velocity_names``, positions first.
+
+    The gains minimise the integral of w^4 |e_q|^2 + w^2 |e_v|^2 + |Y u|^2, with w = 20 / s and Y u the acceleration
+    that a torque u gives the robot with its contacts. So every motor corrects in proportion to the inertia it moves, and
+    a fully actuated robot gets K = M(q) (w^2, 1.7 w), away from the end of the plan.
+
+    Attributes
+    ----------
+    phases : tuple of PhaseGains
+    joints : tuple of str
+        Actuated joints, the rows of K.
+    coordinates : tuple of str
+        Names of the velocities, the columns of K, for positions and again for velocities.
+    """
+
+    phases: tuple[PhaseGains, ...]
+    joints: tuple[str, ...]
+    coordinates: tuple[str, ...]
+
+    @property
+    def times(self) -> Array:
+        """Times of all phases (m,) [s]."""
+        return np.concatenate([phase.times for phase in self.phases])
+
+    @property
+    def matrices(self) -> Array:
+        """K (m, nu, 2 nv) at ``times``."""
+        return np.concatenate([phase.matrices for phase in self.phases])
+
+    @property
+    def growth(self) -> float:
+        """Largest factor by which a small deviation grows along the plan without feedback."""
+        return float(max(phase.growth.max() for phase in self.phases))
+
+    def at(self, t: float) -> Array:
+        """K (nu, 2 nv) at a global time [s]; at a joint of two phases the later one's."""
+        starts = [phase.times[0] for phase in self.phases[1:]]
+        return self.phases[int(np.searchsorted(starts, t, side="right"))].at(t)
+
+
+class _Pieces(NamedTuple):
+    """A phase cut into pieces: transition matrices (F, G) and roots of the cost of each."""
+
+    times: Array
+    moves: list[tuple[Array, Array]]
+    weights: list[tuple[Array, Array]]
+
+
+def gains_of(solution: PlanLike) -> Gains:
+    """Find the gains of a plan.
+
+    Raises
+    ------
+    InputError
+        A phase moves a System, its robot has no motors or other joints than the phase before, or its linearisation is
+        not finite: phase and time are named.
+    """
+    robots = [planned.phase.robot for planned in solution.phases]
+    for planned, robot in zip(solution.phases, robots, strict=True):
+        if robot is None:
+            raise InputError(f"Phase {planned.phase.name!r} moves an rt.System; gains are found for robots.")
+        if not robot.actuated:
+            raise InputError(f"The robot of phase {planned.phase.name!r} has no motors; there is nothing to feed back.")
+        if tuple(robot.velocity_names) != tuple(robots[0].velocity_names):
+            raise InputError(f"Phase {planned.phase.name!r} has other joints than the first; gains need the same ones.")
+    parts = [_pieces(planned) for planned in solution.phases]
+    size = 2 * len(robots[0].velocity_names)
+    root = np.diag(_weight(size, 0.5))
+    found: list[Array] = []
+    for planned, part in reversed(list(zip(solution.phases, parts, strict=True))):
+        root, gains = backwards(root, part.moves, part.weights)
+        if not (np.isfinite(root).all() and all(np.isfinite(gain).all() for gain in gains)):
+            raise InputError(
+                f"The feedback of phase {planned.phase.name!r} is not finite: a deviation that no motor can correct "
+                "grows beyond all numbers. Plan a shorter motion, or add motors."
+            )
+        found.append(np.array(gains))
+    growth = _growth([part.moves for part in parts], size)
+    phases = zip(parts, found[::-1], growth, strict=True)
+    return Gains(
+        tuple(PhaseGains(part.times, gains, factors) for part, gains, factors in phases),
+        tuple(robots[0].actuated),
+        tuple(robots[0].velocity_names),
+    )
+
+
+def _pieces(planned: Any) -> _Pieces:
+    """Cut the intervals of a phase into short pieces and linearise each in its middle."""
+    robot = realised(planned)
+    linearisation = Linearisation(robot, planned.phase.bound_contacts)
+    knots = np.asarray(planned.knots, dtype=float)
+    times: list[float] = []
+    moves: list[tuple[Array, Array]] = []
+    weights: list[tuple[Array, Array]] = []
+    for k, (begin, end) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
+        if end <= begin:
+            continue
+        count = max(1, int(np.ceil((end - begin) / LONGEST_PIECE)))
+        length = (end - begin) / count
+        middles = begin + length * (np.arange(count) + 0.5)
+        sample = planned.at(middles, interval=k)
+        for t, q, v, tau in zip(middles, sample.q, sample.v, sample.tau, strict=True):
+            rate, push, consistent = _linear(linearisation, q, v, tau, planned.phase.name, float(t))
+            step, inputs = transition(rate, push, length)
+            nv = len(v)
+            effect = push[nv:]
+            sizes = np.sqrt(IDLE) * np.maximum(np.linalg.norm(effect, axis=0), np.finfo(float).tiny**0.5)
+            moves.append((step @ consistent, inputs))
+            weights.append(
+                (np.sqrt(length) * _weight(2 * nv, 1.0), np.sqrt(length) * np.vstack([effect, np.diag(sizes)]))
+            )
+            times.append(float(t))
+    return _Pieces(np.array(times), moves, weights)
+
+
+def _linear(
+    linearisation: Linearisation, q: Array, v: Array, tau: Array, phase: str, t: float
+) -> tuple[Array, Array, Array]:
+    """Linearise, or say where it is not possible."""
+    try:
+        found = linearisation.at(q, v, tau)
+    except np.linalg.LinAlgError as error:
+        raise InputError(
+            f"The motion of phase {phase!r} cannot be linearised at t = {t:.4g} s: the mass matrix of the robot is not "
+            "positive definite there. Give every moving link a mass, or its joint an armature."
+        ) from error
+    if not all(np.isfinite(part).all() for part in found):
+        raise InputError(
+            f"The motion of phase {phase!r} cannot be linearised at t = {t:.4g} s: positions, velocities or torques of "
+            "the plan are not finite there. Solve the plan first."
+        )
+    return found
+
+
+def _weight(size: int, power: float) -> Array:
+    """Root of the cost of a deviation (size,): w^2 for positions and w for velocities, to a power."""
+    half = size // 2
+    return np.concatenate([np.full(half, BANDWIDTH ** (1.0 + power)), np.full(half, BANDWIDTH**power)])
+
+
+def _growth(phases: Sequence[Sequence[tuple[Array, Array]]], size: int) -> list[Array]:
+    """Largest singular value of the transition from the start of the plan to the end of each piece, by phase."""
+    scale = np.concatenate([np.ones(size // 2), np.full(size // 2, 0.1)])
+    product, exponent = np.eye(size), 0.0
+    found = []
+    for moves in phases:
+        factors = []
+        for step, _ in moves:
+            product = (scale[:, None] * step / scale) @ product
+            norm = float(np.linalg.norm(product, 2))
+            # The product is kept at size 1: growth beyond all numbers is no reason to stop.
+            product, exponent = (product / norm, exponent + np.log(norm)) if norm > 0 else (product, exponent)
+            factors.append(np.exp(exponent) if exponent < 700.0 else np.inf)
+        found.append(np.array(factors))
+    return found
