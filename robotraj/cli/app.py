@@ -182,13 +182,13 @@ def plan_command(
 @app.command("validate", short_help="Prove a saved solution by simulation.")
 def validate_command(
     file: FileArgument,
-    drift: Annotated[float, typer.Option(help="Largest drift allowed [rad, m].")] = 1e-3,
-    limits: Annotated[float, typer.Option(help="Largest violation of a limit allowed [SI unit of its row].")] = 1e-3,
+    local: Annotated[float, typer.Option(help="Largest relative local error allowed.")] = 1e-3,
+    limits: Annotated[float, typer.Option(help="Largest violation of a limit allowed, relative to its range.")] = 1e-3,
 ) -> None:
     """Simulate a saved solution with plain Pinocchio and print the proof; exit with 1 if it fails."""
     solution = load_solution(file)
     _say(solution)
-    report = validate(solution, drift=drift, limits=limits)
+    report = validate(solution, local=local, limits=limits)
     _say(report)
     if not report.passed:
         raise typer.Exit(1)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from robotraj.solution.costates.duals import PhaseDuals
+    from robotraj.solution.feedback.gains import Gains
     from robotraj.solution.records import ContinuationRecord, MeshStep
     from robotraj.solvers.base import Multipliers
 
@@ -111,6 +112,21 @@ class Solution:
         from robotraj.transcription.refinement.assess import errors_of
 
         return max(float(errors_of(part.phase, part.trajectory, part.mesh).max()) for part in self.phases)
+
+    @cached_property
+    def gains(self) -> Gains:
+        """Time-varying linear feedback along the plan: tau = tau_plan - K(t) (x - x_plan); see ``Gains``.
+
+        Found when first read, and kept in files.
+
+        Raises
+        ------
+        InputError
+            A phase moves a System, the robot has no motors, or the plan cannot be linearised.
+        """
+        from robotraj.solution.feedback.gains import gains_of
+
+        return gains_of(self)
 
     @property
     def duration(self) -> float:

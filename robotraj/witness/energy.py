@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -56,7 +56,9 @@ class Energy:
         return abs(self.imbalance) / self.scale if self.scale > 0 else 0.0
 
 
-def energy_of(planned: PhaseSolutionLike, samples: int = QUADRATURE_POINTS) -> Energy:
+def energy_of(
+    planned: PhaseSolutionLike, samples: int = QUADRATURE_POINTS, clock: Callable[[], None] = lambda: None
+) -> Energy:
     """Integrate power over every interval of a robot's phase and compare with the change of energy."""
     robot: RobotLike = realised(planned)
     actuation = np.asarray(robot.actuation, dtype=float)
@@ -68,6 +70,7 @@ def energy_of(planned: PhaseSolutionLike, samples: int = QUADRATURE_POINTS) -> E
     worst, time = 0.0, float(planned.knots[0])
     kinetic: list[float] = []
     for stretch in stretches(planned, 2):
+        clock()
         half = 0.5 * (stretch.end - stretch.begin)
         sample = planned.at(stretch.begin + half * (nodes + 1.0), interval=stretch.interval)
         power = np.einsum("mi,mi->m", sample.tau @ actuation.T, sample.v)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -71,7 +72,7 @@ def weight_of(robot: Any) -> float:
     return GRAVITY * float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:]))
 
 
-def holding_of(planned: PhaseSolutionLike, samples: int) -> tuple[Holding, ...]:
+def holding_of(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None) -> tuple[Holding, ...]:
     """Look at every contact of a phase at ``samples`` points of every interval."""
     phase = planned.phase
     if not phase.bound_contacts:
@@ -81,6 +82,7 @@ def holding_of(planned: PhaseSolutionLike, samples: int) -> tuple[Holding, ...]:
     actuation = np.asarray(stance.robot.actuation, dtype=float)
     data = stance.robot.model.createData()
     for stretch in stretches(planned, samples):
+        clock()
         sample = planned.at(stretch.times, interval=stretch.interval)
         for i, t in enumerate(stretch.times):
             q, v = sample.q[i], sample.v[i]

@@ -42,7 +42,7 @@ _LSODA = threading.Lock()
 """ODEPACK keeps its state in one place for all threads."""
 
 
-class _Stopped(Exception):
+class Stopped(Exception):
     """The integration cannot go on; carries the time and the reason."""
 
     def __init__(self, time: float, reason: str) -> None:
@@ -51,7 +51,7 @@ class _Stopped(Exception):
         self.reason = reason
 
 
-class _TooMany(_Stopped):
+class TooMany(Stopped):
     """It took more evaluations than it may."""
 
 
@@ -124,15 +124,11 @@ def integrate(
             if stiff is None:
                 try:
                     kept, x_kept, x, failure = _interval(rates, x, sampled, k, "DOP853", rtol, atol, MOST_EXPLICIT)
-                except _TooMany:
+                except TooMany:
                     stiff = float(begin)
             if stiff is not None:
-                finer = max(SHARPER * rtol, FINEST), SHARPER * atol
-                with _LSODA, warnings.catch_warnings():
-                    # What it warns of ends the motion early, and is told there.
-                    warnings.simplefilter("ignore")
-                    kept, x_kept, x, failure = _interval(rates, x, sampled, k, "LSODA", *finer, MOST_EVALUATIONS)
-        except _Stopped as stop:
+                kept, x_kept, x, failure = stiff_interval(rates, x, sampled, k, rtol, atol)
+        except Stopped as stop:
             failure, stopped = stop.reason, stop.time
             break
         if settle is not None and failure is None:
@@ -152,6 +148,17 @@ def integrate(
     return Motion(flat_times, flat_states, np.array(intervals or [0]), failure, stopped, stiff)
 
 
+def stiff_interval(
+    rates: Rates, x: Array, sampled: Array, k: int, rtol: float, atol: float
+) -> tuple[Array, Array, Array, str | None]:
+    """Integrate one interval by LSODA: its samples but the last, the state at its end, and why it stopped early."""
+    finer = max(SHARPER * rtol, FINEST), SHARPER * atol
+    with _LSODA, warnings.catch_warnings():
+        # A warning ends the motion early, and its reason is returned.
+        warnings.simplefilter("ignore")
+        return _interval(rates, x, sampled, k, "LSODA", *finer, MOST_EVALUATIONS)
+
+
 def _interval(
     rates: Rates, x: Array, sampled: Array, k: int, method: str, rtol: float, atol: float, most: int
 ) -> tuple[Array, Array, Array, str | None]:
@@ -163,14 +170,14 @@ def _interval(
         nonlocal count
         count += 1
         if count > most:
-            raise _TooMany(t, f"more than {most} evaluations in one interval: too stiff or divergent")
+            raise TooMany(t, f"more than {most} evaluations in one interval: too stiff or divergent")
         # The search for a first step may look beyond the interval, where its polynomials mean nothing.
         return rates(min(t, end), state, k)
 
     with np.errstate(all="ignore"):
         # A first step chosen from NaN would never end; later ones only shrink it until it underflows.
         if not np.isfinite(x).all() or not np.isfinite(rates(begin, x, k)).all():
-            raise _Stopped(begin, "the state or its rates are not finite")
+            raise Stopped(begin, "the state or its rates are not finite")
         done = scipy.integrate.solve_ivp(counted, (begin, end), x, method=method, t_eval=sampled, rtol=rtol, atol=atol)
     found = done.y.T
     # LSODA goes on through numbers that are none.

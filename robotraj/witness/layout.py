@@ -10,7 +10,7 @@ from rich.table import Table
 
 T = TypeVar("T")
 
-WIDTH = 110
+WIDTH = 80
 
 MOST_ROWS = 16
 """Rows of a table; of more, the worst are shown."""

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+import pinocchio as pin
 import scipy
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
-from robotraj.robot.tangent import PLACE, difference, floats, normalised
-from robotraj.witness.integration import Rates, Settle
+from robotraj.robot.tangent import PLACE, difference, floats, normalised, rate_matrix
+from robotraj.witness.integration import Settle
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike, SystemLike
-from robotraj.witness.simulation import Torque, robot_rates
 from robotraj.witness.stance import Stance, forces_in
+
+Feedback = Callable[[Array], Array]
+"""``feedback(times)`` gives gains (m, nu, 2 nv) at times (m,)."""
 
 RATE_UNITS = {"rad": "rad/s", "m": "m/s"}
 
@@ -80,9 +84,16 @@ class Plant(Protocol):
         """Give the factors of a drift tolerance (k,), from the largest planned magnitudes (n,)."""
         ...
 
-    @property
-    def rates(self) -> Rates:
-        """``rates(t, x, k)`` under the controls planned in interval k."""
+    def sizes(self, states: Array) -> Array:
+        """Give what differences from states (m, n) are measured against (m, k): 1 + |x|."""
+        ...
+
+    def given(self, times: Array) -> Sequence[Any]:
+        """Give what the plan prescribes at times (m,), one entry each."""
+        ...
+
+    def rate(self, t: float, x: Array, given: Any) -> Array:
+        """Rate (n,) of a state under what the plan prescribes."""
         ...
 
     @property
@@ -104,11 +115,45 @@ def plant_of(planned: PhaseSolutionLike) -> Plant:
     return RobotPlant(planned) if planned.phase.robot is not None else SystemPlant(planned)
 
 
-class RobotPlant:
-    """A robot under its planned torques: x = (q, v)."""
+class RobotInput(NamedTuple):
+    """What a plan prescribes for a robot at one time.
 
-    def __init__(self, planned: PhaseSolutionLike) -> None:
-        robot = planned.phase.robot
+    Attributes
+    ----------
+    joints : ndarray (nv,)
+        Planned torques of all joints [N m, N].
+    forces : mapping of str to ndarray
+        Planned forces of contacts that come and go.
+    q, v : ndarray or None
+        The planned state, where feedback acts.
+    gains : ndarray (nv, 2 nv) or None
+    """
+
+    joints: Array
+    forces: Mapping[str, Array]
+    q: Array | None = None
+    v: Array | None = None
+    gains: Array | None = None
+
+
+class RobotPlant:
+    """A robot under its planned torques: x = (q, v).
+
+    Parameters
+    ----------
+    planned : PhaseSolution
+    feedback : callable, optional
+        ``feedback(times)`` gives gains (m, nu, 2 nv): the torque is tau_plan - K (x - x_plan).
+    robot : Robot, optional
+        What moves in the place of the planned robot.
+    """
+
+    def __init__(self, planned: PhaseSolutionLike, feedback: Feedback | None = None, robot: Any = None) -> None:
+        robot = realised(planned) if robot is None else robot
+        self._robot, self._feedback = robot, feedback
+        self._data = robot.model.createData()
+        self._floats = floats(robot.model)
+        self._actuation = np.asarray(robot.actuation, dtype=float)
         speeds = tuple(f"v.{name}" for name in robot.velocity_names)
         self.names = (*(f"q.{name}" for name in robot.position_names), *speeds)
         self._model = robot.model
@@ -119,7 +164,7 @@ class RobotPlant:
         self.gap_units = (*robot.units, *(RATE_UNITS[unit] for unit in robot.units))
         self._planned = planned
         contacts = planned.phase.bound_contacts
-        self._stance = Stance(realised(planned), contacts, planned.parameters) if contacts else None
+        self._stance = Stance(robot, contacts, planned.parameters) if contacts else None
 
     def states(self, times: Array, interval: int | None = None) -> Array:
         """Planned (q, v), (m, nq + nv)."""
@@ -143,30 +188,45 @@ class RobotPlant:
         nq, nv = self._model.nq, self._model.nv
         return np.concatenate([np.ones(nv), VELOCITY_SCALE * np.maximum(1.0, peaks[nq:])])
 
-    @property
-    def rates(self) -> Rates:
-        """Rates under the planned torques."""
-        planned = self._planned
+    def sizes(self, states: Array) -> Array:
+        """Give 1 for place and turn of a floating root, 1 + |x| for all else."""
+        nq = self._model.nq
+        moved = np.abs(states[:, :nq])
+        if self._floats:
+            root = len(FLYING)
+            moved = np.hstack([np.zeros((len(states), root)), moved[:, root + 1 :]])
+        return 1.0 + np.hstack([moved, np.abs(states[:, nq:])])
 
-        def torque(t: float, k: int, q: Array, v: Array) -> Any:
-            return planned.at(t, interval=k).tau
+    def given(self, times: Array) -> list[RobotInput]:
+        """Give torques on the joints, and what the feedback needs to know of the plan."""
+        sample = self._planned.at(times)
+        joints = sample.tau @ self._actuation.T
+        loose = [] if self._stance is None else [c for c in self._stance.contacts if not c.holds]
+        forces = [forces_in(sample, loose, i) if loose else {} for i in range(len(times))]
+        if self._feedback is None:
+            return [RobotInput(*entry) for entry in zip(joints, forces, strict=True)]
+        gains = np.asarray(self._actuation @ self._feedback(times))
+        return [RobotInput(*entry) for entry in zip(joints, forces, sample.q, sample.v, gains, strict=True)]
 
-        return self.under(torque)
-
-    def under(self, torque: Torque) -> Rates:
-        """Rates under any torque, by ABA, or by constrained dynamics where contacts hold.
+    def rate(self, t: float, x: Array, given: RobotInput) -> Array:
+        """Give q' and the acceleration, by ABA, or by constrained dynamics where contacts hold.
 
         The forces of contacts that hold no rows, but come and go, are the planned ones.
         """
-        stance = self._stance
+        model, stance = self._model, self._stance
+        nq = model.nq
+        q, v = x[:nq], x[nq:]
+        moved = rate_matrix(model, q) @ v if self._floats else v
+        q = normalised(model, q)
+        applied = given.joints - self._robot.dissipation(v)
+        if given.gains is not None:
+            away = pin.difference(model, given.q, q) if self._floats else q - given.q
+            applied = applied - given.gains @ np.concatenate([away, v - given.v])
+        if given.forces and stance is not None:
+            applied = applied + stance.torques(q, given.forces)
         if stance is None:
-            return robot_rates(realised(self._planned), torque)
-        loose = [contact for contact in stance.contacts if not contact.holds]
-
-        def push(t: float, k: int, q: Array) -> Array:
-            return stance.torques(q, forces_in(self._planned.at(t, interval=k), loose))
-
-        return robot_rates(realised(self._planned), torque, stance.acceleration, push if loose else None)
+            return np.concatenate([moved, pin.aba(model, self._data, q, v, applied)])
+        return np.concatenate([moved, stance.acceleration(q, v, applied)])
 
     @property
     def settle(self) -> Settle | None:
@@ -234,6 +294,10 @@ class SystemPlant:
         """Give max(1, peak): the unit of a user's state is not known."""
         return np.maximum(1.0, peaks)
 
+    def sizes(self, states: Array) -> Array:
+        """Give 1 + |x|."""
+        return 1.0 + np.abs(states)
+
     settle: Settle | None = None
 
     def begin(self, x: Array) -> tuple[Array, tuple[Landing, ...]]:
@@ -244,23 +308,20 @@ class SystemPlant:
         """Nothing is held."""
         return landings
 
-    @property
-    def rates(self) -> Rates:
+    def given(self, times: Array) -> list[tuple[Array, Array]]:
+        """Give controls, and algebraic variables to start solving from."""
+        sample = self._planned.at(times)
+        controls = columns(sample.u, tuple(c.name for c in self._system.controls), len(times))
+        algebraic = columns(sample.z, tuple(z.name for z in self._system.algebraic), len(times))
+        return list(zip(controls, algebraic, strict=True))
+
+    def rate(self, t: float, x: Array, given: tuple[Array, Array]) -> Array:
         """Rates by the user's own equations, evaluated on numbers."""
-        planned, system = self._planned, self._system
-        controls = [c.name for c in system.controls]
-        algebraic = [z.name for z in system.algebraic]
-
-        def rates(t: float, x: Array, k: int) -> Array:
-            sample = planned.at(t, interval=k)
-            u = np.array([sample.u[name] for name in controls], dtype=float)
-            z = np.array([sample.z[name] for name in algebraic], dtype=float)
-            if algebraic:
-                z = _solve_algebraic(system, t, x, z, u, planned.parameters)
-            point = system_point(system, t, x, z, u, planned.parameters)
-            return as_numbers(system.dynamics(point), "dynamics")
-
-        return rates
+        system, (u, z) = self._system, given
+        if len(z):
+            z = _solve_algebraic(system, t, x, z, u, self._planned.parameters)
+        point = system_point(system, t, x, z, u, self._planned.parameters)
+        return as_numbers(system.dynamics(point), "dynamics")
 
 
 def columns(named: Any, names: tuple[str, ...], count: int) -> Array:

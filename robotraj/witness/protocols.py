@@ -31,6 +31,10 @@ class RobotLike(Protocol):
         """Entries of v."""
 
     @property
+    def friction_speed(self) -> float:
+        """Speed at which the friction reaches 76 % of its value [rad/s, m/s]."""
+
+    @property
     def actuated(self) -> Sequence[str]:
         """Joints in the order of tau."""
 
@@ -126,6 +130,10 @@ class SolutionLike(Protocol):
     @property
     def problem(self) -> Any:
         """The problem that was solved; its ``bound_links`` say which states may jump between phases."""
+
+    @property
+    def gains(self) -> Any:
+        """Feedback along the plan; ``gains.phases[i].at(times)`` gives K (m, nu, 2 nv)."""
 
     @property
     def impulses(self) -> Sequence[Mapping[str, float]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -55,12 +55,12 @@ class Residual:
     jumps: Mapping[str, Peak]
 
 
-def residual_of(planned: PhaseSolutionLike, samples: int) -> Residual:
+def residual_of(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None) -> Residual:
     """Evaluate both residuals at ``samples`` points of every interval, ``FEWEST_SAMPLES`` at least."""
     samples = max(samples, FEWEST_SAMPLES)
     if not list(stretches(planned, samples)):
         return Residual({}, {}, {})
-    dynamics, rate = (_robot if planned.phase.robot is not None else _system)(planned, samples)
+    dynamics, rate = (_robot if planned.phase.robot is not None else _system)(planned, samples, clock)
     return Residual(dynamics, rate, _jumps(planned))
 
 
@@ -76,7 +76,7 @@ def _jumps(planned: PhaseSolutionLike) -> dict[str, Peak]:
     return peaks(plant.gap_names, plant.gap_units, times, gaps, planned.phase.name)
 
 
-def _robot(planned: PhaseSolutionLike, samples: int) -> Peaks:
+def _robot(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None]) -> Peaks:
     robot = realised(planned)
     data = robot.model.createData()
     actuation = np.asarray(robot.actuation, dtype=float)
@@ -86,6 +86,7 @@ def _robot(planned: PhaseSolutionLike, samples: int) -> Peaks:
     torque: list[Array] = []
     rate: list[Array] = []
     for stretch in stretches(planned, samples):
+        clock()
         sample = planned.at(stretch.times, interval=stretch.interval)
         acceleration = time_derivative(sample.v, stretch)
         for i, (q, v, a, tau) in enumerate(zip(sample.q, sample.v, acceleration, sample.tau, strict=True)):
@@ -101,7 +102,7 @@ def _robot(planned: PhaseSolutionLike, samples: int) -> Peaks:
     )
 
 
-def _system(planned: PhaseSolutionLike, samples: int) -> Peaks:
+def _system(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None]) -> Peaks:
     system = planned.phase.system
     states, controls, algebraic = (
         tuple(v.name for v in kind) for kind in (system.states, system.controls, system.algebraic)
@@ -110,6 +111,7 @@ def _system(planned: PhaseSolutionLike, samples: int) -> Peaks:
     rows: list[Array] = []
     rate: list[Array] = []
     for stretch in stretches(planned, samples):
+        clock()
         sample = planned.at(stretch.times, interval=stretch.interval)
         x, u, z = (
             columns(named, names, len(stretch.times))

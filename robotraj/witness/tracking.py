@@ -99,11 +99,16 @@ def track(
         knots = np.asarray(planned.knots, dtype=float)
         if x is None:
             x = _moved(robot.model, plant.states(knots[:1], 0)[0], offset)
-        feedback = _Feedback(planned, robot.model, np.asarray(robot.actuation, dtype=float), *gains)
+        matrix = np.asarray(robot.actuation, dtype=float).T
+        gain = np.hstack([gains[0][:, None] * matrix, gains[1][:, None] * matrix])
+        follower = RobotPlant(planned, lambda times, gain=gain: np.broadcast_to(gain, (len(times), *gain.shape)))
+        x, _ = follower.begin(x)
 
-        x, _ = plant.begin(x)
+        def rates(t: float, state: Array, k: int, follower: RobotPlant = follower) -> Array:
+            return follower.rate(t, state, follower.given(np.array([t]))[0])
+
         motion = integrate(
-            plant.under(feedback.torque),
+            rates,
             x,
             knots,
             rtol=rtol,
@@ -112,12 +117,14 @@ def track(
             settle=plant.settle,
         )
         simulation = split(motion, robot.model)
-        torques = np.array(
+        sample = [planned.at(t, interval=int(k)) for t, k in zip(motion.times, motion.intervals, strict=True)]
+        away = np.hstack(
             [
-                feedback.added(planned.at(t, interval=int(k)), q, v)
-                for t, k, q, v in zip(motion.times, motion.intervals, simulation.q, simulation.v, strict=True)
+                difference(robot.model, np.array([s.q for s in sample]), simulation.q),
+                simulation.v - np.array([s.v for s in sample]),
             ]
         )
+        torques = -away @ gain.T
         unit = dict(zip(robot.velocity_names, robot.units, strict=True))
         units = [TORQUE_UNITS[unit[joint]] for joint in robot.actuated]
         added.append(peaks(robot.actuated, units, motion.times, torques, planned.phase.name))
@@ -128,27 +135,6 @@ def track(
             failure = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"
             break
     return Tracking(drifts.merge(rows), largest(added), tuple(motions), failure)
-
-
-@dataclass(frozen=True)
-class _Feedback:
-    """Planned torque plus proportional and derivative feedback of the actuated joints."""
-
-    planned: Any
-    model: pin.Model
-    actuation: Array
-    kp: Array
-    kd: Array
-
-    def added(self, sample: Any, q: Array, v: Array) -> Array:
-        """Torque (nu,) that the feedback adds to the plan's."""
-        away = difference(self.model, q, sample.q)
-        return self.kp * (self.actuation.T @ away) + self.kd * (self.actuation.T @ (sample.v - v))
-
-    def torque(self, t: float, k: int, q: Array, v: Array) -> Array:
-        """Torque (nu,) of plan and feedback."""
-        sample = self.planned.at(t, interval=k)
-        return np.asarray(sample.tau + self.added(sample, q, v))
 
 
 def _moved(model: pin.Model, x: Array, offset: Any) -> Array:

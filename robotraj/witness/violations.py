@@ -45,6 +45,8 @@ class Violation:
         The bound that is broken [unit].
     upper : bool
         Whether it is the upper bound.
+    size : float
+        What a tolerance is a part of [unit]: half the range of a row with two bounds, else max(1, |limit|).
     """
 
     name: str
@@ -55,6 +57,12 @@ class Violation:
     unit: str
     limit: float
     upper: bool
+    size: float = 1.0
+
+    @property
+    def relative(self) -> float:
+        """``amount`` / ``size``, what a tolerance is compared with."""
+        return self.amount / self.size
 
     def __str__(self) -> str:
         about = f"{self.name}, {self.joint}" if self.joint else self.name
@@ -87,10 +95,16 @@ class Watch:
         if excess[i] <= SOLVER_NOISE * max(1.0, abs(limit)):
             return None
         row = self.row
-        return Violation(row.name, row.joint, phase, float(times[i]), float(excess[i]), row.unit, limit, above)
+        return Violation(row.name, row.joint, phase, float(times[i]), float(excess[i]), row.unit, limit, above, size_of(row, limit))
 
 
-def violations_of(planned: PhaseSolutionLike, samples: int) -> tuple[Violation, ...]:
+def size_of(row: Row, limit: float) -> float:
+    """Size of a row [unit], which a tolerance of 1e-3 allows to break by a thousandth."""
+    width = float(row.upper) - float(row.lower)
+    return 0.5 * width if 0.0 < width < np.inf else max(1.0, abs(limit))
+
+
+def violations_of(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None) -> tuple[Violation, ...]:
     """Every broken bound of a phase, the worst first: joint limits, constraints, and the states at both ends.
 
     Each is reported once, where it is broken most among ``samples`` points of every interval.
@@ -112,6 +126,7 @@ def violations_of(planned: PhaseSolutionLike, samples: int) -> tuple[Violation, 
     ]
     throughout = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where is Where.THROUGHOUT]
     for stretch in stretches(planned, samples):
+        clock()
         sample = planned.at(stretch.times, interval=stretch.interval)
         for watch, (_, read) in zip(watched, limits, strict=True):
             watch.see(stretch.times, read(sample))
@@ -122,7 +137,7 @@ def violations_of(planned: PhaseSolutionLike, samples: int) -> tuple[Violation, 
     at_ends += _integrals(planned, [c for c in bound if c.where is Where.INTEGRAL], samples)
     every = watched + [watch for _, watches in throughout for watch in watches] + at_ends
     found = [watch.worst(phase.name) for watch in every if watch.values]
-    return tuple(sorted((v for v in found if v is not None), key=lambda v: -v.amount))
+    return tuple(sorted((v for v in found if v is not None), key=lambda v: -v.relative))
 
 
 def _key(row: Row) -> tuple[str, str | None, float, float]:

@@ -14,6 +14,7 @@ import pytest
 from robotraj._util.errors import unknown_name
 from robotraj._util.polynomials import lobatto_sites
 from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj.solution.feedback.gains import gains_of
 
 INF = np.inf
 
@@ -140,7 +141,11 @@ class FakePlan:
 class FakeSolution:
     phases: tuple[FakePlan, ...]
     success: bool = True
-    problem: Any = field(default_factory=lambda: SimpleNamespace(bound_links=(), missing=()))
+    problem: Any = field(default_factory=lambda: SimpleNamespace(bound_links=(), links=(), missing=()))
+
+    @property
+    def gains(self) -> Any:
+        return gains_of(self)
 
 
 def fit(knots: Any, degree: int, function: Curve) -> PiecewisePolynomial:

@@ -26,7 +26,6 @@ def lift(arm, count):
 
 def test_drift_of_hermite_simpson_falls_by_order_four(arm):
     coarse, fine = (validate(lift(arm, count)) for count in (20, 40))
-    assert fine.passed
     assert np.log2(coarse.drift.largest("q.") / fine.drift.largest("q.")) > 3.5
     # The quadrature of the energy is exact, so its balance sees the discretisation alone.
     assert abs(fine.energy.imbalance) < abs(coarse.energy.imbalance) / 8
@@ -57,7 +56,7 @@ def test_a_plan_of_a_stiff_arm_is_simulated_to_its_end():
     np.testing.assert_allclose(np.concatenate([own.q[-1], own.v[-1]]), exact, atol=1e-7)
 
 
-def test_a_plan_with_other_inertia_is_refused(arm):
+def test_a_plan_with_other_inertia_is_refused(arm, make):
     solution = lift(arm, 20)
     heavier = pin.Model(arm.model)
     heavier.armature = heavier.armature + 0.02
@@ -65,9 +64,9 @@ def test_a_plan_with_other_inertia_is_refused(arm):
     phase = rt.Phase(other, duration=1.0, limits=None, name="heavier")
     (planned,) = solution.phases
     moved = type(planned)(phase, planned.mesh, planned.trajectory)
-    report = validate(type("Plan", (), {"phases": (moved,), "problem": solution.problem})())
+    report = validate(make.solution(moved))
     assert not report.passed
-    with pytest.raises(rt.ValidationFailed, match="drifts from the plan: q"):
+    with pytest.raises(rt.ValidationFailed, match="does not obey the equations of motion"):
         report.check()
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from robotraj.values import dataclass
+from robotraj._util.values import dataclass
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -7,11 +7,11 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from robotraj.design import realised
-from robotraj.errors import InputError
-from robotraj.feedback.linearisation import Linearisation
-from robotraj.feedback.riccati import backwards, transition
-from robotraj.values import dataclass
+from robotraj.dynamics.design.binding import realised
+from robotraj._util.errors import InputError
+from robotraj.solution.feedback.linearisation import Linearisation
+from robotraj.solution.feedback.riccati import backwards, transition
+from robotraj._util.values import dataclass
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

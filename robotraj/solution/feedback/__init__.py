@@ -4,7 +4,7 @@ Start reading in ``gains.py``. The folder imports robots, dynamics and numbers o
 and the witness can simulate with them.
 """
 
-from robotraj.feedback.gains import Gains, PhaseGains, gains_of
-from robotraj.feedback.linearisation import Linearisation
+from robotraj.solution.feedback.gains import Gains, PhaseGains, gains_of
+from robotraj.solution.feedback.linearisation import Linearisation
 
 __all__ = ["Gains", "Linearisation", "PhaseGains", "gains_of"]

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from robotraj.feedback.held_motion import HeldRows, held_rows
+from robotraj.solution.feedback.held_motion import HeldRows, held_rows
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

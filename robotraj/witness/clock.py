@@ -1,0 +1,33 @@
+"""The processor time that a validation may take."""
+
+from __future__ import annotations
+
+import time
+
+
+class OutOfTime(Exception):
+    """The time limit was reached."""
+
+
+class Clock:
+    """Processor time since a start, with a limit.
+
+    Parameters
+    ----------
+    limit : float or None
+        [s]; None for none.
+    """
+
+    def __init__(self, limit: float | None) -> None:
+        self._begin = time.process_time()
+        self._limit = limit
+
+    @property
+    def seconds(self) -> float:
+        """Processor time since the start [s]."""
+        return time.process_time() - self._begin
+
+    def __call__(self) -> None:
+        """Raise ``OutOfTime`` once the limit is reached."""
+        if self._limit is not None and self.seconds > self._limit:
+            raise OutOfTime

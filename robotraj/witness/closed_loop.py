@@ -1,0 +1,71 @@
+"""A plan followed by the feedback that belongs to it: does a robot that is held on the plan stay there?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.witness import drift as drifts
+from robotraj.witness.drift import Drift, DriftRow, drift_of
+from robotraj.witness.open_loop import handed_on
+from robotraj.witness.plant import RobotPlant
+from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.steps import march, spans_of
+
+
+@dataclass(frozen=True)
+class ClosedLoop:
+    """The simulated motion under the planned torques and ``solution.gains``.
+
+    Attributes
+    ----------
+    error : Drift or None
+        By state: final and largest distance from the plan; None where it could not be simulated.
+    growth : float or None
+        Largest factor by which a small deviation grows along the plan without feedback: what explains open-loop drift.
+    reason : str or None
+        Why there is no closed loop, or why it stopped early.
+    """
+
+    error: Drift | None
+    growth: float | None
+    reason: str | None = None
+
+
+def closed_loop_of(
+    solution: SolutionLike,
+    rtol: float,
+    atol: float,
+    clock: Callable[[], None],
+) -> ClosedLoop:
+    """Follow a plan from its first state through all phases with its own feedback."""
+    if any(planned.phase.robot is None for planned in solution.phases):
+        return ClosedLoop(None, None, "feedback is found for robots, and a phase moves a System")
+    if not all(planned.phase.robot.actuated for planned in solution.phases):
+        return ClosedLoop(None, None, "the robot has no motors")
+    if any(not contact.holds for planned in solution.phases for contact in planned.phase.bound_contacts):
+        return ClosedLoop(
+            None, None, "contacts come and go, and the forces that they give to a deviating robot are not known"
+        )
+    clock()
+    try:
+        gains = solution.gains
+    except InputError as error:
+        return ClosedLoop(None, None, str(error))
+    rows: list[tuple[DriftRow, ...]] = []
+    before: tuple[RobotPlant, Array, Array] | None = None
+    for i, (planned, feedback) in enumerate(zip(solution.phases, gains.phases, strict=True)):
+        plant = RobotPlant(planned, feedback.at)
+        knots = np.asarray(planned.knots, dtype=float)
+        own = plant.states(knots[:1], 0)[0]
+        x, _ = plant.begin(handed_on(solution, i, plant, own, before))
+        motion = march(plant, x, spans_of(knots), rtol=rtol, atol=atol, settle=plant.settle, clock=clock)
+        rows.append(drift_of(plant, motion, planned.phase.name))
+        if motion.failure is not None:
+            reason = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"
+            return ClosedLoop(drifts.merge(rows), gains.growth, reason)
+        before = plant, motion.states[-1], plant.states(knots[-1:], len(knots) - 2)[0]
+    return ClosedLoop(drifts.merge(rows), gains.growth)

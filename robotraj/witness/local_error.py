@@ -1,0 +1,139 @@
+"""The local error of a plan: short parts of it simulated one by one, each from the plan's own state.
+
+A small error of an unstable motion grows without bound when it is simulated open loop; over one interval it does not.
+So the local error says whether the plan is a motion of the robot, and on any mesh it means the same: intervals longer
+than a window are simulated in equal parts, shorter ones are joined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from robotraj.witness.drift import Drift, DriftRow, merge
+from robotraj.witness.integration import Stopped
+from robotraj.witness.open_loop import handed_on
+from robotraj.witness.plant import Plant, plant_of
+from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.steps import MOST_STEPS, Span, pass_span, sampled
+
+WINDOWS = 40
+"""Parts of the whole plan that are simulated one by one, or more."""
+
+LONGEST_WINDOW = 0.1
+"""Longest part [s] of a robot's motion: open loop, gravity lets an error grow by little in this time."""
+
+
+def windows_of(knots: Array, longest: float) -> list[list[Span]]:
+    """Cut a phase into windows no longer than ``longest`` [s], each a list of spans without a knot inside."""
+    windows: list[list[Span]] = []
+    current: list[Span] = []
+    for k, (begin, end) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
+        if end <= begin:
+            continue
+        # Round-off must not cut an interval of just this length in two.
+        count = max(1, int(np.ceil((end - begin) / longest * (1.0 - 1e-9))))
+        if current and (count > 1 or end - current[0].begin > longest * (1.0 + 1e-9)):
+            windows.append(current)
+            current = []
+        cuts = np.linspace(begin, end, count + 1)
+        spans = [Span(float(a), float(b), k) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+        if count > 1:
+            windows += [[span] for span in spans]
+        else:
+            current += spans
+    return [*windows, current] if current else windows
+
+
+def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callable[[], None]) -> Drift:
+    """Find the local errors of all phases, and of the mirror images of those of half a gait."""
+    before: tuple[Plant, Array, Array] | None = None
+    whole = sum(float(planned.knots[-1] - planned.knots[0]) for planned in solution.phases)
+    found = []
+    for i, planned in enumerate(solution.phases):
+        robot = planned.phase.robot is not None
+        longest = min(whole / WINDOWS, LONGEST_WINDOW) if robot else whole / WINDOWS
+        knots = np.asarray(planned.knots, dtype=float)
+        plant, phase = plant_of(planned), planned.phase.name
+        found.append(local_error_of(plant, knots, longest, phase, rtol, atol, clock))
+        own, end = plant.states(knots[:1], 0)[0], plant.states(knots[-1:], len(knots) - 2)[0]
+        if before is not None:
+            found.append(_seam(plant, handed_on(solution, i, plant, own, before), own, float(knots[0]), phase))
+        before = plant, end, end
+    return merge(found)
+
+
+def local_error_of(
+    plant: Plant,
+    knots: Array,
+    longest: float,
+    phase: str,
+    rtol: float,
+    atol: float,
+    clock: Callable[[], None],
+) -> tuple[DriftRow, ...]:
+    """Simulate the windows of a phase, and compare each with the plan where it ends.
+
+    Returns
+    -------
+    tuple of DriftRow
+        By state: largest |simulated - planned| at the end of any window, or jump of the plan there; its scale is 1 + |planned| there, for the
+        turn and place of a floating root 1. Infinite where a window could not be simulated.
+    """
+    windows = windows_of(knots, longest)
+    begins = _ends(plant, windows, 0)
+    ends = _ends(plant, windows, -1)
+    flat = [span for window in windows for span in window]
+    given = iter(sampled(plant, flat, [1] * len(flat)))
+    reached = np.full_like(ends, np.nan)
+    steps = 1
+    for i, window in enumerate(windows):
+        clock()
+        x = begins[i]
+        plans = [next(given) for _ in window]
+        try:
+            for span, plan in zip(window, plans, strict=True):
+                states, steps = pass_span(plant, x, span, steps, plan, rtol, atol)
+                x = states[-1]
+        except Stopped:
+            steps = min(steps, MOST_STEPS)
+            continue
+        reached[i] = x
+    gaps = np.nan_to_num(np.abs(plant.gaps(reached, ends)), nan=np.inf)
+    if len(windows) > 1:
+        # What the plan jumps by at a knot is no motion either.
+        jumps = np.abs(plant.gaps(begins[1:], ends[:-1]))
+        gaps[:-1] = np.maximum(gaps[:-1], np.nan_to_num(jumps, nan=np.inf))
+    scales = plant.sizes(ends)
+    times = np.array([window[-1].end for window in windows])
+    return tuple(
+        _row(name, unit, gaps[:, j], scales[:, j], times, phase)
+        for j, (name, unit) in enumerate(zip(plant.gap_names, plant.gap_units, strict=True))
+    )
+
+
+def _seam(plant: Plant, handed: Array, own: Array, time: float, phase: str) -> tuple[DriftRow, ...]:
+    """Compare the first state of a phase with what the phase before hands on to it, impact included."""
+    x, _ = plant.begin(handed)
+    gaps = np.nan_to_num(np.abs(plant.gaps(x[None], own[None])), nan=np.inf)
+    return tuple(
+        _row(name, unit, gaps[:, j], plant.sizes(own[None])[:, j], np.array([time]), phase)
+        for j, (name, unit) in enumerate(zip(plant.gap_names, plant.gap_units, strict=True))
+    )
+
+
+def _ends(plant: Plant, windows: Sequence[Sequence[Span]], side: int) -> Array:
+    """Planned states (m, n) at the beginnings (0) or ends (-1) of windows."""
+    spans = [window[side] for window in windows]
+    times = np.array([span.begin if side == 0 else span.end for span in spans])
+    found = np.empty((len(spans), len(plant.names)))
+    for k in dict.fromkeys(span.interval for span in spans):
+        chosen = [i for i, span in enumerate(spans) if span.interval == k]
+        found[chosen] = plant.states(times[chosen], k)
+    return found
+
+
+def _row(name: str, unit: str, gaps: Array, scales: Array, times: Array, phase: str) -> DriftRow:
+    worst = int(np.argmax(gaps / scales))
+    return DriftRow(name, unit, float(gaps[-1]), float(gaps[worst]), float(times[worst]), phase, float(scales[worst]))
