@@ -1,4 +1,4 @@
-"""A plan followed by the feedback that belongs to it: does a robot that is held on the plan stay there?"""
+"""A plan followed with its own feedback: a robot that is held on a good plan stays there."""
 
 from __future__ import annotations
 

@@ -72,7 +72,9 @@ def weight_of(robot: Any) -> float:
     return GRAVITY * float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:]))
 
 
-def holding_of(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None) -> tuple[Holding, ...]:
+def holding_of(
+    planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None
+) -> tuple[Holding, ...]:
     """Look at every contact of a phase at ``samples`` points of every interval."""
     phase = planned.phase
     if not phase.bound_contacts:

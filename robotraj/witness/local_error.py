@@ -78,8 +78,8 @@ def local_error_of(
     Returns
     -------
     tuple of DriftRow
-        By state: largest |simulated - planned| at the end of any window, or jump of the plan there; its scale is 1 + |planned| there, for the
-        turn and place of a floating root 1. Infinite where a window could not be simulated.
+        By state: largest |simulated - planned| at the end of any window, or jump of the plan there. Its scale is
+        1 + |planned|; for place and turn of a floating root 1. Infinite where a window could not be simulated.
     """
     windows = windows_of(knots, longest)
     begins = _ends(plant, windows, 0)

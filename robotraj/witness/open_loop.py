@@ -36,9 +36,7 @@ class OpenLoop:
     stiff: float | None
 
 
-def open_loop(
-    solution: SolutionLike, rtol: float, atol: float, clock: Callable[[], None]
-) -> OpenLoop:
+def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[[], None]) -> OpenLoop:
     """Simulate a plan under its controls alone.
 
     The simulated state is handed on where the next phase has the same states, so that a jump of the plan between phases

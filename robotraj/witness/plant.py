@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -88,11 +88,11 @@ class Plant(Protocol):
         """Give what differences from states (m, n) are measured against (m, k): 1 + |x|."""
         ...
 
-    def given(self, times: Array) -> Sequence[Any]:
-        """Give what the plan prescribes at times (m,), one entry each."""
+    def given(self, times: Array) -> Array:
+        """Give what the plan prescribes at times (m,), one row each."""
         ...
 
-    def rate(self, t: float, x: Array, given: Any) -> Array:
+    def rate(self, t: float, x: Array, given: Array) -> Array:
         """Rate (n,) of a state under what the plan prescribes."""
         ...
 
@@ -113,27 +113,6 @@ class Plant(Protocol):
 def plant_of(planned: PhaseSolutionLike) -> Plant:
     """Choose what moves in a phase: its robot, or its System."""
     return RobotPlant(planned) if planned.phase.robot is not None else SystemPlant(planned)
-
-
-class RobotInput(NamedTuple):
-    """What a plan prescribes for a robot at one time.
-
-    Attributes
-    ----------
-    joints : ndarray (nv,)
-        Planned torques of all joints [N m, N].
-    forces : mapping of str to ndarray
-        Planned forces of contacts that come and go.
-    q, v : ndarray or None
-        The planned state, where feedback acts.
-    gains : ndarray (nv, 2 nv) or None
-    """
-
-    joints: Array
-    forces: Mapping[str, Array]
-    q: Array | None = None
-    v: Array | None = None
-    gains: Array | None = None
 
 
 class RobotPlant:
@@ -165,6 +144,7 @@ class RobotPlant:
         self._planned = planned
         contacts = planned.phase.bound_contacts
         self._stance = Stance(robot, contacts, planned.parameters) if contacts else None
+        self._loose = [contact for contact in contacts if not contact.holds]
 
     def states(self, times: Array, interval: int | None = None) -> Array:
         """Planned (q, v), (m, nq + nv)."""
@@ -197,33 +177,38 @@ class RobotPlant:
             moved = np.hstack([np.zeros((len(states), root)), moved[:, root + 1 :]])
         return 1.0 + np.hstack([moved, np.abs(states[:, nq:])])
 
-    def given(self, times: Array) -> list[RobotInput]:
-        """Give torques on the joints, and what the feedback needs to know of the plan."""
+    def given(self, times: Array) -> Array:
+        """Give torques on the joints, forces of contacts that come and go, and what the feedback needs of the plan."""
         sample = self._planned.at(times)
-        joints = sample.tau @ self._actuation.T
-        loose = [] if self._stance is None else [c for c in self._stance.contacts if not c.holds]
-        forces = [forces_in(sample, loose, i) if loose else {} for i in range(len(times))]
-        if self._feedback is None:
-            return [RobotInput(*entry) for entry in zip(joints, forces, strict=True)]
-        gains = np.asarray(self._actuation @ self._feedback(times))
-        return [RobotInput(*entry) for entry in zip(joints, forces, sample.q, sample.v, gains, strict=True)]
+        rows = [sample.tau @ self._actuation.T]
+        rows += [forces_in(sample, [contact])[contact.name].T for contact in self._loose]
+        if self._feedback is not None:
+            gains = self._actuation @ self._feedback(times)
+            rows += [sample.q, sample.v, gains.reshape(len(times), -1)]
+        return np.hstack(rows)
 
-    def rate(self, t: float, x: Array, given: RobotInput) -> Array:
+    def rate(self, t: float, x: Array, given: Array) -> Array:
         """Give q' and the acceleration, by ABA, or by constrained dynamics where contacts hold.
 
         The forces of contacts that hold no rows, but come and go, are the planned ones.
         """
-        model, stance = self._model, self._stance
-        nq = model.nq
+        model, stance, nq, nv = self._model, self._stance, self._model.nq, self._model.nv
         q, v = x[:nq], x[nq:]
         moved = rate_matrix(model, q) @ v if self._floats else v
         q = normalised(model, q)
-        applied = given.joints - self._robot.dissipation(v)
-        if given.gains is not None:
-            away = pin.difference(model, given.q, q) if self._floats else q - given.q
-            applied = applied - given.gains @ np.concatenate([away, v - given.v])
-        if given.forces and stance is not None:
-            applied = applied + stance.torques(q, given.forces)
+        applied = given[:nv] - self._robot.dissipation(v)
+        start = nv
+        if stance is not None and self._loose:
+            forces = {}
+            for contact in self._loose:
+                forces[contact.name] = given[start : start + len(contact.forces)]
+                start += len(contact.forces)
+            applied = applied + stance.torques(q, forces)
+        if self._feedback is not None:
+            q_plan, v_plan = given[start : start + nq], given[start + nq : start + nq + nv]
+            gains = given[start + nq + nv :].reshape(nv, 2 * nv)
+            away = pin.difference(model, q_plan, q) if self._floats else q - q_plan
+            applied = applied - gains @ np.concatenate([away, v - v_plan])
         if stance is None:
             return np.concatenate([moved, pin.aba(model, self._data, q, v, applied)])
         return np.concatenate([moved, stance.acceleration(q, v, applied)])
@@ -308,16 +293,17 @@ class SystemPlant:
         """Nothing is held."""
         return landings
 
-    def given(self, times: Array) -> list[tuple[Array, Array]]:
+    def given(self, times: Array) -> Array:
         """Give controls, and algebraic variables to start solving from."""
         sample = self._planned.at(times)
         controls = columns(sample.u, tuple(c.name for c in self._system.controls), len(times))
         algebraic = columns(sample.z, tuple(z.name for z in self._system.algebraic), len(times))
-        return list(zip(controls, algebraic, strict=True))
+        return np.hstack([controls, algebraic])
 
-    def rate(self, t: float, x: Array, given: tuple[Array, Array]) -> Array:
+    def rate(self, t: float, x: Array, given: Array) -> Array:
         """Rates by the user's own equations, evaluated on numbers."""
-        system, (u, z) = self._system, given
+        system, count = self._system, len(self._system.controls)
+        u, z = given[:count], given[count:]
         if len(z):
             z = _solve_algebraic(system, t, x, z, u, self._planned.parameters)
         point = system_point(system, t, x, z, u, self._planned.parameters)

@@ -143,8 +143,8 @@ class Report:
             row = self.local.worst
             if not row.relative <= tolerances.local:
                 found.append(
-                    f"The plan does not obey the equations of motion: simulated from its own state at the beginning of a "
-                    f"short part, {row.name} is off by {row.largest:.3g} {row.unit}".rstrip()
+                    "The plan does not obey the equations of motion: simulated from its own state at the beginning of "
+                    f"a short part, {row.name} is off by {row.largest:.3g} {row.unit}".rstrip()
                     + f" at t = {row.time:.4g} s in phase {row.phase!r}, {tolerances.local * row.scale:.3g} is "
                     f"allowed; {self._advice()}"
                 )

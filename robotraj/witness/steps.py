@@ -9,9 +9,11 @@ Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol
+from functools import lru_cache
+from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from scipy.integrate import DOP853
 
 from robotraj.witness.integration import Motion, Stopped, stiff_interval
@@ -21,7 +23,10 @@ STAGES = DOP853.n_stages
 NODES, MATRIX, WEIGHTS = DOP853.C[:STAGES], DOP853.A[:STAGES, :STAGES], DOP853.B
 THIRD, FIFTH = DOP853.E3, DOP853.E5
 
-MOST_STEPS = 128
+INTERPOLATED = 16
+"""Points of a stiff span at which the plan is evaluated; between them it is interpolated, exactly to degree 15."""
+
+MOST_STEPS = 32
 """Steps of one interval above which it counts as stiff."""
 
 INSIDE = 1e-9
@@ -31,11 +36,11 @@ INSIDE = 1e-9
 class Driven(Protocol):
     """A motion under the planned controls."""
 
-    def given(self, times: Array) -> Sequence[Any]:
-        """What the plan gives at times (m,): one entry each, as ``rate`` takes it."""
+    def given(self, times: Array) -> Array:
+        """Give what the plan prescribes at times (m,): one row each, as ``rate`` takes it."""
         ...
 
-    def rate(self, t: float, x: Array, given: Any) -> Array:
+    def rate(self, t: float, x: Array, given: Array) -> Array:
         """Rate (n,) of a state."""
         ...
 
@@ -58,14 +63,14 @@ Settle = Callable[[Array], Array]
 
 
 def stage_times(span: Span, steps: int) -> Array:
-    """Times (12 n + 1,) at which n steps of DOP853 evaluate the rate."""
+    """Give the times (12 n + 1,) at which n steps of DOP853 evaluate the rate."""
     length = (span.end - span.begin) / steps
     times = (span.begin + length * (np.arange(steps)[:, None] + NODES)).ravel()
     margin = INSIDE * (span.end - span.begin)
     return np.clip(np.append(times, span.end), span.begin + margin, span.end - margin)
 
 
-def sampled(driven: Driven, spans: Sequence[Span], steps: Sequence[int]) -> list[Sequence[Any]]:
+def sampled(driven: Driven, spans: Sequence[Span], steps: Sequence[int]) -> list[Array]:
     """Evaluate the plan for the stages of several spans in one call."""
     times = [stage_times(span, count) for span, count in zip(spans, steps, strict=True)]
     given = driven.given(np.concatenate(times))
@@ -80,9 +85,7 @@ class Passed(NamedTuple):
     error: float
 
 
-def steps_through(
-    driven: Driven, x: Array, span: Span, given: Sequence[Any], rtol: float, atol: float
-) -> Passed:
+def steps_through(driven: Driven, x: Array, span: Span, given: Array, rtol: float, atol: float) -> Passed:
     """Pass a span in (len(given) - 1) / 12 steps; given up as soon as the error is far too large."""
     steps = (len(given) - 1) // STAGES
     length = (span.end - span.begin) / steps
@@ -111,13 +114,13 @@ def steps_through(
 
 
 def more_steps(steps: int, error: float) -> int:
-    """Steps that bring the error, of order 8, below the tolerance."""
+    """Count the steps that bring the error, of order 8, below the tolerance."""
     factor = 4.0 if not np.isfinite(error) else min(4.0, max(1.25, 1.15 * error**0.125))
     return int(np.ceil(steps * factor))
 
 
 def fewer_steps(steps: int, error: float) -> int:
-    """Steps that would have been enough."""
+    """Count the steps that would have been enough."""
     return max(1, int(np.ceil(steps * min(1.0, 1.15 * error**0.125))))
 
 
@@ -165,7 +168,7 @@ def march(
 
 
 def pass_span(
-    driven: Driven, x: Array, span: Span, steps: int, given: Sequence[Any], rtol: float, atol: float
+    driven: Driven, x: Array, span: Span, steps: int, given: Array, rtol: float, atol: float
 ) -> tuple[Array, int]:
     """Pass one span, by LSODA where it is stiff.
 
@@ -195,11 +198,34 @@ def pass_span(
             return found.states, fewer_steps(steps, found.error)
         steps = more_steps(steps, found.error)
 
-    def rates(t: float, state: Array, _: int) -> Array:
-        return driven.rate(t, state, driven.given(np.array([t]))[0])
+    margin = INSIDE * (span.end - span.begin)
+    sites, sides = _interpolation()
+    times = span.begin + margin + (span.end - span.begin - 2.0 * margin) * sites
+    rows = driven.given(times)
 
-    times = np.array([span.begin, span.end])
-    _, _, after, failure = stiff_interval(rates, x, times, span.interval, rtol, atol)
+    def rates(t: float, state: Array, _: int) -> Array:
+        # Asked for one time after the other, the plan itself would take most of the time.
+        gaps = t - times
+        nearest = int(np.argmin(np.abs(gaps)))
+        if gaps[nearest] == 0.0:
+            return driven.rate(t, state, rows[nearest])
+        weights = sides / gaps
+        return driven.rate(t, state, weights @ rows / weights.sum())
+
+    ends = np.array([span.begin, span.end])
+    _, _, after, failure = stiff_interval(rates, x, ends, span.interval, rtol, atol)
     if failure is not None:
         raise Stopped(span.begin, failure)
     return np.vstack([x, after]), steps
+
+
+@lru_cache(maxsize=1)
+def _interpolation() -> tuple[Array, Array]:
+    """Chebyshev-Lobatto points in [0, 1] and their barycentric weights, for what a plan gives within a span.
+
+    Source: Berrut and Trefethen, Barycentric Lagrange interpolation, SIAM Review 46 (2004).
+    """
+    sites = 0.5 * (1.0 + chebyshev.chebpts2(INTERPOLATED))
+    sides = np.array([(-1.0) ** i for i in range(INTERPOLATED)])
+    sides[[0, -1]] *= 0.5
+    return sites, sides

@@ -30,7 +30,8 @@ def render(report: Report) -> str:
     if report.closed_loop is not None:
         console.print(_tracking(report))
     if report.drift is not None:
-        console.print(_drift("  open-loop drift, |simulated - planned|", report.drift, report.tolerances.drift))
+        stiff = "" if report.stiff is None else f"; LSODA from t = {report.stiff:.4g} s on, where it is stiff"
+        console.print(_drift(f"  open-loop drift{stiff}", report.drift, report.tolerances.drift))
     console.print(_violations(report) or "  limits and constraints: none broken, at or between the knots\n")
     if report.holdings:
         console.print(contacts(report))
@@ -90,10 +91,7 @@ def _residual(report: Report) -> Group:
     most = (
         "none" if jump is None else f"{jump.value:.1e} {jump.unit}".rstrip() + f", {jump.name}, t = {jump.time:.4g} s"
     )
-    title = (
-        f"  largest jump at a knot: {most}\n"
-        f"  largest defect of the equations{left_out}"
-    )
+    title = f"  largest jump at a knot: {most}\n  largest defect of the equations{left_out}"
     table = columns_of("of", "dynamics", "unit", "at t [s]", "rate", "unit", "at t [s]")
     for name in shown:
         table.add_row(name, *_cells(dynamics.get(name)), *_cells(rate.get(name)))

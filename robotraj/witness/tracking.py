@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -101,7 +102,7 @@ def track(
             x = _moved(robot.model, plant.states(knots[:1], 0)[0], offset)
         matrix = np.asarray(robot.actuation, dtype=float).T
         gain = np.hstack([gains[0][:, None] * matrix, gains[1][:, None] * matrix])
-        follower = RobotPlant(planned, lambda times, gain=gain: np.broadcast_to(gain, (len(times), *gain.shape)))
+        follower = RobotPlant(planned, partial(_always, gain))
         x, _ = follower.begin(x)
 
         def rates(t: float, state: Array, k: int, follower: RobotPlant = follower) -> Array:
@@ -135,6 +136,11 @@ def track(
             failure = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"
             break
     return Tracking(drifts.merge(rows), largest(added), tuple(motions), failure)
+
+
+def _always(gain: Array, times: Array) -> Array:
+    """Repeat one gain for all times."""
+    return np.broadcast_to(gain, (len(times), *gain.shape))
 
 
 def _moved(model: pin.Model, x: Array, offset: Any) -> Array:

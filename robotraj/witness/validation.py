@@ -110,9 +110,7 @@ def validate(
     locally = within("local error", lambda: local_errors(solution, LOCAL_RTOL, LOCAL_ATOL, clock), local is not None)
     holdings = within("contacts", lambda: [h for p in robots for h in holding_of(p, samples, clock)], True)
     impacts = within("impacts", lambda: impacts_of(solution), True)
-    followed = within(
-        "tracking", lambda: closed_loop_of(solution, LOCAL_RTOL, LOCAL_ATOL, clock), tracking is not None
-    )
+    followed = within("tracking", lambda: closed_loop_of(solution, LOCAL_RTOL, LOCAL_ATOL, clock), tracking is not None)
     residuals = within(
         "residuals between collocation points",
         lambda: [residual_of(p, samples, clock) for p in phases],
@@ -122,7 +120,9 @@ def validate(
     drifted = within("open-loop drift", lambda: open_loop(solution, rtol, atol, clock), drift is not None)
     knots = [np.asarray(planned.knots, dtype=float) for planned in phases]
     lost = [n for n in solution.problem.missing if n.startswith(("constraint ", "link ", "the equations "))]
-    unkept = [f"{', '.join(lost)}, because the file could not keep it: give problem= to rt.load_solution"] if lost else []
+    unkept = (
+        [f"{', '.join(lost)}, because the file could not keep it: give problem= to rt.load_solution"] if lost else []
+    )
     late = [f"{', '.join(skipped)}, because the time limit of {time_limit} s was reached"] if skipped else []
     return Report(
         local=locally,

@@ -95,7 +95,9 @@ class Watch:
         if excess[i] <= SOLVER_NOISE * max(1.0, abs(limit)):
             return None
         row = self.row
-        return Violation(row.name, row.joint, phase, float(times[i]), float(excess[i]), row.unit, limit, above, size_of(row, limit))
+        return Violation(
+            row.name, row.joint, phase, float(times[i]), float(excess[i]), row.unit, limit, above, size_of(row, limit)
+        )
 
 
 def size_of(row: Row, limit: float) -> float:
@@ -104,7 +106,9 @@ def size_of(row: Row, limit: float) -> float:
     return 0.5 * width if 0.0 < width < np.inf else max(1.0, abs(limit))
 
 
-def violations_of(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None) -> tuple[Violation, ...]:
+def violations_of(
+    planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None
+) -> tuple[Violation, ...]:
     """Every broken bound of a phase, the worst first: joint limits, constraints, and the states at both ends.
 
     Each is reported once, where it is broken most among ``samples`` points of every interval.

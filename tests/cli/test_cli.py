@@ -109,7 +109,7 @@ def test_validate_and_replay_read_saved_solutions(here: Path) -> None:
 
 def test_a_proof_that_fails_exits_with_one(here: Path) -> None:
     succeed("demo", "block", "--save", "a")
-    result = run("validate", "a.npz", "--drift", "1e-12")
+    result = run("validate", "a.npz", "--local", "1e-12")
     assert result.exit_code == 1
     assert "FAILED" in result.stdout
 

@@ -1,7 +1,7 @@
 """Feedback around a plan: its equations of motion linearised, and the time-varying gains that hold a robot on it.
 
-Start reading in ``gains.py``. The folder imports robots, dynamics and numbers only, so that the plan can carry its gains
-and the witness can simulate with them.
+Start with ``gains.py``. The folder imports robots and dynamics only, so that a plan carries its gains and the witness
+simulates with them.
 """
 
 from robotraj.solution.feedback.gains import Gains, PhaseGains, gains_of

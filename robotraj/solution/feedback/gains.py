@@ -7,11 +7,11 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from robotraj.dynamics.design.binding import realised
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import realised
 from robotraj.solution.feedback.linearisation import Linearisation
 from robotraj.solution.feedback.riccati import backwards, transition
-from robotraj._util.values import dataclass
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -73,8 +73,8 @@ class Gains:
     planned root and a rotation vector. e has 2 nv entries in the order of ``robot.velocity_names``, positions first.
 
     The gains minimise the integral of w^4 |e_q|^2 + w^2 |e_v|^2 + |Y u|^2, with w = 20 / s and Y u the acceleration
-    that a torque u gives the robot with its contacts. So every motor corrects in proportion to the inertia it moves, and
-    a fully actuated robot gets K = M(q) (w^2, 1.7 w), away from the end of the plan.
+    that a torque u gives the robot with its contacts. So every motor corrects in proportion to the inertia it moves.
+    Away from its end, a fully actuated plan gets K = M(q) (w^2, 1.7 w).
 
     Attributes
     ----------
@@ -176,7 +176,7 @@ def _pieces(planned: Any) -> _Pieces:
             step, inputs = transition(rate, push, length)
             nv = len(v)
             effect = push[nv:]
-            sizes = np.sqrt(IDLE) * np.maximum(np.linalg.norm(effect, axis=0), np.finfo(float).tiny**0.5)
+            sizes = np.sqrt(IDLE) * np.maximum(np.linalg.norm(effect, axis=0), np.finfo(float).tiny ** 0.5)
             moves.append((step @ consistent, inputs))
             weights.append(
                 (np.sqrt(length) * _weight(2 * nv, 1.0), np.sqrt(length) * np.vstack([effect, np.diag(sizes)]))

@@ -133,7 +133,7 @@ class Linearisation:
         return np.asarray(robot.damping + robot.friction / robot.friction_speed * (1.0 - speed**2))
 
     def _external(self, held: Sequence[HeldRows], forces: Array) -> Any:
-        """Forces of the contacts on the bodies, in the axes of their joints."""
+        """Add up the forces of the contacts on the bodies, in the axes of their joints."""
         model, data = self._robot.model, self._data
         total = pin.StdVec_Force()
         for _ in range(model.njoints):

@@ -26,7 +26,7 @@ def transition(rate: Array, push: Array, duration: float) -> tuple[Array, Array]
     size = len(rate)
     denominator = np.eye(size) - (2.0 / 3.0) * scaled + scaled @ scaled / 6.0
     inputs = duration * (push - scaled @ push / 6.0)
-    both = np.linalg.solve(denominator, np.hstack([np.eye(size) + scaled / 3.0, inputs]))
+    both = np.asarray(np.linalg.solve(denominator, np.hstack([np.eye(size) + scaled / 3.0, inputs])), dtype=float)
     return both[:, :size], both[:, size:]
 
 
@@ -61,7 +61,7 @@ def backwards(
                 np.hstack([np.zeros((size, inputs)), np.diag(state)]),
             ]
         )
-        factor = np.linalg.qr(stacked, mode="r")
+        factor = np.asarray(np.linalg.qr(stacked, mode="r"), dtype=float)
         gains.append(np.linalg.solve(factor[:inputs, :inputs], factor[:inputs, inputs:]))
         root = factor[inputs:, inputs:]
     return root, gains[::-1]
