@@ -118,8 +118,8 @@ def by_fatrop() -> None:
             nlp = rt.transcription.transcribe(
                 problem,
                 rt.Mesh(count),
-                engine=solver.default_engine(),
-                interval_limits=solver.default_interval_limits(),
+                engine=rt.engines.Native(),
+                interval_limits=rt.interval_limits.BernsteinBounds(),
             )
             began = time.process_time()
             outcome = solver.solve(nlp)

@@ -104,8 +104,8 @@ def row(phase: rt.Phase, intervals: int, peak: float, small: float) -> str:
     nlp = rt.transcription.transcribe(
         rt.Problem(phase),
         rt.Mesh(intervals),
-        engine=solver.default_engine(),
-        interval_limits=solver.default_interval_limits(),
+        engine=rt.engines.Native(),
+        interval_limits=rt.interval_limits.BernsteinBounds(),
     )
     solves, graphs = riccati(reduce(nlp).program), points(nlp)
     took = min(iterations(solver, nlp, RUNS))

@@ -81,9 +81,10 @@ class Timed(Solver):
     seconds: float = 0.0
     iterations: int = 0
 
-    def default_engine(self) -> rt.engines.Engine:
-        """Give the solver's own."""
-        return self.inner.default_engine()
+    @property
+    def stagewise(self) -> bool:
+        """Whether the solver is."""
+        return self.inner.stagewise
 
     def solve(
         self, nlp: rt.transcription.Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None

@@ -8,6 +8,7 @@ from .continuation import ContinuationStep, tightening
 from .kinematic import Kinematic
 from .multistart import Multistart, Optimum, multistart
 from .plan import plan
+from .settings import Restarts, Settings
 from .sweep import sweep
 
 __all__ = [
@@ -16,6 +17,8 @@ __all__ = [
     "Kinematic",
     "Multistart",
     "Optimum",
+    "Restarts",
+    "Settings",
     "multistart",
     "plan",
     "precompile",

@@ -10,15 +10,14 @@ from typing import Any
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
 from robotraj.guess.guess import Guess
-from robotraj.native.engines.base import Engine
 from robotraj.planning.solve import solve
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import ContinuationRecord
+from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
 from robotraj.solvers.status import Status
-from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.schemes.mesh import Mesh
 
 
@@ -136,15 +135,12 @@ def _changes(given: Mapping[str, Any], phase: Phase) -> dict[str, Any]:
     return {key: value for key, value in mine.items() if value is not SAME}
 
 
-def run_stages(
+def run_steps(
     problem: Problem,
     continuation: Sequence[ContinuationStep],
-    mesh: Mesh | Sequence[Mesh],
     guess: Guess | Solution | None,
-    solver: Solver,
+    settings: Settings,
     progress: Progress | None = None,
-    interval_limits: ConstraintGeneration | None = None,
-    engine: Engine | None = None,
 ) -> tuple[Guess | Solution | None, tuple[ContinuationRecord, ...], Solution | None]:
     """Solve the stages in order; return the guess they leave for the problem itself, and what each did.
 
@@ -156,8 +152,11 @@ def run_stages(
     ----------
     problem : Problem
     continuation : sequence of ContinuationStep
-    mesh, guess, solver, progress, between, engine
-        For stages that do not bring their own; ``guess`` starts the first.
+    guess : Guess, Solution or None
+        Of the first step.
+    settings : Settings
+        Of steps that do not bring a mesh or solver of their own.
+    progress : callable, optional
     """
     if not isinstance(continuation, Sequence):
         raise InputError(
@@ -173,9 +172,8 @@ def run_stages(
     records: list[ContinuationRecord] = []
     for i, (stage, easier) in enumerate(zip(continuation, posed, strict=True)):
         try:
-            solution = solve(
-                easier, stage.mesh or mesh, guess, stage.solver or solver, progress, interval_limits, engine
-            )
+            own = replace(settings, mesh=stage.mesh or settings.mesh, solver=stage.solver or settings.solver)
+            solution = solve(easier, guess, own, progress)
         except KeyboardInterrupt:
             found = found_by(records, guess)
             if found is None:

@@ -15,6 +15,7 @@ from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.rigid_body import InverseDynamics
 from robotraj.guess.guess import Guess, PhaseGuess, StraightLine, ends_of, guessed_duration
 from robotraj.guess.joint_motion import joint_motion
+from robotraj.planning.settings import resolve
 from robotraj.planning.solve import solve
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, symbols_of
 from robotraj.problem.constraints.joint_limits import JointEffort
@@ -74,7 +75,8 @@ class Kinematic(Guess):
             A phase moves a System.
         """
         phases = [kinematic_phase(phase, self.duration) for phase in problem.phases]
-        solution = solve(Problem(phases, problem.links), self.mesh, self.guess, self.solver)
+        posed = Problem(phases, problem.links)
+        solution = solve(posed, self.guess, resolve(posed, {"mesh": self.mesh, "solver": self.solver}))
         if not solution.success:
             worst = "; ".join(str(violation) for violation in solution.violations(1))
             warnings.warn(

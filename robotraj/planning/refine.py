@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from robotraj._util.errors import InputError
 from robotraj.guess.guess import Guess
-from robotraj.native.engines.base import Engine
 from robotraj.planning.sharpening import Sharpening
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.records import MeshStep, added_times
+from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import Progress, Solver
+from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
-from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.assess import assess
 from robotraj.transcription.refinement.strategy import Assessment, Refinement
 from robotraj.transcription.schemes.collocation import Collocation
@@ -45,14 +43,9 @@ SMALL = 1e-2
 
 def adapt(
     problem: Problem,
-    mesh: Mesh | Sequence[Mesh],
     guess: Guess | Solution | None,
-    solver: Solver,
-    progress: Progress | None,
-    tolerance: float,
-    refinement: Refinement,
-    engine: Engine | None = None,
-    interval_limits: ConstraintGeneration | None = None,
+    settings: Settings,
+    progress: Progress | None = None,
 ) -> Solution:
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
@@ -63,17 +56,17 @@ def adapt(
     as many solves. Where the solver stops too far from the optimum of its mesh, it is made sharper
     (``Solver.sharper``). A solution whose tolerance was not reached says so in its status.
     """
-    if not isinstance(refinement, Refinement):
-        raise InputError(f"refinement= must be one such as rt.refinement.SplitOrRaise(); got {refinement!r}.")
-    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+    tolerance, refinement, limits = settings.tolerance, settings.refinement, settings.interval_limits
+    assert tolerance is not None and refinement is not None
+    mesh = settings.mesh
+    meshes: list[Mesh] = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     steps: list[MeshStep] = []
     # Below 1e-7 a guard would chase the solver's own round-off.
-    interval_limits = interval_limits or ConstraintGeneration()
-    interval_limits = replace(interval_limits, tolerance=min(interval_limits.tolerance, max(1e-7, 0.1 * tolerance)))
+    limits = replace(limits, tolerance=min(limits.tolerance, max(1e-7, 0.1 * tolerance)))
     total: dict[str, float] = {}
     known: Guess | Solution | None = guess
     holding = False
-    sharpening = Sharpening(solver)
+    sharpening = Sharpening(settings.solver)
 
     def seen(solution: Solution) -> tuple[list[Assessment], float, bool]:
         """Give the errors of all intervals, the largest, and whether the objective has settled."""
@@ -90,14 +83,18 @@ def adapt(
             holding = (worst <= tolerance and settled) or worst >= min((step.error for step in steps), default=np.inf)
         return holding
 
+    def solved(known: Guess | Solution | None, hold: Callable[[Solution], bool] | None) -> Solution:
+        own = replace(settings, mesh=tuple(meshes), solver=sharpening.solver, interval_limits=limits)
+        return solve(problem, known, own, progress, hold)
+
     kept: Solution | None = None
     try:
         while True:
-            solution = solve(problem, meshes, known, sharpening.solver, progress, interval_limits, engine, hold)
+            solution = solved(known, hold)
             if not solution.success and sharpening.sharpened and solution.status is not Status.INTERRUPTED:
                 total = added_times(total, solution.times)
                 sharpening.give_up()
-                solution = solve(problem, meshes, known, sharpening.solver, progress, interval_limits, engine, hold)
+                solution = solved(known, hold)
             seconds, total = solution.seconds, added_times(total, solution.times)
             kept = solution = replace(solution, refinement=tuple(steps), times=total)
             assessments, worst, settled = seen(solution)
@@ -130,7 +127,7 @@ def adapt(
             given_up = worst > tolerance and _stuck([step.error for step in steps])
             if given_up or len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
                 if not holding:
-                    held = solve(problem, meshes, solution, sharpening.solver, progress, interval_limits, engine)
+                    held = solved(solution, None)
                     if held.status is Status.INTERRUPTED:
                         return replace(solution, status=Status.INTERRUPTED)
                     if held.success:

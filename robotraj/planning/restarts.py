@@ -12,7 +12,7 @@ random variations of them, seeded, stand elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 
@@ -24,15 +24,11 @@ from robotraj.guess.guess import Guess, StraightLine
 from robotraj.guess.perturbed import Perturbed
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
+from robotraj.solution.settings import Restarts
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.nlp import Nlp
 
-TIMES = (3.0, 9.0, 27.0)
-"""How many times as long as they were guessed durations are, one after the other: the longer, the further from the
-optimum."""
-SEEDS = (0, 1)
-"""Of the variations that are tried."""
 LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
 """Ends from which another beginning may lead away."""
 
@@ -41,7 +37,7 @@ Solve = Callable[[Problem, Guess | Solution | None], Solution]
 """(problem, guess) -> Solution, on the same mesh."""
 
 
-def retried(failed: Solution, nlp: Nlp, guess: Guess | Solution | None, solve: Solve) -> Solution:
+def restarted(failed: Solution, nlp: Nlp, guess: Guess | Solution | None, solve: Solve, restarts: Restarts) -> Solution:
     """Solve a problem that failed once more: from motions that take longer, then from variations of the default guess.
 
     Parameters
@@ -54,6 +50,7 @@ def retried(failed: Solution, nlp: Nlp, guess: Guess | Solution | None, solve: S
         What the user gave. Guesses with a course of their own are not replaced, and only where there is none is there a
         default to vary.
     solve : callable
+    restarts : Restarts
 
     Returns
     -------
@@ -61,10 +58,14 @@ def retried(failed: Solution, nlp: Nlp, guess: Guess | Solution | None, solve: S
         The first that was found, else the one that failed; with the seconds and iterations of all that was tried.
     """
     problem = failed.problem
-    if failed.status not in LOST or any(phase.bound_contacts for phase in problem.phases):
+    if failed.status not in LOST:
         return failed
     spent, iterations = failed.times, failed.iterations
-    for attempt, whence in chain(_from_longer(problem, nlp, guess, solve), _from_elsewhere(problem, guess, solve)):
+    factors = tuple(restarts.longer)[: restarts.count]
+    seeds = tuple(restarts.seeds)[: restarts.count - len(factors)]
+    for attempt, whence in chain(
+        _from_longer(problem, nlp, guess, solve, factors), _from_elsewhere(problem, guess, solve, seeds)
+    ):
         spent, iterations = added_times(spent, attempt.times), iterations + attempt.iterations
         if attempt.status is Status.INTERRUPTED:
             return replace(failed, status=Status.INTERRUPTED, times=spent, iterations=iterations)
@@ -73,22 +74,24 @@ def retried(failed: Solution, nlp: Nlp, guess: Guess | Solution | None, solve: S
     return replace(failed, times=spent, iterations=iterations)
 
 
-def _from_elsewhere(problem: Problem, guess: Guess | Solution | None, solve: Solve) -> Iterator[tuple[Solution, str]]:
+def _from_elsewhere(
+    problem: Problem, guess: Guess | Solution | None, solve: Solve, seeds: Sequence[int]
+) -> Iterator[tuple[Solution, str]]:
     """Start from variations of the default guess; say so of each solution."""
-    for seed in SEEDS if guess is None else ():
+    for seed in seeds if guess is None else ():
         found = solve(problem, Perturbed(default_guess(problem), (seed,)))
         yield found, "from a variation of the default guess, which led nowhere"
 
 
 def _from_longer(
-    problem: Problem, nlp: Nlp, guess: Guess | Solution | None, solve: Solve
+    problem: Problem, nlp: Nlp, guess: Guess | Solution | None, solve: Solve, factors: Sequence[float]
 ) -> Iterator[tuple[Solution, str]]:
     """Start from motions that take longer; say so of each solution, and nothing of these motions themselves."""
     free = [layout.duration.column is not None for layout in nlp.layouts]
     if not any(free) or not (guess is None or isinstance(guess, StraightLine | Solution)):
         return
     tried: set[tuple[float, ...]] = set()
-    for times in TIMES:
+    for times in factors:
         durations = tuple(_duration(nlp, i, times) for i in range(len(free)))
         if durations in tried:
             return

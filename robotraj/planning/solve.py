@@ -12,13 +12,14 @@ import numpy as np
 
 from robotraj.guess.guess import Guess, as_guess
 from robotraj.native.engines.base import Engine
-from robotraj.planning.restarts import retried
+from robotraj.planning.restarts import restarted
 from robotraj.planning.starts import Start
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.costates.duals import LateDuals, PhaseDuals
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.records import added_times
+from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solution.violations import Violation, violations
 from robotraj.solvers.base import LateMultipliers, Multipliers, Outcome, Progress, Solver
@@ -49,14 +50,10 @@ NEAR = 1e-2
 
 def solve(
     problem: Problem,
-    mesh: Mesh | Sequence[Mesh],
     guess: Guess | Solution | None,
-    solver: Solver,
+    settings: Settings,
     progress: Progress | None = None,
-    interval_limits: ConstraintGeneration | None = None,
-    engine: Engine | None = None,
     hold: Callable[[Solution], bool] | None = None,
-    retry: bool = True,
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
@@ -68,11 +65,12 @@ def solve(
     no rounds: then nothing is imposed. Where the problem with further rows cannot be solved, the solution without them
     stays, and ``interval_limits`` lists what is broken.
 
-    Where the problem cannot be solved from a default guess, or a free duration turns out guessed too short, ``retry``
-    solves it from elsewhere: see ``robotraj.planning.restarts``.
+    Where the problem cannot be solved from its guess, ``settings.restarts`` solve it from elsewhere: see
+    ``robotraj.planning.restarts``.
     """
     began = time.perf_counter()
-    interval_limits = interval_limits or ConstraintGeneration()
+    mesh, solver, engine = settings.mesh, settings.solver, settings.engine
+    interval_limits = settings.interval_limits
     nlp = _again(problem, mesh, guess, engine, interval_limits) or transcribe(
         problem, mesh, as_guess(guess), engine, interval_limits
     )
@@ -85,15 +83,15 @@ def solve(
         multipliers = _lengthened(multipliers, nlp)
     solution, w = _solve(nlp, guess, multipliers, solver, progress, began)
     try:
-        if retry and not solution.success:
+        if settings.restarts.count and not solution.success:
 
             def once_more(asked: Problem, start: Guess | Solution | None) -> Solution:
                 # Whether rows between the points are worth it is said of the problem's own solutions: others lead to
                 # them.
                 worth = hold if asked is problem else _never
-                return solve(asked, mesh, start, solver, progress, interval_limits, engine, worth, retry=False)
+                return solve(asked, start, replace(settings, restarts=Restarts(0)), progress, worth)
 
-            solution = retried(solution, nlp, guess, once_more)
+            solution = restarted(solution, nlp, guess, once_more, settings.restarts)
             if solution.success:
                 return solution
         bulges = _bulges(solution, interval_limits.tolerance)

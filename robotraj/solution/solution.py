@@ -18,6 +18,7 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.sample import Sample, join
+from robotraj.solution.settings import Settings
 from robotraj.solution.violations import Violation
 from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.constraint_generation import Guard
@@ -72,6 +73,8 @@ class Solution:
     impulses : tuple of mapping
         For every link of the problem, the impulses of its impact by name, ``"impulse.left_foot.z"`` [N s, N m s]; empty
         for links without one.
+    settings : Settings or None
+        What the plan was made with and why; ``rt.plan(problem, settings=solution.settings)`` repeats it.
     """
 
     problem: Problem
@@ -90,6 +93,7 @@ class Solution:
     interval_violations: tuple[Violation, ...] = ()
     control_interval_violations: tuple[Violation, ...] = ()
     impulses: tuple[Mapping[str, float], ...] = ()
+    settings: Settings | None = None
 
     @property
     def success(self) -> bool:
@@ -194,10 +198,10 @@ class Solution:
         from robotraj.solution.storage.archive import Contents, write
 
         phases = [_plain(phase, "phase") for phase in self.phases]
-        facts = _plain(self, "problem", "phases")
+        facts = _plain(self, "problem", "phases", "settings")
         if self.multipliers is not None:
             facts["multipliers"] = self.multipliers.plain
-        return write(path, Contents(self.problem, phases, facts))
+        return write(path, Contents(self.problem, phases, facts, self.settings))
 
     def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
         """Write a table over time, a column per variable with its unit; see ``robotraj.solution.export``."""
@@ -282,7 +286,7 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
     contents = read(path, Problem([problem]) if isinstance(problem, Phase) else problem)
     pairs = zip(contents.problem.phases, contents.phases, strict=True)
     phases = tuple(PhaseSolution(phase, **known) for phase, known in pairs)
-    return Solution(contents.problem, phases, **contents.facts)
+    return Solution(contents.problem, phases, **contents.facts, settings=contents.settings)
 
 
 def _plain(value: PhaseSolution | Solution, *without: str) -> dict[str, Any]:

@@ -12,9 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.solvers.status import Status
-from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
@@ -150,13 +148,10 @@ class Outcome:
 class Solver(ABC):
     """A solver and its options, as one frozen value. A new solver is one new file."""
 
-    def default_engine(self) -> Engine:
-        """Give what evaluates the point functions where the user does not say."""
-        return VirtualMachine()
-
-    def default_interval_limits(self) -> ConstraintGeneration:
-        """Give what holds rows on states between collocation points where the user does not say."""
-        return ConstraintGeneration()
+    @property
+    def stagewise(self) -> bool:
+        """Whether it works stage by stage: it calls native functions itself, and rows within a stage cost it little."""
+        return False
 
     def resolve(
         self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None

@@ -20,8 +20,6 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.native.engines.base import Engine
-from robotraj.native.engines.native import Native
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted, named_options
 from robotraj.solvers.ipopt import Ipopt
@@ -31,7 +29,6 @@ from robotraj.solvers.stagewise.native import native_program, refresh
 from robotraj.solvers.stagewise.reduction import NotStagewise, Reduction, reduce
 from robotraj.solvers.stagewise.warm import carried_over
 from robotraj.solvers.status import Status
-from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
 
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
@@ -127,13 +124,10 @@ class Fatrop(Solver):
         """Give the same solver with at most so many wall-clock seconds a solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))
 
-    def default_engine(self) -> Engine:
-        """Machine code that needs no compiler."""
-        return Native()
-
-    def default_interval_limits(self) -> ConstraintGeneration:
-        """Hold speeds everywhere in one solve: rows of stages are cheap, further solves are not."""
-        return BernsteinBounds()
+    @property
+    def stagewise(self) -> bool:
+        """It does."""
+        return True
 
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
         """Solve from ``nlp.guess``."""

@@ -9,7 +9,6 @@ import pytest
 from problems.biped import FLIP, RATE, Q, biped
 
 import robotraj as rt
-from robotraj.planning.solve import solve
 from robotraj.solvers.ipopt import Ipopt
 
 MESHES = [
@@ -36,7 +35,7 @@ def test_optimum_on_a_mesh_is_that_of_an_independent_implementation(
 ) -> None:
     """Rows hold at the collocation points alone, as in the reference: nothing is imposed between them."""
     case = biped(from_hip)
-    solution = solve(
+    solution = rt.plan(
         case.problem,
         rt.Mesh(intervals, SCHEMES[scheme]),
         case.guess,

@@ -12,7 +12,6 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.planning.solve import solve
 from tests.robots.kelly2017 import five_link_map, five_link_torques
 
 STEP, DURATION = 0.5, 0.7
@@ -65,9 +64,8 @@ def planned(name: str, mesh: rt.Mesh, clearance: float = 0.0) -> rt.Solution:
 def planned_at_points(name: str, mesh: rt.Mesh) -> rt.Solution:
     """Plan as the paper does: clearance at the collocation points, and nothing asked between them."""
     robot = rt.load(name, root="planar")
-    return solve(
-        step(robot), mesh, guess(robot), rt.Ipopt(), interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0)
-    )
+    limits = rt.interval_limits.ConstraintGeneration(rounds=0)
+    return rt.plan(step(robot), mesh, guess(robot), rt.Ipopt(), interval_limits=limits)
 
 
 @pytest.fixture(scope="module")

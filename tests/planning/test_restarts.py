@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.planning.settings import resolve
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
 from robotraj.solvers.status import Status
@@ -92,7 +93,9 @@ def too_far() -> rt.Phase:
 
 
 def test_what_was_tried_in_vain_is_counted() -> None:
-    once = solve(Problem([too_far()]), rt.Mesh(), None, rt.Ipopt(), retry=False)
+    problem = Problem([too_far()])
+    given = {"solver": rt.Ipopt(), "restarts": rt.planning.Restarts(0)}
+    once = solve(problem, None, resolve(problem, given))
     solution = rt.plan(too_far(), solver=rt.Ipopt(), check=False)
     assert solution.status is once.status is Status.INFEASIBLE
     # Motions of three and nine times 0.55 s, no longer than 3 s, and two variations.
@@ -123,7 +126,7 @@ def test_rows_between_the_points_are_weighed_by_solutions_of_the_problem_alone()
         asked.append(solution.problem)
         return True
 
-    assert solve(problem, rt.Mesh(), None, rt.Ipopt(), hold=hold).success
+    assert solve(problem, None, resolve(problem, {"solver": rt.Ipopt()}), hold=hold).success
     assert asked and all(each is problem for each in asked)
 
 

@@ -21,11 +21,12 @@ import numpy as np
 from robotraj._util.errors import InputError, RobotrajError
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
-from robotraj.solution.storage.codec import Packer, Unpacker
+from robotraj.solution.settings import Settings
+from robotraj.solution.storage.codec import NotPlainData, Packer, Unpacker
 from robotraj.solution.storage.problems import check_fit, pack_problem, unpack_problem
 
 FORMAT = "robotraj solution"
-VERSION = 1
+VERSION = 2
 """Raised whenever older versions could not read the file rightly."""
 
 ADVICE = "give the path of a file that solution.save(path) wrote."
@@ -42,11 +43,14 @@ class Contents:
         For each phase the plain data of its solution, by name.
     facts : mapping
         Plain data of the whole solution, by name.
+    settings : Settings or None
+        None also where they could not be written, as those of a solver that is not plain data.
     """
 
     problem: Problem
     phases: Sequence[Mapping[str, Any]]
     facts: Mapping[str, Any]
+    settings: Settings | None
 
 
 def write(path: str | os.PathLike[str], contents: Contents) -> Path:
@@ -74,6 +78,7 @@ def write(path: str | os.PathLike[str], contents: Contents) -> Path:
         "problem": pack_problem(contents.problem, packer),
         "phases": [packer.pack(dict(phase), f"phases.{i}") for i, phase in enumerate(contents.phases)],
         "facts": packer.pack(dict(contents.facts), "facts"),
+        "settings": _packed_settings(contents.settings, packer),
     }
     about = {"format": FORMAT, "version": VERSION, "robotraj": _own_version()}
     partial = target.with_name(target.name + ".part")
@@ -117,11 +122,29 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
         else:
             check_fit(problem, data["problem"], source.name)
         phases = [unpacker.unpack(phase) for phase in data["phases"]]
-        return Contents(problem, phases, unpacker.unpack(data["facts"]))
+        return Contents(problem, phases, unpacker.unpack(data["facts"]), _unpacked_settings(data["settings"], unpacker))
     except RobotrajError:
         raise
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         raise InputError(f"{str(source)!r} is damaged: {error}. Save the solution again.") from error
+
+
+def _packed_settings(settings: Settings | None, packer: Packer) -> Any:
+    """Write settings; None where a solver or another of them, defined elsewhere, is not plain data."""
+    try:
+        return packer.pack(settings, "settings")
+    except NotPlainData:
+        return None
+
+
+def _unpacked_settings(data: Any, unpacker: Unpacker) -> Settings | None:
+    """Make settings again; None, with a warning, where a class of theirs is missing."""
+    try:
+        settings: Settings | None = unpacker.unpack(data)
+    except NotPlainData as error:
+        warnings.warn(f"The settings of the plan could not be read: {error}", stacklevel=4)
+        return None
+    return settings
 
 
 def _existing(source: Path) -> Path:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.polynomials import lobatto_sites
+from robotraj._util.printing import as_call
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
@@ -61,6 +62,10 @@ class Mesh:
                 )
         if len(schemes) not in (1, len(knots) - 1):
             raise InputError(f"The mesh has {len(knots) - 1} intervals but {len(schemes)} schemes.")
+
+    def __str__(self) -> str:
+        kinds = ", ".join(dict.fromkeys(map(as_call, self.given)))
+        return f"{type(self).__name__} of {self.count} intervals, {kinds}"
 
     @classmethod
     def chebyshev(cls, count: int, scheme: Scheme | Sequence[Scheme] | None = None) -> Mesh:

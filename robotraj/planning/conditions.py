@@ -1,0 +1,118 @@
+"""Conditions under which a setting is chosen, each with the words that describe it in the table of ``rt.plan``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.dynamics.system import SystemDynamics
+from robotraj.native.engines.base import Engine
+from robotraj.problem.augmentation import Augmented
+from robotraj.problem.constraints.integral import IntegralConstraint
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.solvers.base import Solver
+from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
+from robotraj.transcription.schemes.onestep import OneStep
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A problem and what is settled of its plan so far.
+
+    Attributes
+    ----------
+    problem : Problem
+    settled : mapping of str to object
+        Settings that the user gave or that were chosen before, by name.
+    """
+
+    problem: Problem
+    settled: Mapping[str, object]
+
+    @property
+    def meshes(self) -> tuple[Mesh, ...]:
+        """Settled mesh, or meshes of the phases."""
+        mesh = self.settled["mesh"]
+        return (mesh,) if isinstance(mesh, Mesh) else tuple(mesh) if isinstance(mesh, Sequence) else ()
+
+
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """A condition on a case and its description.
+
+    Attributes
+    ----------
+    text : str
+    holds : callable
+        From a Case to bool.
+    """
+
+    text: str
+    holds: Callable[[Case], bool]
+
+
+def any_phase(text: str, holds: Callable[[Phase], bool]) -> Condition:
+    """Give the condition that at least one phase fulfils."""
+    return Condition(text, lambda case: any(holds(phase) for phase in case.problem.phases))
+
+
+def _needs_ipopt(case: Case) -> bool:
+    engine = case.settled.get("engine")
+    return isinstance(engine, Engine) and engine.made_for_ipopt
+
+
+def _works_by_stages(case: Case) -> bool:
+    solver = case.settled["solver"]
+    return isinstance(solver, Solver) and solver.stagewise
+
+
+def _without_stages(case: Case) -> bool:
+    return any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in case.meshes for s in m.given)
+
+
+def _is_augmented(phase: Phase) -> bool:
+    """Whether variables are added to the equations of motion: by contacts, or by objectives that are not smooth."""
+    body, dae = phase.body, phase.dae
+    while isinstance(dae, Augmented) and dae.smooth:
+        dae = dae.inner
+    return dae is not body or bool(body.invariants)
+
+
+def _integrates(phase: Phase) -> bool:
+    return any(isinstance(constraint, IntegralConstraint) for constraint in phase.constraints)
+
+
+def _is_wide_robot(phase: Phase) -> bool:
+    body = phase.body
+    if not isinstance(body, InverseRigidBody):
+        return phase.robot is not None
+    return body.robot.root != "fixed" or body.design is not None or body.robot.nv != body.robot.nq
+
+
+def _is_wide_system(phase: Phase) -> bool:
+    body = phase.body
+    if not isinstance(body, SystemDynamics):
+        return not isinstance(body, InverseRigidBody)
+    return bool(phase.parameter_names) or 2 * len(body.controls) < len(body.states)
+
+
+def _floats(phase: Phase) -> bool:
+    return phase.robot is not None and phase.robot.root == "floating"
+
+
+ALWAYS = Condition("otherwise", lambda case: True)
+TOLERANCE = Condition("tolerance", lambda case: case.settled["tolerance"] is not None)
+COMPILED = Condition("engine=Compiled()", _needs_ipopt)
+NO_STAGES = Condition("shooting or moving knots", _without_stages)
+AUGMENTED = any_phase("contacts, closed loops, corners in the objective", _is_augmented)
+INTEGRAL = any_phase("integral constraint", _integrates)
+WIDE_ROBOT = any_phase("free root, forward dynamics, continuous joint, design", _is_wide_robot)
+WIDE_SYSTEM = any_phase("system with parameters or few controls", _is_wide_system)
+FLOATING = Condition("all roots floating", lambda case: all(map(_floats, case.problem.phases)))
+STAGEWISE = Condition("solver by stages", _works_by_stages)
+ROBOTS = Condition("robots", lambda case: all(phase.robot is not None for phase in case.problem.phases))
+SYSTEM = any_phase("systems", lambda phase: phase.robot is None)
+FREE_TIME = any_phase("free duration", lambda phase: phase.duration_bounds[0] < phase.duration_bounds[1])
+CONTACTS = any_phase("contacts", lambda phase: bool(phase.bound_contacts))

@@ -1,0 +1,209 @@
+"""Settings that the user leaves open: one table of rules decides them all.
+
+Of the rules of a setting the first whose conditions hold applies. They are decided in the order of ``SETTINGS``: a
+condition may read what was given, and what was decided before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.printing import as_call
+from robotraj._util.values import dataclass
+from robotraj.native.engines.base import Engine, VirtualMachine
+from robotraj.native.engines.native import Native
+from robotraj.planning import conditions as when
+from robotraj.planning.conditions import Case, Condition
+from robotraj.problem.problem import Problem
+from robotraj.solution.settings import Restarts as Restarts
+from robotraj.solution.settings import Settings as Settings
+from robotraj.solvers.base import Solver
+from robotraj.solvers.fatrop import Fatrop
+from robotraj.solvers.ipopt import Ipopt
+from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
+from robotraj.transcription.refinement.orders import SplitOrRaise
+from robotraj.transcription.refinement.strategy import Refinement
+from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.schemes.radau import RadauIIA
+
+GIVEN = "given"
+"""Reason of a setting that the user gave."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rule:
+    """A choice of one setting.
+
+    Attributes
+    ----------
+    setting : str
+        Its name, which is that of the option of ``rt.plan``.
+    conditions : tuple of Condition
+        The choice is made where all of them hold.
+    choice : object
+    reason : str
+        A clause that ends a line of printed settings.
+    """
+
+    setting: str
+    conditions: tuple[Condition, ...]
+    choice: object
+    reason: str
+
+    def holds(self, case: Case) -> bool:
+        """Whether all conditions hold."""
+        return all(condition.holds(case) for condition in self.conditions)
+
+
+def _rule(setting: str, *conditions_choice_reason: Any) -> Rule:
+    *conditions, choice, reason = conditions_choice_reason
+    return Rule(setting, tuple(conditions), choice, reason)
+
+
+RULES: tuple[Rule, ...] = (
+    _rule("tolerance", when.ALWAYS, None, "no tolerance given, so the problem is solved on one mesh"),
+    _rule("mesh", when.TOLERANCE, Mesh(20, RadauIIA(3)), "a coarse mesh that refinement starts from"),
+    _rule("mesh", when.ALWAYS, Mesh(), "accurate enough to look at a motion"),
+    _rule("solver", when.COMPILED, Ipopt(), "the engine keeps the functions that IPOPT calls"),
+    _rule("solver", when.NO_STAGES, Ipopt(), "shooting and moving knots have no form in stages"),
+    _rule("solver", when.AUGMENTED, Ipopt(), "fatrop stalls more often with contacts and corners"),
+    _rule("solver", when.INTEGRAL, Ipopt(), "an integral widens every stage of fatrop by the points before it"),
+    _rule("solver", when.WIDE_ROBOT, Ipopt(), "IPOPT is the robust choice for such robots"),
+    _rule("solver", when.WIDE_SYSTEM, Ipopt(), "parameters widen fatrop's stages; few controls leave many optima"),
+    _rule("solver", when.ALWAYS, Fatrop(), "it finds the optima of IPOPT in less time"),
+    _rule("engine", when.FLOATING, Native(), "large graphs are evaluated fastest by compiled code"),
+    _rule("engine", when.STAGEWISE, Native(), "the solver calls it without CasADi"),
+    _rule("engine", when.ALWAYS, VirtualMachine(), "small graphs need no compiled code"),
+    _rule(
+        "interval_limits",
+        when.TOLERANCE,
+        when.SYSTEM,
+        BernsteinBounds(states=False, controls=True),
+        "controls that switch would exceed their limits between the points; the excess falls with the mesh",
+    ),
+    _rule(
+        "interval_limits",
+        when.TOLERANCE,
+        when.STAGEWISE,
+        when.FREE_TIME,
+        BernsteinBounds(controls=True),
+        "one solve a mesh; what the bounds cost falls with the mesh",
+    ),
+    _rule(
+        "interval_limits",
+        when.TOLERANCE,
+        when.STAGEWISE,
+        BernsteinBounds(states=False, controls=True),
+        "bounds on coefficients of speeds would cost more than the tolerance at a fixed duration",
+    ),
+    _rule(
+        "interval_limits",
+        when.ROBOTS,
+        when.STAGEWISE,
+        BernsteinBounds(),
+        "speeds hold everywhere in one solve; further rows cost a solver by stages little",
+    ),
+    _rule(
+        "interval_limits",
+        when.ALWAYS,
+        ConstraintGeneration(),
+        "rows are imposed only where a solution violates them, so the optimum stays",
+    ),
+    _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),
+    _rule("refinement", when.ALWAYS, None, "no tolerance, so the mesh stays"),
+    _rule("restarts", when.CONTACTS, Restarts(0), "other beginnings seldom help with contacts, and take long"),
+    _rule("restarts", when.ALWAYS, Restarts(), "a guess may be too short, or stand in front of an obstacle"),
+)
+
+SETTINGS = tuple(dict.fromkeys(rule.setting for rule in RULES))
+"""Names of all settings, in the order in which they are decided."""
+
+
+def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | None = None) -> Settings:
+    """Decide every setting that is neither given nor part of earlier settings.
+
+    Parameters
+    ----------
+    problem : Problem
+    given : mapping of str to object
+        Options by name; None leaves one open. They replace what ``settings`` has.
+    settings : Settings, optional
+        Of an earlier plan. Nothing is left open then.
+
+    Returns
+    -------
+    Settings
+
+    Raises
+    ------
+    InputError
+        An option is of another kind, or ``refinement`` is given without a tolerance.
+    """
+    if settings is not None and not isinstance(settings, Settings):
+        raise InputError(f"settings= must be those of a solution, solution.settings; got {settings!r}.")
+    values: dict[str, Any] = {}
+    reasons: dict[str, str] = {}
+    for name in SETTINGS:
+        if given.get(name) is not None:
+            values[name], reasons[name] = _checked(name, given[name]), GIVEN
+        elif settings is not None:
+            values[name], reasons[name] = getattr(settings, name), settings.reasons.get(name, GIVEN)
+    for name in SETTINGS:
+        if name not in values:
+            case = Case(problem, values)
+            rule = next(rule for rule in RULES if rule.setting == name and rule.holds(case))
+            values[name], reasons[name] = rule.choice, rule.reason
+    if values["refinement"] is not None and values["tolerance"] is None:
+        raise InputError("refinement= chooses how meshes are refined until a tolerance holds; give tolerance= as well.")
+    return Settings(**values, reasons={name: reasons[name] for name in SETTINGS})
+
+
+def table() -> str:
+    """Print the rules as the table in the docstring of ``rt.plan``: setting, condition, choice."""
+    rows = [("setting", "where", "choice")]
+    rows += [(r.setting, ", ".join(c.text for c in r.conditions), as_call(r.choice)) for r in RULES]
+    widths = [max(len(row[i]) for row in rows) for i in range(3)]
+    names = ["", *(row[0] for row in rows[1:])]
+    cells = [("" if row[0] == before else row[0], *row[1:]) for before, row in zip(names, rows[1:], strict=False)]
+    rule = "  ".join("=" * width for width in widths)
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in [rows[0], *cells]]
+    return "\n".join(line.rstrip() for line in [rule, lines[0], rule, *lines[1:], rule])
+
+
+def _is_tolerance(value: object) -> bool:
+    return isinstance(value, float | int | np.number) and bool(0 < value < 1)
+
+
+def _is_mesh(value: object) -> bool:
+    return isinstance(value, Mesh) or (isinstance(value, Sequence) and all(isinstance(mesh, Mesh) for mesh in value))
+
+
+def _is_a(kind: type) -> Callable[[object], bool]:
+    return lambda value: isinstance(value, kind)
+
+
+_CHECKS: Mapping[str, tuple[Callable[[object], bool], str]] = {
+    "tolerance": (_is_tolerance, "is a relative error between 0 and 1, such as 1e-6"),
+    "mesh": (_is_mesh, "must be an rt.Mesh, or one for each phase"),
+    "solver": (_is_a(Solver), "must be a solver value such as rt.Ipopt()"),
+    "engine": (_is_a(Engine), "must be rt.engines.VirtualMachine(), rt.engines.Native() or rt.engines.Compiled()"),
+    "interval_limits": (
+        _is_a(ConstraintGeneration),
+        "must be rt.interval_limits.ConstraintGeneration() or rt.interval_limits.BernsteinBounds()",
+    ),
+    "refinement": (_is_a(Refinement), "must be one such as rt.refinement.SplitOrRaise()"),
+    "restarts": (_is_a(Restarts), "must be rt.planning.Restarts(), or rt.planning.Restarts(0) for none"),
+}
+"""For each setting a test of what was given, and what it should be."""
+
+
+def _checked(name: str, value: object) -> object:
+    """Give a setting that the user gave; lists of meshes become tuples."""
+    fits, wanted = _CHECKS[name]
+    if not fits(value):
+        raise InputError(f"{name}= {wanted}; got {value!r}.")
+    return tuple(value) if name == "mesh" and isinstance(value, Sequence) else value

@@ -1,0 +1,98 @@
+"""Settings of a plan: everything the user may leave open, with the reason of every choice.
+
+The values are chosen in ``robotraj.planning.settings``. They are defined here since a solution holds them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field, fields
+from textwrap import wrap
+
+from robotraj._util.errors import InputError
+from robotraj._util.printing import as_call
+from robotraj._util.values import dataclass
+from robotraj.native.engines.base import Engine
+from robotraj.solvers.base import Solver
+from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.refinement.strategy import Refinement
+from robotraj.transcription.schemes.mesh import Mesh
+
+WIDTH = 80
+"""Columns of printed settings."""
+
+
+@dataclass(frozen=True)
+class Restarts:
+    """Other beginnings of a problem that was not solved from its guess.
+
+    Parameters
+    ----------
+    count : int
+        Largest number of beginnings that are tried: first longer motions, then variations. 0 turns restarts off.
+    longer : sequence of float
+        Factors by which guessed free durations are multiplied. With each, a motion without objective is planned
+        first; the problem then starts from it. It needs a free duration, and no guess or a straight line or solution.
+    seeds : sequence of int
+        Seeds of random variations of the default guess. They need a plan without ``guess=``.
+
+    Raises
+    ------
+    InputError
+        A negative number of beginnings, or a factor that is not above 0.
+    """
+
+    count: int = 5
+    longer: Sequence[float] = (3.0, 9.0, 27.0)
+    seeds: Sequence[int] = (0, 1)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.count, bool) or not isinstance(self.count, int) or self.count < 0:
+            raise InputError(f"Restarts(count) must be a whole number of 0 or more, got {self.count!r}.")
+        object.__setattr__(self, "longer", tuple(float(factor) for factor in self.longer))
+        object.__setattr__(self, "seeds", tuple(int(seed) for seed in self.seeds))
+        if any(not factor > 0 for factor in self.longer):
+            raise InputError(f"Restarts(longer) must hold factors above 0, got {self.longer}.")
+        if any(seed < 0 for seed in self.seeds):
+            raise InputError(f"Restarts(seeds) must hold whole numbers of 0 or more, got {self.seeds}.")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a plan was made with. ``rt.plan(problem, settings=...)`` repeats it.
+
+    Attributes
+    ----------
+    tolerance : float or None
+        Relative error to which the mesh is refined; None solves on the given mesh alone.
+    mesh : Mesh or tuple of Mesh
+        The first mesh, one for all phases or one for each.
+    solver : Solver
+    engine : Engine
+    interval_limits : ConstraintGeneration
+        How rows are imposed between collocation points.
+    refinement : Refinement or None
+        None where there is no tolerance.
+    restarts : Restarts
+    reasons : mapping of str to str
+        Why each of them was chosen, by name.
+    """
+
+    tolerance: float | None
+    mesh: Mesh | Sequence[Mesh]
+    solver: Solver
+    engine: Engine
+    interval_limits: ConstraintGeneration
+    refinement: Refinement | None
+    restarts: Restarts
+    reasons: Mapping[str, str] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        names = [entry.name for entry in fields(self) if entry.name != "reasons"]
+        indent = max(map(len, names)) + 2
+        lines = []
+        for name in names:
+            chosen = f"{as_call(getattr(self, name))}: {self.reasons.get(name, 'given')}"
+            cell = wrap(chosen, WIDTH - indent, break_long_words=False, break_on_hyphens=False)
+            lines += [f"{left:<{indent}}{part}" for left, part in zip([name] + [""] * len(cell), cell, strict=False)]
+        return "\n".join(lines)

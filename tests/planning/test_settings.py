@@ -1,0 +1,227 @@
+"""Settings that are left open: solver and engine by problem, the table, repeated plans, files."""
+
+from __future__ import annotations
+
+import inspect
+from inspect import signature
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning.conditions import ALWAYS
+from robotraj.planning.settings import RULES, SETTINGS, resolve, table
+from robotraj.problem.objectives.base import Objective
+from robotraj.solvers.base import Solver
+from robotraj.solvers.stagewise.reduction import reduce
+
+
+def chain(states: int, controls: int, **options: object) -> rt.Problem:
+    """Integrators in a row, the last driven by all the controls."""
+    names = [f"x{i}" for i in range(states)]
+    inputs = [f"u{i}" for i in range(controls)]
+    system = rt.System(names, inputs, lambda p: [*(p.x[name] for name in names[1:]), sum(p.u[i] for i in inputs)])
+    ends = {"start": rt.State([0] * states), "end": rt.State([1] + [0] * (states - 1))}
+    return rt.Problem([rt.Phase(system, **({"duration": 1.0, "objective": rt.Effort()} | ends | options))])  # type: ignore[arg-type]
+
+
+def solver_for(problem: rt.Problem, mesh: rt.Mesh | list[rt.Mesh]) -> Solver:
+    return resolve(problem, {"mesh": mesh}).solver
+
+
+def robot(name: str, **options: object) -> rt.Problem:
+    return rt.Problem([rt.Phase(rt.load(name, **options), duration=1.0, objective=rt.Effort())])  # type: ignore[arg-type]
+
+
+def test_systems_with_a_control_for_every_second_state_and_fixed_root_robots_are_for_fatrop() -> None:
+    assert isinstance(solver_for(chain(1, 1), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(chain(2, 1), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(chain(4, 2), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(chain(3, 1), rt.Mesh()), rt.Ipopt)
+    assert isinstance(solver_for(robot("ur5"), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(robot("cartpole"), rt.Mesh()), rt.Fatrop)
+
+
+def test_rates_of_torques_and_jerks_leave_an_arm_to_fatrop_and_corners_do_not() -> None:
+    arm = rt.load("cartpole")
+
+    def chosen(objective: Objective) -> Solver:
+        return solver_for(rt.Problem([rt.Phase(arm, 1.0, objective=objective)]), rt.Mesh())
+
+    assert isinstance(chosen(rt.objectives.TorqueRate() + rt.Effort()), rt.Fatrop)
+    assert isinstance(chosen(rt.objectives.Jerk()), rt.Fatrop)
+    assert isinstance(chosen(rt.objectives.AbsolutePower()), rt.Ipopt)
+    assert isinstance(chosen(rt.objectives.AbsolutePower() + rt.objectives.TorqueRate()), rt.Ipopt)
+
+
+def test_every_phase_has_a_say() -> None:
+    (good,), (bad,) = chain(2, 1).phases, chain(3, 1).phases
+    assert isinstance(solver_for(rt.Problem([good, good]), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(rt.Problem([good, bad]), rt.Mesh()), rt.Ipopt)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"parameters": {"m": rt.between(1, 2)}},
+        {"constraints": [rt.IntegralConstraint(lambda p: p.x["x0"], upper=3.0)]},
+    ],
+    ids=["parameters", "integral"],
+)
+def test_what_widens_stages_is_for_ipopt(options: dict[str, object]) -> None:
+    assert isinstance(solver_for(chain(2, 1, **options), rt.Mesh()), rt.Ipopt)
+
+
+def test_an_integral_over_an_arms_motion_widens_every_stage_and_is_for_ipopt() -> None:
+    arm = rt.load("cartpole")
+    budget = rt.IntegralConstraint(lambda p: p.tau[0] ** 2, upper=100.0, name="heat")
+    bounded = rt.Problem([rt.Phase(arm, 1.0, objective=rt.Duration(), constraints=[budget])])
+    assert isinstance(solver_for(bounded, rt.Mesh()), rt.Ipopt)
+    # Every later stage carries what the integral has read so far.
+    carried = [reduce(rt.transcription.transcribe(bounded, rt.Mesh(n))).program.nx.max() for n in (5, 10)]
+    assert carried[1] > 1.8 * carried[0]
+
+
+def test_what_has_no_stages_is_for_ipopt() -> None:
+    assert isinstance(solver_for(chain(2, 1), rt.Mesh(10, rt.schemes.MultipleShooting())), rt.Ipopt)
+    assert isinstance(solver_for(chain(2, 1), [rt.schemes.MovingMesh(5)]), rt.Ipopt)
+
+
+def test_a_system_reaches_the_optimum_of_its_mesh_and_keeps_nothing_from_its_bounds() -> None:
+    """A hull would ask for more than the bounds; for systems rows are imposed where a plan breaks them."""
+    system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
+    phase = rt.Phase(
+        system,
+        duration=(0.1, 20.0),
+        start=rt.State([0, 0]),
+        end=rt.State([10, 0]),
+        controls={"u": rt.between(-1, 1)},
+        objective=rt.Duration(),
+    )
+    mesh = rt.Mesh(20, rt.HermiteSimpson(control=rt.schemes.ConstantControl()))
+    plans = [rt.plan(phase, mesh, solver=solver) for solver in (None, rt.Ipopt())]
+    assert plans[0].message.startswith("fatrop")
+    assert plans[0].objective == pytest.approx(plans[1].objective, rel=1e-6)
+    assert plans[0].objective == pytest.approx(2 * float(ca.sqrt(10)), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "root", "actuated", "solver", "engine"),
+    [
+        ("ur5", "fixed", None, rt.Fatrop(), rt.engines.Native()),
+        ("double_pendulum", "fixed", [], rt.Fatrop(), rt.engines.Native()),
+        ("solo12", "floating", None, rt.Ipopt(), rt.engines.Native()),
+    ],
+)
+def test_the_robot_decides(name: str, root: str, actuated: list[str] | None, solver: object, engine: object) -> None:
+    robot = rt.load(name, root=root) if actuated is None else rt.load(name, root=root, actuated=actuated)
+    problem = rt.Problem([rt.Phase(robot, 1.0, limits=None)])
+    settings = resolve(problem, {"mesh": rt.Mesh(5)})
+    assert settings.solver == solver
+    assert settings.engine == engine
+
+
+def move(**changes: Any) -> rt.Phase:
+    block = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
+    ends = {"start": rt.State([0, 0]), "end": rt.State([1, 0])}
+    force = {"u": rt.between(-8, 8)}
+    return rt.Phase(block, **({"duration": 1.0, "objective": rt.Effort(), "controls": force} | ends | changes))
+
+
+def test_the_table_of_the_docstring_is_the_one_the_rules_give() -> None:
+    shown = inspect.cleandoc(rt.plan.__doc__ or "")
+    assert table() in shown
+    assert all(rule.setting in signature(rt.plan).parameters for rule in RULES)
+
+
+def test_every_setting_ends_with_a_rule_that_always_holds() -> None:
+    for name in SETTINGS:
+        rules = [rule for rule in RULES if rule.setting == name]
+        assert [rule.conditions == (ALWAYS,) for rule in rules] == [False] * (len(rules) - 1) + [True]
+
+
+def test_every_choice_is_printed_with_its_reason_within_80_columns() -> None:
+    settings = rt.plan(move(), rt.Mesh(7), tolerance=1e-4).settings
+    assert settings is not None
+    lines = str(settings).splitlines()
+    assert max(map(len, lines)) <= 80
+    text = " ".join(" ".join(lines).split())
+    assert "Mesh of 7 intervals, HermiteSimpson(): given" in text
+    for name in ("solver", "engine", "interval_limits", "refinement", "restarts"):
+        assert settings.reasons[name] in text and settings.reasons[name] != "given"
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"solver": rt.Ipopt()}, {"tolerance": 1e-6}, {"mesh": rt.Mesh(9, rt.schemes.Trapezoidal())}],
+    ids=["default", "ipopt", "tolerance", "mesh"],
+)
+def test_settings_repeat_a_plan_bit_for_bit(options: dict[str, Any], tmp_path: Path) -> None:
+    problem = rt.Problem([move(duration=(0.3, 5.0), objective=rt.Duration() + 0.01 * rt.Effort())])
+    first = rt.plan(problem, **options)
+    first.save(tmp_path / "first.npz")
+    kept = rt.load_solution(tmp_path / "first.npz", problem).settings
+    assert kept == first.settings
+    again = rt.plan(problem, settings=kept)
+    assert again.settings == first.settings
+    assert again.objective == first.objective and again.iterations == first.iterations
+    for one, other in zip(first.phases, again.phases, strict=True):
+        times = one.t0 + one.duration * np.linspace(0, 1, 50)
+        np.testing.assert_array_equal(one.trajectory.x(times), other.trajectory.x(times))
+
+
+def test_an_option_replaces_one_of_the_earlier_settings_and_leaves_the_others() -> None:
+    first = rt.plan(move(), tolerance=1e-4).settings
+    assert first is not None
+    second = rt.plan(move(), settings=first, solver=rt.Ipopt()).settings
+    assert second is not None
+    assert second.solver == rt.Ipopt() and second.reasons["solver"] == "given"
+    assert (second.engine, second.mesh, second.tolerance) == (first.engine, first.mesh, first.tolerance)
+
+
+def test_a_solver_that_is_no_plain_data_leaves_its_settings_out_of_the_file(tmp_path: Path) -> None:
+    class Mine(Solver):
+        def solve(self, *arguments: Any) -> Any:
+            return rt.Ipopt().solve(*arguments)
+
+    solution = rt.plan(move(), solver=Mine())
+    solution.save(tmp_path / "mine.npz")
+    assert rt.load_solution(tmp_path / "mine.npz", solution.problem).settings is None
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"settings": 3}, "settings= must be those of a solution"),
+        ({"restarts": 3}, r"restarts= must be rt\.planning\.Restarts"),
+        ({"refinement": rt.refinement.RaiseOrder()}, "give tolerance= as well"),
+        ({"engine": "casadi"}, "engine= must be"),
+    ],
+)
+def test_options_of_another_kind_are_named(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(rt.InputError, match=message):
+        rt.plan(move(), **options)
+
+
+@pytest.mark.parametrize("options", [{"count": -1}, {"count": True}, {"longer": (0.0,)}, {"seeds": (-1,)}])
+def test_restarts_refuse_what_they_cannot_do(options: dict[str, Any]) -> None:
+    with pytest.raises(rt.InputError, match="Restarts"):
+        rt.planning.Restarts(**options)
+
+
+def test_restarts_are_off_with_contacts_and_may_be_asked_for() -> None:
+    dog = rt.load("solo12", root="floating")
+    phase = rt.Phase(dog, 1.0, limits=None, objective=rt.Effort(), contacts=[rt.PointContact("FL_FOOT")])
+    problem = rt.Problem([phase])
+    assert resolve(problem, {}).restarts == rt.planning.Restarts(0)
+    assert resolve(problem, {"restarts": rt.planning.Restarts(1)}).restarts.count == 1
+
+
+def test_restarts_of_count_0_leave_a_failed_plan_alone() -> None:
+    never = move(duration=(0.1, 0.3), objective=rt.Duration())
+    plans = [rt.plan(never, solver=rt.Ipopt(), check=False, restarts=rt.planning.Restarts(n)) for n in (0, 1, 5)]
+    assert not any(plan.success for plan in plans)
+    assert plans[0].iterations < plans[1].iterations < plans[2].iterations
