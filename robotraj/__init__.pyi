@@ -54,6 +54,8 @@ from .transcription.schemes.lobatto import HermiteSimpson
 from .transcription.schemes.mesh import Mesh
 from .witness.validation import validate
 
+__version__: str
+
 __all__ = [
     "AtEnd",
     "AtStart",

@@ -110,13 +110,20 @@ def test_grounds_that_do_not_repeat_are_refused(biped: rt.Robot, solo: rt.Robot)
         trot(ground=rt.terrain.Slope(0.0, 0.15))
 
 
-def test_grounds_that_repeat_are_not(biped: rt.Robot, solo: rt.Robot) -> None:
-    step(biped, ground=rt.terrain.Slope(0.1))
-    step(biped, step_length=0.4, ground=rt.terrain.Steps.stairs(start=0.2, run=0.4, rise=0.1, count=4))
+def test_grounds_that_repeat_are_stood_on(biped: rt.Robot, solo: rt.Robot) -> None:
+    slope, stairs = rt.terrain.Slope(0.1), rt.terrain.Steps.stairs(start=0.2, run=0.4, rise=0.1, count=4)
     trot = partial(rt.gait.trot, solo, step_length=0.06, duration=0.2, contact=PAW)
-    trot(ground=rt.terrain.Slope(0.15, 0.0))
-    # The other half of the stride is written out: nothing is mirrored.
-    trot(ground=rt.terrain.Slope(0.0, 0.15), repeat=rt.Periodic())
+    across = rt.terrain.Slope(0.0, 0.15)
+    written = {
+        slope: step(biped, ground=slope),
+        stairs: step(biped, step_length=0.4, ground=stairs),
+        rt.terrain.Slope(0.15, 0.0): trot(ground=rt.terrain.Slope(0.15, 0.0)),
+        # The other half of the stride is written out: nothing is mirrored.
+        across: trot(ground=across, repeat=rt.Periodic()),
+    }
+    for ground, problem in written.items():
+        contacts = [contact for phase in problem.phases for contact in phase.contacts]
+        assert contacts and all(contact.ground == ground for contact in contacts)
 
 
 def test_feet_that_stand_off_their_frames_origin_are_the_ones_kept_clear(biped: rt.Robot) -> None:

@@ -21,7 +21,7 @@ def test_a_joint_held_elsewhere_at_an_end_contradicts_that_end(where: type, whic
 
 def test_ends_held_at_different_values_do_not_contradict() -> None:
     arm = rt.load("two_link_arm")
-    rt.Phase(
+    phase = rt.Phase(
         arm,
         duration=5.0,
         constraints=[
@@ -29,3 +29,5 @@ def test_ends_held_at_different_values_do_not_contradict() -> None:
             rt.AtEnd(rt.constraints.JointPosition({"elbow": 0.2})),
         ],
     )
+    solution = rt.plan(phase, rt.Mesh(5))
+    assert [solution.at(t).q[1] for t in (0.0, 5.0)] == pytest.approx([0.1, 0.2], abs=1e-8)
