@@ -66,6 +66,18 @@ def test_relative_links_lead_somewhere(document: Path) -> None:
             assert anchor in anchors(file.read_text()), f"{document.name} links to {target}: no such heading"
 
 
+@pytest.mark.parametrize(
+    "document", [path for path in DOCUMENTS if path.stem != "CHANGELOG"], ids=lambda path: path.stem
+)
+def test_names_in_the_text_exist(document: Path) -> None:
+    text = FENCE.sub("", document.read_text())
+    for name in re.findall(r"\brt((?:\.[A-Za-z]\w*)+)", " ".join(re.findall(r"`([^`]+)`", text))):
+        found: object = rt
+        for part in name[1:].split("."):
+            assert hasattr(found, part), f"{document.name} names rt{name}, which does not exist"
+            found = getattr(found, part)
+
+
 def test_the_front_page_is_short() -> None:
     """At most 900 words, pictures, tables and code included."""
     assert len((ROOT / "README.md").read_text().split()) <= 900
