@@ -1,8 +1,8 @@
 """Adaptive against uniform meshes of one scheme: `python benchmarks/adaptive.py`.
 
-The first table gives the number of collocation points for a relative error of the objective of 1e-6: by refinement from 21
-equal intervals of Radau IIA with 3 points, and by equal intervals alone, to a quarter. The second gives the distance of moving
-knots from the switching times of bang-bang problems. Both are written beside this file as Markdown.
+The first table gives the number of collocation points for a relative error of the objective of 1e-6: by refinement
+from 21 equal intervals of Radau IIA with 3 points, and by equal intervals alone, to a quarter. The second gives the
+distance of moving knots from the switching times of bang-bang problems. Both are written beside this file as Markdown.
 """
 
 from __future__ import annotations
