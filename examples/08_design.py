@@ -15,7 +15,7 @@ carry = [
     rt.AtEnd(rt.FramePosition("tip", {"x": 0.6, "y": 1.2})),
 ]
 bent = rt.guess.Keyframes([0, 1], [rt.State(q=[0.5, -1.8], v=0), rt.State(q=[1.9, -1.7], v=0)])
-as_built = rt.plan(rt.Phase(arm, constraints=carry, **task), mesh=rt.Mesh(40), guess=bent)
+as_built = rt.plan(rt.Phase(arm, constraints=carry, **task), mesh=rt.Mesh(60), guess=bent)
 
 # A rod of 1 kg/m: its mass equals its length.
 rod = rt.AtStart(rt.PathConstraint(lambda p: p.p["mass"] - p.p["upper"], lower=0, upper=0, name="rod", unit="kg"))
@@ -31,7 +31,7 @@ together = rt.Phase(
     name="carry",
     **task,
 )
-designed = rt.plan(together, mesh=rt.Mesh(40), guess=bent)
+designed = rt.plan(together, mesh=rt.Mesh(60), guess=bent)
 print(f"effort: {as_built.objective:.3f} as built, {designed.objective:.3f} N^2 m^2 s as designed")
 print({name: round(value, 3) for name, value in designed.phases[0].parameters.items()})
 rt.validate(designed).check()

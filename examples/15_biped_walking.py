@@ -22,7 +22,7 @@ slow = {"step_length": 0.2, "duration": 0.8, "clearance": 0.04, "double_support"
 
 for robot, on, pace, calm, mesh in (
     (bolt, small, fast, 1e-5, rt.Mesh(6, rt.schemes.LobattoIIIA(4))),
-    (talos, large, slow, 0.3, [rt.Mesh(n, rt.schemes.LobattoIIIA(4)) for n in (5, 7)]),
+    (talos, large, slow, 0.3, [rt.Mesh(n, rt.schemes.LobattoIIIA(4)) for n in (8, 12)]),
 ):
     # Torques, distance from the standing posture, and a small weight on joint accelerations for smooth swings.
     cost = rt.gait.gait_objective(robot, rt.gait.stand(robot, **on)) + calm * rt.Lagrange(lambda p: ca.sumsqr(p.a[6:]))
