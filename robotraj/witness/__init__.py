@@ -4,10 +4,12 @@ Start with ``validation.py``. The room reads solutions: it may import ``solution
 neither ``transcription`` nor ``solvers``.
 """
 
-from robotraj.witness.drift import Drift, DriftRow
-from robotraj.witness.energy import Energy
-from robotraj.witness.holding import Holding
-from robotraj.witness.impact import Impact
+from robotraj.witness.checks.energy import Energy
+from robotraj.witness.checks.residual import Residual
+from robotraj.witness.checks.violations import Violation
+from robotraj.witness.contacts.holding import Holding
+from robotraj.witness.contacts.impact import Impact
+from robotraj.witness.figures import Tolerances
 from robotraj.witness.mujoco import (
     Feedback,
     FootReport,
@@ -19,14 +21,13 @@ from robotraj.witness.mujoco import (
     second_opinion,
 )
 from robotraj.witness.peak import Peak
-from robotraj.witness.plant import Landing
 from robotraj.witness.point import NumericPoint
-from robotraj.witness.report import Report, Tolerances
-from robotraj.witness.residual import Residual
-from robotraj.witness.simulation import Simulation, simulate
-from robotraj.witness.tracking import Tracking, track
+from robotraj.witness.report import Report
+from robotraj.witness.simulation.drift import Drift, DriftRow
+from robotraj.witness.simulation.plant import Landing
+from robotraj.witness.simulation.robot import Simulation, simulate
+from robotraj.witness.simulation.tracking import Tracking, track
 from robotraj.witness.validation import validate
-from robotraj.witness.violations import Violation
 
 __all__ = [
     "Drift",

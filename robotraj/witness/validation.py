@@ -8,18 +8,19 @@ from typing import TypeVar
 import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
-from robotraj.witness import energy as energies
+from robotraj.witness.checks import energy as energies
+from robotraj.witness.checks.residual import Residual, residual_of
+from robotraj.witness.checks.violations import violations_of
 from robotraj.witness.clock import Clock, OutOfTime
-from robotraj.witness.closed_loop import closed_loop_of
-from robotraj.witness.holding import holding_of
-from robotraj.witness.impact import impacts_of
-from robotraj.witness.local_error import local_errors
-from robotraj.witness.open_loop import open_loop
+from robotraj.witness.contacts.holding import holding_of
+from robotraj.witness.contacts.impact import impacts_of
+from robotraj.witness.figures import Tolerances
 from robotraj.witness.peak import largest
 from robotraj.witness.protocols import SolutionLike
-from robotraj.witness.report import Report, Tolerances
-from robotraj.witness.residual import Residual, residual_of
-from robotraj.witness.violations import violations_of
+from robotraj.witness.report import Report
+from robotraj.witness.simulation.closed_loop import closed_loop_of
+from robotraj.witness.simulation.local_error import local_errors
+from robotraj.witness.simulation.open_loop import open_loop
 
 Found = TypeVar("Found")
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.witness.constrained import mass_and_bias
+from robotraj.witness.contacts.constrained import mass_and_bias
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.feet import feet_of
 from robotraj.witness.mujoco.linear import LinearPhase

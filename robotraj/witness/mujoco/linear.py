@@ -17,7 +17,7 @@ import pinocchio as pin
 import scipy
 
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
-from robotraj.witness.constrained import Held, accelerate, impact
+from robotraj.witness.contacts.constrained import Held, accelerate, impact
 from robotraj.witness.mujoco.feet import Foot, place
 from robotraj.witness.mujoco.roots import Root
 from robotraj.witness.numbers import as_numbers

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.mujoco.course import Course, Passage
 from robotraj.witness.mujoco.deviation import Fall, deviation_of
 from robotraj.witness.mujoco.feedback import Feedback
@@ -25,8 +26,7 @@ from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.peak import peaks
 from robotraj.witness.protocols import Array
-from robotraj.witness.residual import TORQUE_UNITS
-from robotraj.witness.simulation import Simulation
+from robotraj.witness.simulation.robot import Simulation
 
 DIVERGED = 1e6
 """A velocity [rad/s, m/s] that no robot reaches: the simulation has blown up."""

@@ -8,7 +8,7 @@ import pytest
 import robotraj as rt
 from robotraj.replay_page.write import replay
 from robotraj.solution.storage.codec import Packer, Unpacker
-from robotraj.witness.tracking import track
+from robotraj.witness.simulation.tracking import track
 
 DESIGN = {
     "m": rt.design.BodyMass("forearm"),

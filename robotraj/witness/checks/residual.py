@@ -11,13 +11,13 @@ import pinocchio as pin
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.tangent import velocities
+from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak, peaks
-from robotraj.witness.plant import RATE_UNITS, columns, plant_of
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import stretches, time_derivative
-from robotraj.witness.stance import Stance, forces_in
+from robotraj.witness.simulation.plant import RATE_UNITS, columns, plant_of
 
 TORQUE_UNITS = {"rad": "N m", "m": "N"}
 

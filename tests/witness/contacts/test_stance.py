@@ -17,9 +17,9 @@ from robotraj.dynamics.contacts.flat_foot import FlatFoot
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.problem.links.touchdown import Touchdown
 from robotraj.witness import NumericPoint, track, validate
-from robotraj.witness.integration import integrate
-from robotraj.witness.simulation import robot_rates
-from robotraj.witness.stance import Stance
+from robotraj.witness.contacts.stance import Stance
+from robotraj.witness.simulation.integration import integrate
+from robotraj.witness.simulation.robot import robot_rates
 
 MASS, INERTIA, HEIGHT = 2.0, 0.05, 0.4
 ABOUT_FOOT = INERTIA + MASS * HEIGHT**2

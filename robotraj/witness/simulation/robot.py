@@ -14,8 +14,8 @@ from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import floats, normalised
 from robotraj.robot.tangent import rates as rates_of
-from robotraj.witness.integration import Motion, Rates, integrate
 from robotraj.witness.protocols import Array, RobotLike
+from robotraj.witness.simulation.integration import Motion, Rates, integrate
 
 Torque = Callable[[float, int, Array, Array], Any]
 

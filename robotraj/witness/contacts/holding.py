@@ -11,12 +11,12 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.problem.constraints.base import Row
+from robotraj.witness.checks.violations import Violation, Watch
+from robotraj.witness.contacts.stance import Instant, Stance, forces_in
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import stretches
-from robotraj.witness.stance import Instant, Stance, forces_in
-from robotraj.witness.violations import Violation, Watch
 
 NEWTONS = {"N": 1, "N m": 1, "N^2": 2, "N s": 1, "N m s": 1, "N^2 s^2": 2, "m": 0, "m/s": 0, "W": 1}
 """Power of the force in the unit of a row, by which it is measured against the robot's weight; rest in SI units."""

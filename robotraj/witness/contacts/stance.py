@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from robotraj.witness.constrained import RANK_TOLERANCE, Held, accelerate, impact, project
+from robotraj.witness.contacts.constrained import RANK_TOLERANCE, Held, accelerate, impact, project
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.protocols import Array, RobotLike
 

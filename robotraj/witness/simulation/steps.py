@@ -16,8 +16,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.integrate import DOP853
 
-from robotraj.witness.integration import Motion, Stopped, stiff_interval
 from robotraj.witness.protocols import Array
+from robotraj.witness.simulation.integration import Motion, Stopped, stiff_interval
 
 STAGES = DOP853.n_stages
 NODES, MATRIX, WEIGHTS = DOP853.C[:STAGES], DOP853.A[:STAGES, :STAGES], DOP853.B

@@ -13,14 +13,14 @@ from robotraj._util.errors import InputError, require_solution
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.tangent import difference
-from robotraj.witness import drift as drifts
-from robotraj.witness.drift import Drift, DriftRow, drift_of
-from robotraj.witness.integration import integrate
+from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.peak import Peak, largest, peaks
-from robotraj.witness.plant import RobotPlant
 from robotraj.witness.protocols import Array, SolutionLike
-from robotraj.witness.residual import TORQUE_UNITS
-from robotraj.witness.simulation import Simulation, split
+from robotraj.witness.simulation import drift as drifts
+from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
+from robotraj.witness.simulation.integration import integrate
+from robotraj.witness.simulation.plant import RobotPlant
+from robotraj.witness.simulation.robot import Simulation, split
 
 
 @dataclass(frozen=True)

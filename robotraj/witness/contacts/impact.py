@@ -10,14 +10,14 @@ import numpy as np
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.constraints.base import Row
-from robotraj.witness.constrained import mass_and_bias
-from robotraj.witness.holding import FORCE_NOISE, part_of, weight_of
+from robotraj.witness.checks.violations import Violation, Watch
+from robotraj.witness.contacts.constrained import mass_and_bias
+from robotraj.witness.contacts.holding import FORCE_NOISE, part_of, weight_of
+from robotraj.witness.contacts.stance import Instant, Stance
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
-from robotraj.witness.plant import plant_of
 from robotraj.witness.protocols import Array, SolutionLike
-from robotraj.witness.stance import Instant, Stance
-from robotraj.witness.violations import Violation, Watch
+from robotraj.witness.simulation.plant import plant_of
 
 IMPULSE_UNITS = {"N": "N s", "N m": "N m s", "N^2": "N^2 s^2"}
 

@@ -11,12 +11,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from robotraj.witness.drift import Drift, DriftRow, merge
-from robotraj.witness.integration import Stopped
-from robotraj.witness.open_loop import handed_on
-from robotraj.witness.plant import Plant, plant_of
 from robotraj.witness.protocols import Array, SolutionLike
-from robotraj.witness.steps import MOST_STEPS, Span, pass_span, sampled
+from robotraj.witness.simulation.drift import Drift, DriftRow, merge
+from robotraj.witness.simulation.integration import Stopped
+from robotraj.witness.simulation.open_loop import handed_on
+from robotraj.witness.simulation.plant import Plant, plant_of
+from robotraj.witness.simulation.steps import MOST_STEPS, Span, pass_span, sampled
 
 WINDOWS = 40
 """Parts of the whole plan that are simulated one by one, or more."""

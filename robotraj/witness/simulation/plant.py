@@ -13,11 +13,11 @@ import scipy
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.tangent import PLACE, difference, floats, normalised, rate_matrix
-from robotraj.witness.integration import Settle
+from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike, SystemLike
-from robotraj.witness.stance import Stance, forces_in
+from robotraj.witness.simulation.integration import Settle
 
 Feedback = Callable[[Array], Array]
 """``feedback(times)`` gives gains (m, nu, 2 nv) at times (m,)."""

@@ -12,12 +12,12 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.constraints.base import Row, Where
+from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.numbers import as_numbers
-from robotraj.witness.plant import RATE_UNITS, columns
 from robotraj.witness.point import NumericPoint, system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
-from robotraj.witness.residual import TORQUE_UNITS
 from robotraj.witness.sampling import stretches
+from robotraj.witness.simulation.plant import RATE_UNITS, columns
 
 SOLVER_NOISE = 1e-6
 """Amounts below this, relative to max(1, |limit|), are a solver's tolerance and are not listed."""

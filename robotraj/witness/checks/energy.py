@@ -9,9 +9,9 @@ import pinocchio as pin
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
+from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import stretches
-from robotraj.witness.stance import Stance, forces_in
 
 QUADRATURE_POINTS = 16
 """Gauss-Legendre points of an interval: exact for power of degree 31 in time, far above any plan's."""

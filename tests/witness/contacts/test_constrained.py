@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from robotraj.witness.constrained import Held, accelerate, impact, mass_and_bias, obey, project
+from robotraj.witness.contacts.constrained import Held, accelerate, impact, mass_and_bias, obey, project
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 

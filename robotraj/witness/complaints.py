@@ -1,0 +1,93 @@
+"""What is wrong with a plan, in sentences: one for each kind of figure that exceeds its tolerance."""
+
+from __future__ import annotations
+
+from robotraj.witness.checks.residual import Residual
+from robotraj.witness.checks.violations import SOLVER_NOISE
+from robotraj.witness.contacts.complaints import contact_complaints
+from robotraj.witness.figures import Figures, Tolerances
+from robotraj.witness.peak import Peak
+from robotraj.witness.simulation.closed_loop import ClosedLoop
+from robotraj.witness.simulation.drift import DriftRow
+
+
+def complaints_about(figures: Figures, tolerances: Tolerances) -> tuple[str, ...]:
+    """Write one sentence for each kind of figure that exceeds its tolerance, naming the worst offender."""
+    advice = _advice(figures.residual)
+    found = [f"Not checked: {'; '.join(figures.unchecked)}."] if figures.unchecked else []
+    if figures.local is not None and tolerances.local is not None:
+        what = "The plan does not obey the equations of motion: a short part, simulated from its own state, misses its end:"
+        found += _off(what, figures.local.worst, tolerances.local, advice)
+    if figures.closed_loop is not None and tolerances.tracking is not None:
+        found += _tracking(figures.closed_loop, tolerances.tracking, advice)
+    if tolerances.drift is not None and figures.failure is not None:
+        found.append(f"The open-loop simulation stopped early: {figures.failure}.")
+    elif tolerances.drift is not None and figures.drift is not None:
+        found += _off("Open loop, the simulation drifts from the plan:", figures.drift.worst, tolerances.drift, advice)
+    found += contact_complaints(
+        figures.holdings, figures.impacts, tolerances.contact, tolerances.forces, tolerances.limits
+    )
+    found += _limits(figures, tolerances.limits)
+    found += _balances(figures, tolerances)
+    return tuple(found)
+
+
+def _off(what: str, row: DriftRow, tolerance: float, advice: str) -> list[str]:
+    """Say by how much the worst state is off, where that is too much."""
+    if row.relative <= tolerance:
+        return []
+    return [
+        f"{what} {row.name} by {row.largest:.3g} {row.unit}".rstrip()
+        + f" at t = {row.time:.4g} s in phase {row.phase!r}, {tolerance * row.scale:.3g} is allowed; {advice}"
+    ]
+
+
+def _tracking(loop: ClosedLoop, tolerance: float, advice: str) -> list[str]:
+    """Say how far feedback lets the robot go from its plan, where that is too far."""
+    if loop.error is None:
+        return []
+    if loop.reason is not None:
+        return [f"With feedback, the robot does not get through the plan: {loop.reason}."]
+    return _off("With feedback, the robot leaves the plan:", loop.error.worst, tolerance, advice)
+
+
+def _limits(figures: Figures, tolerance: float) -> list[str]:
+    broken = [v for v in figures.breaches if v.relative > tolerance]
+    if not broken:
+        return []
+    others = f", and {len(broken) - 1} more" if len(broken) > 1 else ""
+    return [f"A bound is broken: {broken[0]}{others}; {tolerance * broken[0].size:.3g} is allowed."]
+
+
+def _balances(figures: Figures, tolerances: Tolerances) -> list[str]:
+    """Say by how much the energy balance and the equations between collocation points do not hold."""
+    found = []
+    energy = figures.energy
+    if tolerances.energy is not None and energy is not None and energy.relative > tolerances.energy:
+        found.append(
+            f"The energy balance is off by {energy.imbalance:.3g} J, {energy.relative:.3g} of the energy "
+            f"that moved, worst in the interval from t = {energy.time:.4g} s; "
+            f"{tolerances.energy:.3g} is allowed."
+        )
+    peak = _largest(figures.residual)
+    if tolerances.residual is not None and peak is not None and peak.value > tolerances.residual:
+        found.append(
+            f"The dynamics do not hold between the collocation points: {peak.name} by {peak.value:.3g} "
+            f"{peak.unit} at t = {peak.time:.4g} s in phase {peak.phase!r}; {tolerances.residual:.3g} is allowed."
+        )
+    return found
+
+
+def _advice(residual: Residual) -> str:
+    """Say what to do about an error: close the gaps of an unfinished solve first, else refine."""
+    jump = max(residual.jumps.values(), key=lambda peak: peak.value, default=None)
+    if jump is not None and jump.value > SOLVER_NOISE:
+        gap = f"{jump.name} by {jump.value:.3g} {jump.unit}".rstrip()
+        return f"the plan itself jumps at the knot at t = {jump.time:.4g} s, {gap}: its solve has not converged."
+    return "use a finer mesh or a scheme of higher order, or leave mesh= out, so that the planner refines."
+
+
+def _largest(residual: Residual) -> Peak | None:
+    parts = (residual.dynamics, residual.rate, residual.jumps)
+    every = [peak for part in parts for peak in part.values()]
+    return max(every, key=lambda peak: peak.value, default=None)

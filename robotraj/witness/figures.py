@@ -1,0 +1,124 @@
+"""What the witness found, and the thresholds by which it is judged."""
+
+from __future__ import annotations
+
+from robotraj._util.values import dataclass
+from robotraj.witness.checks.energy import Energy
+from robotraj.witness.checks.residual import Residual
+from robotraj.witness.checks.violations import Violation
+from robotraj.witness.contacts.holding import Holding
+from robotraj.witness.contacts.impact import Impact
+from robotraj.witness.simulation.closed_loop import ClosedLoop
+from robotraj.witness.simulation.drift import Drift
+from robotraj.witness.simulation.plant import Landing
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Thresholds of ``Report.passed``; None reports a figure without judging it.
+
+    Attributes
+    ----------
+    local : float or None
+        Largest local error: |simulated - planned| / (1 + |planned|) at the end of any short part of the plan that is
+        simulated from the plan's own state.
+    tracking : float or None
+        Largest deviation with feedback: joint positions [rad, m] as they are, joint velocities divided by
+        10 max(1, largest planned value).
+    limits : float
+        Largest violation of a limit, constraint or boundary condition, as a part of half the range of a row with two
+        bounds, of max(1, |limit|) otherwise.
+    contact : float or None
+        Largest slip [m], sink [m] and turn [rad] of a contact between collocation points.
+    forces : float or None
+        How far normal force, friction and centre of pressure may be broken between collocation points, as a part of the
+        robot's weight; of impacts, as a part of the impulse.
+    energy : float or None
+        |imbalance| of the energy balance relative to the energy that moved.
+    residual : float or None
+        Residual of the equations between collocation points and jump at knots, in the unit of each.
+    drift : float or None
+        Largest open-loop drift through all phases, scaled as ``tracking``; the states of Systems divided by
+        max(1, largest planned value). An unstable motion drifts however good its plan is.
+    """
+
+    local: float | None = 1e-3
+    tracking: float | None = 1e-2
+    limits: float = 1e-3
+    contact: float | None = 1e-4
+    forces: float | None = 1e-3
+    energy: float | None = None
+    residual: float | None = None
+    drift: float | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class Figures:
+    """Everything that was found out about a plan.
+
+    Attributes
+    ----------
+    local : Drift or None
+        Local error by state: parts of the plan simulated one by one. None where time was up before.
+    closed_loop : ClosedLoop
+        The plan followed with its own feedback, and the growth of a small error without it.
+    drift : Drift or None
+        Open loop, by state: final and largest distance between the simulated and the planned motion. Shown, not judged.
+    breaches : tuple of Violation
+        Bounds broken by more than a solver's tolerance, the worst first; ``violations`` are those that count.
+    energy : Energy or None
+        None for Systems, whose energy is not known.
+    residual : Residual
+    failure : str or None
+        Why and when the open-loop simulation stopped before the end; None if it did not.
+    tolerances : Tolerances
+        The thresholds of ``passed``.
+    duration : float
+        Of the plan [s].
+    intervals : int
+        Of all phases.
+    phases : tuple of str
+        Names of the phases.
+    rtol, atol : float
+        Tolerances of the simulations' steps.
+    seconds : float
+        Processor time of the validation [s].
+    unchecked : tuple of str
+        What was not checked, and why: rows of the problem that a file could not keep, and checks for which there was
+        no time. With any of them the plan has not passed.
+    unseen : tuple of str
+        Figures that are shown, not judged, for which there was no time.
+    landings : tuple of Landing
+        Where the open-loop simulation set its contacts down.
+    holdings : tuple of Holding
+        How every contact of every phase holds: slip, sink, forces.
+    impacts : tuple of Impact
+    stiff : float or None
+        Time [s] from which on LSODA simulated open loop, because the motion is stiff there.
+    """
+
+    local: Drift | None
+    closed_loop: ClosedLoop | None
+    drift: Drift | None
+    breaches: tuple[Violation, ...]
+    energy: Energy | None
+    residual: Residual
+    failure: str | None
+    tolerances: Tolerances
+    duration: float
+    intervals: int
+    phases: tuple[str, ...]
+    rtol: float
+    atol: float
+    seconds: float = 0.0
+    unchecked: tuple[str, ...] = ()
+    unseen: tuple[str, ...] = ()
+    landings: tuple[Landing, ...] = ()
+    holdings: tuple[Holding, ...] = ()
+    impacts: tuple[Impact, ...] = ()
+    stiff: float | None = None
+
+    @property
+    def violations(self) -> tuple[Violation, ...]:
+        """Bounds broken by more than the tolerance, the worst first."""
+        return tuple(v for v in self.breaches if v.relative > self.tolerances.limits)
