@@ -17,6 +17,8 @@ from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.robot.tangent import normalised
 from robotraj.solution.sample import Sample
+from robotraj.solution.driving_torques import DrivingTorques
+from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -76,11 +78,23 @@ class PhaseSolution:
         return robot
 
     @cached_property
+    def exact(self) -> bool:
+        """Whether the plan obeys its equations of motion at any time (``transcription.exact_motion``)."""
+        return is_exact(self.phase, self.mesh.schemes)
+
+    @cached_property
+    def torques(self) -> DrivingTorques | None:
+        """The torques that drive an exact motion; None for all other ones."""
+        if not self.exact or self.robot is None:
+            return None
+        return DrivingTorques(self.robot, self.trajectory.x)
+
+    @cached_property
     def _rates(self) -> PiecewisePolynomial:
         return self.trajectory.x.derivative()
 
     def at(self, t: Any, interval: int | None = None) -> Sample:
-        """Evaluate the collocated polynomials.
+        """Evaluate the collocated polynomials, and by inverse dynamics the torques of an exact motion.
 
         Parameters
         ----------
@@ -122,6 +136,10 @@ class PhaseSolution:
                 np.stack([known[v.name] for v in kind], axis=-1) if kind else np.empty((*times.shape, 0))
                 for kind in (controls, algebraics)
             )
+        torques = self.torques
+        if torques is not None:
+            u = np.array(u)
+            u[..., : torques.robot.nu] = torques(times, interval)
         states = Named("state", [v.name for v in dae.states], x.T)
         algebraic = Named("algebraic variable", [v.name for v in algebraics], z.T)
         named_controls = Named("control", [v.name for v in controls], u.T)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from robotraj._util.polynomials import basis, integrals, lobatto_sites
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
+from robotraj.transcription.exact_motion import is_exact, with_integrated_speeds
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.onestep import OneStep
 
@@ -25,6 +26,7 @@ class PhaseTrajectory:
     t0, duration : float
         [s].
     x, z, u : PiecewisePolynomial
+        Where the motion is exact (``exact_motion``), positions are integrals of the speeds.
     points : ndarray
         Collocation times [s], ascending.
     parameters : dict of str to float
@@ -66,6 +68,7 @@ def _phase(nlp: Nlp, index: int, w: Array, outputs: Array) -> PhaseTrajectory:
     outputs = outputs.T
     rates, corrections = outputs[:, :nx], outputs[:, outputs.shape[1] - held - nx : outputs.shape[1] - held]
     breaks = layout.breaks(w)
+    exact = is_exact(phase, layout.mesh.schemes)
     x_sites: list[Array] = []
     z_sites: list[Array] = []
     u_sites: list[Array] = []
@@ -80,6 +83,9 @@ def _phase(nlp: Nlp, index: int, w: Array, outputs: Array) -> PhaseTrajectory:
         values = w[run.left][:, None] + integrals(nodes, sites) @ scaled
         if held:
             values += correction_basis(nodes, sites) @ corrections[run.places[:, nodes > 0.0]]
+        if exact:
+            lengths = breaks[run.which + 1] - breaks[run.which]
+            sites, values = with_integrated_speeds(values, lengths, len(phase.body.states) // 2)
         x_sites += [sites] * count
         x_values += list(values)
         z_sites += [nodes] * count
