@@ -32,7 +32,7 @@ _FEW = {1: (np.zeros(1), np.array([2.0])), 2: (np.sqrt(1 / 3) * np.array([-1.0, 
 
 
 @lru_cache(maxsize=256)
-def _gauss(count: int) -> tuple[Array, Array]:
+def gauss(count: int) -> tuple[Array, Array]:
     """Points and weights of Gauss-Legendre quadrature on [-1, 1]: numpy's ``leggauss``, without its package's import.
 
     The points are eigenvalues of the Jacobi matrix (Golub and Welsch, Mathematics of Computation 23, 1969), improved
@@ -109,7 +109,7 @@ def integrals(sites: Array, tau: Array) -> Array:
     """Integrals of the Lagrange polynomials from 0 to tau_i, shape (len(tau), len(sites))."""
     sites = np.asarray(sites, dtype=float)
     tau = np.atleast_1d(np.asarray(tau, dtype=float))
-    points, weights = _gauss(len(sites) // 2 + 1)
+    points, weights = gauss(len(sites) // 2 + 1)
     half = 0.5 * tau
     inner = half[:, None] * (points[None, :] + 1.0)
     values = basis(sites, inner.ravel()).reshape(len(tau), len(points), len(sites))

@@ -13,6 +13,8 @@ from robotraj.problem.constraints.integral import IntegralConstraint
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solvers.base import Solver
+from robotraj.transcription.exact_motion import is_exact
+from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 
@@ -104,6 +106,12 @@ def _floats(phase: Phase) -> bool:
 
 ALWAYS = Condition("otherwise", lambda case: True)
 TOLERANCE = Condition("tolerance", lambda case: case.settled["tolerance"] is not None)
+OPEN_MESH = Condition("no mesh", lambda case: "mesh" not in case.settled and case.settled["tolerance"] is None)
+EXACT = Condition(
+    "a motor at every joint",
+    lambda case: all(is_exact(phase, (HermiteSimpson(),)) for phase in case.problem.phases),
+)
+PROVED = Condition("goals", lambda case: case.settled["goals"] is not None)
 COMPILED = Condition("engine=Compiled()", _needs_ipopt)
 NO_STAGES = Condition("shooting or moving knots", _without_stages)
 AUGMENTED = any_phase("contacts, closed loops, corners in the objective", _is_augmented)

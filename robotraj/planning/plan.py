@@ -10,6 +10,7 @@ from robotraj.guess.guess import Guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.continuation import ContinuationStep, found_by, run_steps
 from robotraj.planning.progress import watching
+from robotraj.planning.proving.prove import prove
 from robotraj.planning.refine import adapt
 from robotraj.planning.settings import resolve
 from robotraj.planning.solve import solve
@@ -102,7 +103,10 @@ def plan(
     setting          where                                                  choice
     ===============  =====================================================  ============================================
     tolerance        otherwise                                              None
-    mesh             tolerance                                              Mesh of 20 intervals, RadauIIA()
+    goals            no mesh, a motor at every joint                        Goals()
+                     otherwise                                              None
+    mesh             goals                                                  Mesh of 16 intervals, HermiteSimpson()
+                     tolerance                                              Mesh of 20 intervals, RadauIIA()
                      otherwise                                              Mesh of 40 intervals, HermiteSimpson()
     solver           engine=Compiled()                                      Ipopt()
                      shooting or moving knots                               Ipopt()
@@ -114,7 +118,8 @@ def plan(
     engine           all roots floating                                     Native()
                      solver by stages                                       Native()
                      otherwise                                              VirtualMachine()
-    interval_limits  tolerance, systems                                     BernsteinBounds(controls=True, states=False)
+    interval_limits  goals                                                  BernsteinBounds(controls=True)
+                     tolerance, systems                                     BernsteinBounds(controls=True, states=False)
                      tolerance, solver by stages, free duration             BernsteinBounds(controls=True)
                      tolerance, solver by stages                            BernsteinBounds(controls=True, states=False)
                      robots, solver by stages                               BernsteinBounds()
@@ -139,7 +144,7 @@ def plan(
         "restarts": restarts,
     }
     settings = resolve(problem, given, settings)
-    find = solve if settings.tolerance is None else adapt
+    find = prove if settings.goals is not None else solve if settings.tolerance is None else adapt
     records: tuple[ContinuationRecord, ...] = ()
     with watching(settings.solver, progress) as show:
         if continuation:

@@ -18,7 +18,9 @@ from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.native.engines.native import Native
 from robotraj.planning import conditions as when
 from robotraj.planning.conditions import Case, Condition
+from robotraj.planning.proving.first_mesh import COARSE, graded
 from robotraj.problem.problem import Problem
+from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts as Restarts
 from robotraj.solution.settings import Settings as Settings
 from robotraj.solvers.base import Solver
@@ -65,7 +67,10 @@ def _rule(setting: str, *conditions_choice_reason: Any) -> Rule:
 
 
 RULES: tuple[Rule, ...] = (
-    _rule("tolerance", when.ALWAYS, None, "no tolerance given, so the problem is solved on one mesh"),
+    _rule("tolerance", when.ALWAYS, None, "none given"),
+    _rule("goals", when.OPEN_MESH, when.EXACT, Goals(), "inverse dynamics leaves limits and costs to measure"),
+    _rule("goals", when.ALWAYS, None, "a mesh or a tolerance is given, or the robot lacks motors"),
+    _rule("mesh", when.PROVED, graded(COARSE), "a coarse mesh finds the course of the motion"),
     _rule("mesh", when.TOLERANCE, Mesh(20, RadauIIA(3)), "a coarse mesh that refinement starts from"),
     _rule("mesh", when.ALWAYS, Mesh(), "accurate enough to look at a motion"),
     _rule("solver", when.COMPILED, Ipopt(), "the engine keeps the functions that IPOPT calls"),
@@ -78,6 +83,12 @@ RULES: tuple[Rule, ...] = (
     _rule("engine", when.FLOATING, Native(), "large graphs are evaluated fastest by compiled code"),
     _rule("engine", when.STAGEWISE, Native(), "the solver calls it without CasADi"),
     _rule("engine", when.ALWAYS, VirtualMachine(), "small graphs need no compiled code"),
+    _rule(
+        "interval_limits",
+        when.PROVED,
+        BernsteinBounds(controls=True),
+        "limits of speeds and torques hold everywhere in one solve",
+    ),
     _rule(
         "interval_limits",
         when.TOLERANCE,
@@ -150,7 +161,7 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
     for name in SETTINGS:
         if given.get(name) is not None:
             values[name], reasons[name] = _checked(name, given[name]), GIVEN
-        elif settings is not None:
+        elif settings is not None and not (name == "goals" and _on_its_own(given)):
             values[name], reasons[name] = getattr(settings, name), settings.reasons.get(name, GIVEN)
     for name in SETTINGS:
         if name not in values:
@@ -174,6 +185,11 @@ def table() -> str:
     return "\n".join(line.rstrip() for line in [rule, lines[0], rule, *lines[1:], rule])
 
 
+def _on_its_own(given: Mapping[str, object]) -> bool:
+    """Whether a mesh or a tolerance is given, which goals of earlier settings give way to."""
+    return given.get("mesh") is not None or given.get("tolerance") is not None
+
+
 def _is_tolerance(value: object) -> bool:
     return isinstance(value, float | int | np.number) and bool(0 < value < 1)
 
@@ -188,6 +204,7 @@ def _is_a(kind: type) -> Callable[[object], bool]:
 
 _CHECKS: Mapping[str, tuple[Callable[[object], bool], str]] = {
     "tolerance": (_is_tolerance, "is a relative error between 0 and 1, such as 1e-6"),
+    "goals": (_is_a(Goals), "must be an rt.solution.Goals"),
     "mesh": (_is_mesh, "must be an rt.Mesh, or one for each phase"),
     "solver": (_is_a(Solver), "must be a solver value such as rt.Ipopt()"),
     "engine": (_is_a(Engine), "must be rt.engines.VirtualMachine(), rt.engines.Native() or rt.engines.Compiled()"),

@@ -35,6 +35,7 @@ from robotraj.transcription.interval_limits.constraint_generation import (
     find_control_bulges,
     guardable,
 )
+from robotraj.transcription.interval_limits.margins import Margins, with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import transcribed_again
@@ -54,6 +55,7 @@ def solve(
     settings: Settings,
     progress: Progress | None = None,
     hold: Callable[[Solution], bool] | None = None,
+    margins: Margins | None = None,
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
@@ -66,7 +68,7 @@ def solve(
     stays, and ``interval_limits`` lists what is broken.
 
     Where the problem cannot be solved from its guess, ``settings.restarts`` solve it from elsewhere: see
-    ``robotraj.planning.restarts``.
+    ``robotraj.planning.restarts``. With ``margins``, limits are lower on some intervals.
     """
     began = time.perf_counter()
     mesh, solver, engine = settings.mesh, settings.solver, settings.engine
@@ -75,6 +77,7 @@ def solve(
         problem, mesh, as_guess(guess), engine, interval_limits
     )
     guards, same = _known_guards(problem, mesh, guess) if interval_limits.rounds else ([], False)
+    nlp = with_margins(nlp, margins or {})
     plain = nlp
     if guards:
         nlp = guarded(nlp, guards, nlp.guess)
@@ -121,7 +124,7 @@ def solve(
         of_controls = [
             bulge
             for i, part in enumerate(solution.phases)
-            for bulge in find_control_bulges(part.phase, i, part.trajectory)
+            for bulge in find_control_bulges(part.phase, i, part.trajectory, part.torques)
         ]
         left, controls = (
             tuple(sorted((_violation(solution, bulge) for bulge in found), key=lambda v: -v.relative))

@@ -31,6 +31,11 @@ class DrivingTorques:
     robot: Robot
     x: PiecewisePolynomial
 
+    @property
+    def breaks(self) -> Array:
+        """Ends of the intervals [s], (K + 1,)."""
+        return self.x.breaks
+
     @cached_property
     def _rates(self) -> PiecewisePolynomial:
         return self.x.derivative()

@@ -16,8 +16,8 @@ from robotraj.dynamics.variable import Named
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.robot.tangent import normalised
-from robotraj.solution.sample import Sample
 from robotraj.solution.driving_torques import DrivingTorques
+from robotraj.solution.sample import Sample
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.mesh import Mesh

@@ -13,6 +13,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import as_call
 from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine
+from robotraj.solution.proof import Goals
 from robotraj.solvers.base import Solver
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.strategy import Refinement
@@ -65,6 +66,8 @@ class Settings:
     ----------
     tolerance : float or None
         Relative error to which the mesh is refined; None solves on the given mesh alone.
+    goals : Goals or None
+        What is measured between the points until it holds; None where nothing is proved.
     mesh : Mesh or tuple of Mesh
         The first mesh, one for all phases or one for each.
     solver : Solver
@@ -79,6 +82,7 @@ class Settings:
     """
 
     tolerance: float | None
+    goals: Goals | None
     mesh: Mesh | Sequence[Mesh]
     solver: Solver
     engine: Engine

@@ -17,6 +17,7 @@ from robotraj._util.values import dataclass
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.proof import Proof
 from robotraj.solution.sample import Sample, join
 from robotraj.solution.settings import Settings
 from robotraj.solution.violations import Violation
@@ -75,6 +76,8 @@ class Solution:
         for links without one.
     settings : Settings or None
         What the plan was made with and why; ``rt.plan(problem, settings=solution.settings)`` repeats it.
+    proof : Proof or None
+        What was measured between the collocation points; None where nothing was proved, as on a given mesh.
     """
 
     problem: Problem
@@ -94,6 +97,7 @@ class Solution:
     control_interval_violations: tuple[Violation, ...] = ()
     impulses: tuple[Mapping[str, float], ...] = ()
     settings: Settings | None = None
+    proof: Proof | None = None
 
     @property
     def success(self) -> bool:
@@ -236,8 +240,12 @@ class Solution:
             f"objective {step.objective:.10g}, {step.iterations} iterations, {step.seconds:.3g} s"
             for i, step in enumerate(self.refinement, 1)
         ]
-        if not self.refinement and (error := self.error) is not None:
-            lines.append(f"error between knots {error:.1e} (plan with tolerance= to refine until it holds)")
+        if self.proof is not None:
+            lines.append(str(self.proof))
+        elif not self.refinement and (error := self.error) is not None:
+            lines.append(
+                f"error between knots {error:.1e}; nothing was proved (plan with tolerance=, or without mesh=)"
+            )
         if self.interval_violations:
             lines.append(f"between collocation points: {self.interval_violations[0]}; a finer mesh would help")
         if self.control_interval_violations:

@@ -153,6 +153,10 @@ class Solver(ABC):
         """Whether it works stage by stage: it calls native functions itself, and rows within a stage cost it little."""
         return False
 
+    def from_nearby(self) -> Solver:
+        """Give the same solver for a start near the optimum, such as the solution on a coarser mesh."""
+        return self
+
     def resolve(
         self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
     ) -> Outcome:

@@ -120,6 +120,10 @@ class Fatrop(Solver):
         if not isinstance(self.fallback, Solver | None):
             raise InputError(f"Fatrop(fallback) is a solver value such as rt.Ipopt(), or None; got {self.fallback!r}.")
 
+    def from_nearby(self) -> Fatrop:
+        """Start at a smaller barrier, unless the options say where."""
+        return replace(self, initial_barrier=min(self.initial_barrier, WARM_BARRIER))
+
     def within(self, seconds: float) -> Fatrop:
         """Give the same solver with at most so many wall-clock seconds a solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))

@@ -11,6 +11,7 @@ class Status(Enum):
     SOLVED = "solved"
     ROWS_VIOLATED = "rows violated"
     TOLERANCE_NOT_REACHED = "tolerance not reached"
+    NOT_PROVED = "not proved"
     INFEASIBLE = "infeasible"
     ITERATION_LIMIT = "iteration limit"
     TIME_LIMIT = "time limit"
@@ -32,6 +33,8 @@ _REMEDIES = {
     Status.ROWS_VIOLATED: "The solver stopped at a point that breaks rows; see violations(). Tighten its tolerance.",
     Status.TOLERANCE_NOT_REACHED: "The last mesh still errs by more than the tolerance; see solution.refinement. "
     "Ask for less, or start from a finer mesh or a scheme of higher order.",
+    Status.NOT_PROVED: "The last mesh meets its rows, but not what was asked for between them; see solution.proof. "
+    "Start from a finer mesh with tolerance=, or allow more time.",
     Status.INFEASIBLE: "The rows contradict each other from here. Look at violations(): allow more time, relax the "
     "rows it names, or start from another guess.",
     Status.ITERATION_LIMIT: "Raise the solver's max_iterations, or continue from here with guess=solution.",

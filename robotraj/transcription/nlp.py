@@ -62,6 +62,8 @@ class Nlp:
         Evaluates the blocks' functions.
     interval_limits : ConstraintGeneration
         What holds rows on states between the collocation points.
+    loose_rows : Scalars or None
+        The rows without margins, where ``rows`` have some.
     """
 
     problem: Problem
@@ -77,6 +79,7 @@ class Nlp:
     free: Scalars
     engine: Engine = field(default_factory=VirtualMachine)
     interval_limits: ConstraintGeneration = field(default_factory=ConstraintGeneration)
+    loose_rows: Scalars | None = None
 
     @cached_property
     def functions(self) -> Functions:

@@ -68,7 +68,9 @@ def transcribed_again(
     bounds = bounds_of(problem, nlp.layouts, interval_limits)
     variables = nlp.free.bounded(bounds)
     guess = np.clip(w, variables.lower, variables.upper)
-    return _with_functions(replace(nlp, problem=problem, variables=variables, guess=guess), nlp)
+    rows = nlp.loose_rows or nlp.rows
+    again = replace(nlp, problem=problem, variables=variables, guess=guess, rows=rows, loose_rows=None)
+    return _with_functions(again, nlp)
 
 
 def started_at(nlp: Nlp, guess: Guess) -> Nlp:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import casadi as ca
 import numpy as np
@@ -31,15 +31,34 @@ from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.table import Entry, Indices, ScalarTable
 
 if TYPE_CHECKING:
-    from robotraj._util.trajectory import PiecewisePolynomial
+    from robotraj.dynamics.variable import Variable
     from robotraj.problem.phase import Phase
 
 PLACES = np.linspace(0.0, 1.0, 49)
 """Places looked at in an interval, its ends among them: at Radau's first knot and at Gauss's none is collocated."""
 SHARE = 1e-2
 """Share of its limit by which a control may exceed it between collocation points before that is told."""
+EXACT_SHARE = 1e-3
+"""The same for torques of exact motions, which are known at any time."""
 SPREAD = 0.5 * (1.0 - np.cos(np.pi * (np.arange(6) + 0.5) / 6))
 """Places guarded inside an interval where a single one did not do."""
+
+
+class Curve(Protocol):
+    """A vector-valued function of time on intervals, such as a ``PiecewisePolynomial``."""
+
+    @property
+    def breaks(self) -> np.ndarray:
+        """Ends of the intervals [s], (K + 1,)."""
+        ...
+
+    def __call__(self, t: Any, interval: int | None = None) -> np.ndarray:
+        """Evaluate at times, (n,) or (m, n)."""
+        ...
+
+    def inside(self, tau: np.ndarray) -> np.ndarray:
+        """Evaluate every interval at the same places tau in [0, 1], (m,) -> (K, m, n)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -120,10 +139,28 @@ def find_bulges(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: 
     return _peaks(index, rows, trajectory.x, values, np.full(len(rows), allowed))
 
 
-def find_control_bulges(phase: Phase, index: int, trajectory: PhaseTrajectory) -> list[Bulge]:
-    """Worst place in every interval of every bound on a control, or on an acceleration, exceeded by 1 % and more."""
+def find_control_bulges(
+    phase: Phase, index: int, trajectory: PhaseTrajectory, torques: Curve | None = None
+) -> list[Bulge]:
+    """Worst place in every interval of every bound on a control, or on an acceleration, that is exceeded there.
+
+    Parameters
+    ----------
+    phase : Phase
+    index : int
+        Of the phase.
+    trajectory : PhaseTrajectory
+    torques : Curve, optional
+        Torques of the robot at any time, where they are known better than from their polynomials; their limits may be
+        exceeded by ``EXACT_SHARE``, all others by ``SHARE``.
+    """
     bulges = []
-    for variables, curve in ((phase.dae.controls, trajectory.u), (limited_algebraic(phase), trajectory.z)):
+    curves: list[tuple[Sequence[Variable], Curve, float]] = [(limited_algebraic(phase), trajectory.z, SHARE)]
+    if torques is not None:
+        curves.append((phase.body.controls, torques, EXACT_SHARE))
+    if torques is None or phase.dae.controls != phase.body.controls:
+        curves.append((phase.dae.controls, trajectory.u, SHARE))
+    for variables, curve, share in curves:
         names = [variable.name for variable in variables]
         rows = [
             (c, r, constraint, row)
@@ -135,7 +172,7 @@ def find_control_bulges(phase: Phase, index: int, trajectory: PhaseTrajectory) -
             continue
         limits = [max((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0) for *_, row in rows]
         columns = [names.index(str(row.variable)) for *_, row in rows]
-        bulges += _peaks(index, rows, curve, partial(_chosen, columns), SHARE * np.array(limits))
+        bulges += _peaks(index, rows, curve, partial(_chosen, columns), share * np.array(limits))
     return bulges
 
 
@@ -146,7 +183,7 @@ def _chosen(columns: list[int], times: np.ndarray, values: np.ndarray) -> np.nda
 def _peaks(
     phase: int,
     rows: list[tuple[int, int, BoundConstraint, Row]],
-    curve: PiecewisePolynomial,
+    curve: Curve,
     values: Callable[[np.ndarray, np.ndarray], np.ndarray],
     allowed: np.ndarray,
 ) -> list[Bulge]:

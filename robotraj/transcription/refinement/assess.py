@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from robotraj._util.polynomials import basis
 from robotraj.dynamics.rows import as_rows
 from robotraj.problem.constraints.base import Row, Where
+from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.interval_limits.constraint_generation import guardable
+from robotraj.transcription.interval_limits.constraint_generation import Curve, guardable
 from robotraj.transcription.refinement.error import interval_errors
 from robotraj.transcription.refinement.integrals import integral_errors
 from robotraj.transcription.refinement.strategy import Assessment
@@ -31,18 +32,24 @@ def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool)
     """Assess every interval of a phase; knots that move may have jumps of the control on them."""
     moving = isinstance(mesh, MovingMesh)
     return Assessment(
-        errors_of(phase, trajectory, mesh),
+        np.maximum(interval_errors(phase, trajectory), integral_errors(phase, trajectory, mesh.schemes)),
         _jumps(trajectory, moving),
         _decays(trajectory),
-        _broken(phase, trajectory),
+        broken_rows(phase, trajectory),
         settled,
         _coarse(trajectory, moving),
     )
 
 
 def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh) -> Array:
-    """Relative error of every interval, of its states or of an integral constraint, (K,)."""
-    return np.maximum(interval_errors(phase, trajectory), integral_errors(phase, trajectory, mesh.schemes))
+    """Relative error of every interval, of its states or of an integral constraint, (K,).
+
+    States of an exact motion have none: its torques follow from inverse dynamics (``transcription.exact_motion``).
+    """
+    of_integrals = integral_errors(phase, trajectory, mesh.schemes)
+    if is_exact(phase, mesh.schemes):
+        return of_integrals
+    return np.maximum(interval_errors(phase, trajectory), of_integrals)
 
 
 def _jumps(trajectory: PhaseTrajectory, moving: bool) -> Array:
@@ -83,8 +90,21 @@ def _coarse(trajectory: PhaseTrajectory, moving: bool) -> Array:
     return np.asarray(lengths * missed**2)
 
 
-def _broken(phase: Phase, trajectory: PhaseTrajectory) -> Array:
-    """Look between the nodes at path rows that read more than the state; those of states alone have guards."""
+def broken_rows(phase: Phase, trajectory: PhaseTrajectory, torques: Curve | None = None) -> Array:
+    """Look between the nodes at path rows that read more than the state; those of states alone have guards.
+
+    Parameters
+    ----------
+    phase : Phase
+    trajectory : PhaseTrajectory
+    torques : Curve, optional
+        Torques at any time, where they are known better than from their polynomials.
+
+    Returns
+    -------
+    ndarray (K,)
+        Largest excess over a bound on every interval, relative to 1 + |bound|; not above 0 where all hold.
+    """
     breaks, count = trajectory.x.breaks, len(trajectory.x.values)
     guarded = {(constraint, row) for constraint, row, *_ in guardable(phase)}
     dae = phase.dae
@@ -110,6 +130,8 @@ def _broken(phase: Phase, trajectory: PhaseTrajectory) -> Array:
     inner = (np.arange(SAMPLES) + 0.5) / SAMPLES
     times = (breaks[:-1, None] + np.diff(breaks)[:, None] * inner).ravel()
     curves = [curve(times).T for curve in (trajectory.x, trajectory.z, trajectory.u)]
+    if torques is not None and dae.controls == phase.body.controls:
+        curves[2] = torques(times).T
     parameters = np.tile(np.array(list(trajectory.parameters.values()))[:, None], len(times))
     function = ca.Function("rows", symbols, [ca.densify(ca.vertcat(*values))]).map(len(times))
     seen = np.array(function(times[None, :], *curves, parameters)).reshape(len(rows), count, SAMPLES)

@@ -1,0 +1,1 @@
+"""Plans that are measured between their points until they are proved."""

@@ -1,0 +1,26 @@
+"""Meshes of a plan whose mesh was left open: pure functions of what is known before a solve."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotraj.transcription.schemes.lobatto import HermiteSimpson
+from robotraj.transcription.schemes.mesh import Mesh
+
+COARSE = 16
+"""Intervals of the first mesh: it finds the course of the motion, and what a finer one gains is measured against it."""
+FINE = 40
+"""Intervals of the second mesh."""
+CROWDING = 0.8
+"""How far the knots are drawn to the ends, from 0 for equal intervals to 1."""
+
+
+def graded(count: int) -> Mesh:
+    """Crowd Hermite-Simpson intervals at both ends, where motions start and stop.
+
+    The knots are (1 + (1 - c) x + c sin(pi x / 2)) / 2 at equally spaced x in [-1, 1], c = ``CROWDING``.
+    """
+    x = np.linspace(-1.0, 1.0, count + 1)
+    knots = 0.5 * (1.0 + (1.0 - CROWDING) * x + CROWDING * np.sin(0.5 * np.pi * x))
+    knots[0], knots[-1] = 0.0, 1.0
+    return Mesh(tuple(knots.tolist()), HermiteSimpson())

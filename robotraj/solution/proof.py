@@ -1,0 +1,75 @@
+"""What was measured of a plan between its collocation points, and what was asked for."""
+
+from __future__ import annotations
+
+from robotraj._util.values import dataclass
+
+
+@dataclass(frozen=True)
+class Goals:
+    """What must hold of a plan between its collocation points.
+
+    Attributes
+    ----------
+    error : float
+        Largest relative error of the equations of motion on an interval.
+    excess : float
+        Largest excess over a limit or path constraint, as a share of its bound.
+    objective : float
+        How far the objective may be from that of a finer mesh, relative to itself.
+    """
+
+    error: float = 1e-4
+    excess: float = 1e-3
+    objective: float = 1e-3
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Measures of a plan between its collocation points.
+
+    Attributes
+    ----------
+    error : float
+        Largest relative error of the equations of motion on an interval; 0 where torques follow from inverse dynamics.
+    excess : float
+        Largest excess over a limit or path constraint, as a share of its bound; in its unit where all bounds are 0.
+    quadrature : float
+        Difference between the objective's integral along the motion and the sum that was minimised, relative.
+    unsettled : float
+        What a finer mesh may still gain, estimated from the objectives of the last two meshes, relative.
+    goals : Goals
+    """
+
+    error: float
+    excess: float
+    quadrature: float
+    unsettled: float
+    goals: Goals
+
+    @property
+    def motion_holds(self) -> bool:
+        """Whether the plan is a motion within its limits, the best one or not."""
+        return self.error <= self.goals.error and self.excess <= self.goals.excess
+
+    @property
+    def holds(self) -> bool:
+        """Whether all measures are within their goals."""
+        settled = max(self.quadrature, self.unsettled) <= self.goals.objective
+        return self.motion_holds and settled
+
+    def __str__(self) -> str:
+        measures = (
+            ("error of the motion", self.error, self.goals.error),
+            ("excess over limits", self.excess, self.goals.excess),
+            ("error of the objective's integral", self.quadrature, self.goals.objective),
+            ("objective still to gain", self.unsettled, self.goals.objective),
+        )
+        shown = (
+            f"{name} {value:.1e}" + (f" (allowed {goal:.0e})" if not value <= goal else "")
+            for name, value, goal in measures
+        )
+        verdict = (
+            "proved" if self.holds else "motion proved, objective not settled" if self.motion_holds else "not proved"
+        )
+        return f"{verdict} between the points: {', '.join(shown)}"

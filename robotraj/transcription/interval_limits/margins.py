@@ -1,0 +1,79 @@
+"""Margins: bounds of controls tightened on single intervals, by what a motion exceeded them between the points.
+
+Torques of an exact motion are inverse dynamics at every time; their polynomial through the collocation points, whose
+Bernstein coefficients are held, differs from them between. Where that leads over a limit, the limit of the polynomial
+is lowered there by the excess. Only bounds change: the transcription and its compiled form serve again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from robotraj.transcription.layout import PhaseLayout
+from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.table import Entry, Scalars
+
+
+class LimitedInterval(NamedTuple):
+    """A row of a phase's constraints on one interval; indices as in ``constraint_generation.Guard``."""
+
+    phase: int
+    interval: int
+    constraint: int
+    row: int
+
+
+Margins = Mapping[LimitedInterval, float]
+"""How much lower the limits of the rows are, in their SI unit."""
+
+
+def with_margins(nlp: Nlp, margins: Margins) -> Nlp:
+    """Tighten the bounds of controls and of their Bernstein coefficients; the functions of ``nlp`` are shared."""
+    if not margins:
+        return nlp
+    loose = nlp.loose_rows or nlp.rows
+    rows, variables = _Tightened(loose), _Tightened(nlp.variables)
+    numbers = {entry: number for number, entry in enumerate(loose.entries)}
+    for place, amount in margins.items():
+        phase, layout = nlp.problem.phases[place.phase], nlp.layouts[place.phase]
+        row = phase.bound_constraints[place.constraint].rows[place.row]
+        lower, upper = row.lower + amount, row.upper - amount
+        if lower >= upper:
+            continue
+        names = [control.name for control in phase.dae.controls]
+        if row.variable in names:
+            columns = _controls(layout, place.interval)[:, names.index(str(row.variable))]
+            variables.tighten(columns, lower, upper)
+        number = numbers.get(Entry(place.phase, row.name, row.joint or "", row.unit))
+        first, last = layout.fractions[place.interval : place.interval + 2]
+        inside = (loose.fraction >= first) & (loose.fraction <= last)
+        rows.tighten(np.flatnonzero((loose.meaning == number) & inside), lower, upper)
+    again = replace(nlp, rows=rows.finish(), variables=variables.finish(), loose_rows=loose)
+    again = replace(again, guess=np.clip(nlp.guess, again.variables.lower, again.variables.upper))
+    if "functions" in nlp.__dict__:
+        again.__dict__["functions"] = replace(nlp.functions, preparing=0.0)
+    return again
+
+
+def _controls(layout: PhaseLayout, interval: int) -> np.ndarray:
+    run = next(run for run in layout.runs if interval <= run.which[-1])
+    return np.asarray(run.controls[interval - int(run.which[0])])
+
+
+class _Tightened:
+    """Scalars whose bounds are being tightened."""
+
+    def __init__(self, scalars: Scalars) -> None:
+        self.scalars = scalars
+        self.lower, self.upper = scalars.lower.copy(), scalars.upper.copy()
+
+    def tighten(self, at: np.ndarray, lower: float, upper: float) -> None:
+        self.lower[at] = np.maximum(self.lower[at], np.minimum(lower, self.upper[at]))
+        self.upper[at] = np.minimum(self.upper[at], np.maximum(upper, self.lower[at]))
+
+    def finish(self) -> Scalars:
+        return replace(self.scalars, lower=self.lower, upper=self.upper)

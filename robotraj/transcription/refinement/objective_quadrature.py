@@ -1,0 +1,99 @@
+"""Error of the objective's integrals: the sum that was minimised against the integral along the motion.
+
+A scheme sums the integrand l at its nodes, h sum_j b_j l(t_j). What it leaves of an interval,
+
+    error = h sum_j b_j l(t_j) - integral l dt,
+
+with the integral by Gauss's rule along the motion, tells how far the objective is from what the motion costs.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.polynomials import gauss
+from robotraj.problem.objectives.base import Integral
+from robotraj.transcription.schemes.collocation import Collocation
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from robotraj.problem.phase import Phase
+    from robotraj.transcription.extract import PhaseTrajectory
+    from robotraj.transcription.interval_limits.constraint_generation import Curve
+    from robotraj.transcription.schemes.collocation import Scheme
+
+Array = NDArray[np.float64]
+
+MORE = 3
+"""Points that Gauss's rule has more than the scheme."""
+
+
+def quadrature_errors(
+    phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], torques: Curve | None
+) -> Array:
+    """Error of the objective's integral on every interval, in its unit, (K,); 0 on intervals without nodes.
+
+    Parameters
+    ----------
+    phase : Phase
+    trajectory : PhaseTrajectory
+    schemes : sequence of Scheme
+        Of its intervals.
+    torques : Curve or None
+        Those of an exact motion, which the integral is taken of; at the nodes the polynomial of the control has them.
+    """
+    errors = np.zeros(len(schemes))
+    rate = _rate(phase)
+    if rate is None:
+        return errors
+    breaks = trajectory.x.breaks
+    groups: dict[Scheme, list[int]] = {}
+    for k, scheme in enumerate(schemes):
+        groups.setdefault(scheme, []).append(k)
+    for scheme, which in groups.items():
+        if not isinstance(scheme, Collocation):
+            continue
+        points, weights = gauss(len(scheme.nodes) + MORE)
+        fine = 0.5 * (points + 1.0)
+        places = np.concatenate([scheme.nodes, fine])
+        x, z, u = (np.array(curve.inside(places)[which]) for curve in (trajectory.x, trajectory.z, trajectory.u))
+        if torques is not None and phase.dae.controls[: len(phase.body.controls)] == phase.body.controls:
+            u[:, len(scheme.nodes) :, : len(phase.body.controls)] = torques.inside(fine)[which]
+        lengths = breaks[np.array(which) + 1] - breaks[which]
+        times = breaks[which][:, None] + lengths[:, None] * places
+        count = times.size
+        parameters = np.tile(np.array(list(trajectory.parameters.values()), dtype=float)[:, None], count)
+        columns = (value.reshape(count, -1).T for value in (x, z, u))
+        values = np.array(rate.map(count)(times.reshape(1, -1), *columns, parameters)).reshape(times.shape)
+        errors[which] = lengths * (values @ np.concatenate([scheme.objective_weights, -0.5 * weights]))
+    return errors
+
+
+_RATES: WeakKeyDictionary[Phase, ca.Function | None] = WeakKeyDictionary()
+
+
+def _rate(phase: Phase) -> ca.Function | None:
+    """Integrand of the objective of (t, x, z, u, p); None where there is no integral."""
+    if phase not in _RATES:
+        _RATES[phase] = _new_rate(phase)
+    return _RATES[phase]
+
+
+def _new_rate(phase: Phase) -> ca.Function | None:
+    terms = [] if phase.objective is None else phase.objective.terms
+    integrals = [(weight, term) for weight, term in terms if isinstance(term, Integral)]
+    if not integrals:
+        return None
+    dae = phase.dae
+    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(phase.parameter_names))
+    symbols = [ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True)]
+    t, x, z, u, p = symbols
+    point = dae.point(t, x, z, u, p, phase.parameter_names)
+    total = sum((weight * term.rate(point) for weight, term in integrals), ca.SX(0))
+    return ca.Function("rate", symbols, [ca.densify(ca.SX(total))])

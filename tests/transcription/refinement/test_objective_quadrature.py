@@ -1,0 +1,29 @@
+"""What a scheme's sum leaves of the objective's integral."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
+
+
+def test_the_error_is_the_difference_to_the_integral_along_the_motion() -> None:
+    phase = rt.Phase(rt.load("ur5"), 1.0, rt.State(q=0, v=0), rt.State(q=1.0, v=0), rt.Effort() + 3.0 * rt.Duration())
+    solution = rt.plan(phase, mesh=rt.Mesh(6))
+    (part,) = solution.phases
+    errors = quadrature_errors(phase, part.trajectory, part.mesh.schemes, part.torques)
+    total = 0.0
+    for k, (first, last) in enumerate(zip(part.knots[:-1], part.knots[1:], strict=True)):
+        t = np.linspace(first, last, 2001)
+        tau = np.array(part.at(t, interval=k).tau)
+        total += float(np.trapezoid((tau**2).sum(axis=1), t))
+    assert solution.objective - 3.0 - total == pytest.approx(errors.sum(), rel=2e-3)
+    assert abs(errors.sum()) > 1e-4 * total
+
+
+def test_durations_alone_have_no_integral() -> None:
+    phase = rt.Phase(rt.load("ur5"), (0.2, 5), rt.State(q=0, v=0), rt.State(q=1.0, v=0), rt.Duration())
+    part = rt.plan(phase, mesh=rt.Mesh(6)).phases[0]
+    assert not quadrature_errors(phase, part.trajectory, part.mesh.schemes, part.torques).any()

@@ -1,0 +1,60 @@
+"""Margins: limits of controls that are lower on single intervals."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import robotraj as rt
+from robotraj.planning.settings import resolve
+from robotraj.planning.solve import solve
+from robotraj.transcription.interval_limits.margins import LimitedInterval, with_margins
+from robotraj.transcription.transcribe import transcribe
+
+
+def pushed() -> rt.Phase:
+    block = rt.System(states=["x", "v"], controls=["u"], dynamics=lambda p: [p.x["v"], p.u["u"]])
+    return rt.Phase(
+        block,
+        (0.1, 9.0),
+        rt.State({"x": 0, "v": 0}),
+        rt.State({"x": 1, "v": 0}),
+        rt.Duration(),
+        controls={"u": rt.between(-1, 1)},
+    )
+
+
+def test_a_control_keeps_a_margin_on_its_interval_alone() -> None:
+    phase = pushed()
+    place = next(
+        LimitedInterval(0, 2, c, r)
+        for c, constraint in enumerate(phase.bound_constraints)
+        for r, row in enumerate(constraint.rows)
+        if row.variable == "u"
+    )
+    limits = rt.interval_limits.BernsteinBounds(controls=True)
+    given = {"mesh": rt.Mesh(8), "solver": rt.Ipopt(), "interval_limits": limits}
+    problem = rt.Problem([phase])
+    solution = solve(problem, None, resolve(problem, given), margins={place: 0.25})
+    (part,) = solution.phases
+    inside = part.trajectory.u.inside(np.linspace(0, 1, 21))[:, :, 0]
+    assert np.max(np.abs(inside[2])) <= 0.75 + 1e-6
+    assert np.max(np.abs(inside[0])) > 0.99
+
+
+def test_margins_do_not_add_up_and_share_the_functions() -> None:
+    problem = rt.Problem([pushed()])
+    limits = rt.interval_limits.BernsteinBounds(controls=True)
+    nlp = transcribe(problem, rt.Mesh(4), interval_limits=limits)
+    phase = problem.phases[0]
+    c, r = next(
+        (c, r)
+        for c, constraint in enumerate(phase.bound_constraints)
+        for r, row in enumerate(constraint.rows)
+        if row.variable == "u"
+    )
+    once = with_margins(nlp, {LimitedInterval(0, 1, c, r): 0.1})
+    twice = with_margins(once, {LimitedInterval(0, 1, c, r): 0.1})
+    assert np.array_equal(once.rows.upper, twice.rows.upper)
+    assert np.array_equal(once.variables.upper, twice.variables.upper)
+    assert once.rows.upper.tolist() != nlp.rows.upper.tolist()
+    assert once.blocks is nlp.blocks and once.loose_rows is nlp.rows
