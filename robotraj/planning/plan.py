@@ -17,6 +17,7 @@ from robotraj.planning.solve import solve
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import ContinuationRecord
+from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Solver
@@ -37,6 +38,7 @@ def plan(
     continuation: Sequence[ContinuationStep] = (),
     interval_limits: ConstraintGeneration | None = None,
     restarts: Restarts | None = None,
+    goals: Goals | None = None,
     settings: Settings | None = None,
     check: bool = True,
     progress: bool | None = None,
@@ -76,6 +78,9 @@ def plan(
     restarts : Restarts, optional
         Other beginnings of a problem that was not solved from its guess; ``rt.planning.Restarts(0)`` for none.
         The message of a solution on one mesh names its beginning.
+    goals : Goals, optional
+        What is measured between the points, and how small it must be: ``rt.solution.Goals()``. The mesh is refined
+        until it is, from ``mesh`` on; ``solution.proof`` has the measures. With a mesh alone nothing is proved.
     settings : Settings, optional
         ``solution.settings`` of an earlier plan: nothing is left open then. With the same problem, guess and
         continuation the plan is repeated bit for bit. Other options replace single settings.
@@ -136,6 +141,7 @@ def plan(
         raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
     given = {
         "tolerance": tolerance,
+        "goals": goals,
         "mesh": mesh,
         "solver": solver,
         "engine": engine,

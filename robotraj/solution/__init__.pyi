@@ -4,13 +4,16 @@ Start with ``solution.py``. The room may import ``solvers``, ``transcription`` a
 """
 
 from .phase_solution import PhaseSolution
+from .proof import Goals, Proof
 from .records import MeshStep
 from .sample import Sample
 from .solution import Solution, load_solution
 
 __all__ = [
+    "Goals",
     "MeshStep",
     "PhaseSolution",
+    "Proof",
     "Sample",
     "Solution",
     "load_solution",

@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
+from robotraj._util.polynomials import lobatto_sites
 from robotraj.transcription.exact_motion import is_exact, with_integrated_speeds
 from robotraj.transcription.schemes.control import ConstantControl
 
@@ -47,7 +48,7 @@ def test_joints_without_motors_have_no_exact_motion() -> None:
 
 def test_positions_are_integrals_of_the_speeds() -> None:
     """v = 3 t^2 - 2 t from q = 1 on an interval of 2 s."""
-    sites = rt.schemes.LobattoIIIA(4).nodes
+    sites = lobatto_sites(4)
     t = 2.0 * sites
     values = np.stack([np.zeros(4), 3 * t**2 - 2 * t], axis=1)[None]
     values[0, 0, 0] = 1.0
@@ -61,13 +62,10 @@ def test_positions_are_integrals_of_the_speeds() -> None:
 @pytest.mark.parametrize("scheme", [rt.HermiteSimpson(), rt.schemes.RadauIIA(3)], ids=repr)
 def test_the_planned_torques_drive_the_planned_motion(name: str, scheme: rt.schemes.Scheme) -> None:
     """Eight intervals are coarse, and z1's joints have Coulomb friction; the motion is one to rounding."""
-    phase = reach(name, objective=rt.Effort())
-    if name == "z1":
-        robot = phase.robot
-        assert robot is not None
-        low, high = robot.model.lowerPositionLimit, robot.model.upperPositionLimit
-        ends = (rt.State(q=low + share * (high - low), v=0) for share in (0.4, 0.6))
-        phase = phase.with_(**dict(zip(("start", "end"), ends, strict=True)))
+    moving = rt.load(name)
+    low, high = np.maximum(moving.limits.position_lower, -2.0), np.minimum(moving.limits.position_upper, 2.0)
+    start, end = (rt.State(q=low + share * (high - low), v=0) for share in (0.4, 0.6))
+    phase = rt.Phase(moving, 1.5, start, end, rt.Effort())
     solution = rt.plan(phase, mesh=rt.Mesh(8, scheme))
     (part,) = solution.phases
     robot, n = part.robot, part.robot.nq

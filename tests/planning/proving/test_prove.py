@@ -7,7 +7,6 @@ import pytest
 
 import robotraj as rt
 from robotraj.planning.proving.first_mesh import graded
-from robotraj.solution.proof import Goals, Proof
 
 
 def reach(objective: rt.objectives.Objective, duration: object) -> rt.Phase:
@@ -38,7 +37,7 @@ def test_fastest_motions_keep_every_limit_at_every_time() -> None:
 def test_a_given_mesh_is_solved_and_nothing_is_proved() -> None:
     solution = rt.plan(reach(rt.Effort(), 1.0), mesh=rt.Mesh(20))
     assert solution.proof is None and len(solution.phases[0].knots) == 21
-    assert "nothing proved" in str(solution)
+    assert "nothing was proved" in str(solution)
 
 
 def test_a_proof_survives_storage(tmp_path) -> None:
@@ -47,10 +46,10 @@ def test_a_proof_survives_storage(tmp_path) -> None:
 
 
 def test_a_motion_beyond_its_limits_is_not_proved_however_good_its_objective() -> None:
-    beyond = Proof(0.0, 2e-3, 0.0, 0.0, Goals())
+    beyond = rt.solution.Proof(0.0, 2e-3, 0.0, 0.0, rt.solution.Goals())
     assert not beyond.motion_holds and not beyond.holds
     assert "excess over limits 2.0e-03 (allowed 1e-03)" in str(beyond)
-    early = Proof(0.0, 0.0, 0.0, 5e-3, Goals())
+    early = rt.solution.Proof(0.0, 0.0, 0.0, 5e-3, rt.solution.Goals())
     assert early.motion_holds and not early.holds
 
 
