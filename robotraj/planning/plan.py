@@ -16,8 +16,8 @@ from robotraj.planning.settings import resolve
 from robotraj.planning.solve import solve
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.solution.records import ContinuationRecord
 from robotraj.solution.proof import Goals
+from robotraj.solution.records import ContinuationRecord
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Solver
