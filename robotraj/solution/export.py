@@ -36,7 +36,7 @@ class Column:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
-def table(solution: Solution, samples: int | Sequence[float]) -> list[Column]:
+def table(solution: Solution, samples: int | Sequence[float], gains: bool = False) -> list[Column]:
     """Sample every variable of all phases: states, accelerations of robots, algebraic variables, controls.
 
     Parameters
@@ -44,6 +44,8 @@ def table(solution: Solution, samples: int | Sequence[float]) -> list[Column]:
     solution : Solution
     samples : int or sequence of float
         Number of equally spaced times from start to end, or the times [s].
+    gains : bool
+        Add the entries of ``solution.gains``, ``gain.<motor>.q.<joint>`` and ``gain.<motor>.v.<joint>``.
 
     Returns
     -------
@@ -67,10 +69,13 @@ def table(solution: Solution, samples: int | Sequence[float]) -> list[Column]:
         if mine.any():
             for name, column in values_of(part, times[mine]).items():
                 values[name][mine] = column
-    return [Column("t", "s", times), *(Column(name, unit, values[name]) for name, unit in units.items())]
+    columns = [Column("t", "s", times), *(Column(name, unit, values[name]) for name, unit in units.items())]
+    return [*columns, *_gain_columns(solution, times)] if gains else columns
 
 
-def to_csv(solution: Solution, path: str | os.PathLike[str], samples: int | Sequence[float] = 201) -> Path:
+def to_csv(
+    solution: Solution, path: str | os.PathLike[str], samples: int | Sequence[float] = 201, gains: bool = False
+) -> Path:
     """Write a table over time with one header row, ``t [s], q.elbow [rad], ...``.
 
     Parameters
@@ -80,6 +85,8 @@ def to_csv(solution: Solution, path: str | os.PathLike[str], samples: int | Sequ
         Its directory must exist; an older file is replaced.
     samples : int or sequence of float
         Number of equally spaced times, or the times [s].
+    gains : bool
+        Add a column for every entry of ``solution.gains``: tau = tau_plan - K (x - x_plan).
 
     Returns
     -------
@@ -87,7 +94,7 @@ def to_csv(solution: Solution, path: str | os.PathLike[str], samples: int | Sequ
         The file, absolute. Numbers have all their digits; a variable that a phase lacks is an empty cell.
     """
     target = _target(path)
-    columns = table(solution, samples)
+    columns = table(solution, samples, gains)
     with target.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([column.heading for column in columns])
@@ -96,7 +103,9 @@ def to_csv(solution: Solution, path: str | os.PathLike[str], samples: int | Sequ
     return target
 
 
-def to_json(solution: Solution, path: str | os.PathLike[str], samples: int | Sequence[float] = 201) -> Path:
+def to_json(
+    solution: Solution, path: str | os.PathLike[str], samples: int | Sequence[float] = 201, gains: bool = False
+) -> Path:
     """Write status, figures, phases and the sampled trajectory as plain JSON.
 
     Keys: ``status``, ``success``, ``message``, ``objective``, ``duration`` [s], ``iterations``, ``times``
@@ -107,7 +116,7 @@ def to_json(solution: Solution, path: str | os.PathLike[str], samples: int | Seq
     Parameters and errors are those of ``to_csv``.
     """
     target = _target(path)
-    columns = table(solution, samples)
+    columns = table(solution, samples, gains)
     content = {
         "status": solution.status.value,
         "success": solution.success,
@@ -134,6 +143,22 @@ def to_json(solution: Solution, path: str | os.PathLike[str], samples: int | Seq
     }
     target.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     return target
+
+
+def _gain_columns(solution: Solution, times: Array) -> list[Column]:
+    """Sample every entry of the feedback gains, row by row."""
+    feedback = solution.gains
+    matrices = np.array([feedback.at(float(t)) for t in times])
+    robot = solution.phases[0].phase.robot
+    assert robot is not None
+    units = dict(zip(robot.velocity_names, robot.units, strict=True))
+    found = []
+    for i, motor in enumerate(feedback.joints):
+        torque = "N m" if units[motor] == "rad" else "N"
+        for j, (kind, joint) in enumerate((kind, joint) for kind in "qv" for joint in feedback.coordinates):
+            per = units[joint] if kind == "q" else f"({units[joint]}/s)"
+            found.append(Column(f"gain.{motor}.{kind}.{joint}", f"{torque}/{per}", matrices[:, i, j]))
+    return found
 
 
 def _times(solution: Solution, samples: int | Sequence[float]) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields
 from functools import cached_property
 from os import PathLike
@@ -205,19 +206,22 @@ class Solution:
         facts = _plain(self, "problem", "phases", "settings")
         if self.multipliers is not None:
             facts["multipliers"] = self.multipliers.plain
+        # Plans of Systems and plans that were not solved have no gains.
+        with suppress(InputError):
+            facts["gains"] = self.gains.plain
         return write(path, Contents(self.problem, phases, facts, self.settings))
 
-    def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
+    def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201, gains: bool = False) -> Path:
         """Write a table over time, a column per variable with its unit; see ``robotraj.solution.export``."""
         from robotraj.solution.export import to_csv
 
-        return to_csv(self, path, samples)
+        return to_csv(self, path, samples, gains)
 
-    def to_json(self, path: str | Path, samples: int | Sequence[float] = 201) -> Path:
+    def to_json(self, path: str | Path, samples: int | Sequence[float] = 201, gains: bool = False) -> Path:
         """Write the status, figures and sampled trajectory as JSON; see ``robotraj.solution.export``."""
         from robotraj.solution.export import to_json
 
-        return to_json(self, path, samples)
+        return to_json(self, path, samples, gains)
 
     def plot(self) -> Figure:
         """Draw the trajectories with limits, knots and collocation points; see ``robotraj.solution.plotting``."""
@@ -294,7 +298,14 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
     contents = read(path, Problem([problem]) if isinstance(problem, Phase) else problem)
     pairs = zip(contents.problem.phases, contents.phases, strict=True)
     phases = tuple(PhaseSolution(phase, **known) for phase, known in pairs)
-    return Solution(contents.problem, phases, **contents.facts, settings=contents.settings)
+    facts = dict(contents.facts)
+    gains = facts.pop("gains", None)
+    solution = Solution(contents.problem, phases, **facts, settings=contents.settings)
+    if gains is not None:
+        from robotraj.solution.feedback.gains import Gains
+
+        solution.__dict__["gains"] = Gains.of(gains)
+    return solution
 
 
 def _plain(value: PhaseSolution | Solution, *without: str) -> dict[str, Any]:

@@ -16,7 +16,7 @@ def complaints_about(figures: Figures, tolerances: Tolerances) -> tuple[str, ...
     advice = _advice(figures.residual)
     found = [f"Not checked: {'; '.join(figures.unchecked)}."] if figures.unchecked else []
     if figures.local is not None and tolerances.local is not None:
-        what = "The plan does not obey the equations of motion: a short part, simulated from its own state, misses its end:"
+        what = "The plan does not obey the equations of motion: a short part, simulated by itself, misses its end:"
         found += _off(what, figures.local.worst, tolerances.local, advice)
     if figures.closed_loop is not None and tolerances.tracking is not None:
         found += _tracking(figures.closed_loop, tolerances.tracking, advice)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -103,6 +103,18 @@ class Gains:
     def growth(self) -> float:
         """Largest factor by which a small deviation grows along the plan without feedback."""
         return float(max(phase.growth.max() for phase in self.phases))
+
+    @property
+    def plain(self) -> dict[str, Any]:
+        """Names and arrays alone, as files keep them; ``Gains.of`` reads them."""
+        phases = [{"times": p.times, "matrices": p.matrices, "growth": p.growth} for p in self.phases]
+        return {"joints": list(self.joints), "coordinates": list(self.coordinates), "phases": phases}
+
+    @classmethod
+    def of(cls, plain: Mapping[str, Any]) -> Gains:
+        """Make gains again from what ``plain`` gave."""
+        phases = tuple(PhaseGains(**phase) for phase in plain["phases"])
+        return cls(phases, tuple(plain["joints"]), tuple(plain["coordinates"]))
 
     def at(self, t: float) -> Array:
         """K (nu, 2 nv) at a global time [s]; at a joint of two phases the later one's."""
