@@ -9,6 +9,9 @@ from robotraj.witness.figures import Figures, Tolerances
 from robotraj.witness.peak import Peak
 from robotraj.witness.simulation.closed_loop import ClosedLoop
 from robotraj.witness.simulation.drift import DriftRow
+from robotraj.witness.simulation.mirror_image import MIRRORED
+
+ASYMMETRIC = "left and right of the robot differ in inertia: plan both halves of the gait, closed by rt.Periodic."
 
 
 def complaints_about(figures: Figures, tolerances: Tolerances) -> tuple[str, ...]:
@@ -17,7 +20,8 @@ def complaints_about(figures: Figures, tolerances: Tolerances) -> tuple[str, ...
     found = [f"Not checked: {'; '.join(figures.unchecked)}."] if figures.unchecked else []
     if figures.local is not None and tolerances.local is not None:
         what = "The plan does not obey the equations of motion: a short part, simulated by itself, misses its end:"
-        found += _off(what, figures.local.worst, tolerances.local, advice)
+        row = figures.local.worst
+        found += _off(what, row, tolerances.local, ASYMMETRIC if row.phase.endswith(MIRRORED) else advice)
     if figures.closed_loop is not None and tolerances.tracking is not None:
         found += _tracking(figures.closed_loop, tolerances.tracking, advice)
     if tolerances.drift is not None and figures.failure is not None:

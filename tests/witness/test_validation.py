@@ -68,7 +68,7 @@ def test_a_wrong_torque_fails_naming_joint_and_time(make, swinging):
     assert report.drift["q.elbow"].largest > 1e-3 and report.drift["q.elbow"].time == pytest.approx(1.0, abs=0.2)
     # The local error is there alone.
     assert report.local.worst.largest > 0.01 and report.local.worst.time == pytest.approx(0.7875, abs=0.02)
-    with pytest.raises(ValidationFailed, match=r"does not obey .* misses its end: v\.\w+ by 0\.01") as caught:
+    with pytest.raises(ValidationFailed, match=r"does not obey .* misses its end: v\.\w+ by 0\.02") as caught:
         report.check()
     with pytest.raises(ValidationFailed, match=r"Open loop, .* drifts from the plan: q\.elbow by 0\.01.* at t = 1 s"):
         report.check(local=1.0, drift=1e-3)
@@ -270,7 +270,7 @@ def test_bang_bang_with_a_tenth_less_force_drifts_by_a_tenth_of_the_way(make):
     assert report.residual.dynamics["slider"].value == pytest.approx(0.1)
     # 10 % less force does 10 % less work while speeding up, and takes 10 % less out while slowing down.
     assert report.energy.worst == pytest.approx(0.1 * 0.5 * 0.25)
-    with pytest.raises(ValidationFailed, match="v.slider by 0.0025 m/s"):
+    with pytest.raises(ValidationFailed, match="v.slider by 0.005 m/s"):
         report.check()
 
 

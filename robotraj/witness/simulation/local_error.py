@@ -11,18 +11,20 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from robotraj.dynamics.design.binding import realised
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation.drift import Drift, DriftRow, merge
 from robotraj.witness.simulation.integration import Stopped
+from robotraj.witness.simulation.mirror_image import MIRRORED, mirror_image, mirror_of
 from robotraj.witness.simulation.open_loop import handed_on
-from robotraj.witness.simulation.plant import Plant, plant_of
+from robotraj.witness.simulation.plant import Plant, RobotPlant, plant_of
 from robotraj.witness.simulation.steps import MOST_STEPS, Span, pass_span, sampled
 
 WINDOWS = 40
-"""Parts of the whole plan that are simulated one by one, or more."""
+"""Parts of the whole plan that are simulated one by one."""
 
-LONGEST_WINDOW = 0.1
-"""Longest part [s] of a robot's motion: open loop, gravity lets an error grow by little in this time."""
+SHORTEST_WINDOW, LONGEST_WINDOW = 0.05, 0.1
+"""Bounds of such a part [s] for robots: an error can be seen after this time, and gravity lets it grow by little."""
 
 
 def windows_of(knots: Array, longest: float) -> list[list[Span]]:
@@ -48,15 +50,21 @@ def windows_of(knots: Array, longest: float) -> list[list[Span]]:
 
 def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callable[[], None]) -> Drift:
     """Find the local errors of all phases, and of the mirror images of those of half a gait."""
+    mirror = mirror_of(solution)
     before: tuple[Plant, Array, Array] | None = None
     whole = sum(float(planned.knots[-1] - planned.knots[0]) for planned in solution.phases)
     found = []
     for i, planned in enumerate(solution.phases):
-        robot = planned.phase.robot is not None
-        longest = min(whole / WINDOWS, LONGEST_WINDOW) if robot else whole / WINDOWS
+        longest = whole / WINDOWS
+        if planned.phase.robot is not None:
+            longest = float(np.clip(longest, SHORTEST_WINDOW, LONGEST_WINDOW))
         knots = np.asarray(planned.knots, dtype=float)
         plant, phase = plant_of(planned), planned.phase.name
         found.append(local_error_of(plant, knots, longest, phase, rtol, atol, clock))
+        image = None if mirror is None else mirror_image(realised(planned), mirror)
+        if image is not None:
+            half = RobotPlant(planned, robot=image)
+            found.append(local_error_of(half, knots, longest, phase + MIRRORED, rtol, atol, clock))
         own, end = plant.states(knots[:1], 0)[0], plant.states(knots[-1:], len(knots) - 2)[0]
         if before is not None:
             found.append(_seam(plant, handed_on(solution, i, plant, own, before), own, float(knots[0]), phase))

@@ -1,0 +1,79 @@
+"""The mirror image of a robot: the mirrored half of a gait is the planned half, moved by the image of the robot.
+
+Half a gait is planned and the other half mirrored. Geometry is symmetric where ``rt.gait.mirror`` accepts it, inertia
+seldom is: batteries and computers lie where there is room. Mirroring the world instead of the motion keeps the plan as
+it is and puts the image of its partner's body in the place of every body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj.problem.links.periodic import Mirror
+from robotraj.problem.links.touchdown import Touchdown
+from robotraj.witness.protocols import Array, RobotLike, SolutionLike
+
+REFLECTION = np.diag([1.0, -1.0, 1.0])
+"""Left and right change places: the mirror is the world's x-z plane."""
+
+MIRRORED = " (mirrored)"
+"""What the name of a phase ends with where its mirrored half is meant."""
+
+SAME = 1e-9
+"""Relative difference below which inertias count as equal."""
+
+
+def mirror_of(solution: SolutionLike) -> Mirror | None:
+    """Find the link that closes the plan on its own mirror image."""
+    for link in solution.problem.links:
+        repeat = link.repeat if isinstance(link, Touchdown) else link
+        if isinstance(repeat, Mirror):
+            return repeat
+    return None
+
+
+def mirror_image(robot: RobotLike, mirror: Mirror) -> RobotLike | None:
+    """Give a robot the mirrored inertias of its partners' bodies; None where they are the same.
+
+    At q = 0, which is its own image, a body with mass m, centre c and inertia I about it, in world axes, has the image
+    m, R c, R I R with R = diag(1, -1, 1). Armature, damping and friction come from the partner.
+    """
+    model, both = robot.model, {**mirror.partners, **{b: a for a, b in mirror.partners.items()}}
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    image = pin.Model(model)
+    changed = False
+    for i in range(1, model.njoints):
+        partner = _partner(model, i, both)
+        body = data.oMi[partner].act(model.inertias[partner])
+        reflected = pin.Inertia(body.mass, REFLECTION @ body.lever, REFLECTION @ body.inertia @ REFLECTION)
+        found = data.oMi[i].actInv(reflected)
+        size = np.abs(found.matrix()).max(initial=0.0)
+        changed |= bool(np.abs(found.matrix() - model.inertias[i].matrix()).max() > SAME * size)
+        image.inertias[i] = found
+    order = _velocity_order(model, both)
+    for name in ("armature", "rotorInertia", "rotorGearRatio"):
+        setattr(image, name, np.array(getattr(model, name))[order])
+    damping, friction = np.asarray(robot.damping)[order], np.asarray(robot.friction)[order]
+    same = all(np.array_equal(a, b) for a, b in ((damping, robot.damping), (friction, robot.friction)))
+    if not changed and same and np.array_equal(image.armature, model.armature):
+        return None
+    return replace(robot, model=image, damping=damping, friction=friction)  # type: ignore[type-var]
+
+
+def _partner(model: pin.Model, joint: int, both: Mapping[str, str]) -> int:
+    name = model.names[joint]
+    return int(model.getJointId(both.get(name, name)))
+
+
+def _velocity_order(model: pin.Model, both: Mapping[str, str]) -> Array:
+    """For every velocity the one of its partner."""
+    order = np.arange(model.nv)
+    for i in range(1, model.njoints):
+        own, other = model.joints[i], model.joints[_partner(model, i, both)]
+        order[own.idx_v : own.idx_v + own.nv] = np.arange(other.idx_v, other.idx_v + other.nv)
+    return order

@@ -1,0 +1,82 @@
+"""Windows of a plan, the local error of an unstable motion, and tracking with the plan's own feedback."""
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+from robotraj.witness import validate
+from robotraj.witness.simulation.local_error import windows_of
+
+
+def lengths(windows):
+    return [round(window[-1].end - window[0].begin, 9) for window in windows]
+
+
+def test_long_intervals_are_cut_and_short_ones_joined():
+    assert lengths(windows_of(np.array([0.0, 1.0]), 0.25)) == [0.25] * 4
+    assert lengths(windows_of(np.linspace(0.0, 1.0, 21), 0.1)) == [0.1] * 10
+    mixed = windows_of(np.array([0.0, 0.04, 0.08, 0.08, 0.3, 0.34]), 0.1)
+    np.testing.assert_allclose(lengths(mixed), [0.08, 0.22 / 3, 0.22 / 3, 0.22 / 3, 0.04], atol=1e-8)
+    assert [[span.interval for span in window] for window in mixed] == [[0, 1], [3], [3], [3], [4]]
+
+
+def pendulum():
+    model = pin.Model()
+    hinge = model.addJoint(0, pin.JointModelRY(), pin.SE3.Identity(), "hinge")
+    model.appendBodyToJoint(hinge, pin.Inertia(1.0, np.array([0.0, 0.0, 0.1]), np.zeros((3, 3))), pin.SE3.Identity())
+    return rt.load(model)
+
+
+@pytest.fixture(scope="module")
+def balanced():
+    """An inverted pendulum of 10 cm that leans to and fro for 4 s: open loop it multiplies errors by e^40."""
+    start, end = rt.State(q=[0.1], v=0), rt.State(q=[-0.1], v=0)
+    phase = rt.Phase(pendulum(), 4.0, start, end, rt.Effort(), limits=None)
+    return rt.plan(phase, rt.Mesh(60, rt.HermiteSimpson()), check=False)
+
+
+def test_an_unstable_plan_passes_though_it_drifts(balanced):
+    report = validate(balanced)
+    assert report.passed, str(report)
+    assert report.closed_loop.growth > 1e15 and report.closed_loop.reason is None
+    assert report.closed_loop.error.worst.relative < 1e-3
+    assert report.drift.worst.largest > 0.1
+    with pytest.raises(rt.ValidationFailed, match="Open loop, the simulation drifts"):
+        report.check(drift=1e-3)
+    assert "grows by a factor" in str(report)
+
+
+def test_a_torque_that_no_feedback_was_planned_for_shows_in_tracking(balanced, make):
+    (planned,) = balanced.phases
+    torque = planned.trajectory.u
+    pushed = replace(torque, values=[value + 3.0 for value in torque.values])
+    wrong = replace(planned, trajectory=replace(planned.trajectory, u=pushed))
+    report = validate(make.solution(wrong))
+    assert not report.passed
+    assert report.closed_loop.error["q.hinge"].largest > 0.1
+    with pytest.raises(rt.ValidationFailed, match="With feedback, the robot leaves the plan"):
+        report.check(local=1e9)
+
+
+def test_the_local_error_falls_with_the_order_of_the_scheme():
+    robot = pendulum()
+    errors = []
+    for count in (10, 20):
+        phase = rt.Phase(robot, 1.0, rt.State(q=[0.0], v=0), rt.State(q=[3.0], v=0), rt.Effort(), limits=None)
+        report = validate(rt.plan(phase, rt.Mesh(count, rt.HermiteSimpson()), check=False))
+        errors.append(report.local["q.hinge"].largest)
+    assert np.log2(errors[0] / errors[1]) > 2.5
+
+
+def test_what_there_was_no_time_for_is_named_and_is_no_pass(balanced):
+    report = validate(balanced, time_limit=0.0)
+    assert not report.passed and report.local is None and report.drift is None
+    (late,) = report.unchecked
+    assert "local error" in late and "tracking" in late and "limits and constraints" in late and "0.0 s" in late
+    assert "open-loop drift" in report.unseen and "no time for" in str(report)
+    with pytest.raises(rt.ValidationFailed, match="Not checked: limits and constraints"):
+        report.check()
+    assert validate(balanced, time_limit=None).passed
