@@ -70,15 +70,15 @@ class PiecewisePolynomial:
         """Interval of each time; a knot belongs to the interval on its right, the last knot to the last interval."""
         return np.clip(self.breaks.searchsorted(t, side="right") - 1, 0, len(self._lengths) - 1)
 
-    def __call__(self, t: Any, interval: int | None = None) -> Array:
+    def __call__(self, t: Any, interval: int | NDArray[np.int_] | None = None) -> Array:
         """Evaluate at times.
 
         Parameters
         ----------
         t : float or array (m,)
             Times [s].
-        interval : int, optional
-            Use the polynomial of this interval, for one-sided values at knots.
+        interval : int or array (m,), optional
+            Use the polynomial of this interval, or of one for each time: for one-sided values at knots.
 
         Returns
         -------
@@ -100,9 +100,9 @@ class PiecewisePolynomial:
                 out[chosen] = (weights[:, None, :] @ values[position[where[chosen]]])[:, 0]
         return out
 
-    def _at(self, t: float, interval: int | None) -> Array:
+    def _at(self, t: float, interval: int | NDArray[np.int_] | None) -> Array:
         """Evaluate at one time; simulations do so thousands of times."""
-        k = int(self.locate(t)) if interval is None else interval
+        k = int(self.locate(t) if interval is None else interval)
         length = self._lengths[k]
         sites = self.sites[k]
         return basis_at(sites, (t - self.breaks[k]) / length if length > 0 else 0.0) @ self.values[k]

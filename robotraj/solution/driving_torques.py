@@ -40,7 +40,7 @@ class DrivingTorques:
     def _rates(self) -> PiecewisePolynomial:
         return self.x.derivative()
 
-    def __call__(self, t: Any, interval: int | None = None) -> Array:
+    def __call__(self, t: Any, interval: int | NDArray[np.int_] | None = None) -> Array:
         """Evaluate at times.
 
         Parameters

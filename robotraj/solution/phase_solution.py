@@ -93,15 +93,15 @@ class PhaseSolution:
     def _rates(self) -> PiecewisePolynomial:
         return self.trajectory.x.derivative()
 
-    def at(self, t: Any, interval: int | None = None) -> Sample:
+    def at(self, t: Any, interval: int | NDArray[np.int_] | None = None) -> Sample:
         """Evaluate the collocated polynomials, and by inverse dynamics the torques of an exact motion.
 
         Parameters
         ----------
         t : float or array (m,)
             Global time [s] within the phase.
-        interval : int, optional
-            Use the polynomial of this interval, for one-sided values at knots.
+        interval : int or array (m,), optional
+            Use the polynomial of this interval, or of one for each time: for one-sided values at knots.
 
         Raises
         ------
@@ -120,7 +120,7 @@ class PhaseSolution:
         if times.ndim > 1:
             raise InputError(f"Times must be a number or a vector; got shape {times.shape}.")
         count = len(self.knots) - 1
-        if interval is not None and not 0 <= interval < count:
+        if interval is not None and not np.all((np.asarray(interval) >= 0) & (np.asarray(interval) < count)):
             raise InputError(f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}.")
         dae = self.phase.dae
         x, z, u = (curve(times, interval) for curve in (self.trajectory.x, self.trajectory.z, self.trajectory.u))

@@ -116,8 +116,8 @@ class PhaseSolutionLike(Protocol):
     def parameters(self) -> Mapping[str, float]:
         """Values of the phase's parameters."""
 
-    def at(self, t: Any, interval: int | None = None) -> Any:
-        """Evaluate the polynomials of an interval: a sample with q, v, a, tau, forces or x, u, z."""
+    def at(self, t: Any, interval: int | NDArray[np.int_] | None = None) -> Any:
+        """Evaluate the polynomials of an interval, or of one for each time: q, v, a, tau, forces or x, u, z."""
 
 
 class SolutionLike(Protocol):

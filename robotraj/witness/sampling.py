@@ -6,40 +6,78 @@ Source: Trefethen, Spectral Methods in MATLAB (2000), chapter 6.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
 
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 
+CHUNK = 16
+"""Intervals that are sampled at once: one call for many, and the clock is looked at in between."""
+
 
 class Stretch(NamedTuple):
-    """One interval of a phase: its index, ends [s] and sample times (m,)."""
+    """Some intervals of a phase, with samples of each.
 
-    interval: int
-    begin: float
-    end: float
-    times: Array
+    Attributes
+    ----------
+    intervals : ndarray (k,)
+        Their indices.
+    begins, ends : ndarray (k,)
+        [s].
+    sites : ndarray (m,)
+        Where each is sampled, in [0, 1].
+    """
+
+    intervals: NDArray[np.int_]
+    begins: Array
+    ends: Array
+    sites: Array
+
+    @property
+    def times(self) -> Array:
+        """Sample times (k m,) [s]."""
+        spread = self.begins[:, None] + (self.ends - self.begins)[:, None] * self.sites
+        return np.clip(spread, self.begins[:, None], self.ends[:, None]).ravel()
+
+    @property
+    def interval(self) -> NDArray[np.int_]:
+        """Interval (k m,) of each sample."""
+        return np.repeat(self.intervals, len(self.sites))
 
 
-def stretches(planned: PhaseSolutionLike, samples: int) -> Iterator[Stretch]:
-    """Intervals that have a length, sampled at ``samples`` Chebyshev-Lobatto points.
+def stretches(
+    planned: PhaseSolutionLike, samples: int, sites: Array | None = None, only: Collection[int] | None = None
+) -> Iterator[Stretch]:
+    """Intervals that have a length, some at a time, sampled at ``samples`` Chebyshev-Lobatto points each.
 
     On these points a polynomial of degree below ``samples`` is differentiated exactly by ``time_derivative``.
+
+    Parameters
+    ----------
+    sites : ndarray (m,), optional
+        Other places in [0, 1] to sample at.
+    only : collection of int, optional
+        The intervals to sample.
     """
     knots = np.asarray(planned.knots, dtype=float)
-    sites = 0.5 * (1.0 + chebyshev.chebpts2(samples))
-    for k, (begin, end) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
-        if end > begin:
-            yield Stretch(k, float(begin), float(end), np.clip(begin + (end - begin) * sites, begin, end))
+    places = 0.5 * (1.0 + chebyshev.chebpts2(samples)) if sites is None else sites
+    chosen = [k for k in range(len(knots) - 1) if knots[k + 1] > knots[k] and (only is None or k in only)]
+    for start in range(0, len(chosen), CHUNK):
+        part = np.array(chosen[start : start + CHUNK])
+        yield Stretch(part, knots[part], knots[part + 1], places)
 
 
 def time_derivative(values: Array, stretch: Stretch) -> Array:
-    """Differentiate the polynomials through values (m, n) at the times of a stretch."""
-    return _differentiation(len(stretch.times)) @ values * (2.0 / (stretch.end - stretch.begin))
+    """Differentiate the polynomials through values (k m, n) at the times of a stretch."""
+    count = len(stretch.sites)
+    by_interval = values.reshape(len(stretch.intervals), count, -1)
+    slopes = _differentiation(count) @ by_interval * (2.0 / (stretch.ends - stretch.begins))[:, None, None]
+    return np.asarray(slopes.reshape(values.shape))
 
 
 @lru_cache(maxsize=16)

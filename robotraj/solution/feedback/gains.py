@@ -73,8 +73,8 @@ class Gains:
     planned root and a rotation vector. e has 2 nv entries in the order of ``robot.velocity_names``, positions first.
 
     The gains minimise the integral of w^4 |e_q|^2 + w^2 |e_v|^2 + |Y u|^2, with w = 20 / s and Y u the acceleration
-    that a torque u gives the robot with its contacts. So every motor corrects in proportion to the inertia it moves.
-    Away from its end, a fully actuated plan gets K = M(q) (w^2, 1.7 w).
+    that a torque u gives the robot with its contacts. So every motor corrects in proportion to the inertia it moves: a
+    robot with a motor at every joint gets about K = M(q) (w^2, 1.7 w).
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ def gains_of(solution: PlanLike) -> Gains:
             raise InputError(f"Phase {planned.phase.name!r} has other joints than the first; gains need the same ones.")
     parts = [_pieces(planned) for planned in solution.phases]
     size = 2 * len(robots[0].velocity_names)
-    root = np.diag(_weight(size, 0.5))
+    root = np.asarray(np.kron(_endless(), np.eye(size // 2)), dtype=float)
     found: list[Array] = []
     for planned, part in reversed(list(zip(solution.phases, parts, strict=True))):
         root, gains = backwards(root, part.moves, part.weights)
@@ -173,28 +173,23 @@ def _pieces(planned: Any) -> _Pieces:
     robot = realised(planned)
     linearisation = Linearisation(robot, planned.phase.bound_contacts)
     knots = np.asarray(planned.knots, dtype=float)
-    times: list[float] = []
     moves: list[tuple[Array, Array]] = []
     weights: list[tuple[Array, Array]] = []
-    for k, (begin, end) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
-        if end <= begin:
-            continue
-        count = max(1, int(np.ceil((end - begin) / LONGEST_PIECE)))
-        length = (end - begin) / count
-        middles = begin + length * (np.arange(count) + 0.5)
-        sample = planned.at(middles, interval=k)
-        for t, q, v, tau in zip(middles, sample.q, sample.v, sample.tau, strict=True):
-            rate, push, consistent = _linear(linearisation, q, v, tau, planned.phase.name, float(t))
-            step, inputs = transition(rate, push, length)
-            nv = len(v)
-            effect = push[nv:]
-            sizes = np.sqrt(IDLE) * np.maximum(np.linalg.norm(effect, axis=0), np.finfo(float).tiny ** 0.5)
-            moves.append((step @ consistent, inputs))
-            weights.append(
-                (np.sqrt(length) * _weight(2 * nv, 1.0), np.sqrt(length) * np.vstack([effect, np.diag(sizes)]))
-            )
-            times.append(float(t))
-    return _Pieces(np.array(times), moves, weights)
+    spans = [(k, a, b) for k, (a, b) in enumerate(zip(knots[:-1], knots[1:], strict=True)) if b > a]
+    counts = [max(1, int(np.ceil((b - a) / LONGEST_PIECE))) for _, a, b in spans]
+    lengths = np.repeat([(b - a) / n for (_, a, b), n in zip(spans, counts, strict=True)], counts)
+    places = [a + (b - a) * (np.arange(n) + 0.5) / n for (_, a, b), n in zip(spans, counts, strict=True)]
+    middles = np.concatenate(places)
+    sample = planned.at(middles, interval=np.repeat([k for k, _, _ in spans], counts))
+    for t, length, q, v, tau in zip(middles, lengths, sample.q, sample.v, sample.tau, strict=True):
+        rate, push, consistent = _linear(linearisation, q, v, tau, planned.phase.name, float(t))
+        step, inputs = transition(rate, push, length)
+        nv = len(v)
+        effect = push[nv:]
+        sizes = np.sqrt(IDLE) * np.maximum(np.linalg.norm(effect, axis=0), np.finfo(float).tiny ** 0.5)
+        moves.append((step @ consistent, inputs))
+        weights.append((np.sqrt(length) * _weight(2 * nv), np.sqrt(length) * np.vstack([effect, np.diag(sizes)])))
+    return _Pieces(middles, moves, weights)
 
 
 def _linear(
@@ -216,10 +211,16 @@ def _linear(
     return found
 
 
-def _weight(size: int, power: float) -> Array:
-    """Root of the cost of a deviation (size,): w^2 for positions and w for velocities, to a power."""
+def _weight(size: int) -> Array:
+    """Root of the cost of a deviation (size,): w^2 for positions and w for velocities."""
     half = size // 2
-    return np.concatenate([np.full(half, BANDWIDTH ** (1.0 + power)), np.full(half, BANDWIDTH**power)])
+    return np.concatenate([np.full(half, BANDWIDTH**2), np.full(half, BANDWIDTH)])
+
+
+def _endless() -> Array:
+    """Root (2, 2) of the cost at the end: what it costs to hold one coordinate, driven by itself, from there on."""
+    cost = [[np.sqrt(3.0) * BANDWIDTH**3, BANDWIDTH**2], [BANDWIDTH**2, np.sqrt(3.0) * BANDWIDTH]]
+    return np.asarray(np.linalg.cholesky(np.array(cost)).T)
 
 
 def _growth(phases: Sequence[Sequence[tuple[Array, Array]]], size: int) -> list[Array]:

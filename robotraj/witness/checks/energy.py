@@ -69,25 +69,26 @@ def energy_of(
     work = dissipated = change = moved = 0.0
     worst, time = 0.0, float(planned.knots[0])
     kinetic: list[float] = []
-    for stretch in stretches(planned, 2):
+    for stretch in stretches(planned, samples, 0.5 * (nodes + 1.0)):
         clock()
-        half = 0.5 * (stretch.end - stretch.begin)
-        sample = planned.at(stretch.begin + half * (nodes + 1.0), interval=stretch.interval)
-        power = np.einsum("mi,mi->m", sample.tau @ actuation.T, sample.v)
+        half, shape = 0.5 * (stretch.ends - stretch.begins), (len(stretch.intervals), samples)
+        sample = planned.at(stretch.times, interval=stretch.interval)
+        power = np.einsum("mi,mi->m", sample.tau @ actuation.T, sample.v).reshape(shape)
         loss = np.array([robot.dissipation(v) @ v for v in sample.v])
         if sliding:
             pushes = [stance.torques(q, forces_in(sample, sliding, i)) for i, q in enumerate(sample.q)]
             loss -= np.einsum("mi,mi->m", np.array(pushes), sample.v)
         inside = zip(sample.q, sample.v, strict=True)
         kinetic += [pin.computeKineticEnergy(robot.model, data, q, v) for q, v in inside]
-        ends = planned.at(stretch.times, interval=stretch.interval)
-        before, after = (_total(robot, data, q, v) for q, v in zip(ends.q, ends.v, strict=True))
-        terms = half * (weights @ power), half * (weights @ loss), after - before
-        work, dissipated, change = work + terms[0], dissipated + terms[1], change + terms[2]
-        moved += half * (weights @ np.abs(power))
-        imbalance = abs(terms[0] - terms[1] - terms[2])
-        if not imbalance <= worst:
-            worst, time = imbalance, stretch.begin
+        ends = stretch._replace(sites=np.array([0.0, 1.0]))
+        there = planned.at(ends.times, interval=ends.interval)
+        totals = np.array([_total(robot, data, q, v) for q, v in zip(there.q, there.v, strict=True)])
+        terms = half * (power @ weights), half * (loss.reshape(shape) @ weights), totals[1::2] - totals[::2]
+        work, dissipated, change = work + terms[0].sum(), dissipated + terms[1].sum(), change + terms[2].sum()
+        moved += np.sum(half * (np.abs(power) @ weights))
+        imbalances = np.nan_to_num(np.abs(terms[0] - terms[1] - terms[2]), nan=np.inf)
+        if (largest := np.max(imbalances)) > worst:
+            worst, time = float(largest), float(stretch.begins[np.argmax(imbalances)])
     scale = max(moved, abs(dissipated), max(kinetic, default=0.0) - min(kinetic, default=0.0))
     return Energy(float(work), float(dissipated), float(change), float(scale), float(worst), time)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
@@ -66,13 +65,12 @@ def residual_of(planned: PhaseSolutionLike, samples: int, clock: Callable[[], No
 
 def _jumps(planned: PhaseSolutionLike) -> dict[str, Peak]:
     """Compare both ends of the polynomials that meet at each knot."""
-    plant = plant_of(planned)
-    ends = [(s.begin, plant.states(s.times, s.interval)) for s in stretches(planned, 2)]
-    if len(ends) < 2:
+    plant, knots = plant_of(planned), np.asarray(planned.knots, dtype=float)
+    used = np.flatnonzero(np.diff(knots) > 0.0)
+    if len(used) < 2:
         return {}
-    meet = list(pairwise(ends))
-    gaps = plant.gaps(np.array([after[0] for _, (_, after) in meet]), np.array([before[-1] for (_, before), _ in meet]))
-    times = np.array([begin for begin, _ in ends[1:]])
+    times = knots[used[1:]]
+    gaps = plant.gaps(plant.states(times, used[1:]), plant.states(times, used[:-1]))
     return peaks(plant.gap_names, plant.gap_units, times, gaps, planned.phase.name)
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -21,6 +22,9 @@ from robotraj.witness.simulation.plant import RATE_UNITS, columns
 
 SOLVER_NOISE = 1e-6
 """Amounts below this, relative to max(1, |limit|), are a solver's tolerance and are not listed."""
+
+FEW_SAMPLES = 9
+"""Points of every interval at which constraints are evaluated; where they come nearest to their bounds, more are."""
 
 ACCELERATION_UNITS = {"rad": "rad/s^2", "m": "m/s^2"}
 
@@ -84,6 +88,13 @@ class Watch:
         self.times.append(times)
         self.values.append(values)
 
+    @property
+    def nearest(self) -> float:
+        """Time [s] at which the row comes nearest to one of its bounds, or breaks it most."""
+        values, times = np.concatenate(self.values), np.concatenate(self.times)
+        excess = np.maximum(values - float(self.row.upper), float(self.row.lower) - values)
+        return float(times[np.argmax(np.nan_to_num(excess, nan=np.inf))])
+
     def worst(self, phase: str) -> Violation | None:
         """Return the largest violation, None if the row holds."""
         values, times = np.concatenate(self.values), np.concatenate(self.times)
@@ -129,19 +140,41 @@ def violations_of(
         c for c in phase.bound_constraints if c.name not in contacts and not all(_key(row) in checked for row in c.rows)
     ]
     throughout = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where is Where.THROUGHOUT]
-    for stretch in stretches(planned, samples):
-        clock()
-        sample = planned.at(stretch.times, interval=stretch.interval)
-        for watch, (_, read) in zip(watched, limits, strict=True):
-            watch.see(stretch.times, read(sample))
-        if throughout:
-            _see(throughout, stretch.times, _points(planned, stretch.times, stretch.interval))
+    if limits:
+        for stretch in stretches(planned, samples):
+            sample = planned.at(stretch.times, interval=stretch.interval)
+            for watch, (_, read) in zip(watched, limits, strict=True):
+                watch.see(stretch.times, read(sample))
+    if throughout:
+        _see_throughout(planned, throughout, samples, clock)
     ends = [(0, Where.START, phase.start_bounds), (-1, Where.END, phase.end_bounds)]
     at_ends = [entry for end in ends for entry in _at_end(planned, bound, *end)]
     at_ends += _integrals(planned, [c for c in bound if c.where is Where.INTEGRAL], samples)
     every = watched + [watch for _, watches in throughout for watch in watches] + at_ends
     found = [watch.worst(phase.name) for watch in every if watch.values]
     return tuple(sorted((v for v in found if v is not None), key=lambda v: -v.relative))
+
+
+def _see_throughout(
+    planned: PhaseSolutionLike,
+    entries: Sequence[tuple[Any, list[Watch]]],
+    samples: int,
+    clock: Callable[[], None],
+) -> None:
+    """Look at a few points of every interval, and at many of those in which a row comes nearest to its bounds."""
+
+    def see(count: int, only: Collection[int] | None = None) -> None:
+        for stretch in stretches(planned, count, only=only):
+            clock()
+            _see(entries, stretch.times, _points(planned, stretch.times, stretch.interval))
+
+    see(min(FEW_SAMPLES, samples))
+    if samples > FEW_SAMPLES:
+        knots = np.asarray(planned.knots, dtype=float)
+        nearest = np.array([watch.nearest for _, watches in entries for watch in watches])
+        after = np.searchsorted(knots, nearest, side="right") - 1
+        before = np.searchsorted(knots, nearest, side="left") - 1
+        see(samples, {int(k) for k in (*after, *before)})
 
 
 def _key(row: Row) -> tuple[str, str | None, float, float]:
@@ -174,8 +207,8 @@ def _column(kind: str, index: int) -> Callable[[Any], Array]:
     return lambda sample: np.asarray(getattr(sample, kind)[:, index])
 
 
-def _points(planned: PhaseSolutionLike, times: Array, interval: int) -> list[Any]:
-    """Wrap the plan at times of one interval as user expressions read it."""
+def _points(planned: PhaseSolutionLike, times: Array, interval: int | NDArray[np.int_]) -> list[Any]:
+    """Wrap the plan at times of one interval each as user expressions read it."""
     sample, phase = planned.at(times, interval=interval), planned.phase
     if phase.robot is not None:
         robot = realised(planned)

@@ -26,6 +26,9 @@ FORCE_NOISE = 1e-6
 
 GRAVITY = 9.81
 
+MOST_SAMPLES = 9
+"""Points of an interval at which contacts are looked at: planned polynomials have no more extremes than that."""
+
 
 @dataclass(frozen=True)
 class Holding:
@@ -83,7 +86,7 @@ def holding_of(
     watched = [_Watched(contact, stance, i) for i, contact in enumerate(phase.bound_contacts)]
     actuation = np.asarray(stance.robot.actuation, dtype=float)
     data = stance.robot.model.createData()
-    for stretch in stretches(planned, samples):
+    for stretch in stretches(planned, min(samples, MOST_SAMPLES)):
         clock()
         sample = planned.at(stretch.times, interval=stretch.interval)
         for i, t in enumerate(stretch.times):
@@ -98,7 +101,7 @@ def holding_of(
             for watch in watched:
                 name = watch.contact.name
                 # Forces of contacts that come and go act over an interval: they are what they are at its end.
-                if watch.contact.holds or i == len(stretch.times) - 1:
+                if watch.contact.holds or (i + 1) % len(stretch.sites) == 0:
                     watch.see(instant, float(t), gaps[name], forces[name], None if solved is None else solved[name])
     return tuple(watch.result(phase.name) for watch in watched)
 

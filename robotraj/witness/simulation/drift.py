@@ -79,10 +79,7 @@ class Drift(Mapping[str, DriftRow]):
 
 def drift_of(plant: Plant, motion: Motion, phase: str) -> tuple[DriftRow, ...]:
     """Compare a simulated phase with its plan, state by state."""
-    planned = np.empty_like(motion.states)
-    for k in np.unique(motion.intervals):
-        chosen = motion.intervals == k
-        planned[chosen] = plant.states(motion.times[chosen], int(k))
+    planned = plant.states(motion.times, motion.intervals)
     gaps = np.nan_to_num(np.abs(plant.gaps(motion.states, planned)), nan=np.inf)
     peaks = np.nan_to_num(np.abs(planned), nan=0.0).max(axis=0)
     rows = zip(plant.gap_names, plant.gap_units, plant.scales(peaks), strict=True)

@@ -135,11 +135,7 @@ def _ends(plant: Plant, windows: Sequence[Sequence[Span]], side: int) -> Array:
     """Planned states (m, n) at the beginnings (0) or ends (-1) of windows."""
     spans = [window[side] for window in windows]
     times = np.array([span.begin if side == 0 else span.end for span in spans])
-    found = np.empty((len(spans), len(plant.names)))
-    for k in dict.fromkeys(span.interval for span in spans):
-        chosen = [i for i, span in enumerate(spans) if span.interval == k]
-        found[chosen] = plant.states(times[chosen], k)
-    return found
+    return plant.states(times, np.array([span.interval for span in spans]))
 
 
 def _row(name: str, unit: str, gaps: Array, scales: Array, times: Array, phase: str) -> DriftRow:

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 import pinocchio as pin
 import scipy
+from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
@@ -72,7 +73,7 @@ class Plant(Protocol):
     gap_names: tuple[str, ...]
     gap_units: tuple[str, ...]
 
-    def states(self, times: Array, interval: int | None = None) -> Array:
+    def states(self, times: Array, interval: int | NDArray[np.int_] | None = None) -> Array:
         """Planned states (m, n) at times (m,)."""
         ...
 
@@ -146,7 +147,7 @@ class RobotPlant:
         self._stance = Stance(robot, contacts, planned.parameters) if contacts else None
         self._loose = [contact for contact in contacts if not contact.holds]
 
-    def states(self, times: Array, interval: int | None = None) -> Array:
+    def states(self, times: Array, interval: int | NDArray[np.int_] | None = None) -> Array:
         """Planned (q, v), (m, nq + nv)."""
         sample = self._planned.at(times, interval=interval)
         return np.hstack([sample.q, sample.v])
@@ -267,7 +268,7 @@ class SystemPlant:
         self.gap_units = tuple(s.unit for s in self._system.states)
         self._planned = planned
 
-    def states(self, times: Array, interval: int | None = None) -> Array:
+    def states(self, times: Array, interval: int | NDArray[np.int_] | None = None) -> Array:
         """Planned states (m, n)."""
         return columns(self._planned.at(times, interval=interval).x, self.names, len(times))
 
