@@ -2,7 +2,6 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "riccati_solver.hpp"
-#include "stage_parts.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -16,16 +15,13 @@ namespace robotraj::native {
 
 namespace {
 
-using Info = StageMatrices::Info;
-
 /// A program's matrices and the solver of its systems; rows are [dynamics, equalities, inequalities].
 class StageSystem {
  public:
   StageSystem(const Indices& controls, const Indices& states, const Indices& equalities, const Indices& inequalities,
               const Pattern& jacobian, const Pattern& hessian, const std::string& processor)
-      : info_(fatrop::ProblemDims<fatrop::OcpType>(static_cast<int>(states.size()), sizes(controls), sizes(states),
-                                                   sizes(equalities), sizes(inequalities))),
-        matrices_(info_, jacobian, hessian, riccati_kernels_of(processor)),
+      : layout_(Stages{sizes(controls), sizes(states), sizes(equalities), sizes(inequalities)}),
+        matrices_(layout_, jacobian, hessian, riccati_kernels_of(processor)),
         solver_(matrices_),
         jacobian_(matrices_.empty_jacobian()),
         hessian_(matrices_.empty_hessian()) {}
@@ -38,51 +34,49 @@ class StageSystem {
   nb::tuple solve(const std::optional<Doubles>& dx, const std::optional<Doubles>& de, const Doubles& ds,
                   const Doubles& f, const Doubles& g) {
     Numbers z(columns()), lam(rows());
-    const Numbers residuals = reordered(checked(g, rows(), "g"), true);
+    const double* residuals = checked(g, rows(), "g");
     const RiccatiSolver::System system{dx ? checked(*dx, columns(), "dx") : nullptr,
                                        de ? de->data() : nullptr,
                                        ds.data(),
                                        checked(f, columns(), "f"),
-                                       residuals.data(),
-                                       residuals.data() + info_.offset_g_eq_slack,
+                                       residuals,
+                                       residuals + layout_.inequality_rows,
                                        z.data(),
                                        lam.data()};
     Pivots pivots = Pivots::good;
     if (dx) pivots = solver_.factorise_and_solve(jacobian_, hessian_, system);
     else solver_.solve(jacobian_, system);
     const char* const names[] = {"good", "indefinite", "dependent"};
-    return nb::make_tuple(names[static_cast<int>(pivots)], to_numpy(std::move(z)),
-                          to_numpy(reordered(lam.data(), false)));
+    return nb::make_tuple(names[static_cast<int>(pivots)], to_numpy(std::move(z)), to_numpy(std::move(lam)));
   }
 
   /// What z and lam leave, and the greatest of it but for the inequalities.
   nb::tuple residual(const Doubles& dx, const std::optional<Doubles>& de, const Doubles& f, const Doubles& g,
                      const Doubles& z, const Doubles& lam) {
     Numbers step(checked(z, columns(), "z"), z.data() + z.size());
-    Numbers residuals = reordered(checked(g, rows(), "g"), true);
-    Numbers multipliers = reordered(checked(lam, rows(), "lam"), true);
+    Numbers multipliers(checked(lam, rows(), "lam"), lam.data() + lam.size());
+    const double* residuals = checked(g, rows(), "g");
     Numbers gradient(columns()), left(rows());
     const double greatest = solver_.residual(jacobian_, hessian_,
                                              {checked(dx, columns(), "dx"), de ? de->data() : nullptr, nullptr,
-                                              checked(f, columns(), "f"), residuals.data(),
-                                              residuals.data() + info_.offset_g_eq_slack, step.data(),
+                                              checked(f, columns(), "f"), residuals,
+                                              residuals + layout_.inequality_rows, step.data(),
                                               multipliers.data()},
                                              0, matrices_.count(),
-                                             {gradient.data(), left.data() + info_.offset_g_eq_dyn,
-                                              left.data() + info_.offset_g_eq_path,
-                                              left.data() + info_.offset_g_eq_slack});
-    return nb::make_tuple(to_numpy(std::move(gradient)), to_numpy(reordered(left.data(), false)), greatest);
+                                             {gradient.data(), left.data(),
+                                              left.data() + layout_.equality_rows,
+                                              left.data() + layout_.inequality_rows});
+    return nb::make_tuple(to_numpy(std::move(gradient)), to_numpy(std::move(left)), greatest);
   }
 
   Result jacobian_times(const Doubles& x) const {
     Numbers out(rows());
     matrices_.jacobian_times(jacobian_, checked(x, columns(), "x"), 0.0, out.data(), out.data());
-    return to_numpy(reordered(out.data(), false));
+    return to_numpy(std::move(out));
   }
   Result transposed_times(const Doubles& lam) const {
     Numbers out(columns());
-    const Numbers rows_in_order = reordered(checked(lam, rows(), "lam"), true);
-    matrices_.transposed_times(jacobian_, rows_in_order.data(), 0.0, out.data(), out.data());
+    matrices_.transposed_times(jacobian_, checked(lam, rows(), "lam"), 0.0, out.data(), out.data());
     return to_numpy(std::move(out));
   }
   Result hessian_times(const Doubles& x) const {
@@ -92,25 +86,11 @@ class StageSystem {
   }
 
  private:
-  static std::vector<fatrop::Index> sizes(const Indices& array) { return {array.data(), array.data() + array.size()}; }
-  std::size_t columns() const { return static_cast<std::size_t>(info_.number_of_primal_variables); }
-  std::size_t rows() const { return static_cast<std::size_t>(info_.number_of_eq_constraints); }
+  static std::vector<int> sizes(const Indices& array) { return {array.data(), array.data() + array.size()}; }
+  std::size_t columns() const { return static_cast<std::size_t>(layout_.columns); }
+  std::size_t rows() const { return static_cast<std::size_t>(layout_.rows); }
 
-  /// Rows into fatrop's order, or back.
-  Numbers reordered(const double* from, bool into) const {
-    Numbers to(rows());
-    int at = 0;
-    const auto part = [&](int count, int offset) {
-      std::copy_n(from + (into ? at : offset), count, to.data() + (into ? offset : at));
-      at += count;
-    };
-    part(info_.number_of_g_eq_dyn, info_.offset_g_eq_dyn);
-    part(info_.number_of_g_eq_path, info_.offset_g_eq_path);
-    part(info_.number_of_g_eq_slack, info_.offset_g_eq_slack);
-    return to;
-  }
-
-  Info info_;
+  Layout layout_;
   StageMatrices matrices_;
   RiccatiSolver solver_;
   StageValues jacobian_, hessian_;
@@ -119,7 +99,6 @@ class StageSystem {
 }  // namespace
 
 void bind_stage_system(nb::module_& m) {
-  m.def("takes_over", &StageParts::take_over);
   nb::class_<StageSystem>(m, "StageSystem")
       .def(
           "__init__",

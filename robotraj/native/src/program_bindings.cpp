@@ -1,14 +1,13 @@
 // The program and its solver from Python.
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "solver.hpp"
+#include "interior_point/solver.hpp"
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <atomic>
@@ -21,6 +20,12 @@ namespace nb = nanobind;
 namespace robotraj::native {
 
 namespace {
+
+using interior_point::Options;
+using interior_point::Outcome;
+using interior_point::Solver;
+using interior_point::Start;
+using interior_point::Stop;
 
 /// A program with the solver that is kept for it.
 struct Solved {
@@ -44,7 +49,7 @@ class Alone {
   std::atomic<bool>& busy_;
 };
 
-std::vector<fatrop::Index> sizes(const Indices& array, const char* name) {
+std::vector<int> sizes(const Indices& array, const char* name) {
   for (std::size_t i = 0; i < array.size(); ++i)
     if (array.data()[i] < 0) throw std::invalid_argument(std::string(name) + " has a negative size");
   return {array.data(), array.data() + array.size()};
@@ -63,8 +68,6 @@ class Check {
     if (callback_.is_none() && seconds(now - looked_) < 0.05) return;
     looked_ = now;
     nb::gil_scoped_acquire held;
-    // Python may solve with fatrop itself meanwhile, in CasADi.
-    const StageParts::Lent idle(nullptr);
     bool stop = false;
     try {
       if (PyErr_CheckSignals() != 0) throw nb::python_error();
@@ -95,9 +98,9 @@ const double* given(const Optional& array, std::size_t length, const char* name)
 }
 
 Outcome solve(Solved& self, const Doubles& y, const Doubles& lower, const Doubles& upper, const Options& options,
-              const Optional& lam, const Optional& lower_duals, const Optional& upper_duals, double mu,
+              const Optional& lam, const Optional& lower_duals, const Optional& upper_duals,
               double objective_scale, nb::object callback, double time_limit) {
-  const std::size_t slacks = self.solver->nlp().lower.size();
+  const std::size_t slacks = static_cast<std::size_t>(self.solver->slacks());
   Start start;
   start.y = checked(y, self.program->columns(), "y");
   start.lower = checked(lower, slacks, "lower");
@@ -105,7 +108,6 @@ Outcome solve(Solved& self, const Doubles& y, const Doubles& lower, const Double
   start.lam = given(lam, self.program->rows(), "lam");
   start.lower_duals = given(lower_duals, slacks, "lower_duals");
   start.upper_duals = given(upper_duals, slacks, "upper_duals");
-  start.mu = mu;
   start.objective_scale = objective_scale;
   const Alone alone(self.busy);
   Check check(std::move(callback), time_limit);
@@ -124,7 +126,42 @@ Result copy(const Numbers& values) { return to_numpy(values); }
 
 }  // namespace
 
+/// Options by their names; what is not named keeps its default.
+static void set_options(Options* self, const nb::kwargs& given) {
+  new (self) Options();
+  const nb::object mine = nb::cast(self, nb::rv_policy::reference);
+  for (const auto& [name, value] : given) {
+    if (!nb::hasattr(mine, name))
+      throw std::invalid_argument(std::string("there is no option '") + nb::cast<std::string>(name) + "'");
+    nb::setattr(mine, name, value);
+  }
+}
+
+static void bind_options(nb::module_& m) {
+  nb::class_<Options>(m, "Options")
+      .def("__init__", set_options)
+      .def_rw("tolerance", &Options::tolerance)
+      .def_rw("acceptable_tolerance", &Options::acceptable_tolerance)
+      .def_rw("acceptable_iterations", &Options::acceptable_iterations)
+      .def_rw("violation_tolerance", &Options::violation_tolerance)
+      .def_rw("max_iterations", &Options::max_iterations)
+      .def_rw("processor_limit", &Options::processor_limit)
+      .def_rw("initial_barrier", &Options::initial_barrier)
+      .def_rw("barrier_factor", &Options::barrier_factor)
+      .def_rw("barrier_decrease", &Options::barrier_decrease)
+      .def_rw("barrier_power", &Options::barrier_power)
+      .def_rw("adaptive_barrier", &Options::adaptive_barrier)
+      .def_rw("bound_relaxation", &Options::bound_relaxation)
+      .def_rw("bound_push", &Options::bound_push)
+      .def_rw("bound_fraction", &Options::bound_fraction)
+      .def_rw("elimination_tolerance", &Options::elimination_tolerance)
+      .def_rw("pivot_tolerance", &Options::pivot_tolerance)
+      .def_rw("first_correction", &Options::first_correction)
+      .def_rw("row_correction", &Options::row_correction);
+}
+
 void bind_program(nb::module_& m) {
+  bind_options(m);
   nb::class_<Term>(m, "Term")
       .def(
           "__init__",
@@ -188,11 +225,11 @@ void bind_program(nb::module_& m) {
           nb::arg("offset"), nb::arg("cost"), nb::arg("cost_offset"), nb::arg("jacobian_rows"),
           nb::arg("jacobian_columns"), nb::arg("jacobian_constants"), nb::arg("hessian_rows"),
           nb::arg("hessian_columns"), nb::arg("terms"), nb::arg("threads") = 1)
-      .def_prop_ro("option_names", [](const Solved& self) { return self.solver->option_names(); })
+      .def_prop_ro("iterate", [](const Solved& self) { return to_numpy(self.solver->iterate()); }, nb::rv_policy::move)
       .def_prop_ro("threads", [](const Solved& self) { return self.program->threads(); })
       .def("solve", solve, nb::arg("y"), nb::arg("lower"), nb::arg("upper"), nb::arg("options") = Options(),
            nb::kw_only(), nb::arg("lam") = nb::none(), nb::arg("lower_duals") = nb::none(),
-           nb::arg("upper_duals") = nb::none(), nb::arg("mu") = 0.0, nb::arg("objective_scale") = 1.0,
+           nb::arg("upper_duals") = nb::none(), nb::arg("objective_scale") = 1.0,
            nb::arg("callback") = nb::none(),
            nb::arg("time_limit") = std::numeric_limits<double>::infinity())
       .def(

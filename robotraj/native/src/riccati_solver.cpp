@@ -15,20 +15,20 @@ std::size_t factor_size(int nu, int nx) {
 
 RiccatiSolver::RiccatiSolver(const StageMatrices& matrices)
     : matrices_(matrices), run_(matrices.run()), start_{} {
-  const auto& dims = matrices.info().dims;
+  const Layout& layout = matrices.layout();
   int n = 1, rows = 1;
-  std::size_t size = factor_size(dims.number_of_states[0], 0);
+  std::size_t size = factor_size(layout.states[0], 0);
   for (std::size_t k = 0; k < matrices.count(); ++k) {
-    const int nu = dims.number_of_controls[k], nx = dims.number_of_states[k];
+    const int nu = layout.controls[k], nx = layout.states[k];
     size += factor_size(nu, nx);
-    n = std::max({n, nu + nx, k + 1 < matrices.count() ? dims.number_of_states[k + 1] : 0});
-    rows = std::max({rows, dims.number_of_eq_constraints[k], dims.number_of_ineq_constraints[k]});
+    n = std::max({n, nu + nx, k + 1 < matrices.count() ? layout.states[k + 1] : 0});
+    rows = std::max({rows, layout.equalities[k], layout.inequalities[k]});
   }
   block_.resize(size);
   double* at = block_.data();
   for (std::size_t k = 0; k < matrices.count(); ++k)
-    factors_.push_back(make_factor(dims.number_of_controls[k], dims.number_of_states[k], at));
-  start_ = make_factor(dims.number_of_states[0], 0, at);
+    factors_.push_back(make_factor(layout.controls[k], layout.states[k], at));
+  start_ = make_factor(layout.states[0], 0, at);
   eliminations_.resize(matrices.count() + 1);
 
   const auto ld = static_cast<std::size_t>(padded(n)), length = static_cast<std::size_t>(padded(std::max(n, rows)));
@@ -71,17 +71,17 @@ void RiccatiSolver::make_room(std::size_t index, StageFactor& factor, int most) 
 }
 
 StageVectors RiccatiSolver::vectors(std::size_t k, const System& system) const {
-  const auto& info = matrices_.info();
-  const auto equalities = info.offsets_g_eq_path[k], inequalities = info.offsets_g_eq_slack[k];
-  const auto dynamics = k + 1 < matrices_.count() ? info.offsets_g_eq_dyn[k] : 0;
-  const auto first = info.offsets_primal_u[k];
+  const Layout& layout = matrices_.layout();
+  const auto equalities = layout.first_equality[k], inequalities = layout.first_inequality[k];
+  const auto dynamics = k + 1 < matrices_.count() ? layout.first_dynamics[k] : 0;
+  const auto first = layout.first_column[k];
   return {system.f + first,
           system.g + dynamics,
           system.g + equalities,
-          system.inequalities + info.offsets_slack[k],
+          system.inequalities + layout.first_slack[k],
           system.dx ? system.dx + first : nullptr,
-          system.de ? system.de + (equalities - info.offset_g_eq_path) : nullptr,
-          system.ds ? system.ds + info.offsets_slack[k] : nullptr,
+          system.de ? system.de + (equalities - layout.equality_rows) : nullptr,
+          system.ds ? system.ds + layout.first_slack[k] : nullptr,
           system.z + first,
           system.lam + dynamics,
           system.lam + equalities,
@@ -117,10 +117,10 @@ void RiccatiSolver::solve(const StageValues& jacobian, const System& system) {
 }
 
 void RiccatiSolver::forward(const StageValues& jacobian, const System& system, Along* along) {
-  const auto& info = matrices_.info();
-  run_.forward_start(start_, system.z + info.offsets_primal_x[0], left_.data(), memory_);
+  const Layout& layout = matrices_.layout();
+  run_.forward_start(start_, system.z + layout.first_state[0], left_.data(), memory_);
   for (std::size_t k = 0; k < matrices_.count(); ++k) {
-    double* next_state = next(k) ? system.z + info.offsets_primal_x[k + 1] : nullptr;
+    double* next_state = next(k) ? system.z + layout.first_state[k + 1] : nullptr;
     run_.forward_stage(matrices_.view(k, &jacobian, nullptr), vectors(k, system), factors_[k], next(k), next_state,
                        left_.data(), memory_);
     if (along && ends_part(k)) along->after(k - k % Along::at_a_time, k + 1);
@@ -129,13 +129,13 @@ void RiccatiSolver::forward(const StageValues& jacobian, const System& system, A
 
 double RiccatiSolver::residual(const StageValues& jacobian, const StageValues& hessian, const System& system,
                                std::size_t begin, std::size_t end, StageResidual left) {
-  const auto& info = matrices_.info();
+  const Layout& layout = matrices_.layout();
   double most = 0.0;
   const double* before = begin > 0 ? vectors(begin - 1, system).lam_dynamics : nullptr;
   for (std::size_t k = begin; k < end; ++k) {
     const StageVectors at = vectors(k, system);
     const StageView stage = matrices_.view(k, &jacobian, &hessian);
-    const double* next_state = next(k) ? system.z + info.offsets_primal_x[k + 1] : nullptr;
+    const double* next_state = next(k) ? system.z + layout.first_state[k + 1] : nullptr;
     most = std::max(most, run_.residual_stage(stage, at, before, next_state, left, memory_));
     before = at.lam_dynamics;
     left.gradient += stage.nu + stage.nx;

@@ -31,9 +31,9 @@ bool StageMatrices::Shape::operator==(const Shape& other) const {
          inequalities == other.inequalities;
 }
 
-StageMatrices::StageMatrices(const Info& info, const Pattern& jacobian, const Pattern& hessian,
+StageMatrices::StageMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian,
                              const RiccatiKernels& run)
-    : info_(info), run_(run), jacobian_entries_(jacobian.size()), hessian_entries_(hessian.size()) {
+    : layout_(layout), run_(run), jacobian_entries_(jacobian.size()), hessian_entries_(hessian.size()) {
   const auto by_rows = [](const Pattern& pattern) {
     for (std::size_t e = 1; e < pattern.size(); ++e)
       if (pattern.rows[e] < pattern.rows[e - 1] ||
@@ -43,7 +43,7 @@ StageMatrices::StageMatrices(const Info& info, const Pattern& jacobian, const Pa
   };
   if (!by_rows(jacobian) || !by_rows(hessian))
     throw std::invalid_argument("derivatives of stages come by rows, each from the first column to the last");
-  stages_.resize(static_cast<std::size_t>(info.dims.K));
+  stages_.resize(layout.count());
   place_jacobian(jacobian);
   place_hessian(hessian);
   constexpr auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
@@ -97,17 +97,16 @@ StageMatrices::RowPattern StageMatrices::pattern_of(const std::vector<Entry>& en
 }
 
 void StageMatrices::place_jacobian(const Pattern& pattern) {
-  const auto& dims = info_.dims;
-  const std::size_t count = stages_.size();
+    const std::size_t count = stages_.size();
   // Rows are [dynamics, equalities, inequalities], each stage after stage; where those of each kind and stage begin.
   std::array<std::vector<std::int32_t>, 3> first_row;
   std::int32_t row = 0;
   for (std::size_t kind = 0; kind < 3; ++kind)
     for (std::size_t k = 0; k < count; ++k) {
       first_row[kind].push_back(row);
-      row += kind == 0 ? (k + 1 < count ? dims.number_of_states[k + 1] : 0)
-             : kind == 1 ? dims.number_of_eq_constraints[k]
-                         : dims.number_of_ineq_constraints[k];
+      row += kind == 0 ? (k + 1 < count ? layout_.states[k + 1] : 0)
+             : kind == 1 ? layout_.equalities[k]
+                         : layout_.inequalities[k];
     }
   const auto begin_of = [&](std::int32_t first) {
     return static_cast<std::size_t>(std::lower_bound(pattern.rows.begin(), pattern.rows.end(), first) -
@@ -118,13 +117,13 @@ void StageMatrices::place_jacobian(const Pattern& pattern) {
   std::vector<Entry> entries;
   for (std::size_t k = 0; k < count; ++k) {
     Shape shape;
-    shape.nu = dims.number_of_controls[k];
-    shape.nx = dims.number_of_states[k];
-    shape.next = k + 1 < count ? dims.number_of_states[k + 1] : 0;
-    shape.equality_count = dims.number_of_eq_constraints[k];
-    shape.inequality_count = dims.number_of_ineq_constraints[k];
+    shape.nu = layout_.controls[k];
+    shape.nx = layout_.states[k];
+    shape.next = k + 1 < count ? layout_.states[k + 1] : 0;
+    shape.equality_count = layout_.equalities[k];
+    shape.inequality_count = layout_.inequalities[k];
     const int n = shape.nu + shape.nx, ld = padded(n);
-    const auto first_column = static_cast<std::int32_t>(info_.offsets_primal_u[k]);
+    const auto first_column = static_cast<std::int32_t>(layout_.first_column[k]);
     stages_[k].jacobian = jacobian_size_;
     std::size_t at = jacobian_size_;
     RowPattern* const patterns[] = {&shape.dynamics, &shape.equalities, &shape.inequalities};
@@ -155,8 +154,8 @@ void StageMatrices::place_hessian(const Pattern& pattern) {
   std::vector<Entry> entries;
   std::size_t e = 0;
   for (std::size_t k = 0; k < stages_.size(); ++k) {
-    const int n = info_.number_of_stage_tangent_variables[k], ld = padded(n);
-    const auto first = static_cast<std::int32_t>(info_.offsets_primal_u[k]);
+    const int n = layout_.unknowns(k), ld = padded(n);
+    const auto first = static_cast<std::int32_t>(layout_.first_column[k]);
     entries.clear();
     for (; e < pattern.size() && pattern.rows[e] < first + n; ++e) {
       const std::int32_t row = pattern.rows[e] - first, column = pattern.columns[e] - first;
@@ -211,43 +210,43 @@ StageView StageMatrices::view(std::size_t k, const StageValues* jacobian, const 
 
 void StageMatrices::jacobian_times(const StageValues& values, const double* x, double alpha, const double* y,
                                    double* out) const {
-  scale(alpha, y, info_.number_of_eq_constraints, out);
+  scale(alpha, y, layout_.rows, out);
   for (std::size_t k = 0; k < count(); ++k) {
     const StageView stage = view(k, &values, nullptr);
     const int n = stage.nu + stage.nx;
-    const double* z = x + info_.offsets_primal_u[k];
+    const double* z = x + layout_.first_column[k];
     if (stage.next) {
-      double* dynamics = out + info_.offsets_g_eq_dyn[k];
-      const double* next = x + info_.offsets_primal_x[k + 1];
+      double* dynamics = out + layout_.first_dynamics[k];
+      const double* next = x + layout_.first_state[k + 1];
       for (int i = 0; i < stage.next; ++i) dynamics[i] -= next[i];
       run_.rows_times(stage.dynamics, stage.next, n, z, dynamics, memory_.data());
     }
-    run_.rows_times(stage.equalities, stage.equality_count, n, z, out + info_.offsets_g_eq_path[k], memory_.data());
-    run_.rows_times(stage.inequalities, stage.inequality_count, n, z, out + info_.offsets_g_eq_slack[k],
+    run_.rows_times(stage.equalities, stage.equality_count, n, z, out + layout_.first_equality[k], memory_.data());
+    run_.rows_times(stage.inequalities, stage.inequality_count, n, z, out + layout_.first_inequality[k],
                    memory_.data());
   }
 }
 
 void StageMatrices::transposed_times(const StageValues& values, const double* lam, double alpha, const double* y,
                                      double* out) const {
-  scale(alpha, y, info_.number_of_primal_variables, out);
+  scale(alpha, y, layout_.columns, out);
   for (std::size_t k = 0; k < count(); ++k) {
     const StageView stage = view(k, &values, nullptr);
-    const double* dynamics = stage.next ? lam + info_.offsets_g_eq_dyn[k] : nullptr;
-    run_.transposed_times(stage, dynamics, lam + info_.offsets_g_eq_path[k], lam + info_.offsets_g_eq_slack[k],
-                         out + info_.offsets_primal_u[k], memory_.data());
+    const double* dynamics = stage.next ? lam + layout_.first_dynamics[k] : nullptr;
+    run_.transposed_times(stage, dynamics, lam + layout_.first_equality[k], lam + layout_.first_inequality[k],
+                         out + layout_.first_column[k], memory_.data());
     if (!stage.next) continue;
-    double* next = out + info_.offsets_primal_x[k + 1];
+    double* next = out + layout_.first_state[k + 1];
     for (int i = 0; i < stage.next; ++i) next[i] -= dynamics[i];
   }
 }
 
 void StageMatrices::hessian_times(const StageValues& values, const double* x, double alpha, const double* y,
                                   double* out) const {
-  scale(alpha, y, info_.number_of_primal_variables, out);
+  scale(alpha, y, layout_.columns, out);
   for (std::size_t k = 0; k < count(); ++k) {
-    const auto first = info_.offsets_primal_u[k];
-    run_.hessian_times(values.data() + stages_[k].hessian, info_.number_of_stage_tangent_variables[k], x + first,
+    const auto first = layout_.first_column[k];
+    run_.hessian_times(values.data() + stages_[k].hessian, layout_.unknowns(k), x + first,
                       out + first, memory_.data());
   }
 }

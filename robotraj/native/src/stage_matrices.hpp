@@ -1,14 +1,13 @@
 // Hessians and Jacobians of a stagewise program without their zeros, and their products with vectors.
 #pragma once
 
-#include <fatrop/ocp/problem_info.hpp>
-#include <fatrop/ocp/type.hpp>
 
 #include <cstdint>
 #include <vector>
 
 #include "pack.hpp"
 #include "program.hpp"
+#include "stages.hpp"
 #include "riccati.hpp"
 
 namespace robotraj::native {
@@ -19,11 +18,10 @@ using StageValues = Packs;
 /// Where the program's entries stand, stage after stage; stages of equal patterns share them.
 class StageMatrices {
  public:
-  using Info = fatrop::ProblemInfo<fatrop::OcpType>;
 
   /// Of entries that lie within stages, row by row. Throws std::invalid_argument where they come in another order or
   /// there are more than 2^31 numbers.
-  StageMatrices(const Info& info, const Pattern& jacobian, const Pattern& hessian,
+  StageMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian,
                 const RiccatiKernels& run = riccati_kernels_of());
 
   void fill_jacobian(const Numbers& entries, StageValues& values) const { fill(entries, jacobian_runs_, values); }
@@ -35,7 +33,7 @@ class StageMatrices {
   StageValues empty_hessian() const { return StageValues(hessian_size_, 0.0); }
 
   std::size_t count() const { return stages_.size(); }
-  const Info& info() const { return info_; }
+  const Layout& layout() const { return layout_; }
   const RiccatiKernels& run() const { return run_; }
   /// Either may be null where its matrices are not asked for.
   StageView view(std::size_t stage, const StageValues* jacobian, const StageValues* hessian) const;
@@ -76,7 +74,7 @@ class StageMatrices {
   void place_jacobian(const Pattern& pattern);
   void place_hessian(const Pattern& pattern);
 
-  const Info& info_;
+  const Layout& layout_;
   const RiccatiKernels& run_;
   std::vector<Shape> shapes_;
   std::vector<Stage> stages_;

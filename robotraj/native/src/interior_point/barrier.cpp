@@ -1,0 +1,89 @@
+#include "barrier.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "convergence.hpp"
+
+namespace robotraj::interior_point {
+
+namespace {
+
+constexpr double kComplementarityTolerance = 1e-4;
+constexpr std::size_t kRemembered = 4;
+constexpr double kProgress = 0.9999, kFixed = 0.8, kLargestBarrier = 1e5;
+
+}  // namespace
+
+void Barrier::start(double mu) {
+  free_ = true;
+  errors_.clear();
+  run_.set_barrier(mu);
+}
+
+double Barrier::least() const {
+  return std::min(run_.options.tolerance, kComplementarityTolerance) / (run_.options.barrier_factor + 1.0);
+}
+
+bool Barrier::decrease() {
+  bool changed = false;
+  const Options& options = run_.options;
+  while (error(*run_.current, run_.mu) <= options.barrier_factor * run_.mu) {
+    const double next = std::max(
+        least(), std::min(options.barrier_decrease * run_.mu, std::pow(run_.mu, options.barrier_power)));
+    if (!(next < run_.mu)) break;
+    run_.set_barrier(next);
+    changed = true;
+  }
+  return changed;
+}
+
+bool Barrier::update() {
+  if (!run_.options.adaptive_barrier) return decrease();
+  const double now = error(*run_.current, 0.0);
+  const bool progress =
+      errors_.size() < kRemembered || now <= kProgress * *std::max_element(errors_.begin(), errors_.end());
+  if (progress) {
+    errors_.push_back(now);
+    if (errors_.size() > kRemembered) errors_.pop_front();
+    const bool changed = !free_;
+    free_ = true;
+    return changed;
+  }
+  if (!free_) return decrease();
+  free_ = false;
+  run_.set_barrier(std::max(least(), kFixed * mean_complementarity(*run_.current)));
+  return true;
+}
+
+bool Barrier::choose() {
+  Run& run = run_;
+  const VectorKernels& vectors = native::vector_kernels_of();
+  Iterate& at = *run.current;
+  if (!run.direction.find(at, 0.0, run.step.get())) return false;
+  const double mean = mean_complementarity(at);
+  const native::Bounds bounds = run.problem.bounds();
+  const double primal = vectors.longest_step(bounds, at.below(), at.above(), run.step->s, 1.0);
+  const double dual =
+      vectors.longest_dual_step(bounds, at.at->lower, run.step->lower, at.at->upper, run.step->upper, 1.0);
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < run.problem.slacks(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double ds = primal * run.step->s[i];
+    if (std::isfinite(run.problem.lower[k])) {
+      sum += (at.at->lower[i] + dual * run.step->lower[i]) * (at.below()[i] + ds);
+      ++count;
+    }
+    if (std::isfinite(run.problem.upper[k])) {
+      sum += (at.at->upper[i] + dual * run.step->upper[i]) * (at.above()[i] - ds);
+      ++count;
+    }
+  }
+  if (count == 0) return run.direction.aim(at, run.mu, run.step.get());
+  const double sigma = std::min(1.0, std::pow(sum / count / mean, 3));
+  run.set_barrier(std::min(kLargestBarrier, std::max(least(), sigma * mean)));
+  return run.direction.aim(at, run.mu, run.step.get());
+}
+
+}  // namespace robotraj::interior_point

@@ -1,0 +1,39 @@
+// How the barrier parameter falls.
+#pragma once
+
+#include <deque>
+
+#include "run.hpp"
+
+namespace robotraj::interior_point {
+
+/// Monotone: as soon as E_mu <= kappa_eps mu,
+///
+///     mu <- max(eps_tol / (kappa_eps + 1), min(kappa_mu mu, mu^theta_mu)),   (the paper, equations 6 and 7)
+///
+/// Adaptive: mu = sigma mean(z s), sigma = (mean(z s) after the step of mu = 0 / mean(z s))^3, as long as the error of
+/// the optimality conditions falls below the largest of the last four; else monotone from 0.8 mean(z s) on, until it
+/// does again. Source: Nocedal, Waechter, Waltz, Adaptive barrier update strategies for nonlinear interior methods,
+/// SIAM J. Optim. 19 (2009), sections 3 and 4.
+class Barrier {
+ public:
+  explicit Barrier(Run& run) : run_(run) {}
+
+  void start(double mu);
+  /// Before a step is computed. Returns whether the parameter changed.
+  bool update();
+  /// Whether the next step chooses its parameter.
+  bool is_free() const { return run_.options.adaptive_barrier && free_; }
+  /// Makes the step of the current iterate, for a parameter that it chooses; false where there is no step.
+  bool choose();
+
+ private:
+  bool decrease();
+  double least() const;
+
+  Run& run_;
+  bool free_ = true;
+  std::deque<double> errors_;
+};
+
+}  // namespace robotraj::interior_point

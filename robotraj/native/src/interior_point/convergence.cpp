@@ -1,0 +1,73 @@
+#include "convergence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace robotraj::interior_point {
+
+namespace {
+
+constexpr double kLargestMean = 100.0;  // s_max
+
+int count_bounds(const Problem& problem) {
+  int count = 0;
+  for (int i = 0; i < problem.slacks(); ++i)
+    count += std::isfinite(problem.lower[static_cast<std::size_t>(i)]) +
+             std::isfinite(problem.upper[static_cast<std::size_t>(i)]);
+  return count;
+}
+
+double mean(double sum, int count) { return count > 0 ? sum / count : 0.0; }
+
+}  // namespace
+
+double error(Iterate& iterate, double mu) {
+  const VectorKernels& run = native::vector_kernels_of();
+  Problem& problem = iterate.problem();
+  const int bounds = count_bounds(problem), slacks = problem.slacks();
+  const double of_bounds =
+      run.absolute_sum(iterate.at->lower, slacks) + run.absolute_sum(iterate.at->upper, slacks);
+  const double of_rows = run.absolute_sum(iterate.at->rows, problem.rows());
+  const double s_d = std::max(kLargestMean, mean(of_bounds + of_rows, bounds + problem.rows())) / kLargestMean;
+  const double s_c = std::max(kLargestMean, mean(of_bounds, bounds)) / kLargestMean;
+  const double complementarity = run.largest_complementarity(problem.bounds(), iterate.at->lower, iterate.below(),
+                                                             iterate.at->upper, iterate.above(), mu);
+  return std::max({iterate.largest_infeasibility() / s_d, iterate.largest_violation(), complementarity / s_c});
+}
+
+double system_error(Iterate& iterate, double mu) {
+  const VectorKernels& run = native::vector_kernels_of();
+  Problem& problem = iterate.problem();
+  const int slacks = problem.slacks();
+  const double dual =
+      run.absolute_sum(iterate.infeasibility_x(), problem.columns()) + run.absolute_sum(iterate.infeasibility_s(), slacks);
+  double complementarity = 0.0;
+  const double *below = iterate.below(), *above = iterate.above();
+  for (int i = 0; i < slacks; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (std::isfinite(problem.lower[k])) complementarity += std::abs(iterate.at->lower[i] * below[i] - mu);
+    if (std::isfinite(problem.upper[k])) complementarity += std::abs(iterate.at->upper[i] * above[i] - mu);
+  }
+  return mean(dual, problem.columns() + slacks) + mean(iterate.violation(), problem.rows()) +
+         mean(complementarity, count_bounds(problem));
+}
+
+double mean_complementarity(Iterate& iterate) {
+  Problem& problem = iterate.problem();
+  const double *below = iterate.below(), *above = iterate.above();
+  double sum = 0.0;
+  // Multipliers of bounds that there are not are zero.
+  for (int i = 0; i < problem.slacks(); ++i)
+    sum += iterate.at->lower[i] * below[i] + iterate.at->upper[i] * above[i];
+  return mean(sum, count_bounds(problem));
+}
+
+Converged Convergence::check(Iterate& iterate) {
+  const double now = error(iterate, 0.0);
+  const bool feasible = iterate.largest_violation() <= options_.violation_tolerance;
+  if (now <= options_.tolerance && feasible) return Converged::solved;
+  acceptable_ = now <= options_.acceptable_tolerance && feasible ? acceptable_ + 1 : 0;
+  return acceptable_ >= options_.acceptable_iterations ? Converged::acceptable : Converged::no;
+}
+
+}  // namespace robotraj::interior_point

@@ -1,0 +1,36 @@
+// How far an iterate is from a solution.
+#pragma once
+
+#include "iterate.hpp"
+#include "options.hpp"
+
+namespace robotraj::interior_point {
+
+/// E_mu = max(|grad L| / s_d, |c|, |S z - mu| / s_c), largest magnitudes, with
+///
+///     s_d = max(s_max, mean |(lam, z)|) / s_max,   s_c = max(s_max, mean |z|) / s_max,   s_max = 100.
+///
+/// Source: the paper, equation 5.
+double error(Iterate& iterate, double mu);
+
+/// Mean magnitudes of the primal-dual equations of the barrier problem, each kind's own.
+double system_error(Iterate& iterate, double mu);
+
+/// Mean of multiplier times distance over all bounds; 0 where there is none.
+double mean_complementarity(Iterate& iterate);
+
+enum class Converged { no, solved, acceptable };
+
+class Convergence {
+ public:
+  explicit Convergence(const Options& options) : options_(options) {}
+
+  void reset() { acceptable_ = 0; }
+  Converged check(Iterate& iterate);
+
+ private:
+  const Options& options_;
+  int acceptable_ = 0;
+};
+
+}  // namespace robotraj::interior_point

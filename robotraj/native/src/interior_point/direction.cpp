@@ -1,0 +1,96 @@
+#include "direction.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace robotraj::interior_point {
+
+using native::padded;
+
+namespace {
+
+constexpr double kLargest = 1e40, kLeast = 1e-20;  // delta_w^max, delta_w^min
+constexpr double kShrink = 1.0 / 3.0, kGrow = 8.0, kGrowFirst = 100.0;
+constexpr double kPower = 0.25;  // kappa_c
+
+/// Adds the time of its life to a sum.
+class Timed {
+ public:
+  explicit Timed(double& sum) : sum_(sum), began_(Clock::now()) {}
+  ~Timed() { sum_ += std::chrono::duration<double>(Clock::now() - began_).count(); }
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& sum_;
+  Clock::time_point began_;
+};
+
+}  // namespace
+
+Direction::Direction(Problem& problem, const Options& options)
+    : newton(problem),
+      problem_(problem),
+      options_(options),
+      run_(native::vector_kernels_of()),
+      memory_(4 * static_cast<std::size_t>(padded(problem.slacks()))) {
+  double* at = memory_.data();
+  for (double** each : {&s_, &lower_, &upper_, &damping_}) {
+    *each = at;
+    at += padded(problem.slacks());
+  }
+}
+
+Side Direction::side(Iterate& iterate, double mu, const double* rows) {
+  const native::Bounds bounds = problem_.bounds();
+  const int n = problem_.slacks();
+  // The part of the barrier's gradient that belongs to slacks with one bound alone.
+  run_.barrier_gradient(bounds, iterate.below(), iterate.above(), 0.0, mu * Iterate::kappa_d, damping_);
+  run_.add(iterate.infeasibility_s(), damping_, n, s_);
+  run_.complementarity(bounds.lower, iterate.at->lower, iterate.below(), mu, n, lower_);
+  run_.complementarity(bounds.upper, iterate.at->upper, iterate.above(), mu, n, upper_);
+  return {iterate.infeasibility_x(), rows, s_, lower_, upper_};
+}
+
+double Direction::larger(double delta_w) const {
+  if (delta_w > 0.0) return delta_w * (last_ == 0.0 ? kGrowFirst : kGrow);
+  return last_ == 0.0 ? options_.first_correction : std::max(kLeast, kShrink * last_);
+}
+
+bool Direction::find(Iterate& iterate, double mu, const Vectors& step) {
+  mu_ = mu;
+  const Side side = this->side(iterate, mu, iterate.residual());
+  problem_.hessian(iterate.at->x, iterate.at->rows, newton.hessian());
+  newton.options = {options_.elimination_tolerance, options_.pivot_tolerance};
+  double delta_w = 0.0, delta_c = 0.0;
+  const Timed timed(seconds);
+  while (delta_w <= kLargest) {
+    switch (newton.solve(iterate, side, delta_w, delta_c, step)) {
+      case Solved::indefinite: delta_w = larger(delta_w); break;
+      case Solved::dependent:
+        if (delta_c == 0.0) delta_c = options_.row_correction * std::pow(mu, kPower);
+        else delta_w = larger(delta_w);
+        break;
+      case Solved::invalid: return false;
+      default:
+        if (delta_w > 0.0) last_ = delta_w;
+        return true;
+    }
+  }
+  return false;
+}
+
+bool Direction::correct(Iterate& iterate, const double* rows, const Vectors& step) {
+  const Side side = this->side(iterate, mu_, rows);
+  const Timed timed(seconds);
+  return newton.solve_again(iterate, side, step) != Solved::invalid;
+}
+
+bool Direction::aim(Iterate& iterate, double mu, const Vectors& step) {
+  mu_ = mu;
+  return correct(iterate, iterate.residual(), step);
+}
+
+}  // namespace robotraj::interior_point

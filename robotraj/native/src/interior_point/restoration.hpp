@@ -1,0 +1,31 @@
+// The restoration phase.
+#pragma once
+
+#include "algorithm.hpp"
+#include "feasibility.hpp"
+
+namespace robotraj::interior_point {
+
+/// Lowers the violation by the same iteration on `Feasibility`, until it is below 0.9 of what it was and the point is
+/// acceptable to the line search that gave up. Source: the paper, section 3.3.
+class Restoration {
+ public:
+  Restoration(ProgramProblem& original, const Options& options, Progress& progress);
+
+  /// Leaves a point in `original.trial`, or says why there is none.
+  End restore(Run& original, const LineSearch& search);
+
+  double seconds() const { return algorithm_.run.direction.seconds; }
+  void clear_seconds() { algorithm_.run.direction.seconds = 0.0; }
+
+ private:
+  void start(Run& original);
+  void take_point(Run& original);
+  void step_duals(Run& original) const;
+
+  const Options& options_;
+  Feasibility problem_;
+  Algorithm algorithm_;
+};
+
+}  // namespace robotraj::interior_point

@@ -1,0 +1,38 @@
+// What the parts of one iteration share.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+
+#include "direction.hpp"
+#include "options.hpp"
+
+namespace robotraj::interior_point {
+
+/// The point, the point that is tried, the step between them and the barrier parameter.
+struct Run {
+  Run(Problem& solved, const Options& given)
+      : problem(solved),
+        options(given),
+        current(std::make_unique<Iterate>(solved)),
+        trial(std::make_unique<Iterate>(solved)),
+        step(solved),
+        direction(solved, given) {}
+
+  /// Fraction of the way to a bound that a step may go.
+  double tau() const { return std::max(0.99, 1.0 - mu); }
+  void set_barrier(double value) {
+    mu = value;
+    problem.set_barrier(mu);
+    current->barrier_changed();
+  }
+
+  Problem& problem;
+  const Options& options;
+  std::unique_ptr<Iterate> current, trial;
+  Room step;
+  Direction direction;
+  double mu = 0.0;
+};
+
+}  // namespace robotraj::interior_point
