@@ -18,7 +18,7 @@ import robotraj as rt
 
 ROBOTS, MOTIONS, SEED = ("ur5", "panda", "ur10", "kinova", "ur3"), 4, 31
 INTERVALS, SLOWER, UNITS = (25, 50, 150), (1.15, 1.5, 3.0), (1e-3, 1.0, 1e3)
-SOLVER = rt.Fatrop(threads=1, fallback=None, max_iterations=500)
+SOLVER = rt.InteriorPoint(threads=1, fallback=None, max_iterations=500)
 EQUAL = 1e-4
 """Objectives that differ by no more than this share are the same optimum."""
 

@@ -16,7 +16,7 @@ import numpy as np
 import robotraj as rt
 
 ROBOTS, MOTIONS, SEED, SLOWER = ("ur3", "ur10_limited", "panda", "kinova", "two_link_arm"), 1, 5, 1.3
-SOLVER = rt.Fatrop(threads=1, fallback=None)
+SOLVER = rt.InteriorPoint(threads=1, fallback=None)
 TOLERANCE = 1e-4
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from scipy.linalg.blas import dgemm
 
 import robotraj as rt
-from robotraj.solvers.fatrop import BARRIERS
+from robotraj.solvers.interior_point import BARRIERS
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program
 from robotraj.solvers.stagewise.reduction import reduce
@@ -78,7 +78,7 @@ def points(nlp: rt.transcription.Nlp) -> float:
     return total
 
 
-def iterations(solver: rt.Fatrop, nlp: rt.transcription.Nlp, runs: int) -> Iterator[float]:
+def iterations(solver: rt.InteriorPoint, nlp: rt.transcription.Nlp, runs: int) -> Iterator[float]:
     """Processor time of an iteration [s], of several solves of one compiled program."""
     reduction = reduce(nlp)
     program = native_program(reduction.program, nlp.engine, threads=1)
@@ -100,7 +100,7 @@ def across(robot: rt.Robot) -> rt.Phase:
 
 def row(phase: rt.Phase, intervals: int, peak: float, small: float) -> str:
     """One line of a table, after its first cell."""
-    solver = rt.Fatrop(threads=1, fallback=None)
+    solver = rt.InteriorPoint(threads=1, fallback=None)
     nlp = rt.transcription.transcribe(
         rt.Problem(phase),
         rt.Mesh(intervals),

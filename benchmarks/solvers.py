@@ -48,7 +48,7 @@ EQUAL = 1e-5
 """Objectives that differ by no more than this share are the same optimum."""
 SOLVERS: dict[str, Solver] = {
     "IPOPT": rt.Ipopt(time_limit=LIMIT),
-    "fatrop": rt.Fatrop(time_limit=LIMIT, threads=1, fallback=None),
+    "fatrop": rt.InteriorPoint(time_limit=LIMIT, threads=1, fallback=None),
 }
 
 

@@ -22,7 +22,7 @@ from tasks import task_of  # noqa: E402
 import robotraj as rt  # noqa: E402
 
 SEEDS, STARTS, AFTER = 10, 20, (1, 5, 10, 15, 20)
-SOLVER = rt.Fatrop(threads=1, fallback=None)
+SOLVER = rt.InteriorPoint(threads=1, fallback=None)
 
 
 def search(key: str, seed: int) -> tuple[list[str], rt.planning.Multistart]:

@@ -47,7 +47,7 @@ from .robot.limits import Limits
 from .robot.load import load
 from .robot.robot import Robot
 from .solution.solution import Solution, load_solution
-from .solvers.fatrop import Fatrop
+from .solvers.interior_point import InteriorPoint
 from .solvers.ipopt import Ipopt
 from .transcription import interval_limits, refinement, schemes
 from .transcription.schemes.lobatto import HermiteSimpson
@@ -62,7 +62,6 @@ __all__ = [
     "Continuity",
     "Duration",
     "Effort",
-    "Fatrop",
     "FlatFoot",
     "FramePose",
     "FramePosition",
@@ -71,6 +70,7 @@ __all__ = [
     "HermiteSimpson",
     "InputError",
     "IntegralConstraint",
+    "InteriorPoint",
     "Interrupted",
     "Ipopt",
     "Lagrange",

@@ -27,7 +27,7 @@ def linearity(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 def test_linearity_reports_every_mesh(linearity: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
     linearity.by_ipopt()
-    linearity.by_fatrop()
+    linearity.by_stages()
     linearity.in_fresh_processes()
     told = capsys.readouterr().out
     assert told.count("worst distance from the line") == 4

@@ -20,7 +20,7 @@ from pathlib import Path
 TABLE = Path(__file__).with_suffix(".md")
 
 
-SOLVERS = ("Ipopt", "Fatrop")
+SOLVERS = ("Ipopt", "InteriorPoint")
 
 
 def child(intervals: int, solver: str) -> None:

@@ -59,15 +59,15 @@ TOOLS: dict[str, Tool] = {
     "robotraj-compiled": _robotraj(", compiled", True, PEERS_ENGINE="Compiled"),
     "robotraj-ipopt": _robotraj(", IPOPT, virtual machine", PEERS_SOLVER="Ipopt", PEERS_ENGINE="VirtualMachine"),
     "robotraj-fatrop": _robotraj(
-        ", fatrop", PEERS_SOLVER="Fatrop", PEERS_ENGINE="Native", PEERS_INTERVAL_LIMITS="ConstraintGeneration"
+        ", fatrop", PEERS_SOLVER="InteriorPoint", PEERS_ENGINE="Native", PEERS_INTERVAL_LIMITS="ConstraintGeneration"
     ),
     "robotraj-hull": _robotraj(
-        ", fatrop, hull", PEERS_SOLVER="Fatrop", PEERS_ENGINE="Native", PEERS_INTERVAL_LIMITS="BernsteinBounds"
+        ", fatrop, hull", PEERS_SOLVER="InteriorPoint", PEERS_ENGINE="Native", PEERS_INTERVAL_LIMITS="BernsteinBounds"
     ),
     "robotraj-hull-compiled": _robotraj(
         ", fatrop, hull, compiled",
         True,
-        PEERS_SOLVER="Fatrop",
+        PEERS_SOLVER="InteriorPoint",
         PEERS_ENGINE="Compiled",
         PEERS_INTERVAL_LIMITS="BernsteinBounds",
     ),
@@ -76,7 +76,7 @@ TOOLS: dict[str, Tool] = {
     "robotraj-ends": replace(
         _robotraj(
             ", fatrop, hull, twice as many intervals at Chebyshev knots",
-            PEERS_SOLVER="Fatrop",
+            PEERS_SOLVER="InteriorPoint",
             PEERS_ENGINE="Native",
             PEERS_INTERVAL_LIMITS="BernsteinBounds",
             PEERS_MESH="Chebyshev",

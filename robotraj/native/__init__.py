@@ -13,12 +13,13 @@ import lazy_loader
 from robotraj.native.build import load_native
 
 if TYPE_CHECKING:
-    from robotraj.native._native import CasadiBlock, Csr, Outcome, PointBlock, Program, Stacked, Term
+    from robotraj.native._native import CasadiBlock, Csr, Options, Outcome, PointBlock, Program, Stacked, Term
 else:
     _native = load_native()
     CasadiBlock, PointBlock, Csr = _native.CasadiBlock, _native.PointBlock, _native.Csr
-    Outcome, Program, Stacked, Term = _native.Outcome, _native.Program, _native.Stacked, _native.Term
+    Options, Outcome = _native.Options, _native.Outcome
+    Program, Stacked, Term = _native.Program, _native.Stacked, _native.Term
 
 __getattr__, _, _ = lazy_loader.attach(__name__, submodules=["engines"])
 
-__all__ = ["CasadiBlock", "Csr", "Outcome", "PointBlock", "Program", "Stacked", "Term"]
+__all__ = ["CasadiBlock", "Csr", "Options", "Outcome", "PointBlock", "Program", "Stacked", "Term"]

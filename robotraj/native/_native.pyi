@@ -473,17 +473,17 @@ class Outcome:
         Multipliers of the bounds, not negative; lam of the inequality rows is upper_duals - lower_duals.
     status : str
         "solved", "acceptable", "iteration limit", "infeasible", "line search failed", "step failed", "time limit",
-        "interrupted" (Ctrl-C), "stopped" (by the callback) or "failed" (then ``message`` says what fatrop said).
+        "interrupted" (Ctrl-C), "stopped" (by the callback) or "failed" (then ``message`` says what was thrown).
     iterations : int
     objective, violation : float
         At y; the largest violated row, bounds of inequality rows included.
     mu : float
         Last barrier parameter.
     times : dict
-        Seconds in "functions" (of the blocks), "combinations" (sparse products), "linear algebra" (fatrop's steps) and
+        Seconds in "functions" (of the blocks), "combinations" (sparse products), "linear algebra" (steps) and
         in "total".
     trace : list of (objective, infeasibility, dual infeasibility, mu)
-        One line an iteration; in fatrop's restoration phase the first two stay where it began.
+        One line an iteration; in the restoration phase the barrier parameter is its own.
     """
 
     @property
@@ -540,7 +540,7 @@ class SymmetricFactors:
     def largest_front(self) -> int: ...
 
 class StageSystem:
-    """Newton's system of a stagewise program, as fatrop's iterations solve it.
+    """Newton's system of a stagewise program, as the iterations solve it.
 
     Sizes are those of every stage; columns are (u_0, x_0, u_1, x_1, ...), rows [dynamics, equalities, inequalities],
     each stage after stage, with -1 at the next state in the dynamics. Hessian entries are of one triangle.
@@ -610,11 +610,35 @@ class SlackVectors:
     def residual(self, system: Array, side: Array, step: Array, lam: Array, rows: Array) -> tuple[Array, Array, float]:
         """Evaluate the three equations of the step [s, z_l, z_u], rows - s - D_e lam, the greatest of the former."""
 
-def takes_over() -> bool:
-    """Whether fatrop's systems are solved by ``StageSystem``'s recursion.
+class Options:
+    """Options of a solve, by name; what is not named keeps its default. See ``interior_point/options.hpp``.
 
-    Not where casadi's own plugin has used fatrop in this process before: its calls are bound by then.
+    Raises
+    ------
+    ValueError
+        For a name that is no option or a value of another type.
     """
+
+    tolerance: float
+    acceptable_tolerance: float
+    acceptable_iterations: int
+    violation_tolerance: float
+    max_iterations: int
+    processor_limit: float
+    initial_barrier: float
+    barrier_factor: float
+    barrier_decrease: float
+    barrier_power: float
+    adaptive_barrier: bool
+    bound_relaxation: float
+    bound_push: float
+    bound_fraction: float
+    elimination_tolerance: float
+    pivot_tolerance: float
+    first_correction: float
+    row_correction: float
+
+    def __init__(self, **options: float) -> None: ...
 
 class Program:
     """A stagewise program and the solver that is kept for it.
@@ -668,7 +692,8 @@ class Program:
         threads: int = 1,
     ) -> None: ...
     @property
-    def option_names(self) -> list[str]: ...
+    def iterate(self) -> Array:
+        """The last iterate, (columns,); of the solve under way where its callback reads it."""
     @property
     def threads(self) -> int: ...
     def solve(
@@ -676,12 +701,12 @@ class Program:
         y: Array,
         lower: Array,
         upper: Array,
-        options: Mapping[str, bool | int | float | str] = {},
+        options: Options = ...,
         *,
         lam: Array | None = None,
         lower_duals: Array | None = None,
         upper_duals: Array | None = None,
-        mu: float = 0.0,
+        objective_scale: float = 1.0,
         callback: Callable[[int, float, float], bool | None] | None = None,
         time_limit: float = ...,
     ) -> Outcome:
@@ -692,14 +717,12 @@ class Program:
         y : ndarray (columns,)
         lower, upper : ndarray (inequality rows,)
             Infinite where there is no bound.
-        options : mapping
-            By fatrop's own names (``option_names``); what is left out has fatrop's default, but for
-            ``linsol_pivot_tol``, 1e-14: fatrop's 1e-6 takes bounds that are active for curvature that is lost.
+        options : Options
         lam, lower_duals, upper_duals : ndarray or None
-            A warm start, as in ``Outcome``. Without ``lam`` fatrop makes its own; without the other two they are the
+            A warm start, as in ``Outcome``. Without ``lam`` they are estimated; without the other two they are the
             parts of ``lam``.
-        mu : float
-            First barrier parameter, 0 for fatrop's ``mu_init``.
+        objective_scale : float
+            What the objective is multiplied by; multipliers are of the objective as it is.
         callback : callable (iteration, objective, infeasibility) -> bool
             Asked once an iteration; stops where it gives True. What it raises is raised here.
         time_limit : float
@@ -707,8 +730,6 @@ class Program:
 
         Raises
         ------
-        ValueError
-            For an option that fatrop has not, or of another type.
         RuntimeError
             While it is being solved already, by another thread or around a callback.
         """

@@ -159,7 +159,7 @@ def multistart(
         ... and if, at equal fractions of each phase, no state differs by more than this times its range, nor
         the duration by more than this times itself.
     **options
-        Of ``rt.plan``: mesh, solver, tolerance, stages ... ``rt.Fatrop(fallback=None)`` leaves starts that fatrop
+        Of ``rt.plan``: mesh, solver, tolerance, stages ... ``rt.InteriorPoint(fallback=None)`` leaves starts that it
         gives up instead of handing them to IPOPT, which would take longer over them than over all others.
 
     Returns

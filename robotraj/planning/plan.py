@@ -55,7 +55,7 @@ def plan(
     guess : Guess or Solution, optional
         ``rt.guess.StraightLine()`` by default. An earlier solution on any mesh and scheme is a warm start.
     solver : Solver, optional
-        Such as ``rt.Fatrop()``, which works by stages, or ``rt.Ipopt()``.
+        Such as ``rt.InteriorPoint()``, which works by stages, or ``rt.Ipopt()``.
     engine : Engine, optional
         How point functions are evaluated. All engines agree to rounding. ``rt.engines.Native()`` and
         ``rt.engines.VirtualMachine()`` need no compiler; ``rt.engines.Compiled()`` keeps C libraries for later plans.
@@ -119,7 +119,7 @@ def plan(
                      integral constraint                                    Ipopt()
                      free root, forward dynamics, continuous joint, design  Ipopt()
                      system with parameters or few controls                 Ipopt()
-                     otherwise                                              Fatrop()
+                     otherwise                                              InteriorPoint()
     engine           all roots floating                                     Native()
                      solver by stages                                       Native()
                      otherwise                                              VirtualMachine()

@@ -24,7 +24,7 @@ from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts as Restarts
 from robotraj.solution.settings import Settings as Settings
 from robotraj.solvers.base import Solver
-from robotraj.solvers.fatrop import Fatrop
+from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
 from robotraj.transcription.refinement.orders import SplitOrRaise
@@ -79,7 +79,7 @@ RULES: tuple[Rule, ...] = (
     _rule("solver", when.INTEGRAL, Ipopt(), "an integral widens every stage of fatrop by the points before it"),
     _rule("solver", when.WIDE_ROBOT, Ipopt(), "IPOPT is the robust choice for such robots"),
     _rule("solver", when.WIDE_SYSTEM, Ipopt(), "parameters widen fatrop's stages; few controls leave many optima"),
-    _rule("solver", when.ALWAYS, Fatrop(), "it finds the optima of IPOPT in less time"),
+    _rule("solver", when.ALWAYS, InteriorPoint(), "it finds the optima of IPOPT in less time"),
     _rule("engine", when.FLOATING, Native(), "large graphs are evaluated fastest by compiled code"),
     _rule("engine", when.STAGEWISE, Native(), "the solver calls it without CasADi"),
     _rule("engine", when.ALWAYS, VirtualMachine(), "small graphs need no compiled code"),

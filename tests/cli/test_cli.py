@@ -23,7 +23,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 PARTS = ("combinations", "functions", "linear", "steps")
-"""What fatrop, which plans arms, says of its seconds."""
+"""What the default solver of arms says of its seconds."""
 
 
 def run(*arguments: Any) -> Result:

@@ -107,7 +107,7 @@ def test_six_joints() -> None:
     robot = rt.load("ur5")
     first, last = [0, -1.2, 1.0, 0, 0, 0], [1.0, -1.6, 1.4, 0.3, 0.5, 0]
     phase = rt.Phase(robot, 2.0, rt.State(q=first, v=0), rt.State(q=last, v=0), rt.Effort(), limits=None)
-    # fatrop finds another, lower optimum (483.8 against 489.6), whose polishing does not converge.
+    # The default finds another, lower optimum (483.8 against 489.6), whose polishing does not converge.
     solution = rt.plan(phase, rt.Mesh(50), solver=rt.Ipopt())
     polished = rt.indirect.polish(solution)
     assert max(polished.error, polished.residual) <= 1e-9

@@ -12,6 +12,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from robotraj.native import Options
+
 BOUND = np.full(60, 5.0)
 
 
@@ -65,8 +67,8 @@ def test_a_program_keeps_other_calls_out_of_its_memory(pendulum: Any) -> None:
     assert program.solve(start, -BOUND, BOUND).status == "solved"
 
 
-def test_a_callback_may_solve_with_fatrop_itself(pendulum: Any) -> None:
-    """CasADi's plugin calls the same library, whose linear algebra is ours while we solve."""
+@pytest.mark.parametrize("plugin", ["fatrop", "ipopt"])
+def test_a_callback_may_solve_with_casadi(pendulum: Any, plugin: str) -> None:
     written = pendulum.write()
     program, start = written.build(), np.zeros(written.linear.shape[1])
     expected = program.solve(start, -BOUND, BOUND).objective
@@ -74,7 +76,7 @@ def test_a_callback_may_solve_with_fatrop_itself(pendulum: Any) -> None:
     x = opti.variable(2)
     opti.subject_to(x[0] + x[1] == 1)
     opti.minimize(ca.sumsqr(x))
-    opti.solver("fatrop", {"print_time": False}, {"print_level": 0})
+    opti.solver(plugin, {"print_time": False}, {"print_level": 0})
 
     def other(*_: float) -> bool:
         seen.append(np.asarray(opti.solve().value(x)))
@@ -110,10 +112,16 @@ def test_a_forked_process_solves_and_frees_what_it_was_given(pendulum: Any) -> N
     assert ended and os.waitstatus_to_exitcode(status) == 0
 
 
-def test_signals_raise_what_their_handlers_raise(pendulum: Any) -> None:
-    written = pendulum.write()
-    never = {"mu_init": 1e3, "barrier_tol_factor": 1e-14}
-    endless = {"tolerance": -1.0, "tol_acceptable": -1.0, "max_iter": 10**9, **never}
+@pytest.fixture
+def endless(shooting: Any) -> Any:
+    """Solve a problem whose objective falls for ever, along a straight line."""
+    written = shooting(lambda x, u: x + u, 1, 1, 40, lambda x, u: -u, [0.0]).write()
+    none, options = np.zeros(0), Options(max_iterations=10**9)
+    program, start = written.build(), np.zeros(written.linear.shape[1])
+    return lambda: program.solve(start, none, none, options, time_limit=60.0)
+
+
+def test_signals_raise_what_their_handlers_raise(endless: Any) -> None:
 
     def handler(*_: object) -> None:
         raise TimeoutError("the alarm")
@@ -122,31 +130,37 @@ def test_signals_raise_what_their_handlers_raise(pendulum: Any) -> None:
     signal.setitimer(signal.ITIMER_REAL, 0.2)
     try:
         with pytest.raises(TimeoutError, match="the alarm"):
-            written.build().solve(np.zeros(written.linear.shape[1]), -BOUND, BOUND, options=endless, time_limit=60.0)
+            endless()
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
 
 
-def test_ctrl_c_ends_a_solve_that_calls_no_python(pendulum: Any) -> None:
-    written = pendulum.write()
-    # A barrier's problem that is never solved well enough for the next: without it, steps end where rounding begins.
-    never = {"mu_init": 1e3, "barrier_tol_factor": 1e-14}
-    endless = {"tolerance": -1.0, "tol_acceptable": -1.0, "max_iter": 10**9, **never}
-    program, start = written.build(), np.zeros(written.linear.shape[1])
+def test_ctrl_c_ends_a_solve_that_calls_no_python(endless: Any) -> None:
     # Workers of pytest-xdist ignore Ctrl-C.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         pressed = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
         pressed.start()
-        outcome = program.solve(start, -BOUND, BOUND, endless, time_limit=30.0)
+        outcome = endless()
         pressed.join()
     finally:
         signal.signal(signal.SIGINT, before)
     assert outcome.status == "interrupted"
     assert outcome.iterations > 20
     assert np.all(np.isfinite(outcome.y))
-    # Where it was is a matter of time; what is left behind is a program that solves as a new one does.
+
+
+def test_a_program_that_was_interrupted_solves_as_a_new_one_does(pendulum: Any) -> None:
+    written = pendulum.write()
+    program, start = written.build(), np.zeros(written.linear.shape[1])
+
+    def interrupt(iteration: int, *_: float) -> bool:
+        if iteration == 5:
+            raise KeyboardInterrupt
+        return False
+
+    assert program.solve(start, -BOUND, BOUND, callback=interrupt).status == "interrupted"
     after, new = program.solve(start, -BOUND, BOUND), written.build().solve(start, -BOUND, BOUND)
     assert after.status == new.status == "solved"
     assert np.array_equal(after.y, new.y)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from robotraj.native import Program
+from robotraj.native import Options, Program
 
 Array = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def test_free_duration_carried_as_a_state_reaches_the_minimum_time(shooting: Any
     y = np.tile([0.0, 0.0, 0.0, 5.0], n + 1)[:-1]
     y[-3:] = 0.0, 0.0, 5.0
     lower, upper = np.tile([-1.0, 0.1], n), np.tile([1.0, 20.0], n)
-    outcome = written.build().solve(y, lower, upper, {"tolerance": 1e-10})
+    outcome = written.build().solve(y, lower, upper, Options(tolerance=1e-10))
     assert outcome.status == "solved"
     assert outcome.objective == pytest.approx(2 * np.sqrt(10), rel=1e-7)
     np.testing.assert_allclose(outcome.y[0 : 4 * n : 4], np.repeat([1.0, -1.0], n // 2), atol=1e-6)
@@ -84,7 +84,7 @@ def test_active_bounds_have_the_multipliers_of_the_closed_form(shooting: Any) ->
     # One step x_1 = x_0 + u, x_0 = 0, min (u - 3)^2 with u <= 1: u = 1, and 2 (u - 3) + z = 0 gives z = 4.
     written = shooting(lambda x, u: x + u, 1, 1, 2, lambda x, u: (u - 3) ** 2, [0.0], None, lambda x, u: u).write()
     program = written.build()
-    outcome = program.solve(np.zeros(3), np.array([-np.inf]), np.array([1.0]), {"tolerance": 1e-10})
+    outcome = program.solve(np.zeros(3), np.array([-np.inf]), np.array([1.0]), Options(tolerance=1e-10))
     assert outcome.status == "solved"
     assert outcome.y[0] == pytest.approx(1.0, abs=1e-7)
     assert outcome.upper_duals == pytest.approx([4.0], abs=1e-6)
@@ -98,13 +98,13 @@ def test_multipliers_and_the_log_are_of_the_objective_as_it_is(pendulum: Any, sc
     written = pendulum.write()
     program = written.build()
     start = np.zeros(written.linear.shape[1])
-    plain = program.solve(start, -BOUND, BOUND, {"tolerance": 1e-10})
+    plain = program.solve(start, -BOUND, BOUND, Options(tolerance=1e-10))
     objectives = []
     scaled = program.solve(
         start,
         -BOUND,
         BOUND,
-        {"tolerance": 1e-10 * scale},
+        Options(tolerance=1e-10 * scale),
         objective_scale=scale,
         callback=lambda number, objective, infeasibility: objectives.append(objective),
     )
@@ -114,7 +114,9 @@ def test_multipliers_and_the_log_are_of_the_objective_as_it_is(pendulum: Any, sc
     assert scaled.trace[-1][0] == pytest.approx(plain.objective, rel=1e-8)
     for name in ("lam", "lower_duals", "upper_duals"):
         np.testing.assert_allclose(getattr(scaled, name), getattr(plain, name), atol=1e-5)
-    again = program.solve(scaled.y, -BOUND, BOUND, lam=scaled.lam, mu=scaled.mu, objective_scale=scale)
+    again = program.solve(
+        scaled.y, -BOUND, BOUND, lam=scaled.lam, options=Options(initial_barrier=scaled.mu), objective_scale=scale
+    )
     assert again.iterations <= 2
     np.testing.assert_allclose(residual(written, program, scaled), 0.0, atol=1e-7)
 
@@ -122,7 +124,7 @@ def test_multipliers_and_the_log_are_of_the_objective_as_it_is(pendulum: Any, sc
 def test_a_swing_up_agrees_with_ipopt(pendulum: Any) -> None:
     written = pendulum.write()
     program = written.build()
-    outcome = program.solve(np.zeros(written.linear.shape[1]), -BOUND, BOUND, {"tolerance": 1e-10})
+    outcome = program.solve(np.zeros(written.linear.shape[1]), -BOUND, BOUND, Options(tolerance=1e-10))
     assert outcome.status == "solved"
     assert outcome.violation < 1e-7
     np.testing.assert_allclose(residual(written, program, outcome), 0.0, atol=1e-8)
@@ -164,7 +166,9 @@ def test_active_bounds_do_not_end_the_convergence_of_newton(shooting: Any) -> No
     assert np.sum(outcome.lower_duals + outcome.upper_duals > 1e-3) > 30
     assert outcome.status == "solved"
     assert outcome.iterations <= 20
-    assert program.solve(start, -side, side, {"linsol_pivot_tol": 1e-6, "max_iter": 40}).status == "iteration limit"
+    assert (
+        program.solve(start, -side, side, Options(pivot_tolerance=1e-6, max_iterations=40)).status == "iteration limit"
+    )
 
 
 def test_derivatives_agree_with_finite_differences(pendulum: Any) -> None:
@@ -215,7 +219,7 @@ def test_a_solve_again_with_other_numbers_is_a_fresh_one(pendulum: Any) -> None:
     written = pendulum.write()
     columns = written.linear.shape[1]
     reused = written.build()
-    reused.solve(np.zeros(columns), -BOUND, BOUND, {"mu_init": 1e-2, "max_iter": 3})
+    reused.solve(np.zeros(columns), -BOUND, BOUND, Options(initial_barrier=1e-2, max_iterations=3))
     pendulum.start, pendulum.end = [0.3, -0.1], [-np.pi, 0.2]
     other = pendulum.write()
     reused.set_offsets(other.offset, 2.0)
@@ -260,11 +264,11 @@ def test_a_warm_start_from_the_solution_needs_next_to_no_iterations(pendulum: An
     written = pendulum.write()
     program = written.build()
     cold = program.solve(np.zeros(written.linear.shape[1]), -BOUND, BOUND)
-    same = program.solve(cold.y, -BOUND, BOUND, lam=cold.lam, mu=cold.mu)
+    same = program.solve(cold.y, -BOUND, BOUND, lam=cold.lam, options=Options(initial_barrier=cold.mu))
     assert same.status == "solved"
     assert same.iterations <= 1
     tighter = 0.98 * BOUND
-    near = program.solve(cold.y, -tighter, tighter, lam=cold.lam, mu=1e-4)
+    near = program.solve(cold.y, -tighter, tighter, lam=cold.lam, options=Options(initial_barrier=1e-4))
     far = program.solve(np.zeros_like(cold.y), -tighter, tighter)
     assert near.status == far.status == "solved"
     assert near.objective == pytest.approx(far.objective, rel=1e-6)
@@ -288,7 +292,7 @@ def test_a_warm_start_moves_a_bound_that_hardly_pushes_by_the_root_of_the_barrie
     bound = np.full(20, float(np.abs(program.rows(free.y)[-20:]).max()))
     touching = program.solve(free.y, -bound, bound)
     assert touching.status == "solved" and np.abs(touching.lam[-20:]).max() < 1e-3
-    again = program.solve(touching.y, -bound, bound, lam=touching.lam, mu=1e-4)
+    again = program.solve(touching.y, -bound, bound, lam=touching.lam, options=Options(initial_barrier=1e-4))
     assert again.status == "solved"
     assert max(again.trace[0][1:3]) <= 1.01 * np.sqrt(1e-4)
     assert again.objective == pytest.approx(free.objective, rel=1e-6)
@@ -305,7 +309,7 @@ def test_a_callback_stops_a_solve_and_the_iterate_stays(pendulum: Any) -> None:
         return iteration == 5
 
     stopped = program.solve(start, -BOUND, BOUND, callback=stop_at_five)
-    limited = program.solve(start, -BOUND, BOUND, {"max_iter": 4})  # fatrop asks before it counts
+    limited = program.solve(start, -BOUND, BOUND, Options(max_iterations=5))
     assert stopped.status == "stopped"
     assert limited.status == "iteration limit"
     assert [line[0] for line in seen] == [0, 1, 2, 3, 4, 5]
@@ -315,59 +319,89 @@ def test_a_callback_stops_a_solve_and_the_iterate_stays(pendulum: Any) -> None:
     assert program.solve(start, -BOUND, BOUND).status == "solved"
 
 
-@pytest.mark.parametrize("options", [{"delta_w0": 0.0}, {"kappa_wplusem": 1.0}], ids=str)
-def test_a_correction_that_does_not_grow_ends_the_solve(shooting: Any, options: dict[str, float]) -> None:
+def test_a_problem_without_a_lowest_value_ends(shooting: Any) -> None:
+    """Curvature is negative wherever the iteration goes: the correction of the inertia makes steps, the bounds none."""
     written = shooting(lambda x, u: x + u, 1, 1, 4, lambda x, u: -(u**2), [0.0]).write()
     start = np.full(written.linear.shape[1], 0.1)
-    outcome = written.build().solve(start, NONE, NONE, options, time_limit=20.0)
-    assert outcome.status == "step failed"
-    assert np.array_equal(outcome.y, start)
+    outcome = written.build().solve(start, NONE, NONE, Options(max_iterations=200), time_limit=20.0)
+    assert outcome.status in ("iteration limit", "step failed", "line search failed")
+    assert outcome.objective < -1e3
+
+
+@pytest.mark.parametrize("adaptive", [False, True], ids=["monotone", "adaptive"])
+def test_barriers_fall_to_the_same_optimum(pendulum: Any, adaptive: bool) -> None:
+    written = pendulum.write()
+    start = np.zeros(written.linear.shape[1])
+    plain = written.build().solve(start, -BOUND, BOUND, Options(tolerance=1e-10))
+    chosen = written.build().solve(start, -BOUND, BOUND, Options(tolerance=1e-10, adaptive_barrier=adaptive))
+    assert chosen.status == "solved"
+    assert chosen.objective == pytest.approx(plain.objective, rel=1e-9)
+    falls = np.diff([line[3] for line in chosen.trace]) <= 0
+    assert falls.all() or adaptive
+
+
+def test_the_iterate_can_be_read_while_a_solve_runs(pendulum: Any) -> None:
+    written = pendulum.write()
+    program = written.build()
+    seen = []
+    outcome = program.solve(
+        np.zeros(written.linear.shape[1]), -BOUND, BOUND, callback=lambda *_: seen.append(program.iterate) is not None
+    )
+    assert len(seen) == outcome.iterations
+    assert np.array_equal(seen[0], np.zeros(written.linear.shape[1]))
+    assert np.abs(seen[-1] - outcome.y).max() < 1e-3
+    assert np.array_equal(program.iterate, outcome.y)
+
+
+def test_processor_seconds_end_a_solve(pendulum: Any) -> None:
+    written = pendulum.write()
+    start = np.zeros(written.linear.shape[1])
+    outcome = written.build().solve(start, -BOUND, BOUND, Options(processor_limit=0.0))
+    assert outcome.status == "time limit"
+    assert outcome.iterations <= 1
 
 
 def test_contradicting_bounds_are_reported(shooting: Any) -> None:
     written = shooting(lambda x, u: x + u, 1, 1, 4, lambda x, u: u**2, [0.0], [10.0], lambda x, u: u).write()
-    outcome = written.build().solve(np.zeros(7), -np.ones(3), np.ones(3), {"max_iter": 200})
+    outcome = written.build().solve(np.zeros(7), -np.ones(3), np.ones(3), Options(max_iterations=200))
     assert outcome.status in ("infeasible", "line search failed", "iteration limit")
     assert outcome.violation > 1.0
 
 
-@pytest.mark.parametrize("options", [{}, {"delta_c_stripe": 0.0}], ids=["", "not damped"])
+@pytest.mark.parametrize("options", [{}, {"row_correction": 0.0}], ids=["", "not damped"])
 @pytest.mark.parametrize("other", [1.0, 2.0], ids=["the same twice", "contradicting"])
 def test_dependent_equalities_end(shooting: Any, other: float, options: dict[str, float]) -> None:
     written = shooting(lambda x, u: A @ x + B @ u, 2, 1, 9, lambda x, u: u**2, [0.0, 0.0], [1.0, 0.0]).write()
     last = written.linear.shape[0] - 1
     written.linear[last] = written.linear[last - 1]
     written.offset[last] = -other
-    start, options = np.zeros(written.linear.shape[1]), {"max_iter": 50} | options
-    outcome = written.build().solve(start, NONE, NONE, options, time_limit=20.0)
+    start = np.zeros(written.linear.shape[1])
+    outcome = written.build().solve(start, NONE, NONE, Options(max_iterations=50, **options), time_limit=20.0)
     assert outcome.status != "time limit"
-    assert (outcome.violation < 1e-6) == (other == 1.0 and "delta_c_stripe" not in options)
+    assert (outcome.violation < 1e-6) == (other == 1.0)
 
 
 def test_functions_that_are_no_numbers_fail_without_a_crash(shooting: Any) -> None:
     written = shooting(lambda x, u: x + u, 1, 1, 4, lambda x, u: ca.log(u), [0.0], [1.0]).write()
     program = written.build()
-    outcome = program.solve(np.full(7, -1.0), NONE, NONE, {"max_iter": 20})
+    outcome = program.solve(np.full(7, -1.0), NONE, NONE, Options(max_iterations=20))
     assert outcome.status not in ("solved", "acceptable")
     assert np.isnan(outcome.objective)
 
 
 def test_rows_that_are_no_numbers_are_told_by_the_violation(shooting: Any) -> None:
     written = shooting(lambda x, u: x + ca.sqrt(u), 1, 1, 4, lambda x, u: u**2, [0.0], [1.0]).write()
-    outcome = written.build().solve(np.full(7, -1.0), NONE, NONE, {"max_iter": 20})
+    outcome = written.build().solve(np.full(7, -1.0), NONE, NONE, Options(max_iterations=20))
     assert outcome.status not in ("solved", "acceptable")
     assert np.isnan(outcome.violation)
 
 
-def test_unknown_options_are_refused_with_those_that_exist(regulator: Any) -> None:
-    written = regulator.write()
-    program = written.build()
-    start = np.zeros(written.linear.shape[1])
-    with pytest.raises(ValueError, match="no option 'tolerence'; it has .* tolerance "):
-        program.solve(start, NONE, NONE, {"tolerence": 1e-6})
-    with pytest.raises(ValueError, match="max_iter"):
-        program.solve(start, NONE, NONE, {"max_iter": "many"})
-    assert "mu_init" in program.option_names
+def test_unknown_options_are_refused_with_those_that_exist() -> None:
+    with pytest.raises(ValueError, match="no option 'tolerence'; there are .*tolerance "):
+        Options(tolerence=1e-6)
+    with pytest.raises(ValueError, match="'max_iterations' is no number"):
+        Options(max_iterations="many")
+    assert Options(initial_barrier=0.3).initial_barrier == 0.3
 
 
 def test_arrays_of_the_wrong_length_are_named(pendulum: Any) -> None:

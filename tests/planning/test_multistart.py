@@ -15,7 +15,7 @@ import pytest
 import robotraj as rt
 from robotraj._util.errors import InputError
 from robotraj.planning import starts
-from robotraj.solvers import fatrop
+from robotraj.solvers import interior_point
 
 
 def two_ways(cost_of_left: float = 1.0) -> rt.Phase:
@@ -92,17 +92,17 @@ def test_seeds_decide_the_answer() -> None:
 
 def test_starts_share_a_transcription_and_the_compiled_program(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
-    for module, name in ((starts, "transcribe"), (fatrop, "reduce")):
+    for module, name in ((starts, "transcribe"), (interior_point, "reduce")):
         original = getattr(module, name)
         monkeypatch.setattr(module, name, lambda *a, f=original, n=name, **k: made.append(n) or f(*a, **k))
     system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], ca.sin(point.u["u"])])
     phase = rt.Phase(system, duration=1.0, start=rt.State([0, 0]), end=rt.State([0.1, 0]), objective=rt.Effort())
-    found = search(phase, solver=rt.Fatrop(fallback=None))
+    found = search(phase, solver=rt.InteriorPoint(fallback=None))
     assert sum(len(optimum.starts) for optimum in found.optima) > 1
     assert sorted(made) == ["reduce", "transcribe"]
 
 
-@pytest.mark.parametrize("solver", [rt.Fatrop(), rt.Ipopt()])
+@pytest.mark.parametrize("solver", [rt.InteriorPoint(), rt.Ipopt()])
 def test_a_start_ends_where_it_would_alone(solver: rt.solvers.Solver) -> None:
     phase = two_ways()
     found = search(phase, solver=solver)
@@ -123,11 +123,11 @@ def test_what_starts_share_is_of_one_problem_on_one_mesh() -> None:
     shared = starts.Shared(rt.guess.StraightLine())
     start = starts.Start(rt.guess.StraightLine(), shared)
     for mesh in (rt.Mesh(12), rt.Mesh(10), rt.Mesh(12)):
-        solution = rt.plan(phase, mesh, start, rt.Fatrop())
-        fresh = rt.plan(phase, mesh, rt.guess.StraightLine(), rt.Fatrop())
+        solution = rt.plan(phase, mesh, start, rt.InteriorPoint())
+        fresh = rt.plan(phase, mesh, rt.guess.StraightLine(), rt.InteriorPoint())
         assert len(solution.phases[0].knots) == len(mesh.knots)
         assert solution.objective == pytest.approx(fresh.objective, rel=1e-9)
-    dearer = rt.plan(two_ways(3.0), rt.Mesh(12), start, rt.Fatrop())
+    dearer = rt.plan(two_ways(3.0), rt.Mesh(12), start, rt.InteriorPoint())
     assert dearer.objective != pytest.approx(solution.objective, rel=1e-3)
 
 

@@ -25,7 +25,7 @@ def oscillator(start: float, duration: Any = (0.1, 40.0), **changes: Any) -> rt.
 
 
 @pytest.mark.parametrize("halves", [1, 2, 3, 4])
-@pytest.mark.parametrize("solver", [rt.Fatrop(), rt.Ipopt()], ids=["fatrop", "ipopt"])
+@pytest.mark.parametrize("solver", [rt.InteriorPoint(), rt.Ipopt()], ids=["interior point", "ipopt"])
 def test_the_bang_bang_oscillator(halves: int, solver: rt.solvers.Solver) -> None:
     # From 2 m, m a whole number, half circles about -1 and 1 lead home: m pi seconds.
     solution = rt.plan(oscillator(2.0 * halves), solver=solver)

@@ -37,12 +37,12 @@ def robot(name: str, **options: object) -> rt.Problem:
 
 
 def test_systems_with_a_control_for_every_second_state_and_fixed_root_robots_are_for_fatrop() -> None:
-    assert isinstance(solver_for(chain(1, 1), rt.Mesh()), rt.Fatrop)
-    assert isinstance(solver_for(chain(2, 1), rt.Mesh()), rt.Fatrop)
-    assert isinstance(solver_for(chain(4, 2), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(chain(1, 1), rt.Mesh()), rt.InteriorPoint)
+    assert isinstance(solver_for(chain(2, 1), rt.Mesh()), rt.InteriorPoint)
+    assert isinstance(solver_for(chain(4, 2), rt.Mesh()), rt.InteriorPoint)
     assert isinstance(solver_for(chain(3, 1), rt.Mesh()), rt.Ipopt)
-    assert isinstance(solver_for(robot("ur5"), rt.Mesh()), rt.Fatrop)
-    assert isinstance(solver_for(robot("cartpole"), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(robot("ur5"), rt.Mesh()), rt.InteriorPoint)
+    assert isinstance(solver_for(robot("cartpole"), rt.Mesh()), rt.InteriorPoint)
 
 
 def test_rates_of_torques_and_jerks_leave_an_arm_to_fatrop_and_corners_do_not() -> None:
@@ -51,15 +51,15 @@ def test_rates_of_torques_and_jerks_leave_an_arm_to_fatrop_and_corners_do_not() 
     def chosen(objective: Objective) -> Solver:
         return solver_for(rt.Problem([rt.Phase(arm, 1.0, objective=objective)]), rt.Mesh())
 
-    assert isinstance(chosen(rt.objectives.TorqueRate() + rt.Effort()), rt.Fatrop)
-    assert isinstance(chosen(rt.objectives.Jerk()), rt.Fatrop)
+    assert isinstance(chosen(rt.objectives.TorqueRate() + rt.Effort()), rt.InteriorPoint)
+    assert isinstance(chosen(rt.objectives.Jerk()), rt.InteriorPoint)
     assert isinstance(chosen(rt.objectives.AbsolutePower()), rt.Ipopt)
     assert isinstance(chosen(rt.objectives.AbsolutePower() + rt.objectives.TorqueRate()), rt.Ipopt)
 
 
 def test_every_phase_has_a_say() -> None:
     (good,), (bad,) = chain(2, 1).phases, chain(3, 1).phases
-    assert isinstance(solver_for(rt.Problem([good, good]), rt.Mesh()), rt.Fatrop)
+    assert isinstance(solver_for(rt.Problem([good, good]), rt.Mesh()), rt.InteriorPoint)
     assert isinstance(solver_for(rt.Problem([good, bad]), rt.Mesh()), rt.Ipopt)
 
 
@@ -111,8 +111,8 @@ def test_a_system_reaches_the_optimum_of_its_mesh_and_keeps_nothing_from_its_bou
 @pytest.mark.parametrize(
     ("name", "root", "actuated", "solver", "engine"),
     [
-        ("ur5", "fixed", None, rt.Fatrop(), rt.engines.Native()),
-        ("double_pendulum", "fixed", [], rt.Fatrop(), rt.engines.Native()),
+        ("ur5", "fixed", None, rt.InteriorPoint(), rt.engines.Native()),
+        ("double_pendulum", "fixed", [], rt.InteriorPoint(), rt.engines.Native()),
         ("solo12", "floating", None, rt.Ipopt(), rt.engines.Native()),
     ],
 )

@@ -178,7 +178,7 @@ def test_enough_counts_results_in_the_order_of_the_tasks() -> None:
 
 def test_threads_hand_over_the_answer_itself() -> None:
     with ThreadPoolExecutor(1) as executor:
-        (solution,) = rt.sweep(moves()[:1], executor=executor, mesh=MESH, solver=rt.Fatrop())
+        (solution,) = rt.sweep(moves()[:1], executor=executor, mesh=MESH, solver=rt.InteriorPoint())
     assert solution.multipliers is not None
     assert solution.multipliers.origin is not None, "multipliers are found when they are read"
 

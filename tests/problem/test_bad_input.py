@@ -659,29 +659,24 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         ["refinement=", "tolerance="],
     ),
     "fallback by a solver's name": (
-        lambda: rt.Fatrop(fallback="ipopt"),
+        lambda: rt.InteriorPoint(fallback="ipopt"),
         rt.InputError,
-        ["Fatrop(fallback)", "rt.Ipopt()", "'ipopt'"],
+        ["InteriorPoint(fallback)", "rt.Ipopt()", "'ipopt'"],
     ),
     "options that are a number": (
         lambda: rt.Ipopt(options=3),
         rt.InputError,
         ["Ipopt(options)", "mapping", "3"],
     ),
-    "option of fatrop that there is not": (
-        lambda: rt.plan(block(), solver=rt.Fatrop(options={"foo": 1})),
-        rt.InputError,
-        ["fatrop", "'foo'", "mu_init"],
-    ),
-    "option of fatrop that is no number": (
-        lambda: rt.plan(block(), solver=rt.Fatrop(options={"delta_w0": "a"})),
-        rt.InputError,
-        ["fatrop", "'delta_w0'", "string"],
-    ),
     "first barrier that is none": (
-        lambda: rt.Fatrop(options={"mu_init": None}),
+        lambda: rt.InteriorPoint(initial_barrier=None),  # type: ignore[arg-type]
         rt.InputError,
-        ["mu_init", "above 0", "None"],
+        ["initial_barrier", "above 0", "None"],
+    ),
+    "factor of the barrier below zero": (
+        lambda: rt.InteriorPoint(barrier_factor=-1.0),
+        rt.InputError,
+        ["barrier_factor", "above 0", "-1.0"],
     ),
     "parameters without names": (
         lambda: block().with_(parameters=3),

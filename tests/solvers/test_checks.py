@@ -21,7 +21,7 @@ REFUSED = {
 
 CASES = [
     (solver, field, value)
-    for solver in (rt.Ipopt, rt.Fatrop)
+    for solver in (rt.Ipopt, rt.InteriorPoint)
     for field, values in REFUSED.items()
     if field in {each.name for each in dataclasses.fields(solver)}
     for value in values
@@ -34,7 +34,7 @@ def test_bad_numbers_are_refused_by_their_names(solver: Any, field: str, value: 
         solver(**{field: value})
 
 
-@pytest.mark.parametrize("solver", [rt.Ipopt, rt.Fatrop])
+@pytest.mark.parametrize("solver", [rt.Ipopt, rt.InteriorPoint])
 def test_numbers_of_numpy_are_numbers(solver: Any) -> None:
     value = solver(tolerance=np.float32(1e-6), max_iterations=np.int64(50), time_limit=np.float64(3))
     assert value.max_iterations == 50

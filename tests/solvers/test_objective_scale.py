@@ -8,7 +8,7 @@ import pytest
 import robotraj as rt
 from robotraj.solvers.objective_scale import FINE, LEAST, SHARE, objective_scale
 
-FATROP = rt.Fatrop(fallback=None, threads=1)
+FATROP = rt.InteriorPoint(fallback=None, threads=1)
 START, GOAL = [-1.1, -1.8, 1.6, -1.2, -1.57, 0.0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2]
 
 
@@ -64,7 +64,7 @@ def test_a_solve_starts_from_multipliers_of_another_scale() -> None:
 
 
 def test_a_scale_that_is_given_is_taken_and_nonsense_refused() -> None:
-    plain = rt.Fatrop(fallback=None, threads=1, objective_scale=1.0)
+    plain = rt.InteriorPoint(fallback=None, threads=1, objective_scale=1.0)
     chosen, given = (
         rt.plan(reach(1e3), rt.Mesh(20), solver=solver, check=False, progress=False) for solver in (FATROP, plain)
     )
@@ -72,4 +72,4 @@ def test_a_scale_that_is_given_is_taken_and_nonsense_refused() -> None:
     assert given.objective == pytest.approx(chosen.objective, rel=1e-7)
     for scale in (0.0, -1.0, np.inf, np.nan):
         with pytest.raises(rt.InputError, match="objective_scale"):
-            rt.Fatrop(objective_scale=scale)
+            rt.InteriorPoint(objective_scale=scale)

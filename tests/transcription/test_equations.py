@@ -33,7 +33,7 @@ SCHEMES: list[tuple[Any, int]] = [
     (rt.schemes.Trapezoidal(), 40),
 ]
 each_scheme = pytest.mark.parametrize(("scheme", "intervals"), SCHEMES, ids=lambda value: str(value)[:16])
-ALONE = rt.Fatrop(fallback=None)
+ALONE = rt.InteriorPoint(fallback=None)
 LINE = rt.FramePosition("tool0", {"x": 0.45, "z": 0.1})
 DOWN = rt.PathConstraint(
     lambda point: [point.frame("tool0").rotation[0, 2], point.frame("tool0").rotation[1, 2]], 0, 0, name="down"
@@ -158,7 +158,7 @@ def test_a_rate_stands_at_an_end_that_does_not_settle_it(end: Any, last: float) 
 
 
 @each_scheme
-@pytest.mark.parametrize("solver", [ALONE, rt.Ipopt()], ids=["fatrop", "ipopt"])
+@pytest.mark.parametrize("solver", [ALONE, rt.Ipopt()], ids=["interior point", "ipopt"])
 def test_a_straight_line_is_the_closed_form(scheme: Any, intervals: int, solver: rt.solvers.Solver) -> None:
     """Along x = y both move by the same acceleration a: 12 times the distance squared of (1 + 4) a^2, 60."""
     solution = rt.plan(moved(diagonal()), rt.Mesh(intervals, scheme), solver=solver, progress=False)
@@ -189,7 +189,7 @@ def test_between_the_points_it_is_of_the_order_of_the_scheme(ur5: rt.Robot) -> N
     assert not few.guards
 
 
-def test_fatrop_and_ipopt_find_one_optimum(ur5: rt.Robot) -> None:
+def test_both_solvers_find_one_optimum(ur5: rt.Robot) -> None:
     phase = drawing(ur5, rt.Effort())
     one, other = (
         rt.plan(

@@ -68,7 +68,7 @@ def planned(
         problem,
         mesh,
         rt.guess.StraightLine(4.0),
-        solver or rt.Fatrop(fallback=None),
+        solver or rt.InteriorPoint(fallback=None),
         interval_limits=interval_limits,
         progress=False,
     )
@@ -144,9 +144,9 @@ def test_controls_hold_everywhere_bulge_without_and_the_time_hardly_grows(scheme
 
 
 @pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
-def test_fatrop_and_ipopt_find_the_same_optimum(scheme: Scheme) -> None:
-    fatrop, ipopt = (planned(drive(), rt.Mesh(9, scheme), HULL, solver) for solver in (None, rt.Ipopt(tolerance=1e-10)))
-    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
+def test_both_solvers_find_the_same_optimum(scheme: Scheme) -> None:
+    staged, ipopt = (planned(drive(), rt.Mesh(9, scheme), HULL, solver) for solver in (None, rt.Ipopt(tolerance=1e-10)))
+    assert staged.objective == pytest.approx(ipopt.objective, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -171,17 +171,17 @@ def test_controls_hold_on_every_kind_of_mesh(problem: rt.Problem, mesh: rt.Mesh,
 def test_torques_of_an_arm_hold_in_minimum_time_by_both_solvers() -> None:
     mesh, problem = rt.Mesh(12), hurried_arm()
     joints = [control.name for control in problem.phases[0].dae.controls]
-    fatrop, ipopt = (
+    staged, ipopt = (
         rt.plan(problem, mesh, solver=solver, interval_limits=HULL, progress=False)
-        for solver in (rt.Fatrop(fallback=None), rt.Ipopt(tolerance=1e-9))
+        for solver in (rt.InteriorPoint(fallback=None), rt.Ipopt(tolerance=1e-9))
     )
-    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
-    assert largest_excess(fatrop, joints) < 1e-4
+    assert staged.objective == pytest.approx(ipopt.objective, rel=1e-6)
+    assert largest_excess(staged, joints) < 1e-4
     assert largest_excess(ipopt, joints) < 1e-4
     free = rt.plan(
         problem,
         mesh,
-        solver=rt.Fatrop(fallback=None),
+        solver=rt.InteriorPoint(fallback=None),
         interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0),
         progress=False,
     )
@@ -234,7 +234,7 @@ def test_the_panda_moves_in_minimum_time_within_its_limits() -> None:
         end=rt.State(q=[1.5, 0.5, -0.5, -1.2, 0.6, 2.2, -0.8], v=0),
         objective=rt.Duration(),
     )
-    mesh, solver = rt.Mesh.chebyshev(100, rt.schemes.RadauIIA(2)), rt.Fatrop(fallback=None)
+    mesh, solver = rt.Mesh.chebyshev(100, rt.schemes.RadauIIA(2)), rt.InteriorPoint(fallback=None)
     solution = rt.plan(phase, mesh, solver=solver, interval_limits=HULL, progress=False)
     assert solution.objective == pytest.approx(0.692778, rel=1e-4)
     assert largest_excess(solution, [control.name for control in phase.dae.controls]) < 1e-5

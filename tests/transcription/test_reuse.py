@@ -13,7 +13,7 @@ from robotraj.solvers.base import Origin
 from tests.solvers.stagewise.problems import GOAL, START, arm, pendulum, step, two_phases
 
 MESH = rt.Mesh(12)
-FATROP = {"solver": rt.Fatrop(), "interval_limits": rt.interval_limits.BernsteinBounds(), "progress": False}
+FATROP = {"solver": rt.InteriorPoint(), "interval_limits": rt.interval_limits.BernsteinBounds(), "progress": False}
 """Guards are rows of one solution; without them a plan takes over the whole NLP."""
 OTHER = rt.State(q=np.add(GOAL, [-0.1, 0.05, 0.0, 0.1, 0.0, -0.2]), v=0)
 
@@ -24,8 +24,8 @@ def origin(solution: rt.Solution) -> Origin:
     return solution.multipliers.origin
 
 
-@pytest.mark.parametrize("solver", [rt.Fatrop(), rt.Ipopt()])
-def test_a_plan_with_another_goal_is_that_of_a_fresh_one(solver: rt.Fatrop | rt.Ipopt) -> None:
+@pytest.mark.parametrize("solver", [rt.InteriorPoint(), rt.Ipopt()])
+def test_a_plan_with_another_goal_is_that_of_a_fresh_one(solver: rt.InteriorPoint | rt.Ipopt) -> None:
     problem = arm()
     options = FATROP | {"solver": solver}
     first = rt.plan(problem, MESH, **options)
@@ -42,7 +42,7 @@ def vars_of(problem: rt.Problem) -> dict[str, object]:
     return {"subject": phase.subject, "duration": 1.0, "start": phase.start, "objective": phase.objective}
 
 
-def test_fatrop_keeps_its_compiled_program() -> None:
+def test_the_solver_keeps_its_compiled_program() -> None:
     problem = arm()
     first = rt.plan(problem, MESH, **FATROP)
     again = rt.plan(problem.with_(end=OTHER), MESH, guess=first, **FATROP)

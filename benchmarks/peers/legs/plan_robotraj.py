@@ -165,8 +165,8 @@ ENGINES = {
     "native": ("Ipopt", "Native"),
     "machine": ("Ipopt", "VirtualMachine"),
     "compiled": ("Ipopt", "Compiled"),
-    "fatrop": ("Fatrop", "Native"),
-    "fatrop-compiled": ("Fatrop", "Compiled"),
+    "fatrop": ("InteriorPoint", "Native"),
+    "fatrop-compiled": ("InteriorPoint", "Compiled"),
 }
 """Names of the solver and of what evaluates the point functions."""
 
@@ -224,7 +224,7 @@ def main() -> None:
     chosen, engine = ENGINES[sys.argv[4] if len(sys.argv) > 4 else "native"]
     # One thread, as Crocoddyl has; to a millionth, a thousandth of what the mesh leaves between its knots; a barrier
     # that leaves a guess on its feet where it is.
-    settings = {"threads": 1} if chosen == "Fatrop" else {"initial_barrier": 1e-3}
+    settings = {"threads": 1} if chosen == "InteriorPoint" else {"initial_barrier": 1e-3}
     solver = clocked(value(chosen, max_iterations=300, tolerance=1e-6, **settings))
     solution = rt.plan(problem, meshes, solver=solver, engine=value(engine), check=False, progress=False)
     figures = {

@@ -33,7 +33,7 @@ USED = (
 
 AWAY = -0.05
 """How far every joint of another goal is [rad, m]."""
-SETTINGS: dict[str, dict[str, Any]] = {"Fatrop": {"threads": 1}, "BernsteinBounds": {"controls": True}}
+SETTINGS: dict[str, dict[str, Any]] = {"InteriorPoint": {"threads": 1}, "BernsteinBounds": {"controls": True}}
 """One thread, as all the others have; limits of torques held everywhere, as those of speeds."""
 SEED = 0
 """Of the starts; benchmarks/starts.py tells what others find."""
@@ -67,7 +67,7 @@ def phase_of(task: Task) -> rt.Phase:
 
 def search(task: Task, mesh: rt.Mesh, starts: int, settings: dict[str, Any]) -> tuple[rt.Solution, int]:
     """Plan from many starts; give the best plan and the iterations of all of them."""
-    settings = settings | {"solver": rt.Fatrop(fallback=None, **SETTINGS["Fatrop"])}
+    settings = settings | {"solver": rt.InteriorPoint(fallback=None, **SETTINGS["InteriorPoint"])}
     with ThreadPoolExecutor(1) as here:
         guess = rt.guess.StraightLine(task.guess)
         found = rt.multistart(phase_of(task), starts, SEED, guess=guess, executor=here, mesh=mesh, **settings)

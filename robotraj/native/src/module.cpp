@@ -1,4 +1,4 @@
-// The Python face of the native solver: point functions and the stagewise program that fatrop solves.
+// The Python face of the native solver: point functions and the stagewise program with its solver.
 #include "bindings.hpp"
 
 #include <casadi/config.h>

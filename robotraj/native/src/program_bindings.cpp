@@ -126,38 +126,49 @@ Result copy(const Numbers& values) { return to_numpy(values); }
 
 }  // namespace
 
+/// Calls `use` with the name and the member of every option.
+template <typename Use>
+static void each_option(Use&& use) {
+  use("tolerance", &Options::tolerance);
+  use("acceptable_tolerance", &Options::acceptable_tolerance);
+  use("acceptable_iterations", &Options::acceptable_iterations);
+  use("violation_tolerance", &Options::violation_tolerance);
+  use("max_iterations", &Options::max_iterations);
+  use("processor_limit", &Options::processor_limit);
+  use("initial_barrier", &Options::initial_barrier);
+  use("barrier_factor", &Options::barrier_factor);
+  use("barrier_decrease", &Options::barrier_decrease);
+  use("barrier_power", &Options::barrier_power);
+  use("adaptive_barrier", &Options::adaptive_barrier);
+  use("bound_relaxation", &Options::bound_relaxation);
+  use("bound_push", &Options::bound_push);
+  use("bound_fraction", &Options::bound_fraction);
+  use("elimination_tolerance", &Options::elimination_tolerance);
+  use("pivot_tolerance", &Options::pivot_tolerance);
+  use("first_correction", &Options::first_correction);
+  use("row_correction", &Options::row_correction);
+}
+
 /// Options by their names; what is not named keeps its default.
 static void set_options(Options* self, const nb::kwargs& given) {
   new (self) Options();
-  const nb::object mine = nb::cast(self, nb::rv_policy::reference);
-  for (const auto& [name, value] : given) {
-    if (!nb::hasattr(mine, name))
-      throw std::invalid_argument(std::string("there is no option '") + nb::cast<std::string>(name) + "'");
-    nb::setattr(mine, name, value);
+  for (const auto& [key, value] : given) {
+    const auto name = nb::cast<std::string>(key);
+    std::string known;
+    bool found = false;
+    each_option([&, &value = value](const char* each, auto member) {
+      known += std::string(" ") + each;
+      if (name != each) return;
+      if (!nb::try_cast(value, self->*member)) throw std::invalid_argument("option '" + name + "' is no number");
+      found = true;
+    });
+    if (!found) throw std::invalid_argument("there is no option '" + name + "'; there are" + known);
   }
 }
 
 static void bind_options(nb::module_& m) {
-  nb::class_<Options>(m, "Options")
-      .def("__init__", set_options)
-      .def_rw("tolerance", &Options::tolerance)
-      .def_rw("acceptable_tolerance", &Options::acceptable_tolerance)
-      .def_rw("acceptable_iterations", &Options::acceptable_iterations)
-      .def_rw("violation_tolerance", &Options::violation_tolerance)
-      .def_rw("max_iterations", &Options::max_iterations)
-      .def_rw("processor_limit", &Options::processor_limit)
-      .def_rw("initial_barrier", &Options::initial_barrier)
-      .def_rw("barrier_factor", &Options::barrier_factor)
-      .def_rw("barrier_decrease", &Options::barrier_decrease)
-      .def_rw("barrier_power", &Options::barrier_power)
-      .def_rw("adaptive_barrier", &Options::adaptive_barrier)
-      .def_rw("bound_relaxation", &Options::bound_relaxation)
-      .def_rw("bound_push", &Options::bound_push)
-      .def_rw("bound_fraction", &Options::bound_fraction)
-      .def_rw("elimination_tolerance", &Options::elimination_tolerance)
-      .def_rw("pivot_tolerance", &Options::pivot_tolerance)
-      .def_rw("first_correction", &Options::first_correction)
-      .def_rw("row_correction", &Options::row_correction);
+  auto options = nb::class_<Options>(m, "Options").def("__init__", set_options);
+  each_option([&](const char* name, auto member) { options.def_rw(name, member); });
 }
 
 void bind_program(nb::module_& m) {

@@ -1,4 +1,4 @@
-// The augmented system of fatrop, solved by the recursion of `riccati.hpp`.
+// The augmented system of a step, solved by the recursion of `riccati.hpp`.
 #pragma once
 
 #include <vector>
@@ -38,7 +38,7 @@ class RiccatiSolver {
 
   RiccatiOptions options;
 
-  /// Diagonals and right-hand sides in fatrop's order, those of the inequalities by themselves; `de` may be null.
+  /// Diagonals and right-hand sides, those of the inequalities by themselves; `de` may be null.
   struct System {
     const double *dx, *de, *ds, *f, *g, *inequalities;
     double *z, *lam;

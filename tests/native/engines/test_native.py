@@ -75,7 +75,7 @@ def stage_of(phase: rt.Phase, engine: Engine | None) -> PointFunctions:
 
 
 def solved(stage: PointFunctions, joints: int) -> PointFunctions:
-    """Make the torques expressions, as fatrop's stages have them, so that the cost is curved in the dynamics."""
+    """Make the torques expressions, as stages have them, so that the cost is curved in the dynamics."""
     return solved_for(stage, range(2 * joints, 3 * joints), range(3 * joints, 4 * joints))
 
 

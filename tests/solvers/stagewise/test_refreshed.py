@@ -190,7 +190,7 @@ def test_a_free_duration_keeps_its_unit_near_the_first_guess(problem: str) -> No
 
 def test_a_minimum_time_plan_to_another_goal_from_the_last_one_ends_where_a_fresh_one_does() -> None:
     (phase,) = EVERY["hurried arm"]().phases
-    problem, solver, mesh = rt.Problem([phase]), rt.Fatrop(threads=1), rt.Mesh(10)
+    problem, solver, mesh = rt.Problem([phase]), rt.InteriorPoint(threads=1), rt.Mesh(10)
     first = rt.plan(problem, mesh, solver=solver, check=False)
     goal = np.asarray(phase.end.q) - 0.05
     moved_goal = problem.with_(end=rt.State(q=goal, v=0))

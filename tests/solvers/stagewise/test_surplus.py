@@ -68,13 +68,13 @@ def test_a_hand_held_at_a_height_is_planned_as_by_ipopt(robot: rt.Robot, objecti
     duration = 1.5 if isinstance(objective, rt.Effort) else (0.3, 4.0)
     end = rt.State(q=reaching(robot, 0.4, -0.3), v=0)
     problem = level(robot, end, objective=objective, duration=duration)
-    fatrop = solve(problem, rt.Fatrop(fallback=None))
+    staged = solve(problem, rt.InteriorPoint(fallback=None))
     # Least times are flat in accelerations along the equation: from the same one IPOPT finds the same optimum.
-    ipopt = solve(problem, rt.Ipopt(), fatrop)
-    assert fatrop.success
-    assert fatrop.iterations < 200
-    assert not fatrop.violations()
-    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
+    ipopt = solve(problem, rt.Ipopt(), staged)
+    assert staged.success
+    assert staged.iterations < 200
+    assert not staged.violations()
+    assert staged.objective == pytest.approx(ipopt.objective, rel=1e-6)
 
 
 def test_a_goal_that_says_the_height_again_is_one_row(robot: rt.Robot) -> None:
@@ -83,20 +83,20 @@ def test_a_goal_that_says_the_height_again_is_one_row(robot: rt.Robot) -> None:
     program = reduce(transcribe(problem, MESH, None, None)).program
     # Rest, x and y, and one height.
     assert program.equalities.tolist() == [1, *[2] * 11, 9]
-    fatrop = solve(problem, rt.Fatrop(fallback=None))
+    staged = solve(problem, rt.InteriorPoint(fallback=None))
     # There are several ways to take the joints there; from the same one IPOPT finds the same optimum.
-    ipopt = solve(problem, rt.Ipopt(), fatrop)
-    assert fatrop.success
-    assert fatrop.iterations < 200
-    assert not fatrop.violations()
-    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
+    ipopt = solve(problem, rt.Ipopt(), staged)
+    assert staged.success
+    assert staged.iterations < 200
+    assert not staged.violations()
+    assert staged.objective == pytest.approx(ipopt.objective, rel=1e-6)
 
 
 def test_a_goal_at_another_height_stays_a_contradiction(robot: rt.Robot) -> None:
     goal = rt.AtEnd(rt.FramePosition("tool0", [0.4, -0.3, HEIGHT + 0.01]))
     problem = level(robot, rt.State(v=0), goal)
     assert reduce(transcribe(problem, MESH, None, None)).program.equalities[-1] == 10
-    solution = solve(problem, rt.Fatrop(fallback=None, max_iterations=200))
+    solution = solve(problem, rt.InteriorPoint(fallback=None, max_iterations=200))
     assert not solution.success
     assert any("frame position" in violation.name for violation in solution.violations())
 

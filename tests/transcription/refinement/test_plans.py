@@ -230,9 +230,9 @@ def test_rows_are_held_between_the_knots() -> None:
     assert free.at(np.linspace(0, 1, 5001)).x["x"].max() <= 1 / 9 + 1e-3
 
 
-@pytest.mark.parametrize("solver", [rt.Fatrop(fallback=None), rt.Ipopt()], ids=lambda s: type(s).__name__)
+@pytest.mark.parametrize("solver", [rt.InteriorPoint(fallback=None), rt.Ipopt()], ids=lambda s: type(s).__name__)
 def test_rows_are_held_between_the_knots_once_a_mesh_is_fine_enough_or_no_better(
-    solver: rt.Fatrop | rt.Ipopt, monkeypatch: pytest.MonkeyPatch
+    solver: rt.InteriorPoint | rt.Ipopt, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     solved: list[rt.Solution] = []
 
@@ -263,8 +263,8 @@ def test_rows_are_held_between_the_knots_where_the_tolerance_is_not_reached(
     assert [step.intervals for step in solution.refinement] == [20, solution.phases[0].mesh.count]
 
 
-@pytest.mark.parametrize("solver", [rt.Fatrop(fallback=None), rt.Ipopt()], ids=lambda s: type(s).__name__)
-def test_guards_come_along_on_the_intervals_that_a_mesh_keeps(solver: rt.Fatrop | rt.Ipopt) -> None:
+@pytest.mark.parametrize("solver", [rt.InteriorPoint(fallback=None), rt.Ipopt()], ids=lambda s: type(s).__name__)
+def test_guards_come_along_on_the_intervals_that_a_mesh_keeps(solver: rt.InteriorPoint | rt.Ipopt) -> None:
     phase, scheme = s_curve(), rt.schemes.RadauIIA(3)
     before = rt.plan(
         phase, rt.Mesh(12, scheme), solver=solver, interval_limits=rt.interval_limits.ConstraintGeneration(1e-5)

@@ -65,13 +65,15 @@ bool Direction::find(Iterate& iterate, double mu, const Vectors& step) {
   problem_.hessian(iterate.at->x, iterate.at->rows, newton.hessian());
   newton.options = {options_.elimination_tolerance, options_.pivot_tolerance};
   double delta_w = 0.0, delta_c = 0.0;
+  bool corrected = false;
   const Timed timed(seconds);
   while (delta_w <= kLargest) {
     switch (newton.solve(iterate, side, delta_w, delta_c, step)) {
       case Solved::indefinite: delta_w = larger(delta_w); break;
       case Solved::dependent:
-        if (delta_c == 0.0) delta_c = options_.row_correction * std::pow(mu, kPower);
+        if (!corrected) delta_c = options_.row_correction * std::pow(mu, kPower);
         else delta_w = larger(delta_w);
+        corrected = true;
         break;
       case Solved::invalid: return false;
       default:

@@ -150,7 +150,7 @@ bool LineSearch::correct(double alpha) {
     if (!run.direction.correct(*run.current, corrected_rows_.data(), step)) return false;
     length = longest(step);
     move(length, step);
-    if (acceptable(alpha)) {
+    if (run.trial->violation() < reference_.violation && acceptable(alpha)) {
       move_duals(longest_dual(step), length, step);
       corrected_ = true;
       return true;

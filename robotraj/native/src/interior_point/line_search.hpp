@@ -14,8 +14,8 @@ namespace robotraj::interior_point {
 ///     lowers phi_mu by eta_phi alpha m where alpha (-m)^s_phi > delta theta^s_theta and theta <= theta_min;
 ///     else lowers theta by gamma_theta theta, or phi_mu by gamma_phi theta;
 ///
-/// and is accepted by the filter. Second-order corrections are tried where the full step raises theta. After ten
-/// shortened steps in a row, three full ones are taken unchecked (watchdog). Where steps become too short, steps that
+/// and is accepted by the filter. Second-order corrections are tried where the full step raises theta, and taken where
+/// they lower it. After ten shortened steps in a row, three full ones are taken unchecked (watchdog). Where steps become too short, steps that
 /// lower the error of the primal-dual equations are taken, at most ten; then the restoration phase is needed.
 /// Source: the paper, sections 2.3, 2.4 and 3.2; Chamberlain, Powell, Lemarechal, Pedersen, The watchdog technique,
 /// Math. Programming Study 16 (1982).

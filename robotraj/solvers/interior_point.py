@@ -1,10 +1,11 @@
-"""fatrop, driven stage by stage through its own interface, with point functions evaluated in place.
+"""The interior-point method over stages: a Riccati recursion instead of a general factorisation.
 
-The problem is rewritten in stages (``robotraj.solvers.stagewise``) and handed to C++ once; an iteration runs
-no Python, and its
-time grows with the number of intervals and no faster.
-Source: Vanroye, Sathya, De Schutter, Decre, FATROP: a fast constrained optimal control problem solver for robot
-trajectory optimization and control, IROS 2023.
+The problem is rewritten in stages (``robotraj.solvers.stagewise``) and handed to C++ once. An iteration runs no
+Python, and its time grows with the number of intervals and no faster.
+
+Source: Waechter and Biegler, On the implementation of an interior-point filter line-search algorithm for large-scale
+nonlinear programming, Mathematical Programming 106, 2006; Vanroye, Sathya, De Schutter, Decre, FATROP: a fast
+constrained optimal control problem solver for robot trajectory optimization and control, IROS 2023.
 """
 
 from __future__ import annotations
@@ -12,7 +13,6 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Mapping
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +20,9 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.native.build import load_native
 from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
-from robotraj.solvers.checks import above_zero, counted, named_options
+from robotraj.solvers.checks import above_zero, counted
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.multipliers import recover
@@ -47,46 +48,48 @@ STATUSES = {
     "interrupted": Status.INTERRUPTED,
     "stopped": Status.INTERRUPTED,
 }
-BARRIERS = (100.0, 10.0)
-"""fatrop's ``barrier_tol_factor``: how far the problem of one barrier is solved before the barrier falls.
+FACTORS = (100.0, 10.0)
+"""How far the problem of one barrier is solved before the barrier falls.
 
-The first takes a quarter fewer iterations; where its line search fails, the second, fatrop's own, begins again from the
-guess."""
+The first takes a quarter fewer iterations; where its line search fails, the second begins again from the guess."""
 WIDEST = 10_000
-"""Variables times equalities of a stage from which on fatrop's fully pivoted elimination takes longer than IPOPT."""
+"""Variables times equalities of a stage from which on their fully pivoted elimination takes longer than IPOPT."""
 SHORTEST = 1e-3
 """Seconds that a fallback is given at least."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
 """Ends that another solver may turn into better ones; limits that the user set are not among them, nor problems whose
 variables run off, as they would with any solver."""
 RUN_OFF = 1e12
-"""Scaled variables beyond this, where fatrop ends unsolved, have run off to infinity."""
+"""Scaled variables beyond this, where a solve ends unsolved, have run off to infinity."""
 
 
 @dataclass(frozen=True)
-class Fatrop(Solver):
-    """fatrop's interior-point method: a Riccati recursion over the stages instead of a general factorisation.
+class InteriorPoint(Solver):
+    """A primal-dual interior-point method with a filter line search, whose steps are found stage by stage.
 
     Parameters
     ----------
     tolerance : float
         Optimality tolerance on the scaled problem.
     max_iterations : int
-        Of fatrop in one solve, never more; with a limit of 1 it takes none. The ``fallback`` has its own.
+        Of one solve, those of the restoration phase included. The ``fallback`` has its own.
     time_limit : float or None
         Wall-clock seconds of one solve, those of the ``fallback`` included; finer meshes and other beginnings
         are further solves.
     initial_barrier : float
-        fatrop's ``mu_init``.
+        The first barrier parameter.
+    barrier_factor : float, optional
+        The barrier falls where the error of its problem is below this multiple of it. By default 100 and, where the
+        line search fails, once more from the guess with 10.
+    adaptive_barrier : bool
+        Choose the barrier parameter of every step by what a step without a barrier achieves, as long as that makes
+        progress (Nocedal, Waechter, Waltz, SIAM J. Optim. 19, 2009). Off, it falls monotonically.
     threads : int, optional
         That evaluate points side by side; as many as the process has processors by default. The answers are the same,
         bit by bit, for any number.
     fallback : Solver or None
-        Solves what has no form in stages, such as shooting, and what fatrop gives up, unless its variables ran off; the
-        message says why. None refuses the former and leaves the latter.
-    options : mapping
-        Any further options of fatrop by its own names; they win over the fields above. With a ``barrier_tol_factor``
-        among them, a solve that stalls is not begun again with a smaller one.
+        Solves what has no form in stages, such as shooting, and what remains unsolved, unless its variables ran off;
+        the message says why. None refuses the former and leaves the latter.
     objective_scale : float, optional
         What the objective is multiplied by; by default a number that makes the first barrier weigh alike whatever the
         mesh and, but for small objectives on coarse meshes, the unit: see ``robotraj.solvers.objective_scale``.
@@ -97,34 +100,37 @@ class Fatrop(Solver):
     max_iterations: int = 1000
     time_limit: float | None = None
     initial_barrier: float = 1e-2
+    barrier_factor: float | None = None
+    adaptive_barrier: bool = False
     threads: int | None = None
     fallback: Solver | None = field(default_factory=Ipopt)
-    options: Mapping[str, Any] = field(default_factory=dict)
     objective_scale: float | None = None
 
     def __post_init__(self) -> None:
-        above_zero("Fatrop(tolerance)", self.tolerance)
-        counted("Fatrop(max_iterations)", self.max_iterations)
+        above_zero("InteriorPoint(tolerance)", self.tolerance)
+        counted("InteriorPoint(max_iterations)", self.max_iterations)
         if self.time_limit is not None:
-            above_zero("Fatrop(time_limit)", self.time_limit, "s")
-        above_zero("Fatrop(initial_barrier)", self.initial_barrier)
+            above_zero("InteriorPoint(time_limit)", self.time_limit, "s")
+        above_zero("InteriorPoint(initial_barrier)", self.initial_barrier)
+        if self.barrier_factor is not None:
+            above_zero("InteriorPoint(barrier_factor)", self.barrier_factor)
         if self.objective_scale is not None and not 0 < self.objective_scale < np.inf:
             raise InputError(
-                f"Fatrop(objective_scale) must be above 0 and finite, or None to be chosen, got {self.objective_scale}."
+                "InteriorPoint(objective_scale) must be above 0 and finite, or None to be chosen, "
+                f"got {self.objective_scale}."
             )
         if self.threads is not None:
-            counted("Fatrop(threads)", self.threads)
-        named_options("Fatrop(options)", self.options)
-        if "mu_init" in self.options:
-            above_zero('Fatrop(options)["mu_init"]', self.options["mu_init"])
+            counted("InteriorPoint(threads)", self.threads)
         if not isinstance(self.fallback, Solver | None):
-            raise InputError(f"Fatrop(fallback) is a solver value such as rt.Ipopt(), or None; got {self.fallback!r}.")
+            raise InputError(
+                f"InteriorPoint(fallback) is a solver value such as rt.Ipopt(), or None; got {self.fallback!r}."
+            )
 
-    def from_nearby(self) -> Fatrop:
-        """Start at a smaller barrier, unless the options say where."""
+    def from_nearby(self) -> InteriorPoint:
+        """Start at a smaller barrier."""
         return replace(self, initial_barrier=min(self.initial_barrier, WARM_BARRIER))
 
-    def within(self, seconds: float) -> Fatrop:
+    def within(self, seconds: float) -> InteriorPoint:
         """Give the same solver with at most so many wall-clock seconds a solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))
 
@@ -147,7 +153,7 @@ class Fatrop(Solver):
             why = f"a stage has {program.equalities[stage]} equations for {unknowns[stage]} unknowns"
             if self.fallback is None:
                 zeros = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
-                return Outcome(Status.OVERDETERMINED, f"fatrop: {why}", nlp.guess, zeros, 0)
+                return Outcome(Status.OVERDETERMINED, f"interior point: {why}", nlp.guess, zeros, 0)
             return self._fall_back(nlp, progress, multipliers, why, began)
         widths = unknowns * program.equalities
         stage = int(np.argmax(widths))
@@ -157,7 +163,7 @@ class Fatrop(Solver):
                 progress,
                 multipliers,
                 f"a stage has {unknowns[stage]} variables and {program.equalities[stage]} "
-                "equalities, which fatrop eliminates slowly",
+                "equalities, whose elimination is slow",
                 began,
             )
         compiled = _Compiled(native_program(program, nlp.engine, self._threads), self._threads)
@@ -199,41 +205,34 @@ class Fatrop(Solver):
         nlp, program, native = reduction.nlp, reduction.program, compiled.native
         ready = time.perf_counter()
         start = reduction.start(nlp.guess)
-        barrier = self.options.get("mu_init", self.initial_barrier)
-        scale = self.objective_scale or of_program(native, start, program, barrier)
+        scale = self.objective_scale or of_program(native, start, program, self.initial_barrier)
         tried = []
         iterations = 0
-        for factor in BARRIERS:
+        for factor in FACTORS if self.barrier_factor is None else (self.barrier_factor,):
             left = np.inf if self.time_limit is None else ready + self.time_limit - time.perf_counter()
-            try:
-                found = native.solve(
-                    start,
-                    program.lower,
-                    program.upper,
-                    self._options(factor, self.max_iterations - iterations),
-                    objective_scale=scale,
-                    callback=_report(progress),
-                    time_limit=left,
-                    **_warm(multipliers, reduction),
-                )
-            except ValueError as error:
-                # What a progress callback raises comes through here as well.
-                if "option" not in str(error):
-                    raise
-                raise InputError(f"fatrop refuses the options {dict(self.options)!r}: {error}.") from error
+            found = native.solve(
+                start,
+                program.lower,
+                program.upper,
+                self._options(factor, self.max_iterations - iterations, multipliers),
+                objective_scale=scale,
+                callback=_report(progress),
+                time_limit=left,
+                **_warm(multipliers, reduction),
+            )
             tried.append(found)
             iterations += found.iterations
             status = STATUSES.get(found.status, Status.SOLVER_ERROR)
-            if status is not Status.STALLED or "barrier_tol_factor" in self.options:
-                break
-            if iterations + 1 >= self.max_iterations:
+            if status is not Status.STALLED or iterations >= self.max_iterations:
                 break
         if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:
             status = Status.DIVERGED
         spent = time.perf_counter() - ready
         if status in UNSOLVED and self.fallback is not None:
-            outcome = self._fall_back(nlp, progress, multipliers, f"fatrop ended with {found.status!r}", ready)
-            times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent, "solve: fatrop": spent}
+            outcome = self._fall_back(
+                nlp, progress, multipliers, f"the interior-point method ended with {found.status!r}", ready
+            )
+            times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent, "solve: interior point": spent}
             return replace(outcome, iterations=iterations + outcome.iterations, times=times)
         parts = {f"solve: {name}": sum(each.times[name] for each in tried) for name in found.times if name != "total"}
         # Vectors, line search and residuals; what Python adds around the solve is nothing beside them.
@@ -244,33 +243,30 @@ class Fatrop(Solver):
         origin = _Origin(nlp, w, reduction, lam, compiled)
         return Outcome(
             status,
-            f"fatrop: {found.status}" + (f" ({found.message})" if found.message else ""),
+            f"interior point: {found.status}" + (f" ({found.message})" if found.message else ""),
             w,
             LateMultipliers(lambda: Multipliers(*recover(reduction, y, lam)), sizes, origin),
             iterations,
             {"setup": ready - began, "solve": spent, **parts},
         )
 
-    def _options(self, barrier_tol_factor: float, iterations: int) -> dict[str, Any]:
-        return {
-            "tolerance": self.tolerance,
-            # fatrop asks before it counts: it takes one step more than this, but none at 0.
-            "max_iter": iterations - 1,
-            "mu_init": self.initial_barrier,
-            # Pivots of a last interval that must reach the goal are of the order of its length squared: with fatrop's
-            # own threshold (1e-5) they pass for zeros.
-            "linsol_lu_fact_tol": 1e-10,
-            # Bounds hold at the answer; fatrop's own relaxation (1e-8) shows in the eighth digit of minimum times.
-            "bound_relax_factor": 1e-10,
-            "barrier_tol_factor": barrier_tol_factor,
-            # At steps near rounding fatrop moves on without the multipliers' part, over and over, and never converges.
-            "tiny_step_tol": 0.0,
-            **self.options,
-        }
+    def _options(self, barrier_factor: float, iterations: int, multipliers: Multipliers | None) -> Any:
+        return load_native().Options(
+            tolerance=self.tolerance,
+            max_iterations=iterations,
+            initial_barrier=self.initial_barrier if _origin(multipliers) is None else WARM_BARRIER,
+            barrier_factor=barrier_factor,
+            adaptive_barrier=self.adaptive_barrier,
+            # Pivots of a last interval that must reach the goal are of the order of its length squared: with a larger
+            # threshold they would be taken for zeros.
+            elimination_tolerance=1e-10,
+            # Bounds hold at the answer: a wider relaxation shows in the eighth digit of minimum times.
+            bound_relaxation=1e-10,
+        )
 
     def _fall_back(self, nlp: Nlp, progress: Progress | None, multipliers: Any, reason: str, began: float) -> Outcome:
         if self.fallback is None:
-            raise InputError(f"Fatrop takes problems in stages, but {reason}; use rt.Ipopt().")
+            raise InputError(f"InteriorPoint takes problems in stages, but {reason}; use rt.Ipopt().")
         fallback = self.fallback
         if self.time_limit is not None:
             fallback = fallback.within(max(SHORTEST, began + self.time_limit - time.perf_counter()))
@@ -297,19 +293,23 @@ class _Compiled:
 
 @dataclass(frozen=True, eq=False)
 class _Origin(Origin):
-    """What fatrop keeps: a program, the multipliers of its rows, and its compiled form."""
+    """What is kept of a solve: a program, the multipliers of its rows, and its compiled form."""
 
     reduction: Reduction
     lam: np.ndarray
     compiled: _Compiled
 
 
+def _origin(multipliers: Multipliers | None) -> _Origin | None:
+    """Give what is kept of the solve that found the multipliers, where it was one of this solver's."""
+    origin = None if multipliers is None else multipliers.origin
+    return origin if isinstance(origin, _Origin) else None
+
+
 def _warm(multipliers: Multipliers | None, reduction: Reduction) -> dict[str, Any]:
-    """Start from multipliers that fatrop itself found, where there are any."""
-    if multipliers is None or not isinstance(multipliers.origin, _Origin):
-        return {}
-    origin = multipliers.origin
-    return {"lam": carried_over(origin.reduction, origin.lam, reduction), "mu": WARM_BARRIER}
+    """Start from multipliers that this solver found, where there are any."""
+    origin = _origin(multipliers)
+    return {} if origin is None else {"lam": carried_over(origin.reduction, origin.lam, reduction)}
 
 
 def _report(progress: Progress | None) -> Any:

@@ -1,4 +1,4 @@
-"""fatrop beside IPOPT: the same optima and multipliers, and a stated reason where it does not solve."""
+"""The interior-point method over stages beside IPOPT: the same optima and multipliers, and a stated reason where it does not solve."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.solvers import fatrop as module
+from robotraj.solvers import interior_point as module
 from tests.solvers.stagewise.problems import EVERY
 
 MESH = rt.Mesh(8)
@@ -24,18 +24,18 @@ SAME = [name for name in EVERY if name != "step"]
     ids=["plain", "hull"],
 )
 @pytest.mark.parametrize("name", SAME)
-def test_fatrop_finds_the_optimum_of_ipopt_and_its_multipliers_prove_it(
+def test_it_finds_the_optimum_of_ipopt_and_its_multipliers_prove_it(
     name: str, interval_limits: rt.interval_limits.ConstraintGeneration
 ) -> None:
-    fatrop, ipopt = (
+    staged, ipopt = (
         rt.plan(EVERY[name](), MESH, solver=solver, interval_limits=interval_limits, progress=False)
-        for solver in (rt.Fatrop(fallback=None), rt.Ipopt())
+        for solver in (rt.InteriorPoint(fallback=None), rt.Ipopt())
     )
-    assert "fatrop" in fatrop.message
-    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
-    assert not fatrop.violations()
+    assert "interior point" in staged.message
+    assert staged.objective == pytest.approx(ipopt.objective, rel=1e-6)
+    assert not staged.violations()
     # Stationarity and signs, in scaled units, of the multipliers that elimination had left out.
-    known = fatrop.multipliers
+    known = staged.multipliers
     assert known is not None and known.origin is not None
     nlp, w = known.origin.nlp, known.origin.w
     rows, bounds = known.rows / nlp.row_scale, known.bounds * nlp.scale
@@ -60,7 +60,7 @@ def test_the_acrobot_swings_up_as_with_ipopt(duration: float, intervals: int) ->
     robot = rt.load("acrobot")
     ends = {"start": rt.State(q=[0, 0], v=0), "end": rt.State(q=[np.pi, 0], v=0)}
     phase = rt.Phase(robot, duration=duration, objective=rt.Effort(), limits=None, **ends)  # type: ignore[arg-type]
-    fatrop, ipopt = (
+    staged, ipopt = (
         rt.plan(
             phase,
             rt.Mesh(intervals),
@@ -68,10 +68,10 @@ def test_the_acrobot_swings_up_as_with_ipopt(duration: float, intervals: int) ->
             interval_limits=rt.interval_limits.ConstraintGeneration(),
             progress=False,
         )
-        for solver in (rt.Fatrop(fallback=None), rt.Ipopt())
+        for solver in (rt.InteriorPoint(fallback=None), rt.Ipopt())
     )
-    assert fatrop.success
-    assert fatrop.objective == pytest.approx(ipopt.objective, rel=1e-6)
+    assert staged.success
+    assert staged.objective == pytest.approx(ipopt.objective, rel=1e-6)
 
 
 def test_a_contact_and_a_mirror_are_solved_in_stages() -> None:
@@ -82,7 +82,7 @@ def test_a_contact_and_a_mirror_are_solved_in_stages() -> None:
         problem,
         rt.Mesh(6),
         guess=guess(problem.phases[0].robot),
-        solver=rt.Fatrop(fallback=None),
+        solver=rt.InteriorPoint(fallback=None),
         interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0),
         progress=False,
     )
@@ -91,17 +91,17 @@ def test_a_contact_and_a_mirror_are_solved_in_stages() -> None:
 
 def test_shooting_falls_back_and_says_why() -> None:
     solution = rt.plan(
-        EVERY["pendulum"](), rt.Mesh(10, rt.schemes.MultipleShooting()), solver=rt.Fatrop(), progress=False
+        EVERY["pendulum"](), rt.Mesh(10, rt.schemes.MultipleShooting()), solver=rt.InteriorPoint(), progress=False
     )
     assert solution.success
     assert "by Ipopt, since phase 'phase' is planned by MultipleShooting" in solution.message
     with pytest.raises(rt.InputError, match="MultipleShooting"):
-        rt.plan(EVERY["pendulum"](), rt.Mesh(10, rt.schemes.MultipleShooting()), solver=rt.Fatrop(fallback=None))
+        rt.plan(EVERY["pendulum"](), rt.Mesh(10, rt.schemes.MultipleShooting()), solver=rt.InteriorPoint(fallback=None))
 
 
 def test_wide_stages_fall_back_and_say_why(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robotraj.solvers.fatrop.WIDEST", 10)
-    solution = rt.plan(EVERY["arm"](), rt.Mesh(4), solver=rt.Fatrop(), progress=False)
+    monkeypatch.setattr("robotraj.solvers.interior_point.WIDEST", 10)
+    solution = rt.plan(EVERY["arm"](), rt.Mesh(4), solver=rt.InteriorPoint(), progress=False)
     assert solution.success
     assert "variables and 12 equalities" in solution.message
 
@@ -109,9 +109,9 @@ def test_wide_stages_fall_back_and_say_why(monkeypatch: pytest.MonkeyPatch) -> N
 def test_an_impossible_plan_is_said_to_be_by_the_other_solver() -> None:
     (phase,) = EVERY["arm"]().phases
     weak = phase.with_(limits=phase.robot.limits.with_(effort=5.0))
-    solution = rt.plan(weak, rt.Mesh(5), solver=rt.Fatrop(), check=False, progress=False)
+    solution = rt.plan(weak, rt.Mesh(5), solver=rt.InteriorPoint(), check=False, progress=False)
     assert not solution.success
-    assert "by Ipopt, since fatrop ended with" in solution.message
+    assert "by Ipopt, since the interior-point method ended with" in solution.message
     assert solution.violations()
 
 
@@ -127,7 +127,7 @@ def overdetermined() -> rt.Phase:
 
 @pytest.mark.parametrize("fallback", [None, rt.Ipopt()], ids=["alone", "with ipopt"])
 def test_more_equations_than_unknowns_are_told_by_the_status(fallback: rt.Ipopt | None) -> None:
-    solution = rt.plan(overdetermined(), rt.Mesh(5), solver=rt.Fatrop(fallback=fallback), check=False)
+    solution = rt.plan(overdetermined(), rt.Mesh(5), solver=rt.InteriorPoint(fallback=fallback), check=False)
     assert solution.status is rt.solvers.Status.OVERDETERMINED
     assert "equations for" in solution.message
     assert solution.iterations == 0
@@ -135,11 +135,11 @@ def test_more_equations_than_unknowns_are_told_by_the_status(fallback: rt.Ipopt 
 
 def test_plans_in_threads_may_start_from_the_same_solution() -> None:
     (phase,) = EVERY["arm"]().phases
-    known = rt.plan(phase, MESH, solver=rt.Fatrop(threads=1), progress=False)
+    known = rt.plan(phase, MESH, solver=rt.InteriorPoint(threads=1), progress=False)
     ends = [rt.State(q=np.add(phase.end.q, 0.02 * i), v=0) for i in range(12)]
 
     def plan(end: rt.State) -> float:
-        solver = rt.Fatrop(threads=1, fallback=None)
+        solver = rt.InteriorPoint(threads=1, fallback=None)
         return rt.plan(phase.with_(end=end), MESH, guess=known, solver=solver, progress=False).objective
 
     alone = [plan(end) for end in ends]
@@ -153,7 +153,9 @@ def test_plans_in_threads_may_start_from_the_same_solution() -> None:
     "engine", [rt.engines.Native(), rt.engines.VirtualMachine()], ids=["native", "virtual machine"]
 )
 def test_the_parts_of_a_solve_do_not_overlap(engine: rt.engines.Native | rt.engines.VirtualMachine) -> None:
-    times = rt.plan(EVERY["arm"](), rt.Mesh(30), solver=rt.Fatrop(threads=1), engine=engine, progress=False).times
+    times = rt.plan(
+        EVERY["arm"](), rt.Mesh(30), solver=rt.InteriorPoint(threads=1), engine=engine, progress=False
+    ).times
     parts = [times[f"solve: {name}"] for name in ("functions", "combinations", "linear algebra")]
     # Vectors and the line search take their time as well.
     assert sum(parts) < times["solve"]
@@ -162,7 +164,7 @@ def test_the_parts_of_a_solve_do_not_overlap(engine: rt.engines.Native | rt.engi
 
 def test_another_solver_gets_the_time_that_is_left() -> None:
     def plan(time_limit: float | None) -> rt.Solution:
-        solver = rt.Fatrop(time_limit=time_limit, fallback=rt.Ipopt(time_limit=50.0))
+        solver = rt.InteriorPoint(time_limit=time_limit, fallback=rt.Ipopt(time_limit=50.0))
         mesh = rt.Mesh(100, rt.schemes.MultipleShooting())
         return rt.plan(EVERY["pendulum"](), mesh, solver=solver, check=False, progress=False)
 
@@ -171,20 +173,20 @@ def test_another_solver_gets_the_time_that_is_left() -> None:
     assert cut.status is rt.solvers.Status.TIME_LIMIT
     assert "by Ipopt" in cut.message
     assert rt.Ipopt(time_limit=2.0).within(3.0).time_limit == 2.0
-    assert rt.Fatrop().within(3.0).time_limit == 3.0
+    assert rt.InteriorPoint().within(3.0).time_limit == 3.0
 
 
 def test_limits_of_iterations_and_time_keep_the_last_iterate() -> None:
-    few = rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(max_iterations=3), check=False, progress=False)
+    few = rt.plan(EVERY["arm"](), MESH, solver=rt.InteriorPoint(max_iterations=3), check=False, progress=False)
     assert few.status is rt.solvers.Status.ITERATION_LIMIT and few.iterations == 3
     assert np.all(np.isfinite(few.at(0.5).q))
-    none = rt.plan(EVERY["arm"](), MESH, solver=rt.Fatrop(time_limit=1e-6), check=False, progress=False)
+    none = rt.plan(EVERY["arm"](), MESH, solver=rt.InteriorPoint(time_limit=1e-6), check=False, progress=False)
     assert none.status is rt.solvers.Status.TIME_LIMIT
 
 
 def test_as_many_iterations_as_a_solve_takes_are_enough() -> None:
     def plan(iterations: int) -> rt.Solution:
-        solver = rt.Fatrop(max_iterations=iterations, fallback=None)
+        solver = rt.InteriorPoint(max_iterations=iterations, fallback=None)
         return rt.plan(
             EVERY["arm"](),
             MESH,
@@ -212,8 +214,9 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
             self.native = native
 
         def solve(self, start: Any, lower: Any, upper: Any, options: Any, **more: Any) -> Any:
-            asked.append(options["max_iter"] + 1)
-            found = self.native.solve(start, lower, upper, options | {"max_iter": min(6, options["max_iter"])}, **more)
+            asked.append(options.max_iterations)
+            options.max_iterations = min(7, options.max_iterations)
+            found = self.native.solve(start, lower, upper, options, **more)
             return SimpleNamespace(
                 **{name: getattr(found, name) for name in ("iterations", "times", "y", "lam", "message")},
                 status="line search failed" if found.iterations == 7 else found.status,
@@ -228,7 +231,7 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
             MESH,
             # Of a guess of one's own no variations are tried.
             rt.guess.StraightLine(),
-            solver=rt.Fatrop(max_iterations=n, fallback=None),
+            solver=rt.InteriorPoint(max_iterations=n, fallback=None),
             check=False,
             progress=False,
         )
@@ -251,7 +254,7 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
 def test_what_runs_off_is_diverged_and_is_not_handed_on(objective: rt.objectives.Objective) -> None:
     push = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
     phase = rt.Phase(push, 1.0, rt.State([0, 0]), rt.State([1, None]), objective)
-    solution = rt.plan(phase, solver=rt.Fatrop(), check=False, progress=False)
+    solution = rt.plan(phase, solver=rt.InteriorPoint(), check=False, progress=False)
     assert solution.status is rt.solvers.Status.DIVERGED
     assert "Ipopt" not in solution.message and "Bound the states and controls" in str(solution)
     assert np.all(np.isfinite(solution.at(0.5).x["v"]))
@@ -261,7 +264,7 @@ def test_multipliers_converge_where_steps_are_near_rounding() -> None:
     system = rt.System(["q", "w"], ["u"], lambda p: [p.x["w"], p.u["u"] - 9.81 * ca.sin(p.x["q"])])
     phase = rt.Phase(system, 1.5, rt.State([0, 0]), rt.State([np.pi, 0]), rt.Effort())
     mesh = rt.Mesh(6, rt.schemes.Trapezoidal())
-    solution = rt.plan(phase, mesh, solver=rt.Fatrop(fallback=None), progress=False)
+    solution = rt.plan(phase, mesh, solver=rt.InteriorPoint(fallback=None), progress=False)
     assert solution.iterations < 20
     assert solution.objective == pytest.approx(rt.plan(phase, mesh, solver=rt.Ipopt()).objective, rel=1e-8)
 
@@ -271,5 +274,5 @@ def test_an_objective_that_is_no_number_is_not_solved() -> None:
     cost = rt.Lagrange(lambda p: ca.log(p.x["x"] - 5))
     ends, controls = (rt.State([0, 0]), rt.State([0, 0])), {"u": rt.between(-1, 1)}
     phase = rt.Phase(block, 2.0, *ends, cost, controls=controls)
-    solution = rt.plan(phase, rt.Mesh(10), solver=rt.Fatrop(fallback=None), check=False, progress=False)
+    solution = rt.plan(phase, rt.Mesh(10), solver=rt.InteriorPoint(fallback=None), check=False, progress=False)
     assert solution.status is rt.solvers.Status.INVALID_NUMBER
