@@ -36,7 +36,7 @@ def robot(name: str, **options: object) -> rt.Problem:
     return rt.Problem([rt.Phase(rt.load(name, **options), duration=1.0, objective=rt.Effort())])  # type: ignore[arg-type]
 
 
-def test_systems_with_a_control_for_every_second_state_and_fixed_root_robots_are_for_fatrop() -> None:
+def test_systems_with_many_controls_and_fixed_root_robots_are_for_the_interior_point_method() -> None:
     assert isinstance(solver_for(chain(1, 1), rt.Mesh()), rt.InteriorPoint)
     assert isinstance(solver_for(chain(2, 1), rt.Mesh()), rt.InteriorPoint)
     assert isinstance(solver_for(chain(4, 2), rt.Mesh()), rt.InteriorPoint)
@@ -45,7 +45,7 @@ def test_systems_with_a_control_for_every_second_state_and_fixed_root_robots_are
     assert isinstance(solver_for(robot("cartpole"), rt.Mesh()), rt.InteriorPoint)
 
 
-def test_rates_of_torques_and_jerks_leave_an_arm_to_fatrop_and_corners_do_not() -> None:
+def test_rates_of_torques_and_jerks_leave_an_arm_to_it_and_corners_do_not() -> None:
     arm = rt.load("cartpole")
 
     def chosen(objective: Objective) -> Solver:
@@ -103,7 +103,7 @@ def test_a_system_reaches_the_optimum_of_its_mesh_and_keeps_nothing_from_its_bou
     )
     mesh = rt.Mesh(20, rt.HermiteSimpson(control=rt.schemes.ConstantControl()))
     plans = [rt.plan(phase, mesh, solver=solver) for solver in (None, rt.Ipopt())]
-    assert plans[0].message.startswith("fatrop")
+    assert plans[0].message.startswith("interior point")
     assert plans[0].objective == pytest.approx(plans[1].objective, rel=1e-6)
     assert plans[0].objective == pytest.approx(2 * float(ca.sqrt(10)), rel=1e-6)
 

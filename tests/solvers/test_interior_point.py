@@ -1,4 +1,4 @@
-"""The interior-point method over stages beside IPOPT: the same optima and multipliers, and a stated reason where it does not solve."""
+"""The interior-point method over stages beside IPOPT: the same optima, or a stated reason."""
 
 from __future__ import annotations
 

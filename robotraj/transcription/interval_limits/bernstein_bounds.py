@@ -98,7 +98,7 @@ def columns_beside_rows(phase: Phase, layout: PhaseLayout) -> dict[str, Indices]
     """Columns of every variable that are bounded beside the rows on coefficients, in the order of time.
 
     States are at their knots. Controls and algebraic variables are where they are coefficients, if both ends of an
-    interval are sites; else at all sites: those bounds follow from the rows, but without them the interior-point method takes up to four
+    interval are sites; else at all sites: those bounds follow from the rows, but without them solves take up to four
     times as many iterations.
     """
     held = {state.name: at for state, at in zip(phase.dae.states, layout.knots.T, strict=True)}

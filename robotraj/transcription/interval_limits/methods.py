@@ -68,8 +68,8 @@ class BernsteinBounds(ConstraintGeneration):
         See ``ConstraintGeneration``.
     controls : bool
         Impose bounds of controls so too, and of accelerations and other algebraic variables but the forces of contacts,
-        as ``rt.plan`` does where it refines with ``rt.InteriorPoint()``. Off, they hold at the sites of the scheme, as its published
-        optima have them.
+        as ``rt.plan`` does where it refines with ``rt.InteriorPoint()``. Off, they hold at the sites of the scheme, as
+        its published optima have them.
     states : bool
         Impose bounds of states so. Off, they are dealt with as in ``ConstraintGeneration``, which takes
         nothing from the optimum.
