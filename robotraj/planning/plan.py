@@ -104,9 +104,9 @@ def plan(
     -----
     Settings left open. Of the rules of a setting the first whose conditions hold applies:
 
-    ===============  =====================================================  ============================================
+    ===============  =====================================================  ==============================================
     setting          where                                                  choice
-    ===============  =====================================================  ============================================
+    ===============  =====================================================  ==============================================
     tolerance        otherwise                                              None
     goals            no mesh, a motor at every joint                        Goals()
                      otherwise                                              None
@@ -123,7 +123,7 @@ def plan(
     engine           all roots floating                                     Native()
                      solver by stages                                       Native()
                      otherwise                                              VirtualMachine()
-    interval_limits  goals                                                  BernsteinBounds(controls=True)
+    interval_limits  goals                                                  BernsteinBounds(controls=True, positions=True)
                      tolerance, systems                                     BernsteinBounds(controls=True, states=False)
                      tolerance, solver by stages, free duration             BernsteinBounds(controls=True)
                      tolerance, solver by stages                            BernsteinBounds(controls=True, states=False)
@@ -133,7 +133,7 @@ def plan(
                      otherwise                                              None
     restarts         contacts                                               Restarts(count=0)
                      otherwise                                              Restarts()
-    ===============  =====================================================  ============================================
+    ===============  =====================================================  ==============================================
     """
     if isinstance(problem, Phase):
         problem = Problem([problem])

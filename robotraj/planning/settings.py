@@ -86,8 +86,8 @@ RULES: tuple[Rule, ...] = (
     _rule(
         "interval_limits",
         when.PROVED,
-        BernsteinBounds(controls=True),
-        "limits of speeds and torques hold everywhere in one solve",
+        BernsteinBounds(controls=True, positions=True),
+        "limits of positions, speeds and torques hold everywhere in one solve",
     ),
     _rule(
         "interval_limits",

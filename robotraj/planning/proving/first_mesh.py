@@ -9,7 +9,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 COARSE = 16
 """Intervals of the first mesh: it finds the course of the motion, and what a finer one gains is measured against it."""
-FINE = 40
+FINE = 48
 """Intervals of the second mesh."""
 CROWDING = 0.8
 """How far the knots are drawn to the ends, from 0 for equal intervals to 1."""

@@ -35,9 +35,8 @@ FINEST = 160
 """Intervals of a phase beyond which a mesh is not refined."""
 LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
 """How many times as many intervals the next mesh has."""
-ORDER = 1.5
-"""Power of the number of intervals by which the objective nears its optimum where limits are active: between 1, where
-a limit is met inside an interval, and 2."""
+ORDER = 2.0
+"""Power of the number of intervals by which the objective nears its optimum where limits are active."""
 MORE = 1.1
 """Margins are this many times the excess: what they change moves the motion, and its excess with it."""
 SMALL = 1e-2

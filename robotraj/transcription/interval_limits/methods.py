@@ -73,6 +73,8 @@ class BernsteinBounds(ConstraintGeneration):
     states : bool
         Impose bounds of states so. Off, they are dealt with as in ``ConstraintGeneration``, which takes
         nothing from the optimum.
+    positions : bool
+        Impose bounds of all states so, those of positions among them, in phases without invariants.
 
     Notes
     -----
@@ -89,6 +91,7 @@ class BernsteinBounds(ConstraintGeneration):
 
     controls: bool = False
     states: bool = True
+    positions: bool = False
 
     def covers(self, phase: Phase) -> frozenset[str]:
         """Give controls and z where asked for and, in phases without invariants, states whose rates read z or u."""
@@ -97,6 +100,8 @@ class BernsteinBounds(ConstraintGeneration):
             known = _DRIVEN.get(phase)
             driven = _DRIVEN[phase] = _driven(phase) if known is None else known
         chosen = (*phase.dae.controls, *limited_algebraic(phase)) if self.controls else ()
+        if self.positions and not phase.dae.invariants:
+            chosen = (*chosen, *phase.body.states)
         return driven | {variable.name for variable in chosen}
 
 
