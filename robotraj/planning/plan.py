@@ -104,36 +104,36 @@ def plan(
     -----
     Settings left open. Of the rules of a setting the first whose conditions hold applies:
 
-    ===============  =====================================================  ==============================================
-    setting          where                                                  choice
-    ===============  =====================================================  ==============================================
-    tolerance        otherwise                                              None
-    goals            no mesh, a motor at every joint                        Goals()
-                     otherwise                                              None
-    mesh             goals                                                  Mesh of 16 intervals, HermiteSimpson()
-                     tolerance                                              Mesh of 20 intervals, RadauIIA()
-                     otherwise                                              Mesh of 40 intervals, HermiteSimpson()
-    solver           engine=Compiled()                                      Ipopt()
-                     shooting or moving knots                               Ipopt()
-                     contacts, closed loops, corners in the objective       Ipopt()
-                     integral constraint                                    Ipopt()
-                     free root, forward dynamics, continuous joint, design  Ipopt()
-                     system with parameters or few controls                 Ipopt()
-                     otherwise                                              InteriorPoint()
-    engine           all roots floating                                     Native()
-                     solver by stages                                       Native()
-                     otherwise                                              VirtualMachine()
-    interval_limits  goals                                                  BernsteinBounds(controls=True, positions=True)
-                     tolerance, systems                                     BernsteinBounds(controls=True, states=False)
-                     tolerance, solver by stages, free duration             BernsteinBounds(controls=True)
-                     tolerance, solver by stages                            BernsteinBounds(controls=True, states=False)
-                     robots, solver by stages                               BernsteinBounds()
-                     otherwise                                              ConstraintGeneration()
-    refinement       tolerance                                              SplitOrRaise()
-                     otherwise                                              None
-    restarts         contacts                                               Restarts(count=0)
-                     otherwise                                              Restarts()
-    ===============  =====================================================  ==============================================
+    ===============  =================================================  ==============================================
+    setting          where                                              choice
+    ===============  =================================================  ==============================================
+    tolerance        otherwise                                          None
+    goals            no mesh, a motor at every joint                    Goals()
+                     otherwise                                          None
+    mesh             goals                                              Mesh of 16 intervals, HermiteSimpson()
+                     tolerance                                          Mesh of 20 intervals, RadauIIA()
+                     otherwise                                          Mesh of 40 intervals, HermiteSimpson()
+    solver           engine=Compiled()                                  Ipopt()
+                     shooting or moving knots                           Ipopt()
+                     contacts, closed loops, corners in the objective   Ipopt()
+                     integral constraint                                Ipopt()
+                     free root, forward form, continuous joint, design  Ipopt()
+                     system with parameters or few controls             Ipopt()
+                     otherwise                                          InteriorPoint()
+    engine           all roots floating                                 Native()
+                     solver by stages                                   Native()
+                     otherwise                                          VirtualMachine()
+    interval_limits  goals                                              BernsteinBounds(controls=True, positions=True)
+                     tolerance, systems                                 BernsteinBounds(controls=True, states=False)
+                     tolerance, solver by stages, free duration         BernsteinBounds(controls=True)
+                     tolerance, solver by stages                        BernsteinBounds(controls=True, states=False)
+                     robots, solver by stages                           BernsteinBounds()
+                     otherwise                                          ConstraintGeneration()
+    refinement       tolerance                                          SplitOrRaise()
+                     otherwise                                          None
+    restarts         contacts                                           Restarts(count=0)
+                     otherwise                                          Restarts()
+    ===============  =================================================  ==============================================
     """
     if isinstance(problem, Phase):
         problem = Problem([problem])
