@@ -103,8 +103,8 @@ class _LastTime(Constraint):
         return BoundConstraint("duration", (row,), lambda point: [point.t], Where.END)
 
 
-def conflicts(problem: Problem, solve: Solve) -> tuple[Conflict, ...]:
-    """Find the smallest stretches with which a motion exists.
+def stretched(problem: Problem, solve: Solve) -> tuple[Solution | None, tuple[Conflict, ...]]:
+    """Find a motion with the smallest stretches.
 
     Parameters
     ----------
@@ -113,35 +113,36 @@ def conflicts(problem: Problem, solve: Solve) -> tuple[Conflict, ...]:
 
     Returns
     -------
-    tuple of Conflict
-        Largest relative stretch first; empty where the stretched problem was not solved either, or where it needs no
-        stretch.
+    motion : Solution or None
+        Of the stretched problem; None where that was not solved either.
+    conflicts : tuple of Conflict
+        Largest relative stretch first; empty where no stretch is needed: then the motion meets every row.
     """
     try:
-        relaxed, stretched = _relaxed(problem, {})
+        relaxed, entries = _relaxed(problem, {})
         found = solve(relaxed, None)
     except RobotrajError:
-        return ()
+        return None, ()
     if not found.success:
-        return ()
-    stretches = _stretches(found, stretched)
+        return None, ()
+    stretches = _stretches(found, entries)
     if sum(value > SMALL for value in stretches.values()) > 1:
         weights = {name: 1.0 / (value + SMALL) for name, value in stretches.items()}
         again = solve(_relaxed(problem, weights)[0], found)
         if again.success:
-            found, stretches = again, _stretches(again, stretched)
-    told = [
+            found, stretches = again, _stretches(again, entries)
+    listed = [
         _conflict(found, i, entry, stretches[entry.name])
-        for i, entries in enumerate(stretched)
-        for entry in entries
+        for i, of_phase in enumerate(entries)
+        for entry in of_phase
         if stretches[entry.name] > SMALL
     ]
-    return tuple(sorted(told, key=lambda conflict: -conflict.relative))
+    return found, tuple(sorted(listed, key=lambda conflict: -conflict.relative))
 
 
 def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, list[list[_Stretchable]]]:
     """Write the stretched problem, and list for each phase what stretches."""
-    phases, stretched = [], []
+    phases, stretchable = [], []
     alone = len(problem.phases) == 1
     for i, phase in enumerate(problem.phases):
         every: list[Constraint] = []
@@ -178,8 +179,8 @@ def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, l
                 parameters={**phase.parameters, **{name: between(0.0, None) for name in names}},
             )
         )
-        stretched.append(entries)
-    return Problem(phases, problem.links), stretched
+        stretchable.append(entries)
+    return Problem(phases, problem.links), stretchable
 
 
 def _total(start: Point, end: Point, names: Sequence[str], weights: Sequence[float]) -> ca.SX:
