@@ -22,6 +22,7 @@ from robotraj._util.errors import InputError
 from robotraj.guess.default import default_guess
 from robotraj.guess.guess import Guess, StraightLine
 from robotraj.guess.perturbed import Perturbed
+from robotraj.planning.diagnosis.elastic import stretched
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
 from robotraj.solution.settings import Restarts
@@ -29,7 +30,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.nlp import Nlp
 
-LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
+LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED, Status.ITERATION_LIMIT)
 """Ends from which another beginning may lead away."""
 
 
@@ -37,8 +38,19 @@ Solve = Callable[[Problem, Guess | Solution | None], Solution]
 """(problem, guess) -> Solution, on the same mesh."""
 
 
-def restarted(failed: Solution, nlp: Nlp, guess: Guess | Solution | None, solve: Solve, restarts: Restarts) -> Solution:
-    """Solve a problem that failed once more: from motions that take longer, then from variations of the default guess.
+def restarted(
+    failed: Solution,
+    nlp: Nlp,
+    guess: Guess | Solution | None,
+    solve: Solve,
+    restarts: Restarts,
+    coarsely: Solve,
+) -> Solution:
+    """Solve a problem that failed once more: from a motion that meets every row, longer motions, and variations.
+
+    The first is found elastically (``robotraj.planning.diagnosis.elastic``). Where even that has to stretch limits of
+    joints or of the duration, and nothing else, the failed solution returns with these conflicts: no other beginning
+    makes a motor stronger.
 
     Parameters
     ----------
@@ -51,6 +63,8 @@ def restarted(failed: Solution, nlp: Nlp, guess: Guess | Solution | None, solve:
         default to vary.
     solve : callable
     restarts : Restarts
+    coarsely : callable
+        Solves on a coarse mesh, for the stretched problem.
 
     Returns
     -------
@@ -60,7 +74,17 @@ def restarted(failed: Solution, nlp: Nlp, guess: Guess | Solution | None, solve:
     problem = failed.problem
     if failed.status not in LOST:
         return failed
+    motion, conflicts = stretched(problem, coarsely)
+    failed = replace(failed, conflicts=conflicts)
+    if conflicts and all(conflict.physical for conflict in conflicts):
+        return failed
     spent, iterations = failed.times, failed.iterations
+    if motion is not None and not conflicts:
+        attempt = solve(problem, motion)
+        spent, iterations = added_times(spent, attempt.times), iterations + attempt.iterations
+        if attempt.success:
+            whence = "from a motion that meets every row"
+            return replace(attempt, message=f"{attempt.message}, {whence}", times=spent, iterations=iterations)
     factors = tuple(restarts.longer)[: restarts.count]
     seeds = tuple(restarts.seeds)[: restarts.count - len(factors)]
     for attempt, whence in chain(

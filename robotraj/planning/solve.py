@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from robotraj.guess.guess import Guess, as_guess
-from robotraj.native.engines.base import Engine
+from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.planning.restarts import restarted
 from robotraj.planning.starts import Start
 from robotraj.problem.phase import Phase
@@ -23,6 +23,7 @@ from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solution.violations import Violation, violations
 from robotraj.solvers.base import LateMultipliers, Multipliers, Outcome, Progress, Solver
+from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.status import Status
 from robotraj.transcription.collocation.index_reduction import equations_of, held_throughout
 from robotraj.transcription.collocation.unwrap_angles import unwound
@@ -39,10 +40,13 @@ from robotraj.transcription.interval_limits.margins import Margins, with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import transcribed_again
+from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.transcribe import transcribe
 
+COARSE = 15
+"""Intervals a phase on which the problem is stretched to find what stands in its way."""
 ROW_TOLERANCE = 1e-6
 """Largest violation of a scaled row or bound that counts as held, when rows are evaluated outside the solver."""
 NEAR = 1e-2
@@ -94,7 +98,18 @@ def solve(
                 worth = hold if asked is problem else _never
                 return solve(asked, start, replace(settings, restarts=Restarts(0)), progress, worth)
 
-            solution = restarted(solution, nlp, guess, once_more, settings.restarts)
+            def coarsely(asked: Problem, start: Guess | Solution | None) -> Solution:
+                few = replace(
+                    settings,
+                    mesh=Mesh(COARSE, HermiteSimpson()),
+                    solver=Ipopt(max_iterations=300),
+                    engine=VirtualMachine(),
+                    interval_limits=ConstraintGeneration(rounds=0),
+                    restarts=Restarts(0),
+                )
+                return solve(asked, start, few, progress)
+
+            solution = restarted(solution, nlp, guess, once_more, settings.restarts, coarsely)
             if solution.success:
                 return solution
         bulges = _bulges(solution, interval_limits.tolerance)

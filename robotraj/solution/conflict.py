@@ -22,6 +22,8 @@ class Conflict:
     unit : str
     relative : float
         The stretch relative to the row's scale.
+    physical : bool
+        Whether it is a limit of a joint or of the duration, which no other guess relieves.
     """
 
     phase: str
@@ -31,6 +33,7 @@ class Conflict:
     needed: float
     unit: str
     relative: float
+    physical: bool = False
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""

@@ -17,6 +17,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.solution.conflict import Conflict
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Proof
 from robotraj.solution.sample import Sample, join
@@ -75,6 +76,8 @@ class Solution:
     impulses : tuple of mapping
         For every link of the problem, the impulses of its impact by name, ``"impulse.left_foot.z"`` [N s, N m s]; empty
         for links without one.
+    conflicts : tuple of Conflict
+        Where no motion was found: bounds that must give, worst first, with values that would do.
     settings : Settings or None
         What the plan was made with and why; ``rt.plan(problem, settings=solution.settings)`` repeats it.
     proof : Proof or None
@@ -95,6 +98,7 @@ class Solution:
     continuation: tuple[ContinuationRecord, ...] = ()
     guards: tuple[Guard, ...] = ()
     interval_violations: tuple[Violation, ...] = ()
+    conflicts: tuple[Conflict, ...] = ()
     control_interval_violations: tuple[Violation, ...] = ()
     impulses: tuple[Mapping[str, float], ...] = ()
     settings: Settings | None = None
@@ -259,6 +263,7 @@ class Solution:
                 f"interval_limits=rt.interval_limits.BernsteinBounds(controls=True) would hold it"
             )
         if not self.success:
+            lines += [f"what must give: {conflict}" for conflict in self.conflicts[:5]]
             lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]
             several = len(self.phases) > 1
             lines += [f"  {v} (phase {v.phase!r})" if several else f"  {v}" for v in self.violations(5)]

@@ -231,4 +231,9 @@ def _conflict(found: Solution, index: int, entry: _Stretchable, stretch: float) 
         bound + amount if upper else bound - amount,
         entry.row.unit,
         stretch,
+        entry.row.label == "duration" or entry.row.variable is not None or entry.row.joint in _joints(phase),
     )
+
+
+def _joints(phase: Phase) -> tuple[str, ...]:
+    return phase.robot.velocity_names if phase.robot is not None else ()
