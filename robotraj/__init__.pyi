@@ -22,9 +22,9 @@ from .dynamics.system import System
 from .guess.guess import Guess
 from .native import engines
 from .planning.compilation import precompile
-from .planning.multistart import multistart
+from .planning.many.multistart import multistart
+from .planning.many.sweep import sweep
 from .planning.plan import plan
-from .planning.sweep import sweep
 from .problem import constraints, links, objectives
 from .problem.constraints.base import AtEnd, AtStart
 from .problem.constraints.bounds import between

@@ -6,10 +6,10 @@ Start with ``plan.py``. The room may import every room but ``cli``.
 from .compilation import Compilation, precompile
 from .continuation import ContinuationStep, tightening
 from .kinematic import Kinematic
-from .multistart import Multistart, Optimum, multistart
+from .many.multistart import Multistart, Optimum, multistart
+from .many.sweep import sweep
 from .plan import plan
 from .settings import Restarts, Settings
-from .sweep import sweep
 
 __all__ = [
     "Compilation",

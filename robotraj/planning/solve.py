@@ -12,8 +12,8 @@ import numpy as np
 
 from robotraj.guess.guess import Guess, as_guess
 from robotraj.native.engines.base import Engine, VirtualMachine
+from robotraj.planning.many.starts import Start
 from robotraj.planning.restarts import restarted
-from robotraj.planning.starts import Start
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.costates.duals import LateDuals, PhaseDuals

@@ -1,93 +1,12 @@
-"""Loading the compiled module, and refusing one that does not fit what is installed."""
+"""Loading the compiled module."""
 
 from __future__ import annotations
 
-import sys
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
-from pathlib import Path
 from types import ModuleType
 
-import casadi
-import pinocchio
-
-from robotraj._util.errors import BuildMismatch
-
-_WHEELS = {"pinocchio": "pin"}  # where the wheel's name is another than the library's
-
-
-def check_versions(graphs: ModuleType) -> None:
-    """Compare what the compiled module was built against with what is installed.
-
-    The libraries' names carry no usable version: a module built against another version of libpinocchio
-    loads all the same, and then reads its memory wrongly. So the versions must be equal, not just near.
-
-    Parameters
-    ----------
-    graphs : module
-        The compiled module, or anything with its ``PINOCCHIO_VERSION`` and ``CASADI_VERSION``.
-
-    Raises
-    ------
-    BuildMismatch
-        When pinocchio, libpinocchio or casadi is of another version.
-    """
-    installed = {"pinocchio": pinocchio.__version__, "casadi": casadi.CasadiMeta.version()}
-    built = {"pinocchio": graphs.PINOCCHIO_VERSION, "casadi": graphs.CASADI_VERSION}
-    library = wheel_version("libpinocchio")
-    if library is not None:  # else pinocchio came from elsewhere than its wheels; its own version was compared
-        installed["libpinocchio"], built["libpinocchio"] = library, graphs.PINOCCHIO_VERSION
-    for name, version in installed.items():
-        if version != built[name]:
-            raise BuildMismatch(
-                f"robotraj's compiled module was built against {name} {built[name]}, but {name} {version} is "
-                f"installed. Go back with 'pip install {_WHEELS.get(name, name)}=={built[name]}'."
-            )
-
-
-def wheel_version(name: str) -> str | None:
-    """Give the version of an installed wheel, None where there is none.
-
-    The first ``<name>-<version>.dist-info`` on Python's path says so, as it does for ``importlib.metadata``, whose
-    import takes longer than loading the module.
-    """
-    found = (path for entry in sys.path for path in Path(entry).glob(f"{name}-*.dist-info"))
-    first = next(found, None)
-    return None if first is None else first.name.removesuffix(".dist-info").rpartition("-")[2]
-
-
-def not_loaded(module: str, error: Exception) -> BuildMismatch:
-    """Say why a compiled module could not be imported, and what helps.
-
-    Parameters
-    ----------
-    module : str
-        Its full name.
-    error : Exception
-        What the import raised.
-
-    Returns
-    -------
-    BuildMismatch
-
-    Notes
-    -----
-    A folder of sources shadows an installed robotraj when Python runs inside it. Another ``pip install .`` would not
-    help there, since it puts the compiled modules into the installed package.
-    """
-    folder = Path(__file__).resolve().parents[2]
-    from_sources = (folder / "pyproject.toml").exists()
-    if from_sources and find_spec(module) is None:
-        return BuildMismatch(
-            f"Python imports robotraj from its sources in {folder}, where {module} is not compiled: "
-            "run Python in another folder, or run 'pip install -e .' in this one."
-        )
-    remedy = f"'pip install -e .' in {folder}" if from_sources else "'pip install --force-reinstall .' in its sources"
-    return BuildMismatch(
-        f"robotraj's compiled module {module} could not be loaded beside pinocchio {pinocchio.__version__} and "
-        f"casadi {casadi.CasadiMeta.version()} ({error}). Build it again: {remedy}."
-    )
+from robotraj._util.compiled_modules import check_versions, not_loaded
 
 
 @cache

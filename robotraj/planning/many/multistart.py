@@ -17,10 +17,10 @@ from robotraj._util.values import dataclass
 from robotraj.guess.default import default_guess
 from robotraj.guess.guess import Guess, as_guess
 from robotraj.guess.perturbed import Perturbed
+from robotraj.planning.many.starts import Shared, Start
+from robotraj.planning.many.sweep import attach, check_options, detach
+from robotraj.planning.many.workers import run
 from robotraj.planning.plan import plan
-from robotraj.planning.starts import Shared, Start
-from robotraj.planning.sweep import attach, check_options, detach
-from robotraj.planning.workers import run
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution

@@ -9,8 +9,8 @@ from inspect import signature
 from typing import Any
 
 from robotraj._util.errors import InputError, Interrupted, unknown_name
+from robotraj.planning.many.workers import run
 from robotraj.planning.plan import plan
-from robotraj.planning.workers import run
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.solution import Solution

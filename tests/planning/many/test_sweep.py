@@ -20,7 +20,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError
-from robotraj.planning.workers import run
+from robotraj.planning.many.workers import run
 
 MESH = rt.Mesh(8)
 
