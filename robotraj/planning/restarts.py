@@ -30,7 +30,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.nlp import Nlp
 
-LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED, Status.ITERATION_LIMIT)
+LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
 """Ends from which another beginning may lead away."""
 
 
@@ -46,11 +46,10 @@ def restarted(
     restarts: Restarts,
     coarsely: Solve,
 ) -> Solution:
-    """Solve a problem that failed once more: from a motion that meets every row, longer motions, and variations.
+    """Solve a problem that failed once more: from longer motions, variations, and a motion that meets every row.
 
-    The first is found elastically (``robotraj.planning.diagnosis.elastic``). Where even that has to stretch limits of
-    joints or of the duration, and nothing else, the failed solution returns with these conflicts: no other beginning
-    makes a motor stronger.
+    A stretched problem (``robotraj.planning.diagnosis.elastic``) shows which limits conflict; where they are limits of
+    joints or of a fixed duration alone, no variation is tried: no other beginning makes a motor stronger.
 
     Parameters
     ----------
@@ -74,22 +73,15 @@ def restarted(
     problem = failed.problem
     if failed.status not in LOST:
         return failed
-    motion, conflicts = stretched(problem, coarsely)
-    failed = replace(failed, conflicts=conflicts)
-    if conflicts and all(conflict.physical for conflict in conflicts):
-        return failed
     spent, iterations = failed.times, failed.iterations
-    if motion is not None and not conflicts:
-        attempt = solve(problem, motion)
-        spent, iterations = added_times(spent, attempt.times), iterations + attempt.iterations
-        if attempt.success:
-            whence = "from a motion that meets every row"
-            return replace(attempt, message=f"{attempt.message}, {whence}", times=spent, iterations=iterations)
     factors = tuple(restarts.longer)[: restarts.count]
     seeds = tuple(restarts.seeds)[: restarts.count - len(factors)]
     for attempt, whence in chain(
-        _from_longer(problem, nlp, guess, solve, factors), _from_elsewhere(problem, guess, solve, seeds)
+        _from_longer(problem, nlp, guess, solve, factors), _from_elsewhere(problem, guess, solve, seeds, coarsely)
     ):
+        if attempt.conflicts:
+            failed = replace(failed, conflicts=attempt.conflicts)
+            continue
         spent, iterations = added_times(spent, attempt.times), iterations + attempt.iterations
         if attempt.status is Status.INTERRUPTED:
             return replace(failed, status=Status.INTERRUPTED, times=spent, iterations=iterations)
@@ -99,12 +91,25 @@ def restarted(
 
 
 def _from_elsewhere(
-    problem: Problem, guess: Guess | Solution | None, solve: Solve, seeds: Sequence[int]
+    problem: Problem, guess: Guess | Solution | None, solve: Solve, seeds: Sequence[int], coarsely: Solve
 ) -> Iterator[tuple[Solution, str]]:
-    """Start from variations of the default guess; say so of each solution."""
+    """Start from variations of the default guess, then from a motion that meets every row on a coarse mesh.
+
+    Before that, the stretched problem shows which rows conflict. Limits of joints at a fixed duration end the search.
+    """
+    if not seeds:
+        return
+    motion, conflicts = stretched(problem, coarsely)
+    if motion is not None and (conflicts or motion.status is Status.INTERRUPTED):
+        yield replace(motion, conflicts=conflicts), ""
+    fixed = all(low == high for low, high in (phase.duration_bounds for phase in problem.phases))
+    if conflicts and fixed and all(conflict.physical for conflict in conflicts):
+        return
     for seed in seeds if guess is None else ():
         found = solve(problem, Perturbed(default_guess(problem), (seed,)))
         yield found, "from a variation of the default guess, which led nowhere"
+    if motion is not None and not conflicts:
+        yield solve(problem, motion), "from a motion that meets every row on a coarse mesh"
 
 
 def _from_longer(

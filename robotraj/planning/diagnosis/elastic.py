@@ -32,6 +32,7 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.solution import Solution
+from robotraj.solvers.status import Status
 
 Array = NDArray[np.float64]
 Solve = Callable[[Problem, "Solution | None"], Solution]
@@ -114,7 +115,7 @@ def stretched(problem: Problem, solve: Solve) -> tuple[Solution | None, tuple[Co
     Returns
     -------
     motion : Solution or None
-        Of the stretched problem; None where that was not solved either.
+        Of the stretched problem; None where that was not solved either, unless it was interrupted.
     conflicts : tuple of Conflict
         Largest relative stretch first; empty where no stretch is needed: then the motion meets every row.
     """
@@ -124,7 +125,7 @@ def stretched(problem: Problem, solve: Solve) -> tuple[Solution | None, tuple[Co
     except RobotrajError:
         return None, ()
     if not found.success:
-        return None, ()
+        return (found if found.status is Status.INTERRUPTED else None), ()
     stretches = _stretches(found, entries)
     if sum(value > SMALL for value in stretches.values()) > 1:
         weights = {name: 1.0 / (value + SMALL) for name, value in stretches.items()}

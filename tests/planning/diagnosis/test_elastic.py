@@ -9,7 +9,6 @@ import pytest
 
 import robotraj as rt
 from robotraj.planning.diagnosis.elastic import stretched
-from robotraj.planning.solve import solve
 
 A = np.array([-1.1, -1.8, 1.6, -1.2, -1.57, 0.0])
 B = np.array([1.1, -0.8, 0.6, -0.6, -0.6, 1.2])
@@ -21,7 +20,9 @@ def ur5() -> rt.Robot:
 
 
 def coarse(problem: rt.Problem, guess: rt.Solution | None) -> rt.Solution:
-    return solve(problem, rt.Mesh(15), guess, rt.Ipopt(max_iterations=300), retry=False)
+    return rt.plan(
+        problem, rt.Mesh(15), guess, rt.Ipopt(max_iterations=300), restarts=rt.planning.Restarts(0), check=False
+    )
 
 
 def reach(ur5: rt.Robot, **changes: Any) -> rt.Problem:
