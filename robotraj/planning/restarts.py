@@ -97,7 +97,7 @@ def _from_elsewhere(
 
     Before that, the stretched problem shows which rows conflict. Limits of joints at a fixed duration end the search.
     """
-    if not seeds:
+    if not seeds or guess is not None:
         return
     motion, conflicts = stretched(problem, coarsely)
     if motion is not None and (conflicts or motion.status is Status.INTERRUPTED):
@@ -105,7 +105,7 @@ def _from_elsewhere(
     fixed = all(low == high for low, high in (phase.duration_bounds for phase in problem.phases))
     if conflicts and fixed and all(conflict.physical for conflict in conflicts):
         return
-    for seed in seeds if guess is None else ():
+    for seed in seeds:
         found = solve(problem, Perturbed(default_guess(problem), (seed,)))
         yield found, "from a variation of the default guess, which led nowhere"
     if motion is not None and not conflicts:

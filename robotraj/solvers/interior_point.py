@@ -88,8 +88,8 @@ class InteriorPoint(Solver):
         That evaluate points side by side; as many as the process has processors by default. The answers are the same,
         bit by bit, for any number.
     fallback : Solver or None
-        Solves what has no form in stages, such as shooting, and what remains unsolved, unless its variables ran off;
-        the message says why. None refuses the former and leaves the latter.
+        Solves what has no form in stages, such as shooting, and what remains unsolved, unless its variables ran off or
+        a ``max_iterations`` of the user's own was reached; the message names the reason. None refuses the former and leaves the latter.
     objective_scale : float, optional
         What the objective is multiplied by; by default a number that makes the first barrier weigh alike whatever the
         mesh and, but for small objectives on coarse meshes, the unit: see ``robotraj.solvers.objective_scale``.
@@ -228,7 +228,9 @@ class InteriorPoint(Solver):
         if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:
             status = Status.DIVERGED
         spent = time.perf_counter() - ready
-        if status in UNSOLVED and self.fallback is not None:
+        # A limit that the user left as it is ends this method's attempt, not the plan.
+        exhausted = status is Status.ITERATION_LIMIT and self.max_iterations == InteriorPoint.max_iterations
+        if (status in UNSOLVED or exhausted) and self.fallback is not None:
             outcome = self._fall_back(
                 nlp, progress, multipliers, f"the interior-point method ended with {found.status!r}", ready
             )

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotraj._util.polynomials import _gauss, integrals
+from robotraj._util.polynomials import gauss, integrals
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 7, 12, 30])
 def test_points_and_weights_are_numpys(count: int) -> None:
-    for found, known in zip(_gauss(count), np.polynomial.legendre.leggauss(count), strict=True):
+    for found, known in zip(gauss(count), np.polynomial.legendre.leggauss(count), strict=True):
         # NumPy's own differ in the last digits from release to release.
         np.testing.assert_allclose(found, known, rtol=1e-13, atol=1e-15)
 
