@@ -1,4 +1,4 @@
-"""Contacts: what holds the robot, with which forces. Values, bound to a robot by ``bind``."""
+"""Contacts: frames of the robot held by the ground or by each other. They are values, bound to a robot by ``bind``."""
 
 import lazy_loader
 

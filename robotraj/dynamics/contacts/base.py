@@ -1,4 +1,4 @@
-"""What a contact is: a value that names a frame and, bound to a robot, gives rows to hold and forces that hold them."""
+"""The base classes of contacts: a contact names a frame; bound to a robot, it gives held rows and contact forces."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class LimitRow:
     joint : str
         Name of the contact.
     variable : str or None
-        The force variable that the row is, where it is one alone.
+        The force variable that the row bounds, where it is a bound on one variable.
     """
 
     name: str
@@ -48,7 +48,7 @@ class LimitRow:
     variable: str | None = None
 
     def of_impulses(self) -> LimitRow | None:
-        """Give what an impulse keeps of it: cones and signs, whatever the newtons; None where that is nothing."""
+        """Return the row for impulses: signs are kept, bounds in newtons are dropped. None if no bound is left."""
         lower, upper = 0.0 if self.lower >= 0.0 else -inf, 0.0 if self.upper <= 0.0 else inf
         if lower == -inf and upper == inf:
             return None
@@ -56,7 +56,7 @@ class LimitRow:
 
 
 class Contact(ABC):
-    """A place where the robot is held: by the ground, or by itself. A new kind is one new class and its bound form."""
+    """A place where the ground or another body of the robot holds it. A new kind is one class and its bound form."""
 
     @property
     @abstractmethod
@@ -74,16 +74,16 @@ class Contact(ABC):
         """
 
     def bound_to(self, robot: Robot) -> BoundContact:
-        """Bind once for every robot, however many phases it stands in; a contact without a hash is bound every time."""
+        """Bind once per robot and reuse the result in all phases; contacts without a hash are bound every time."""
         return _BOUND.get(robot, self, lambda: self.bind(robot))
 
 
 @dataclass(frozen=True, eq=False)
 class BoundContact(ABC):
-    """A contact of one robot: m held rows, the forces that hold them, and where it stands.
+    """A contact of one robot: m held rows, their contact forces, and the foothold.
 
-    Every method takes a point of the NLP (symbols) or of the witness (numbers) and answers in kind. The forces are
-    dual to the velocity rows: J' f does the power f . velocity on any motion, whatever the wrench acts on.
+    Every method takes a point of the NLP (symbols) or of the witness (numbers) and returns symbols or numbers.
+    The forces are dual to the velocity rows: the power of J' f on any motion is f . velocity.
 
     Attributes
     ----------
@@ -94,13 +94,13 @@ class BoundContact(ABC):
     forces : tuple of Variable
         ``force.<name>.x`` ... ``force.<name>.mz`` [N, N m], m of them.
     anchors : tuple of Variable
-        Where it stands, ``<name>.x`` [m], ``<name>.y``, ``<name>.yaw`` [rad]: constant while it holds, unknown.
+        The foothold ``<name>.x``, ``<name>.y`` [m], ``<name>.yaw`` [rad]: unknown, constant while the contact holds.
     holds : tuple of Variable
-        The held rows, named for reports; those that say where it stands are named as the anchors.
+        The held rows, named for reports; rows that determine an anchor have its name.
     limit_rows : tuple of LimitRow
         The rows of ``limits``: force normal to the ground, friction, centre of pressure.
     footing_rows : tuple of LimitRow
-        The rows of ``footing``: where on the ground a foot may stand.
+        The rows of ``footing``: the part of the ground that a foot may be placed on.
     """
 
     contact: Contact
@@ -113,14 +113,14 @@ class BoundContact(ABC):
     footing_rows: tuple[LimitRow, ...]
 
     def outline(self) -> list[tuple[str, tuple[float, float, float]]]:
-        """Places that must not sink while the foot swings, as (frame, offset [m]): the frame's origin."""
+        """Points that must stay above the ground while the foot swings, as (frame, offset [m]): the frame's origin."""
         return [(self.frame, (0.0, 0.0, 0.0))]
 
     @abstractmethod
     def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
-        """Rows (m) [m, rad] that are zero while the contact stands at its anchors.
+        """Rows (m) [m, rad] that are zero while the contact is at its anchors.
 
-        Where they are zero, their rate is ``velocity``: both see the same motions.
+        Where they are zero, their time derivative is ``velocity``.
         """
 
     @abstractmethod
@@ -137,7 +137,7 @@ class BoundContact(ABC):
 
     @abstractmethod
     def vector(self, forces: Sequence[Any]) -> list[Any]:
-        """Force (3) or force and moment (6) in world axes [N, N m], with zeros for what the contact does not carry."""
+        """Force (3) or force and moment (6) in world axes [N, N m]; components that the contact lacks are zero."""
 
     def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
         """Values of ``limit_rows``."""
@@ -148,7 +148,7 @@ class BoundContact(ABC):
         return []
 
     def locate(self, robot: Robot, q: Any) -> dict[str, float]:
-        """Anchors of the contact as it stands in configuration q, in numbers, for guesses."""
+        """Numeric values of the anchors in configuration q, for guesses."""
         return {}
 
 
@@ -166,7 +166,7 @@ def held_rows(
 ) -> tuple[Variable, ...]:
     """``<name>.x`` ... along and ``<name>.rx``, ``<name>.ry``, ``<name>.yaw`` about world axes.
 
-    A row that finds out an anchor has its name; ``upright`` is the row's about z.
+    A row that determines an anchor has its name; ``upright`` names the row about z.
     """
     rows = [Variable(f"{name}.{AXES[i]}", "m", "contact position", name) for i in linear]
     turns = [("rx", "ry", upright)[i] for i in angular]
@@ -187,7 +187,7 @@ def label_of(name: Any, frame: Any) -> str:
 
 
 def checked_name(name: Any, who: str) -> None:
-    """Refuse a name that could not be part of a variable's."""
+    """Refuse a name that is not a string or is empty."""
     if name is not None and (not isinstance(name, str) or not name):
         raise InputError(f"The name of {who} is {name!r}; give some text, or leave it out for the frame's name.")
 
@@ -212,7 +212,7 @@ def force_range(value: Any, who: str) -> tuple[float, float]:
 
 
 def keep(contact: Contact, **values: Any) -> None:
-    """Replace fields by what was read of them, tuples of floats: contacts then compare and are stored by value."""
+    """Replace fields by their checked values, tuples of floats, so that contacts compare and are stored by value."""
     for name, value in values.items():
         object.__setattr__(contact, name, value)
 

@@ -50,7 +50,7 @@ class SecondOrder(FrictionCone):
 class Linearised(FrictionCone):
     """A pyramid with its edges on the cone: mu cos(pi / n) f_n - f_1 cos(phi_k) - f_2 sin(phi_k) >= 0 [N].
 
-    phi_k = (2 k + 1) pi / n, k = 0 ... n - 1. It lies inside the cone, so that what it allows the cone allows.
+    phi_k = (2 k + 1) pi / n, k = 0 ... n - 1. The pyramid lies inside the cone.
     Source: Stewart and Trinkle, International Journal for Numerical Methods in Engineering 39 (1996).
 
     Parameters

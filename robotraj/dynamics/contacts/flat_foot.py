@@ -46,22 +46,22 @@ if TYPE_CHECKING:
 class FlatFoot(Contact):
     """A rectangular sole held on the ground: six rows and a wrench, three (x, z, pitch) in a plane.
 
-    The point at ``offset`` stands at (x, y, h(x, y)); the foot's up axis e is along the ground's normal n there, and
-    its forward axis f points along t_1 cos(yaw) + t_2 sin(yaw); x, y and yaw are unknown and constant. The rows of
+    The point at ``offset`` is held at (x, y, h(x, y)). The foot's up axis e is along the ground's normal n there.
+    Its forward axis f is along t_1 cos(yaw) + t_2 sin(yaw). x, y and yaw are unknown and constant. The rows of
     orientation are the world components of the small rotation between foot and ground,
 
         r = -(e . t_2) t_1 + (e . t_1) t_2 + (f . l) n,    l = -t_1 sin(yaw) + t_2 cos(yaw),
 
-    whose rate is the angular velocity where r = 0. The force along e is not negative, which also excludes the root of
-    r where the foot is upside down; the sole says which tangential forces and moments go with it.
+    whose time derivative is the angular velocity where r = 0. The force along e is not negative. This also excludes
+    the root of r where the foot is upside down. The sole bounds the tangential forces and the moments.
 
     Parameters
     ----------
     frame : str
     length : float or (float, float)
-        Of the sole, about the point or (back, front) of it [m].
+        Length of the sole, centred at the point, or its extent (back, front) from the point [m].
     width : float
-        Of the sole [m]; only a robot that moves in a plane does without.
+        Width of the sole [m]; required unless the robot moves in a plane.
     friction : float
         Coefficient mu.
     ground : Ground or callable
@@ -81,7 +81,7 @@ class FlatFoot(Contact):
     Raises
     ------
     InputError
-        A sole without size, friction not positive, axes along each other, bounds that cross.
+        A sole without size, friction that is not positive, parallel axes, crossed bounds.
     """
 
     frame: str
@@ -136,8 +136,8 @@ class FlatFoot(Contact):
         spatial = (axes, about) == ((0, 1, 2), (0, 1, 2))
         if not spatial and not (len(axes) == 2 and about == (1 - axes[0],)):
             raise InputError(
-                f"Frame {self.frame!r} of {robot.name!r} can neither move and turn freely nor in an upright plane "
-                "alone, so that no flat foot fits; use PointContact."
+                "FlatFoot needs a frame that moves and turns freely, or only in an upright plane; frame "
+                f"{self.frame!r} of {robot.name!r} does neither. Use PointContact."
             )
         if spatial and self.width is None:
             raise InputError(f"{who} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
@@ -164,12 +164,12 @@ class FlatFoot(Contact):
         )
 
     def _shape(self) -> Rectangle:
-        """Write the sizes of the sole as its rectangle."""
+        """Return the sole as a rectangle."""
         back, front = self.length  # type: ignore[misc]  # as __post_init__ keeps it
         return Rectangle(back, front, 0.0 if self.width is None else self.width / 2.0)
 
     def _section(self, left: Any, axis: int, robot: Robot) -> Rectangle:
-        """Turn the rectangle to where the axis out of the plane, the foot's left or right, has its left."""
+        """Return the rectangle as seen along the axis out of the plane, which is the foot's left or its right."""
         if abs(left[axis]) < 0.99:
             raise InputError(
                 f"The normal and forward axes of FlatFoot {self.label!r} do not lie in the plane that {robot.name!r} "
@@ -187,7 +187,7 @@ class FlatFoot(Contact):
 
 
 def _length(value: Any, what: str) -> tuple[float, float]:
-    """Read how far a sole reaches backwards and forwards [m]: one way it may end at its point."""
+    """Read the extent of a sole backwards and forwards [m]; one of the two may be zero."""
     if np.ndim(value) == 0:
         half = positive(value, what, "m") / 2.0
         return half, half
@@ -245,11 +245,11 @@ class BoundFlatFoot(BoundContact):
         return [force[2], *sole.rows(friction, self.shape, force, moment)]
 
     def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
-        """Evaluate what the ground asks of the whole sole."""
+        """Evaluate the ground's foothold rows for the whole sole."""
         return self.where.values(anchors, (self.shape.back, self.shape.front, self.shape.half))
 
     def outline(self) -> list[tuple[str, Triple]]:
-        """Give the corners of the sole, its ends in a plane."""
+        """Return the corners of the sole, or its two ends for a robot in a plane."""
         ahead, left, shape = np.array(self.feet.forward), np.array(self.feet.left), self.shape
         corners = itertools.product((-shape.back, shape.front), sorted({-shape.half, shape.half}))
         places = (np.array(self.spot.offset) + x * ahead + y * left for x, y in corners)
@@ -283,7 +283,7 @@ class BoundFlatFoot(BoundContact):
         axis = spread([1.0], self.about)
         along, normal, moment = dot(vector[:3], cross(axis, up)), dot(vector[:3], up), dot(vector[3:], axis)
         reach = friction * normal
-        # A force f up at c forward has the moment -c f about the axis to the left.
+        # An upward force f at a distance c forward has the moment -c f about the axis to the left.
         front, back = self.shape.front * normal + moment, self.shape.back * normal - moment
         return [normal, reach - along, reach + along, front, back]
 

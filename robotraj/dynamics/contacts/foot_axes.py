@@ -1,4 +1,4 @@
-"""Which way a foot points: axes fixed in its frame, found where they are not given."""
+"""The axes of a foot, fixed in its frame: as given, or derived from the neutral configuration."""
 
 from __future__ import annotations
 
@@ -32,25 +32,28 @@ class FootAxes:
 def foot_axes(
     rotation: Array, normal: Sequence[Any], up: Any, forward: Any, who: str, ahead: Any = (1.0, 0.0, 0.0)
 ) -> FootAxes:
-    """Take the axes given; else the frame's axis nearest the ground's normal, and of the rest that nearest ``ahead``.
+    """Return the axes of a foot.
+
+    Without ``up``, it is the frame's axis nearest the ground's normal. Without ``forward``, it is the remaining axis
+    nearest ``ahead``.
 
     Parameters
     ----------
     rotation : (3, 3) array
-        Of the frame, where the robot is neutral.
+        Rotation of the frame in the neutral configuration.
     normal : sequence of 3 float
-        Of the ground there, in world axes.
+        The ground's normal there, in world axes.
     up, forward : sequence of 3 float or None
-        In the frame's axes, of any length. What ``forward`` has along ``up`` is taken away.
+        In the frame's axes, of any length. The component of ``forward`` along ``up`` is removed.
     who : str
         The contact, for errors.
     ahead : sequence of 3 float
-        World axis that a foot not given otherwise points along.
+        World axis that the foot points along by default.
 
     Raises
     ------
     InputError
-        Vectors of length zero, or along each other.
+        Vectors of length zero, or parallel vectors.
     """
     upward = (
         _nearest(rotation, np.asarray(normal, dtype=float), _signed_axes())
@@ -71,7 +74,7 @@ def foot_axes(
 
 
 def _nearest(rotation: Array, direction: Array, axes: list[Array]) -> Array:
-    """Of axes of the frame the one nearest a direction of the world."""
+    """Return the axis of the frame that is nearest a world direction."""
     return max(axes, key=lambda axis: float(rotation @ axis @ direction))
 
 
@@ -80,12 +83,12 @@ def _signed_axes() -> list[Array]:
 
 
 def unit(value: Any, what: str) -> Triple:
-    """Make a direction in the frame's axes a unit vector.
+    """Normalise a direction in the frame's axes.
 
     Raises
     ------
     InputError
-        No three finite numbers, or zeros.
+        The value is not three finite numbers, or all are zero.
     """
     array = np.array(vector_of(value, what, "in the frame's axes"))
     size = float(np.linalg.norm(array))
@@ -95,6 +98,6 @@ def unit(value: Any, what: str) -> Triple:
 
 
 def _triple(vector: Array) -> Triple:
-    """Numbers with the noise of rounding and the sign of zeros taken away."""
+    """Set entries of the size of rounding errors to a positive zero."""
     x, y, z = (float(v) if abs(v) > 1e-12 else 0.0 for v in vector)
     return x, y, z

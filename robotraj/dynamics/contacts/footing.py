@@ -1,4 +1,4 @@
-"""Where a contact stands on the ground: its anchors, the ground's axes there, and forces measured in them."""
+"""The foothold of a contact: its anchors, the ground's axes there, and the components of forces along them."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from robotraj.dynamics.variable import Variable
 
 @dataclass(frozen=True, eq=False)
 class Footing:
-    """A place (x, y, h(x, y)) on the ground, unknown in the horizontal axes in which the contact can move.
+    """A place (x, y, h(x, y)) on the ground; its coordinates are unknown along the axes the contact can move along.
 
     Attributes
     ----------
     name : str
-        The contact's.
+        Name of the contact.
     ground : Ground
     axes : tuple of int
         World axes along which the contact can move.
     still : tuple of 3 float
-        Its place [m] along the others.
+        Its coordinates [m] along the other axes.
     """
 
     name: str
@@ -37,7 +37,7 @@ class Footing:
 
     @property
     def horizontal(self) -> tuple[int, ...]:
-        """Horizontal axes among them."""
+        """The horizontal axes among ``axes``."""
         return tuple(axis for axis in self.axes if axis < 2)
 
     @property
@@ -50,9 +50,9 @@ class Footing:
         return self.ground.at(*self._plan(anchors))
 
     def tangents(self, anchors: Mapping[str, Any]) -> tuple[list[list[Any]], list[Any]]:
-        """Tangents along which the contact can move (two, one or none), and the normal, unit vectors in world axes.
+        """Tangents along which the contact can move (two, one or none), and the normal: unit vectors in world axes.
 
-        In a plane, tangent and normal are those of the ground's section with it.
+        In a plane, tangent and normal are those of the curve in which the plane cuts the ground.
         """
         first, second, normal = self.ground.axes(*self._plan(anchors))
         if len(self.horizontal) == 2:
@@ -73,7 +73,7 @@ class Footing:
         return dot(force, normal), [dot(force, tangent) for tangent in tangents]
 
     def normal_variable(self, forces: Sequence[Variable]) -> str | None:
-        """Name of the force variable that is the normal force on level ground, where its bound is one of a variable."""
+        """Name of the force variable that equals the normal force, as on level ground; None where there is none."""
         symbols = ca.SX.sym("f", len(self.axes))
         anchors = {anchor.name: ca.SX.sym(anchor.name) for anchor in self.anchors}
         normal, _ = self.components(spread(ca.vertsplit(symbols), self.axes), anchors)
@@ -82,18 +82,18 @@ class Footing:
         return forces[up].name if ca.simplify(slope).is_zero() else None
 
     def rows(self) -> tuple[LimitRow, ...]:
-        """Rows of ``values``: what the ground asks of a place to stand, such as staying off a step's edge."""
+        """Rows of ``values``: the ground's constraints on a foothold, such as a distance from a step's edge."""
         count = len(self.values({anchor.name: ca.SX.sym(anchor.name) for anchor in self.anchors}))
         return tuple(LimitRow("foothold", "m", 0.0, float("inf"), self.name) for _ in range(count))
 
     def values(self, anchors: Mapping[str, Any], sole: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> list[Any]:
-        """Evaluate what must not be negative where the contact stands [m].
+        """Evaluate the foothold rows [m], which must not be negative.
 
         Parameters
         ----------
         anchors : mapping of str
         sole : (back, front, half)
-            How far it extends from the place along the foot's heading, and half its width [m].
+            Extent of the sole from the place along the foot's heading, and half its width [m].
         """
         x, y = self._plan(anchors)
         back, front, half = sole
@@ -106,7 +106,7 @@ class Footing:
         return list(self.ground.footing(x, y, (length * along + half * across, length * across + half * along)))
 
     def _ahead(self, anchors: Mapping[str, Any]) -> tuple[Any, Any]:
-        """Heading of a foot on level ground, world x and y: by its yaw, or in the plane."""
+        """Heading of a foot on level ground, world x and y: from its yaw, or along the plane."""
         if self.horizontal == (0, 1):
             yaw = anchors[f"{self.name}.yaw"]
             return ca.cos(yaw), ca.sin(yaw)
@@ -119,5 +119,5 @@ class Footing:
 
 
 def _size(value: Any) -> Any:
-    """Absolute value without its corner, on the safe side by at most 0.01."""
+    """Smooth upper bound on the absolute value, too large by at most 0.01."""
     return abs(value) if isinstance(value, float) else (value * value + 1e-4) ** 0.5

@@ -1,4 +1,4 @@
-"""A contact that comes and goes as the optimum has it: the sequence is found, not given."""
+"""A contact whose touchdowns and liftoffs are found by the optimisation; no contact sequence is given."""
 
 from __future__ import annotations
 
@@ -28,20 +28,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ImplicitContact(Contact):
-    """A point that touches the ground where the optimum wants it to, by relaxed complementarity.
+    """A point that may touch the ground at any time, by relaxed complementarity.
 
-    With the gap phi(q) >= 0 above the ground, the normal force n >= 0, friction parts b_k >= 0 along directions d_k in
-    the ground (two in a plane, four in space) and the slipping speed s >= 0,
+    With the gap phi(q) >= 0 above the ground, the normal force n >= 0, friction forces b_k >= 0 along directions d_k
+    in the ground (two in a plane, four in space) and the slipping speed s >= 0,
 
         phi n <= e,    mu n - sum b_k >= 0,    (mu n - sum b_k) s <= e,
         s + d_k' v >= 0,    (s + d_k' v) b_k <= e,
 
-    where e, the relaxation, goes to zero in stages (``rt.planning.tightening``): a force only where the foot
-    touches, sticking
-    inside the friction cone and the most dissipating force where it slips. At the end of a step an impact is a force
-    that lasts one interval: plan with one collocation point at the end of each, ``rt.schemes.RadauIIA(1)``
-    (implicit Euler), on
-    short motions.
+    where the relaxation e is reduced towards zero in stages (``rt.planning.tightening``). The foot then has a force
+    only where it touches. It sticks inside the friction cone, and friction dissipates the most where it slips. An
+    impact is a force that lasts one interval. Plan short motions, with one collocation point at the end of each
+    interval: ``rt.schemes.RadauIIA(1)`` (implicit Euler).
     Source: Posa, Cantu and Tedrake, A direct method for trajectory optimization of rigid bodies through contact, Int.
     J. Robotics Research 33 (2014), section 3.
 
@@ -62,7 +60,7 @@ class ImplicitContact(Contact):
     Raises
     ------
     InputError
-        Friction or relaxation not positive, a ground that is no plane.
+        Friction or relaxation that is not positive, a ground that is not a plane.
     """
 
     frame: str
@@ -80,9 +78,9 @@ class ImplicitContact(Contact):
         object.__setattr__(self, "offset", offset_of(self.offset, who))
         if not isinstance(as_ground(self.ground), Flat | Slope):
             raise InputError(
-                f"{who} finds its contacts on a plane, rt.terrain.Flat() or rt.terrain.Slope(...); the ground "
-                f"is {self.ground!r}. Give "
-                "the sequence of contacts by phases with rt.PointContact on other grounds."
+                f"{who} needs a plane as its ground; the ground is {self.ground!r}. "
+                f"Give rt.terrain.Flat() or rt.terrain.Slope(...), "
+                "or write the contact sequence as phases with rt.PointContact."
             )
 
     @property
@@ -126,7 +124,7 @@ class ImplicitContact(Contact):
 
 @dataclass(frozen=True, eq=False)
 class BoundImplicitContact(BoundContact):
-    """A point that no row holds: forces, and rows that say when they act.
+    """A point that is not held: forces, and the complementarity rows that they satisfy.
 
     Attributes
     ----------
@@ -134,9 +132,9 @@ class BoundImplicitContact(BoundContact):
     spot : Spot
     ground : Ground
     normal : tuple of 3 float
-        Of the plane.
+        Normal of the plane.
     directions : tuple of tuples of 3 float
-        Along which friction acts.
+        Directions of the friction forces.
     """
 
     friction: float
@@ -172,7 +170,7 @@ class BoundImplicitContact(BoundContact):
         return [sum((axis[i] * value for axis, value in parts if axis[i]), 0.0) for i in range(3)]
 
     def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
-        """Evaluate gap, complementarities and cone."""
+        """Evaluate the gap, the forces, the friction cone and the complementarity rows."""
         normal, *friction, slip = forces
         gap, motion = self.gap(point), self.spot.velocity(point)
         inside = self.friction * normal - sum(friction)

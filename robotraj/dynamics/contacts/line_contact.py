@@ -1,4 +1,4 @@
-"""A foot that stands on an edge, heel or toe: it rolls about that line and does nothing else."""
+"""A foot held on an edge, its heel or toe: it can only roll about that line."""
 
 from __future__ import annotations
 
@@ -43,33 +43,33 @@ VERTICAL = (0.0, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class LineContact(Contact):
-    """An edge of a foot held on the ground: five rows; in a plane the two of a point.
+    """An edge of a foot held on the ground: five rows; in a plane, the two rows of a point.
 
-    The edge's middle stands at (x, y, h(x, y)); its direction l lies in the ground's tangent plane, across the heading
-    t_1 cos(yaw) + t_2 sin(yaw) = c; x, y and yaw are unknown and constant, and the foot turns about l. Beside the force
-    it carries two moments, about two axes that stay in the world while the foot rolls,
+    The edge's middle is held at (x, y, h(x, y)). Its direction l lies in the ground's tangent plane, at right angles
+    to the heading c = t_1 cos(yaw) + t_2 sin(yaw). x, y and yaw are unknown and constant; the foot rolls about l.
+    Beside the force the contact has two moments, about axes that are fixed in the world while the foot rolls,
 
-        u = l x z,    w = z - (z . l) l:
+        u = l x z,    w = z - (z . l) l,
 
-    forward and upward where the ground is level. The pressure's centre stays on the edge, |m . c| <= f_n width / 2,
-    and torsion |m . n| <= mu r f_n, with r = width / 4, what even pressure along the edge can carry.
+    forward and upward on level ground. The centre of pressure is on the edge, |m . c| <= f_n width / 2. Torsion is
+    bounded, |m . n| <= mu r f_n, with r = width / 4: the largest moment of a uniform pressure along the edge.
 
     Parameters
     ----------
     frame : str
     width : float
-        Length of the edge [m]; only a robot that moves in a plane does without.
+        Length of the edge [m]; required unless the robot moves in a plane.
     friction, ground, name, cone, normal_force
         As for ``PointContact``.
     offset : sequence of 3 float
-        Middle of the edge in the frame's axes [m], (0.1, 0, 0) for a toe 0.1 m before the frame.
+        Middle of the edge in the frame's axes [m], (0.1, 0, 0) for a toe 0.1 m ahead of the frame.
     direction : sequence of 3 float, optional
-        l, to the foot's left, in the frame's axes. Default: the frame's axis that points left of a flat foot.
+        l, to the foot's left, in the frame's axes. Default: the left axis that ``FlatFoot`` derives.
 
     Raises
     ------
     InputError
-        A width or friction not positive, bounds that cross, no direction.
+        A width or friction that is not positive, crossed bounds, a direction of length zero.
     """
 
     frame: str
@@ -103,7 +103,7 @@ class LineContact(Contact):
         return label_of(self.name, self.frame)
 
     def bind(self, robot: Robot) -> BoundContact:
-        """In space an edge, in a plane the point that it is there."""
+        """Bind an edge in space; in a plane, bind the point where the plane cuts the edge."""
         who = f"LineContact {self.label!r}"
         robot.frame(self.frame)
         spot = Spot(self.frame, self.offset)
@@ -163,7 +163,7 @@ class BoundLineContact(BoundContact):
     width: float
 
     def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
-        """Place of the edge's middle [m], then the rotation of l from where it lay, about u and w [rad near zero]."""
+        """Place of the edge's middle [m], then the rotation of l from its held direction about u and w [rad]."""
         spot, place = self.spot.position(point), self.where.place(anchors)
         left = self.spot.axis(point, self.along)
         ahead, normal = self._lying(anchors)
@@ -176,7 +176,7 @@ class BoundLineContact(BoundContact):
         return self.spot.velocity(point) + [dot(spin, axis) for axis in _across(self.spot.axis(point, self.along))]
 
     def acceleration(self, point: Any) -> list[Any]:
-        """Time derivative of ``velocity``; l turns at w x l."""
+        """Time derivative of ``velocity``; dl/dt is the angular velocity times l."""
         left, spin = self.spot.axis(point, self.along), self.spot.angular_velocity(point)
         rate = cross(spin, left)
         forward, upward = _across(left)
@@ -206,11 +206,11 @@ class BoundLineContact(BoundContact):
         return [normal, *friction, reach - tipping, reach + tipping, grip - twist, grip + twist]
 
     def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
-        """Evaluate what the ground asks of the whole edge."""
+        """Evaluate the ground's foothold rows for the whole edge."""
         return self.where.values(anchors, (0.0, 0.0, 0.5 * self.width))
 
     def outline(self) -> list[tuple[str, Triple]]:
-        """Give the middle of the edge."""
+        """Return the middle of the edge."""
         return [(self.frame, self.spot.offset)]
 
     def locate(self, robot: Robot, q: Any) -> dict[str, float]:
@@ -226,7 +226,7 @@ class BoundLineContact(BoundContact):
         return add(scale(forces[3], forward), scale(forces[4], upward))
 
     def _lying(self, anchors: Mapping[str, Any]) -> tuple[list[Any], list[Any]]:
-        """Heading across the edge where it lies, and the ground's normal there."""
+        """Heading at right angles to the held edge, and the ground's normal there."""
         (first, second), normal = self.where.tangents(anchors)
         yaw = anchors[f"{self.name}.yaw"]
         return add(scale(ca.cos(yaw), first), scale(ca.sin(yaw), second)), normal

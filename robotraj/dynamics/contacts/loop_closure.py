@@ -1,4 +1,4 @@
-"""A closed kinematic loop: two frames of the robot that a URDF's tree keeps apart are one."""
+"""A closed kinematic loop: two frames in different branches of the URDF's tree coincide."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LoopClosure(Contact):
-    """Two points of frames that coincide (three rows), or whose frames also have the same axes (six).
+    """Two points fixed in frames coincide (three rows); optionally the frames' axes coincide too (six rows).
 
-    Along and about world axes in which the frames cannot move against each other there are neither rows nor forces, so
-    that a linkage in a plane has two rows. The rows of orientation are half the sum over the axes of b_i x a_i, the
-    rotation from b to a to first order, whose rate is the difference of the angular velocities where they are zero. The
-    force and moment act at the point on a's body, and their opposites on b's.
+    World axes along or about which the frames cannot move relative to each other have no rows and no forces: a
+    linkage in a plane has two rows. The rows of orientation are half the sum over the axes of b_i x a_i, the rotation
+    from b to a to first order. Where they are zero, their time derivative is the difference of the angular
+    velocities. The force and moment act at the point on a's body, and their opposites on b's.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class LoopClosure(Contact):
     Raises
     ------
     InputError
-        One frame twice; on binding frames that do not exist, do not move against each other, or only askew.
+        The frames are the same. On binding: a frame does not exist, or the relative motion does not span the rows.
     """
 
     frame_a: str
@@ -71,7 +71,7 @@ class LoopClosure(Contact):
         return f"{self.frame_a}-{self.frame_b}" if self.name is None else self.name
 
     def bind(self, robot: Robot) -> BoundLoopClosure:
-        """Find the axes in which the frames move against each other."""
+        """Find the axes in which the frames move relative to each other."""
         ends = Spot(self.frame_a, self.offset_a), Spot(self.frame_b, self.offset_b)
         for end in ends:
             robot.frame(end.frame)
@@ -88,7 +88,7 @@ class LoopClosure(Contact):
         about = about if self.rigid else ()
         if not axes and not about:
             raise InputError(
-                f"Frames {self.frame_a!r} and {self.frame_b!r} of {robot.name!r} do not move against each other: "
+                f"Frames {self.frame_a!r} and {self.frame_b!r} of {robot.name!r} do not move relative to each other: "
                 "there is no loop to close."
             )
         rows = [*axes, *(3 + i for i in about)]
@@ -107,23 +107,23 @@ class BoundLoopClosure(BoundContact):
     about: tuple[int, ...]
 
     def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
-        """Way from b to a [m], then the rotation from b to a [rad near zero]."""
+        """Displacement from b to a [m], then the rotation from b to a [rad near zero]."""
         gap = subtract(self.first.position(point), self.second.position(point))
         return self._kept(gap, self._rotation(point) if self.about else [])
 
     def velocity(self, point: Any) -> list[Any]:
-        """Velocity of a less that of b [m/s, rad/s]."""
+        """Velocity of a minus that of b [m/s, rad/s]."""
         gap = subtract(self.first.velocity(point), self.second.velocity(point))
         return self._kept(gap, subtract(self.first.angular_velocity(point), self.second.angular_velocity(point)))
 
     def acceleration(self, point: Any) -> list[Any]:
-        """Acceleration of a less that of b [m/s^2, rad/s^2]."""
+        """Acceleration of a minus that of b [m/s^2, rad/s^2]."""
         gap = subtract(self.first.acceleration(point), self.second.acceleration(point))
         turn = subtract(self.first.angular_acceleration(point), self.second.angular_acceleration(point))
         return self._kept(gap, turn)
 
     def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
-        """Act on a, and oppositely on b, each at its own origin."""
+        """Wrench on a and its opposite on b, each at its own frame's origin."""
         values = self._spread(forces)
         back = [-1.0 * value for value in values]
         return [
@@ -132,7 +132,7 @@ class BoundLoopClosure(BoundContact):
         ]
 
     def vector(self, forces: Sequence[Any]) -> list[Any]:
-        """Force (3), with the moment where placements coincide (6), on a's body [N, N m]."""
+        """Force on a's body (3) [N]; with its moment (6) [N, N m] where the axes coincide too."""
         return self._spread(forces)[: 6 if self.about else 3]
 
     def _rotation(self, point: Any) -> list[Any]:

@@ -1,8 +1,8 @@
-"""In which world axes a contact's frame can move at all: only there does it hold rows and carry forces.
+"""World axes in which a contact's frame can move: a contact has rows and forces in these axes only.
 
-A foot of a robot in the x-z plane cannot move along y. A row for y would say 0 = 0, and the force along y would do
-nothing: the acceleration rows would be singular. What a mechanism never does is therefore found from its Jacobian at
-several configurations.
+A foot of a robot in the x-z plane cannot move along y. A row for y would be 0 = 0, the force along y would have no
+effect, and the acceleration rows would be singular. Axes without motion are found from the Jacobian at several
+configurations.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ Array = NDArray[np.float64]
 AXES = ("x", "y", "z")
 
 SAMPLES = 6
-"""Seeded random configurations at which the Jacobian is looked at."""
+"""Number of seeded random configurations at which the Jacobian is evaluated."""
 NEGLIGIBLE = 1e-4
-"""Motion below this part of the largest is a URDF's rounding (1.5708 for a quarter turn), none at all."""
+"""Motion below this fraction of the largest is due to rounding in the URDF (1.5708 for a quarter turn)."""
 
 
 def mobility(robot: Robot, jacobian: Callable[[Array], Array]) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -55,23 +55,23 @@ def require_plane(robot: Robot, frame: str, axes: tuple[int, ...], about: tuple[
     """Refuse a contact whose frame leaves the plane of a robot with a planar root."""
     if robot.root == "planar" and (1 in axes or any(axis != 1 for axis in about)):
         raise InputError(
-            f"Frame {frame!r} of {robot.name!r} leaves the x-z plane that root='planar' moves in, so that it cannot be "
-            "held there; lock the joints that turn it out (locked=), or load with root='floating'."
+            f"Frame {frame!r} of {robot.name!r} leaves the x-z plane of root='planar', so no contact can hold it. "
+            "Lock the joints that turn it out of the plane (locked=), or load with root='floating'."
         )
 
 
 def require_rank(robot: Robot, rows: Callable[[Array], Array], count: int, who: str) -> None:
-    """Refuse rows that depend on each other in every configuration: their forces would not be determined."""
+    """Refuse rows that are linearly dependent in every configuration: their forces would not be determined."""
     rank = max(int(np.linalg.matrix_rank(rows(q), tol=NEGLIGIBLE)) for q in configurations(robot))
     if rank < count:
         raise InputError(
             f"{who} holds {count} rows, but {robot.name!r} can move in {rank} of them only: the forces would not be "
-            "determined. Use a contact that holds less, or a robot with more joints before the frame."
+            "determined. Use a contact with fewer rows, or a robot with more joints before the frame."
         )
 
 
 def configurations(robot: Robot) -> list[Array]:
-    """Seeded random configurations near the neutral one, valid for quaternions as well."""
+    """Return seeded random configurations near the neutral one, with unit quaternions."""
     rng = np.random.default_rng(0)
     steps = rng.uniform(-1.0, 1.0, (SAMPLES, robot.model.nv))
     return [np.asarray(pin.integrate(robot.model, np.array(robot.neutral), step)) for step in steps]

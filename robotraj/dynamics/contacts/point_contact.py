@@ -1,4 +1,4 @@
-"""A point foot: it neither slides nor sinks, and turns as it likes."""
+"""A point foot: its position is held on the ground and its frame turns freely."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ if TYPE_CHECKING:
 class PointContact(Contact):
     """A point of the robot held on the ground: p(q) = (x, y, h(x, y)) with x, y unknown and constant.
 
-    Its force f pushes, f_n >= 0, and stays inside the friction cone, |f_t| <= mu f_n, in the ground's axes where it
-    stands. In a plane the cone is two lines, mu f_n - f_t >= 0 and mu f_n + f_t >= 0, whatever ``cone`` is. Along world
-    axes in which the frame cannot move at all there are neither rows nor forces.
+    Its force f pushes, f_n >= 0, and lies in the friction cone, |f_t| <= mu f_n, in the ground's axes at the foothold.
+    In a plane the cone is two lines, mu f_n - f_t >= 0 and mu f_n + f_t >= 0, for every ``cone``. World axes along
+    which the frame cannot move have no rows and no forces.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class PointContact(Contact):
     Raises
     ------
     InputError
-        Friction not positive, bounds of the normal force that cross, no such ground or cone.
+        Friction that is not positive, crossed bounds of the normal force, a ground or cone of the wrong type.
     """
 
     frame: str
@@ -101,7 +101,7 @@ def bind_point(contact: Any, robot: Robot, spot: Spot) -> BoundPointContact:
     Raises
     ------
     InputError
-        The frame does not exist, leaves a planar robot's plane, cannot move up and down, or moves in a plane askew.
+        The frame does not exist, leaves a planar robot's plane, cannot move up and down, or moves in a tilted plane.
     """
     who = f"{type(contact).__name__} {contact.label!r}"
     robot.frame(spot.frame)
@@ -133,9 +133,11 @@ def bind_point(contact: Any, robot: Robot, spot: Spot) -> BoundPointContact:
 
 
 def require_vertical(robot: Robot, frame: str, axes: tuple[int, ...]) -> None:
-    """Refuse a contact with the ground that could neither be lifted nor put down."""
+    """Refuse a ground contact whose frame cannot move up or down."""
     if 2 not in axes:
-        raise InputError(f"Frame {frame!r} of {robot.name!r} cannot move up or down, so that no ground can hold it.")
+        raise InputError(
+            f"Frame {frame!r} of {robot.name!r} cannot move up or down; give a ground contact a frame that can."
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,11 +176,11 @@ class BoundPointContact(BoundContact):
         return [normal, *friction_values(self.contact, normal, tangential)]
 
     def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
-        """Evaluate what the ground asks of the place."""
+        """Evaluate the ground's foothold rows."""
         return self.where.values(anchors)
 
     def outline(self) -> list[tuple[str, Triple]]:
-        """Give the spot."""
+        """Return the spot."""
         return [(self.frame, self.spot.offset)]
 
     def locate(self, robot: Robot, q: Any) -> dict[str, float]:
@@ -196,6 +198,6 @@ def friction_values(contact: Any, normal: Any, tangential: Sequence[Any]) -> lis
 
 
 def friction_rows(contact: Any, tangents: int, name: str) -> tuple[LimitRow, ...]:
-    """Rows that ``friction_values`` gives."""
+    """Names, units and bounds of the values of ``friction_values``."""
     units = contact.cone.units if tangents == 2 else ("N", "N") * tangents
     return tuple(LimitRow("friction cone", unit, 0.0, np.inf, name) for unit in units)

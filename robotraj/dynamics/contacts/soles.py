@@ -1,4 +1,4 @@
-"""What a rectangular sole can carry, as values: centre of pressure, friction and torsion of one wrench."""
+"""Models of a rectangular sole, as values: bounds on the friction, centre of pressure and torsion of one wrench."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
 
 @dataclass(frozen=True)
 class Rectangle:
-    """A sole, seen from the point that the wrench acts at.
+    """A sole, measured from the point at which the wrench acts.
 
     Attributes
     ----------
     back, front : float
-        How far it reaches backwards and forwards [m].
+        Extent backwards and forwards [m].
     half : float
         Half its width [m].
     """
@@ -57,15 +57,16 @@ class Sole(ABC):
 class PressureAndTorsion(Sole):
     """Friction of the whole force, centre of pressure inside the rectangle, torsion |m_n| <= mu r f_n.
 
-    The centre of pressure is (-m_left, m_forward) / f_n. Each is held for itself; ``FourCorners`` holds them together.
+    The centre of pressure is (-m_left, m_forward) / f_n. The three are bounded separately; ``FourCorners`` bounds
+    them jointly.
 
     Parameters
     ----------
     cone : FrictionCone
         ``SecondOrder()`` or ``Linearised(faces)``.
     radius : float, optional
-        r [m]. Default: two thirds of the greatest circle about the middle of the sole that fits in it, which is what
-        even pressure on that circle can carry.
+        r [m]. Default: two thirds of the radius of the largest circle about the middle of the sole that fits in it.
+        A uniform pressure on that circle can carry this torsion.
     """
 
     cone: FrictionCone = field(default_factory=SecondOrder)
@@ -100,8 +101,8 @@ class PressureAndTorsion(Sole):
 class FourCorners(Sole):
     """A sole that touches at its four corners, each with a force in a pyramid inside the friction cone.
 
-    The wrenches that four such forces add up to are given by linear rows of the wrench, without the forces (twelve
-    unknowns for six rows): with X, Y half the length and width, m about the middle and mu' = mu / sqrt(2),
+    Linear rows of the wrench describe the sums of four such forces exactly, so the forces (twelve unknowns for six
+    rows) are not needed. With X, Y half the length and width, m about the middle and mu' = mu / sqrt(2),
 
         |f_x| <= mu' f_n,  |f_y| <= mu' f_n,  |m_x| <= Y f_n,  |m_y| <= X f_n,
         |m_n| <= mu' (X + Y) f_n - |Y f_x -+ mu' m_x| - |X f_y -+ mu' m_y|   (upper signs for m_n < 0).
@@ -138,7 +139,7 @@ class FourCorners(Sole):
 
 
 def pressure_rows(shape: Rectangle, normal: Any, moment: Sequence[Any]) -> list[Any]:
-    """Centre of pressure within the front, the back, the left and the right edge, times the normal force [N m]."""
+    """Distances of the centre of pressure from the front, back, left and right edge times the normal force [N m]."""
     return [
         shape.front * normal + moment[1],
         shape.back * normal - moment[1],

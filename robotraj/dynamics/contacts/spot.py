@@ -64,7 +64,7 @@ class Spot:
         return _parts(point.frame(self.frame).acceleration)[1]
 
     def axis(self, point: Any, vector: Sequence[float]) -> list[Any]:
-        """World axes of a vector fixed in the frame (3,)."""
+        """Components in world axes of a vector fixed in the frame (3,)."""
         return turned(point.frame(self.frame).rotation, vector)
 
     def wrench(self, point: Any, force: Sequence[Any], moment: Sequence[Any]) -> list[Any]:
@@ -85,7 +85,7 @@ class Spot:
         model, data = robot.model, robot.model.createData()
         index = robot.frame(self.frame)
         rows = pin.computeFrameJacobian(model, data, q, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-        rows = np.array(rows).reshape(6, model.nv)  # of one joint it comes as a vector
+        rows = np.array(rows).reshape(6, model.nv)  # pinocchio returns a vector for a single joint
         pin.updateFramePlacements(model, data)
         rows[:3] -= pin.skew(data.oMf[index].rotation @ np.array(self.offset)) @ rows[3:]
         return rows

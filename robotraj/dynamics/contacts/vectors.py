@@ -1,4 +1,4 @@
-"""Products of vectors given as lists of 3, whose entries are floats, CasADi symbols or CasADi numbers alike."""
+"""Products of vectors given as lists of 3 with entries that are floats, CasADi symbols or CasADi numbers."""
 
 from __future__ import annotations
 
@@ -32,5 +32,5 @@ def scale(factor: Any, vector: Sequence[Any]) -> list[Any]:
 
 
 def turned(rotation: Any, vector: Sequence[float]) -> list[Any]:
-    """World axes of a vector that is fixed in a frame, R s; entries of s that are zero leave no trace in the graph."""
+    """Components in world axes of a vector fixed in a frame, R s; zero entries of s add no terms to the graph."""
     return [sum(rotation[i, j] * vector[j] for j in range(3) if vector[j] != 0.0) for i in range(3)]
