@@ -1,8 +1,8 @@
-"""What contacts add to a robot's equations, as functions that all phases in which they stand have in common.
+"""The terms that contacts add to a robot's equations, as functions shared by all phases that have the contact.
 
-A contact adds to the rows of a point its reaction -J' f, its acceleration, place and velocity, and J' c for the
-corrections c of these; nothing else of it is in the equations, and no contact knows of another. So a foot's share is
-one function of the root, its own leg, its forces and its foothold, and differentiated once for all phases of a walk.
+A contact adds its reaction -J' f, its acceleration, place and velocity, and J' c for the corrections c of these. The
+terms of one contact do not depend on another contact. A foot's terms are therefore one function of the root, its own
+leg, its forces and its foothold. This function is differentiated once for all phases of a walk.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Apart:
-    """An addend whose values stand as symbols in the outputs of a stage, each in one row with the factor 1.
+    """An addend whose values are symbols in the outputs of a stage, each in one row with the factor 1.
 
     Attributes
     ----------
@@ -51,21 +51,21 @@ class Apart:
 
 
 def written_out(y: ca.SX, apart: Sequence[Apart]) -> ca.SX:
-    """Put the graphs of what stands apart in the place of its symbols."""
+    """Substitute the addends' graphs for their symbols."""
     if not apart:
         return y
     return ca.substitute(y, ca.vertcat(*(each.symbols for each in apart)), ca.vertcat(*(each.values for each in apart)))
 
 
 def taken_out(y: ca.SX, known: ca.SX, apart: Sequence[Apart]) -> tuple[ca.SX, list[Added]]:
-    """Give outputs without what stands apart, and where that belongs in them.
+    """Return the outputs without the addends, and the rows to which each addend is added.
 
     Parameters
     ----------
     y : casadi.SX
         Outputs of a stage.
     known : casadi.SX
-        Its unknowns and constants. What reads other expressions than these stays in y, written out.
+        Its unknowns and constants. Addends of other expressions remain in y, written out.
     """
     plain, inputs = [], []
     for each in apart:
@@ -88,7 +88,7 @@ def taken_out(y: ca.SX, known: ca.SX, apart: Sequence[Apart]) -> tuple[ca.SX, li
 
 @dataclass(frozen=True, eq=False)
 class ApartShare:
-    """What a contact adds, as symbols; read like a ``Share``.
+    """The terms of a contact as symbols, with the attributes of a ``Share``.
 
     Attributes
     ----------
@@ -109,16 +109,16 @@ _ADDENDS: PerRobot[tuple[Addend, list[int]]] = PerRobot()
 """By contact and part: the function, and which entries of ``_column`` it reads."""
 
 PARTS = ("reaction", "accelerations", "places", "rates", "corrected")
-"""Of a share: apart from each other, since their derivatives have little in common."""
+"""Parts of a share. Each is its own function, since their derivatives have little in common."""
 
 
 def contacts_apart(body: Any, point: Any, c: ca.SX) -> tuple[Apart, ...]:
-    """Have what contacts add stand as symbols in every expression that is made of a point.
+    """Represent the terms of contacts by symbols in every expression built from a point.
 
     Parameters
     ----------
     body, point
-        A phase's dynamics without what objectives added, and its point.
+        A phase's dynamics without the variables that objectives added, and its point.
     c : casadi.SX
         Corrections of the invariants.
     """
@@ -159,6 +159,6 @@ def _made(robot: Robot, contact: BoundContact, name: str) -> tuple[Addend, list[
 
 
 def _column(contact: BoundContact, point: RobotPoint, places: ca.SX, rates: ca.SX) -> ca.SX:
-    """All that a contact's share may depend on, as one column."""
+    """Everything that a contact's terms may depend on, as one column."""
     forces = [point.z[force.name] for force in contact.forces]
     return ca.vertcat(point.q, point.v, point.a, *forces, places, rates, *anchors(contact, point.p).values())

@@ -1,9 +1,9 @@
-"""The protocol that carries the transcriber: a phase is a semi-explicit DAE.
+"""The protocol between dynamics and transcription: a phase is a semi-explicit DAE.
 
     xdot = f(x, z, u, p, t),    0 = g(x, z, u, p, t)
 
 with x the state, z the algebraic variables, u the controls, p parameters and t time. An ordinary ODE has no z. Schemes,
-meshes, objectives and solvers see nothing but this protocol, and know nothing of robots.
+meshes, objectives and solvers use only this protocol and do not depend on robots.
 
 A DAE may have invariants, rows I(x, p, t) = 0 that its exact solution keeps once they hold: unit quaternions, the place
 and the velocity of a contact whose acceleration is a row of g. Discretised, they would drift. Collocation holds them at
@@ -28,7 +28,7 @@ from robotraj.dynamics.variable import Variable
 
 
 class TimeOrders(NamedTuple):
-    """How often each variable is divided by time: a motion that takes s times as long has w / s^k in its place.
+    """Time order k of each variable: a variable w becomes w / s^k in a motion that takes s times as long.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What contacts add to a robot's DAE: held rows, directions in which the state is corrected, and joint torques."""
+"""Terms that contacts add to a robot's DAE: held rows, directions of the state's corrections, joint torques."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ ROOT_FREEDOMS = {"fixed": (0, 0), "planar": (2, 3), "floating": (3, 6)}
 
 @dataclass(frozen=True, eq=False)
 class Share:
-    """What one contact adds to the rows of a point; each part is built when first read."""
+    """The terms of one contact at a point; each part is built when first read."""
 
     contact: BoundContact
     point: RobotPoint
 
     @cached_property
     def reaction(self) -> ca.SX:
-        """Generalised force -J' f that the motors do not have to give, (nv,) [N m, N]."""
+        """Generalised force -J' f of the contact in the torque balance, (nv,) [N m, N]."""
         return -torques(self.contact, self.point, [self.point.z[force.name] for force in self.contact.forces])
 
     @cached_property
     def places(self) -> Sequence[Any]:
-        """Rows that are zero where it stands [m, rad]."""
+        """Position rows, zero while the contact is at its anchors [m, rad]."""
         return self.contact.position(self.point, anchors(self.contact, self.point.p))
 
     @cached_property
@@ -48,7 +48,7 @@ class Share:
 
 
 def share_of(contact: BoundContact, point: RobotPoint) -> Any:
-    """Give what a contact adds: symbols where it stands apart (``dynamics.apart``), else a ``Share``."""
+    """Return a contact's terms: symbols where they are separate functions (``contact_terms``), else a ``Share``."""
     return point.shares.get(contact.name) or Share(contact, point)
 
 
@@ -59,7 +59,7 @@ def hold(contacts: Sequence[BoundContact], point: RobotPoint) -> list[Any]:
 
 
 def anchors(contact: BoundContact, p: Any) -> dict[str, Any]:
-    """Where a contact stands, by anchor name, out of the parameters of a phase."""
+    """Return a contact's anchors by name from the parameters of a phase."""
     return {anchor.name: p[anchor.name] for anchor in contact.anchors}
 
 
@@ -72,16 +72,16 @@ def torques(contact: BoundContact, point: RobotPoint, forces: Sequence[Any]) -> 
 
 
 def pinned(robot: Robot, contacts: Sequence[BoundContact]) -> bool:
-    """Whether the root alone corrects a robot, which then moves as if its one contact were pinned."""
+    """Whether only the root's position is corrected: the robot has one contact with as many rows as root freedoms."""
     return len(contacts) == 1 and bool(contacts[0].anchors) and len(contacts[0].holds) in ROOT_FREEDOMS[robot.root]
 
 
 def correct(contacts: Sequence[BoundContact], point: RobotPoint, c: Any) -> Any:
     """Tangent vector (nv,) along which one correction c for each held row moves the robot.
 
-    One contact is corrected by the root: a point by its translation, a foot by all of it. The robot then moves as if
-    it were pinned there, and the polynomials of its joints are those of a model without a root. More contacts, and
-    those of a robot that stands fixed, are corrected along J' c (Posa, Kuindersma and Tedrake, ICRA 2016).
+    A single contact is corrected by moving the root: its translation for a point, all of it for a foot. The robot
+    then moves as if pinned there, and the joints have the polynomials of a model without a root. Several contacts,
+    and contacts of a robot with a fixed root, are corrected along J' c (Posa, Kuindersma and Tedrake, ICRA 2016).
     """
     robot, nv = point.robot, point.robot.nv
     if not contacts:

@@ -1,4 +1,4 @@
-"""A robot whose joints move as they like: the double integrator of its joints, without masses or torques."""
+"""A robot without dynamics: a double integrator of its joints, without masses or torques."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Kinematics:
     """Choose no dynamics: joints accelerate freely within their limits."""
 
     def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> KinematicBody:
-        """Bind to a robot; of a design its lengths count.
+        """Bind to a robot; only the lengths of a design have an effect.
 
         Raises
         ------

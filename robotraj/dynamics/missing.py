@@ -1,4 +1,4 @@
-"""Equations that are not there: of a System that came from a file, which holds no Python functions."""
+"""Placeholder for the equations of a System that was loaded from a file; files store no Python functions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from robotraj._util.values import dataclass
 
 @dataclass(frozen=True)
 class MissingEquations:
-    """Stand in for the equations of a System; whoever evaluates them is told how to have them.
+    """Placeholder for the equations of a System; calling it raises an error that names the remedy.
 
     Attributes
     ----------

@@ -60,7 +60,7 @@ class RobotPoint(Point):
     forces : Named
         Contact forces by contact name [N].
     shares : dict of str
-        What contacts add to the equations, by contact name, where symbols stand for it (``dynamics.apart``).
+        Terms of the contacts as symbols, by contact name (``dynamics.contact_terms``).
     """
 
     def __init__(

@@ -74,7 +74,7 @@ class RigidBody:
 
     @property
     def time_orders(self) -> TimeOrders | None:
-        """How often each variable is divided by time; None where a motion cannot be stretched like that."""
+        """Time order of each variable; None where motions cannot be rescaled in time."""
         return None
 
     @property
@@ -286,9 +286,9 @@ class ForwardDynamics:
 
 
 def refuse_contacts(contacts: Sequence[BoundContact], who: str) -> None:
-    """Raise InputError where dynamics that know no contact forces are given contacts."""
+    """Raise InputError where dynamics without contact forces are given contacts."""
     if contacts:
         names = ", ".join(repr(contact.name) for contact in contacts)
         raise InputError(
-            f"{who} knows no contact forces, but the phase holds {names}; use rt.dynamics.InverseDynamics()."
+            f"{who} has no contact forces, but the phase has contacts {names}; use rt.dynamics.InverseDynamics()."
         )

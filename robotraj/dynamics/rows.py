@@ -12,7 +12,7 @@ import numpy as np
 from robotraj._util.errors import InputError, called
 
 SOMEWHERE = 0.7
-"""What symbols are where an expression is tried: roots, logarithms and divisions have values there."""
+"""Value of all symbols in a trial evaluation; roots, logarithms and divisions are defined there."""
 
 
 def rows_of(what: str, function: Callable[..., Any], *arguments: Any) -> list[ca.SX]:

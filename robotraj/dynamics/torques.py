@@ -47,7 +47,7 @@ class Torques:
         return bool(ca.depends_on(expression, self.symbols))
 
     def written_out(self, expression: ca.SX) -> ca.SX:
-        """Put the graph of the inverse dynamics in the place of r."""
+        """Substitute the graph of the inverse dynamics for r."""
         nv = self.symbols.numel()
         nq = self.arguments.numel() - 2 * nv
         q, w, a = ca.vertsplit(self.arguments, [0, nq, nq + nv, nq + 2 * nv])
@@ -65,15 +65,14 @@ def _tree(text: str) -> RigidTree:
 
 
 def torques_apart(point: Any) -> Torques | None:
-    """Have the inverse dynamics of a point stand as symbols in every expression that is made of it.
+    """Represent the inverse dynamics of a point by symbols in every expression built from it.
 
     Returns
     -------
     Torques or None
-        None where the point is no robot's, where its model has unknown parameters (``rt.design.Design``), or
-        where a joint
-        neither turns about an axis nor slides along one and is no free-flyer at the root. None too where nothing turns:
-        the expressions then have M a + g itself, which is smaller than anything that could stand for it.
+        None where the point does not belong to a robot or its model has unknown parameters (``rt.design.Design``).
+        None where a joint is neither revolute, prismatic nor a free-flyer at the root. None where all joints are
+        prismatic: the expressions then contain M a + g itself, which is small.
     """
     if not isinstance(point, RobotPoint) or not point.moves or not isinstance(point.symbolic, SymbolicModel):
         return None
@@ -90,7 +89,7 @@ def torques_apart(point: Any) -> Torques | None:
 
 
 def _sliding(model: pin.Model, a: ca.SX) -> ca.SX:
-    """M a + g of a robot on a fixed root that only slides: neither depends on where it is, and nothing on its speed."""
+    """M a + g of a robot with a fixed root and prismatic joints only; M and g are constant, no term depends on v."""
     data, q, still = model.createData(), pin.neutral(model), np.zeros(model.nv)
     gravity = pin.rnea(model, data, q, still, still).copy()
     columns = [pin.rnea(model, data, q, still, unit) - gravity for unit in np.eye(model.nv)]

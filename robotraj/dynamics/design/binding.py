@@ -1,4 +1,4 @@
-"""A design: which parameters of a phase are which numbers of its robot."""
+"""A design: the map from parameters of a phase to physical quantities of its robot."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A robot whose numbers follow from parameters.
+    """A robot whose masses, lengths, loads or damping are parameters.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class Design:
             quantity.check_lower(name, float(bounds[name]))
 
     def describe(self, name: str) -> tuple[str, str]:
-        """Say what a parameter is and its unit; both empty for one that is no part of the design."""
+        """Return the meaning of a parameter and its unit; both are empty if the design does not use it."""
         mine = [quantity for known, quantity in self.entries if known == name]
         return ", ".join(q.label for q in mine), mine[0].unit(self.robot) if mine else ""
 
@@ -125,6 +125,6 @@ class Design:
 
 
 def realised(planned: Any) -> Any:
-    """Give the robot of a planned phase in plain numbers, its design at ``planned.parameters``."""
+    """Return the robot of a planned phase with its design evaluated at ``planned.parameters``."""
     design = getattr(planned.phase, "bound_design", None)
     return planned.phase.robot if design is None else design.realise(planned.parameters)

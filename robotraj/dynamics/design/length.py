@@ -23,7 +23,7 @@ SHORTEST = 1e-6
 
 @dataclass(frozen=True)
 class LinkLength(Quantity):
-    """The parameter L is the length [m] of the body behind a joint, which is stretched like rubber.
+    """The parameter L is the length [m] of the body behind a joint; the body is stretched along one direction.
 
     The length runs from the joint's origin to the tip, or is only the part of that along a direction. With e
     the unit vector of the direction, L0 = e'r_tip the URDF's length and S = 1 + (L/L0 - 1) e e', every point

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Payload(Quantity):
-    """The parameter m is a point mass [kg] at the origin of a frame, besides what the body weighs.
+    """The parameter m is a point mass [kg] at the origin of a frame, in addition to the body's mass.
 
     With r the frame's origin in its joint's frame: the body's mass grows by m, h by m r and its inertia
     about the joint's origin by m (r'r 1 - r r'). On a stretched body r is where the frame then is.

@@ -1,4 +1,4 @@
-"""What a parameter of a phase may mean for its robot."""
+"""The base class of physical quantities of a robot that a phase's parameter can set."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Quantity(ABC):
-    """A number of the robot that a parameter stands for; a frozen value.
+    """A physical quantity of the robot that a parameter sets; a frozen value.
 
     Attributes
     ----------

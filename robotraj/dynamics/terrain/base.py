@@ -1,4 +1,4 @@
-"""What a ground is: a height z = h(x, y) over the world's horizontal plane, with its normal and tangents."""
+"""The base class of grounds: a height z = h(x, y) over the horizontal plane, with its normal and tangents."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ Array = NDArray[np.float64]
 class Ground(ABC):
     """A height field. A new ground is one frozen dataclass with ``surface``, written in CasADi's functions.
 
-    Contacts stand on it, clearance is measured from it and replays draw it, all from that one expression. Every method
-    takes CasADi's symbols and numbers as well as floats and NumPy arrays (x and y broadcast), and answers in kind.
+    Contacts, clearance and replays all use that one expression. Every method takes CasADi symbols and numbers, floats
+    and NumPy arrays (x and y broadcast), and returns values of the same kind.
     """
 
     @abstractmethod
     def surface(self, x: ca.SX, y: ca.SX) -> Any:
-        """Height h(x, y) [m] of symbols x and y [m], twice differentiable where a foot may come."""
+        """Height h(x, y) [m] of symbols x and y [m], twice differentiable wherever a foot may be placed."""
 
     def footing(self, x: Any, y: Any, reach: tuple[Any, Any] = (0.0, 0.0)) -> list[Any]:
         """Rows [m] that must not be negative where a foot stands at (x, y) [m]; none where it may stand anywhere.

@@ -1,4 +1,4 @@
-"""Any smooth ground, and what else may stand for one."""
+"""Ground from any smooth height function, and conversion of user input to a Ground."""
 
 from __future__ import annotations
 

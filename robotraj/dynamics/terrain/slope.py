@@ -1,4 +1,4 @@
-"""A plane that rises."""
+"""An inclined plane."""
 
 from __future__ import annotations
 
