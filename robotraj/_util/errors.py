@@ -82,7 +82,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 def require_solution(value: Any, who: str) -> None:
-    """Refuse what is no solution, as far as its phases tell.
+    """Raise an error if the value's phases show that it is not a solution.
 
     Raises
     ------

@@ -41,7 +41,7 @@ else:
 
 
 def own(value: Any) -> Any:
-    """Copy arrays, tuples, lists and dicts, with what is in them: whoever gave them may write to his own afterwards.
+    """Copy arrays, tuples, lists and dicts deeply, so that the caller may change the originals afterwards.
 
     Copies of arrays are read-only. All else, other values and functions among it, is given back as it is.
     """

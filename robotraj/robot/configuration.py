@@ -1,4 +1,4 @@
-"""Turn what people write for a configuration into a vector, or say what is wrong with it."""
+"""Convert user input for a configuration to a vector; invalid input raises an error."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ class PerRobot(Generic[Value]):
         self._known: WeakKeyDictionary[Robot, dict[Hashable, Value]] = WeakKeyDictionary()
 
     def get(self, robot: Robot, key: Hashable, make: Callable[[], Value]) -> Value:
-        """Give what was made for the key, or make it now; for keys without a hash it is made every time."""
+        """Return the cached value of the key, or build and cache it; keys without a hash are not cached."""
         try:
             hash(key)
         except TypeError:

@@ -23,7 +23,7 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Root:
-    """One way to stand in the world.
+    """The connection of a robot to the world: fixed, planar or floating.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What the catalogue knows of one robot."""
+"""One entry of the catalogue of robots."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from robotraj._util.values import dataclass
 
 @dataclass(frozen=True)
 class KnownRobot:
-    """A robot that ``rt.load`` knows by name.
+    """A robot that ``rt.load`` can load by name.
 
     Attributes
     ----------

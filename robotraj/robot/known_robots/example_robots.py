@@ -26,14 +26,14 @@ def folder() -> Path | None:
 
 @lru_cache(maxsize=1)
 def example_robots() -> dict[str, KnownRobot]:
-    """Give the catalogue's entries whose URDF is there."""
+    """Return the catalogue's entries whose URDF is installed."""
     entries = (example_robot(row["name"]) for row in csv.DictReader(_lines()))
     return {entry.name: entry for entry in entries if entry is not None}
 
 
 @lru_cache(maxsize=64)
 def example_robot(name: str) -> KnownRobot | None:
-    """Give the entry of that name, if it is in the table and its URDF is there."""
+    """Return the entry of that name, if it is in the table and its URDF is installed."""
     robots, row = folder(), _row(name)
     if robots is None or row is None:
         return None

@@ -1,1 +1,1 @@
-"""From a name, a file or a model to what a Robot is made of. Layer 0."""
+"""Load a Robot's fields from a name, a file or a model."""

@@ -1,4 +1,4 @@
-"""From a description to what a Robot is made of: angles, locks, limits, neutral configuration, notes."""
+"""Assemble a Robot's fields from a description: angles, locks, limits, neutral configuration, notes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What loading decided, in one sentence each; empty where there was nothing to decide."""
+"""Notes on the decisions of loading, one sentence each; empty where there was nothing to decide."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 def mimic_note(mimics: Sequence[Mimic], held: Mapping[str, float], asked: Mapping[str, float]) -> str:
-    """Say which coupled joints were locked without being asked for."""
+    """Name the coupled joints that were locked by default."""
     coupled = {joint for mimic in mimics for joint in (mimic.leader, mimic.follower)} - set(asked)
     if not coupled:
         return ""
@@ -44,7 +44,7 @@ def dissipation_note(model: pin.Model) -> str:
 
 
 def friction_note(friction: Array, limits: Limits, units: Sequence[str], actuated: Collection[str]) -> str:
-    """Say which joints' friction is as large as all that their motors may do."""
+    """Name the joints whose friction is as large as their effort limit."""
     stuck = [
         f"{joint} ({friction[i]:.4g} of {limits.effort[i]:.4g} {'N' if units[i] == 'm' else 'N m'})"
         for i, joint in enumerate(limits.joints)
@@ -59,7 +59,7 @@ def friction_note(friction: Array, limits: Limits, units: Sequence[str], actuate
 
 
 def locked_note(outside: Mapping[str, str], held: Mapping[str, float]) -> str:
-    """Say which joints are locked where their limits would not let them go."""
+    """Name the joints that are locked at positions outside their limits."""
     described = [text for joint, text in outside.items() if joint in held]
     return f"Locked outside the limits: {'; '.join(described)}." if described else ""
 

@@ -1,4 +1,4 @@
-"""What may be loaded: a name, a URDF file, a pin.Model or a RobotWrapper; each becomes a Description."""
+"""Sources of robots: a name, a URDF file, a pin.Model or a RobotWrapper; each is read into a Description."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def read_xml(path: Path) -> ElementTree.Element:
 
 
 def _check_joints(path: Path, root: ElementTree.Element) -> None:
-    """Say what urdfdom would only print to the console: which joint is wrong, and how."""
+    """Report errors in joints that urdfdom would only print to the console."""
     links = [link.get("name", "") for link in root.findall("link")]
     for joint in root.findall("joint"):
         name, kind = joint.get("name"), joint.get("type")
@@ -72,7 +72,7 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
 
 
 def _check_links(path: Path, root: ElementTree.Element) -> None:
-    """Say which link has a mass that none can have, and which ones hang on nothing."""
+    """Report links with an impossible mass and links without a parent."""
     for link in root.findall("link"):
         mass = link.find("inertial/mass")
         text = "0" if mass is None else mass.get("value", "")
