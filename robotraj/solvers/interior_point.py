@@ -89,7 +89,8 @@ class InteriorPoint(Solver):
         bit by bit, for any number.
     fallback : Solver or None
         Solves what has no form in stages, such as shooting, and what remains unsolved, unless its variables ran off or
-        a ``max_iterations`` of the user's own was reached; the message names the reason. None refuses the former and leaves the latter.
+        a ``max_iterations`` of the user's own was reached; the message names the reason. None refuses the former and
+        leaves the latter.
     objective_scale : float, optional
         What the objective is multiplied by; by default a number that makes the first barrier weigh alike whatever the
         mesh and, but for small objectives on coarse meshes, the unit: see ``robotraj.solvers.objective_scale``.

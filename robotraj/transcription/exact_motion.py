@@ -33,8 +33,8 @@ ROUNDING = 1e-12
 def is_exact(phase: Phase, schemes: Sequence[Scheme]) -> bool:
     """Whether the plan of a phase is a motion whose torques follow from inverse dynamics at any time.
 
-    It is for a robot with a fixed root, a motor at every joint and no contacts. The control must have the scheme's own
-    shape, and the scheme must integrate polynomials of its state's degree exactly: the trapezoidal rule does not.
+    It is for a robot with a fixed root, a motor at every joint, no contacts and torques that are no states. The control
+    must have the scheme's own shape, and the scheme must integrate polynomials of its state's degree exactly: the trapezoidal rule does not.
     """
     body = phase.body
     if not isinstance(body, InverseRigidBody) or body.contacts or body.invariants:
@@ -42,6 +42,8 @@ def is_exact(phase: Phase, schemes: Sequence[Scheme]) -> bool:
     robot = body.robot
     if robot.root != "fixed" or not robot.nq == robot.nv == robot.nu:
         return False
+    if {f"tau.{joint}" for joint in robot.actuated} & {state.name for state in phase.dae.states}:
+        return False  # The objective made states of the torques: they are continuous, and so they are planned.
     return all(_integrates_its_state(scheme) for scheme in dict.fromkeys(schemes))
 
 
