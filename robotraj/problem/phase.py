@@ -1,4 +1,4 @@
-"""Phases: frozen values that check themselves and print every row they will impose."""
+"""Phases: frozen values that check themselves and print every row that they impose."""
 
 from __future__ import annotations
 
@@ -6,10 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field, fields, replace
 from functools import cached_property
-from numbers import Real
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from robotraj._util.errors import FailedExpression, InputError, unknown_name
 from robotraj._util.values import dataclass, own
@@ -18,14 +15,16 @@ from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.system import System, SystemDynamics
 from robotraj.problem.augmentation import Augmented
-from robotraj.problem.constraints.base import BoundConstraint, Constraint
-from robotraj.problem.constraints.bounds import Between, Bounds, as_bounds, between
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where
+from robotraj.problem.constraints.bounds import Between, Bounds, Interval, as_bounds, as_duration
 from robotraj.problem.constraints.contact_limits import contact_limits
 from robotraj.problem.constraints.joint_limits import own_limits
 from robotraj.problem.constraints.variable_bounds import VariableBounds
-from robotraj.problem.feasibility import check_phase
+from robotraj.problem.feasibility import Ends, check_duration, check_equations, check_limits, check_rows
+from robotraj.problem.footing_checks import check_contacts
 from robotraj.problem.objectives.base import EndCost, Integral, Objective
-from robotraj.problem.printing import phase_table
+from robotraj.problem.printing import phase_text
+from robotraj.problem.rows import RowTable
 from robotraj.problem.state import State
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
@@ -38,15 +37,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OwnLimits:
-    """Impose the robot's own limits, as its URDF states them (the default)."""
+    """Impose the limits that the URDF of the robot states (the default)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Phase:
     """One stretch of motion under one set of dynamics and constraints.
 
-    Arrays, lists and mappings are copied: what is written to them later changes neither this phase nor those that
-    ``with_`` makes of it.
+    Arrays, lists and mappings are copied: later changes of them change no phase.
 
     Parameters
     ----------
@@ -57,43 +55,42 @@ class Phase:
     start, end : State, optional
         The state at both ends; None leaves it free.
     objective : Objective, optional
-        What is minimised; None looks for any feasible motion.
+        What is minimised; with None, any feasible motion is a solution.
     constraints : sequence of Constraint
-        Held at every collocation point (or at one end, with ``AtStart`` and ``AtEnd``).
+        Imposed at every collocation point, or at one end with ``AtStart`` and ``AtEnd``.
     contacts : sequence of Contact
-        What a robot stands on or holds for the whole phase, ``rt.PointContact("foot")``; where it stands is an unknown
-        of the phase, a parameter such as ``"foot.x"`` [m].
-    parameters : mapping of str to number or Between
-        Unknown or fixed constants, ``point.p[name]``; a contact's foothold may be fixed or bounded here.
+        What a robot stands on or holds for the whole phase, ``rt.PointContact("foot")``. A foothold is an unknown of
+        the phase, a parameter such as ``"foot.x"`` [m].
+    parameters : mapping of str to number, Between or None
+        Unknown or fixed constants, ``point.p[name]``. Footholds may be fixed or bounded here.
     design : mapping of str to Quantity or sequence of Quantity
         Parameters that are numbers of the robot: ``{"m": rt.design.BodyMass("forearm")}``.
-    states, controls, algebraic : mapping of str to number or Between
+    states, controls, algebraic : mapping of str to number, Between or None
         Bounds by variable name, throughout the phase.
     limits : Limits or None
-        Joint limits; the robot's own unless said otherwise, None for none.
-    dynamics : InverseDynamics or ForwardDynamics
-        How a robot's equations enter; the answer is the same.
+        Joint limits; those of the robot by default, None for none.
+    dynamics : InverseDynamics, ForwardDynamics or Kinematics
+        How the equations of a robot enter. Inverse and forward dynamics have the same solutions.
     name : str
 
     Raises
     ------
     InputError
-        What cannot hold is refused here, naming it: a start outside a limit, crossed bounds, a duration that no
-        velocity limit allows, NaN, unknown names.
+        A start outside a limit, crossed bounds, a duration that no velocity limit allows, NaN, or an unknown name.
     """
 
     subject: Robot | System
-    duration: Any
+    duration: float | Sequence[float] | Between
     start: State | None = None
     end: State | None = None
     objective: Objective | None = None
     constraints: Sequence[Constraint] = ()
     contacts: Sequence[Contact] = ()
-    parameters: Mapping[str, Any] = field(default_factory=dict)
+    parameters: Mapping[str, Interval] = field(default_factory=dict)
     design: Mapping[str, Quantity | Sequence[Quantity]] = field(default_factory=dict)
-    states: Mapping[str, Any] = field(default_factory=dict)
-    controls: Mapping[str, Any] = field(default_factory=dict)
-    algebraic: Mapping[str, Any] = field(default_factory=dict)
+    states: Mapping[str, Interval] = field(default_factory=dict)
+    controls: Mapping[str, Interval] = field(default_factory=dict)
+    algebraic: Mapping[str, Interval] = field(default_factory=dict)
     limits: Limits | OwnLimits | None = field(default_factory=OwnLimits)
     dynamics: InverseDynamics | ForwardDynamics | Kinematics = field(default_factory=InverseDynamics)
     name: str = "phase"
@@ -139,9 +136,24 @@ class Phase:
         try:
             for _, term in self.objective.terms if self.objective else ():
                 term.check(self.body, self.parameter_names)
-            check_phase(self)
+            self._check()
         except FailedExpression as error:
             raise FailedExpression(f"Phase {self.name!r}: {error}") from error.__cause__
+
+    def _check(self) -> None:
+        """Refuse what cannot hold."""
+        if isinstance(self.limits, Limits) and self.robot is not None:
+            check_limits(self.name, self.limits, self.robot)
+        known, (_, longest) = self.parameter_bounds, self.duration_bounds
+        if self.system is not None:
+            check_equations(self.rows, self.system)
+        check_rows(self.rows, self._ends)
+        if self.robot is None:
+            return
+        if self.bound_design is None:
+            check_contacts(self.rows, self.robot, self.bound_contacts, known, self._ends)
+        if isinstance(self.limits, Limits):
+            check_duration(self.name, self.robot, self.limits, longest, self._ends)
 
     def _checked_constraints(self) -> Sequence[Constraint]:
         # A class is asked for its subclasses the first time that it sees a type: plain lists are told apart before.
@@ -237,21 +249,7 @@ class Phase:
     @cached_property
     def duration_bounds(self) -> tuple[float, float]:
         """Least and greatest duration [s]."""
-        value, advice = self.duration, "give seconds above 0, or (least, greatest)."
-        single = isinstance(value, float | int | Between | Real) and not isinstance(value, bool)
-        if not single:
-            several = isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim == 1)
-            if not several or len(value) != 2:
-                raise InputError(f"The duration of phase {self.name!r} is {value!r}; {advice}")
-            try:
-                value = between(*value)
-            except InputError as error:
-                raise InputError(f"The duration of phase {self.name!r} is {self.duration!r}: {error}") from error
-        bounds = as_bounds(value, ["duration"], f"duration of phase {self.name!r}", "value")
-        low, high = float(bounds.lower[0]), float(bounds.upper[0])
-        if high <= 0 or -np.inf < low < 0:
-            raise InputError(f"The duration of phase {self.name!r} is {self.duration!r}; {advice}")
-        return max(low, 0.0), high
+        return as_duration(self.duration, self.name)
 
     @cached_property
     def start_bounds(self) -> Bounds:
@@ -268,9 +266,13 @@ class Phase:
         """Bounds on the last state, (nx,) each."""
         return (self.end or State()).bounds(self.dae, "end")
 
+    @property
+    def _ends(self) -> Ends:
+        return {Where.START: self.start_bounds, Where.END: self.end_bounds}
+
     @cached_property
     def bound_constraints(self) -> tuple[BoundConstraint, ...]:
-        """Every constraint bound to the dynamics: limits, variable bounds, the user's own, the objective's."""
+        """Every constraint bound to the dynamics: limits, bounds of variables, those given, those of the objective."""
         every: list[Constraint] = []
         if self.robot is not None and isinstance(self.limits, Limits):
             every += own_limits(self.limits, self.robot.actuated)
@@ -289,6 +291,11 @@ class Phase:
         needed = {b.name: b for _, term in terms for b in term.definitions(self.dae)}
         return tuple(b for b in (*bound, *needed.values()) if b.rows)
 
+    @cached_property
+    def rows(self) -> RowTable:
+        """Every row that the constraints impose, with its kind, bounds, unit and expression."""
+        return RowTable(self.name, self.body, self.dae, self.parameter_names, self.bound_constraints)
+
     @property
     def integrals(self) -> tuple[tuple[float, Integral], ...]:
         """Weights and Lagrange terms of the objective."""
@@ -302,15 +309,14 @@ class Phase:
         return tuple((weight, term) for weight, term in terms if isinstance(term, EndCost))
 
     def with_(self, **changes: Any) -> Phase:
-        """Give the phase with other fields, ``phase.with_(end=rt.State(q=...))``.
+        """Return the phase with other fields, ``phase.with_(end=rt.State(q=...))``.
 
-        What does not depend on them, the equations and all that was made of them, is shared, so that planning again is
-        quick.
+        Where only the ends change, both phases share the equations and the table of rows.
 
         Raises
         ------
         InputError
-            An unknown field, or what the phase itself would refuse.
+            An unknown field, or whatever ``Phase`` itself refuses.
         """
         unknown = set(changes) - {entry.name for entry in fields(self)}
         if unknown:
@@ -322,4 +328,10 @@ class Phase:
         return changed
 
     def __str__(self) -> str:
-        return phase_table(self)
+        objective = str(self.objective) if self.objective is not None else "none: any feasible motion"
+        names, bounds, design = self.parameter_names, self.parameter_bounds, self.bound_design
+        parameters = []
+        for name, low, high in zip(names, *bounds, strict=True):
+            what, unit = design.describe(name) if design is not None else ("", "")
+            parameters.append(Row("parameter", unit, low, high, f"{name} ({what})" if what else name))
+        return phase_text(self.rows, self.subject.name, objective, self.duration_bounds, self._ends, parameters)

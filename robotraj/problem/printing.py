@@ -1,17 +1,60 @@
-"""Phases as tables: every row, bound and unit that will be imposed."""
+"""A phase as text: every row, bound and unit that it imposes."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
+from robotraj.problem.constraints.base import Row, Where
+from robotraj.problem.constraints.bounds import Bounds
+from robotraj.problem.feasibility import Ends
+from robotraj.problem.rows import RowTable
+
+Line = tuple[str, str, str, str, str]
+"""Quantity, what has it, when, bounds and unit."""
 
 
-def _number(value: float) -> str:
-    return f"{value:.6g}"
+def phase_text(
+    table: RowTable, subject: str, objective: str, duration: tuple[float, float], ends: Ends, parameters: Sequence[Row]
+) -> str:
+    """Write a phase as two headlines and a table of quantity, joint or variable, time, bounds and unit.
+
+    Parameters
+    ----------
+    table : RowTable
+    subject : str
+        Name of what moves.
+    objective : str
+        What is minimised.
+    duration : (float, float)
+        Least and greatest duration [s].
+    ends : mapping of Where to Bounds
+        Bounds of the state at the start and at the end.
+    parameters : sequence of Row
+        One row a parameter.
+    """
+    dae = table.dae
+    lines: list[Line] = [("duration", "", "", _interval(*duration), "s")]
+    lines += [line for end, bounds in ends.items() for line in _end(table, end, bounds)]
+    lines += [(r.name, r.joint or "", r.where.value, _interval(r.lower, r.upper), r.unit) for r in table]
+    lines += [(r.quantity, r.label, "throughout", "= 0", r.unit) for r in dae.residuals]
+    lines += [("defect", s.name, "throughout", "= 0", s.unit) for s in dae.states]
+    lines += [(r.name, r.joint or "", "", _interval(r.lower, r.upper), r.unit) for r in parameters]
+    widths = [max(len(line[i]) for line in lines) for i in range(5)]
+    written = [
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip() for line in lines
+    ]
+    sizes = f"{len(dae.states)} states, {len(dae.algebraic)} algebraic, {len(dae.controls)} controls"
+    return "\n".join([f"phase {table.phase!r} of {subject}: {sizes}", f"minimise {objective}", *written])
+
+
+def _end(table: RowTable, end: Where, bounds: Bounds) -> list[Line]:
+    """Write the bounds of the state at one end."""
+    return [
+        (variable.quantity, variable.label, end.value, _interval(lower, upper), variable.unit)
+        for variable, lower, upper in zip(table.dae.states, bounds.lower, bounds.upper, strict=True)
+    ]
 
 
 def _interval(low: float, high: float) -> str:
@@ -26,37 +69,5 @@ def _interval(low: float, high: float) -> str:
     return f"{_number(low)} .. {_number(high)}"
 
 
-def _parameter(phase: Phase, name: str, lower: float, upper: float) -> tuple[str, str, str, str, str]:
-    """Row of a parameter, with what it is of the robot."""
-    what, unit = phase.bound_design.describe(name) if phase.bound_design is not None else ("", "")
-    return "parameter", f"{name} ({what})" if what else name, "", _interval(lower, upper), unit
-
-
-def phase_table(phase: Phase) -> str:
-    """Write the phase as a table of what, of whom, when, bounds and unit."""
-    dae = phase.dae
-    subject = phase.robot.name if phase.robot is not None else phase.subject.name
-    low, high = phase.duration_bounds
-    rows: list[tuple[str, str, str, str, str]] = [("duration", "", "", _interval(low, high), "s")]
-    for when, bounds in (("start", phase.start_bounds), ("end", phase.end_bounds)):
-        rows += [
-            (variable.quantity, variable.label, when, _interval(lower, upper), variable.unit)
-            for variable, lower, upper in zip(dae.states, bounds.lower, bounds.upper, strict=True)
-        ]
-    rows += [
-        (row.name, row.joint or "", constraint.where.value, _interval(row.lower, row.upper), row.unit)
-        for constraint in phase.bound_constraints
-        for row in constraint.rows
-    ]
-    rows += [(r.quantity, r.label, "throughout", "= 0", r.unit) for r in dae.residuals]
-    rows += [("defect", s.name, "throughout", "= 0", s.unit) for s in dae.states]
-    bounds = phase.parameter_bounds
-    rows += [
-        _parameter(phase, name, lower, upper)
-        for name, lower, upper in zip(phase.parameter_names, bounds.lower, bounds.upper, strict=True)
-    ]
-    widths = [max(len(row[i]) for row in rows) for i in range(5)]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    sizes = f"{len(dae.states)} states, {len(dae.algebraic)} algebraic, {len(dae.controls)} controls"
-    objective = str(phase.objective) if phase.objective is not None else "none: any feasible motion"
-    return "\n".join([f"phase {phase.name!r} of {subject}: {sizes}", f"minimise {objective}", *lines])
+def _number(value: float) -> str:
+    return f"{value:.6g}"

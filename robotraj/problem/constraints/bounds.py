@@ -1,8 +1,9 @@
-"""Bounds as users write them: a number fixes, ``interval_limits`` bounds, None leaves free, a dict names joints."""
+"""Bounds as users write them: a number fixes, ``rt.between`` bounds, None leaves free, a dict names joints."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,10 +18,14 @@ UNBOUNDED = 1e20
 
 @dataclass(frozen=True)
 class Between:
-    """An interval [lower, upper]; make one with ``interval_limits``."""
+    """An interval [lower, upper]; make one with ``rt.between``."""
 
     lower: Any
     upper: Any
+
+
+Interval = float | Between | None
+"""How a user bounds one scalar: a number fixes it, ``rt.between`` bounds it, None leaves it free."""
 
 
 def between(lower: Any, upper: Any) -> Between:
@@ -120,6 +125,37 @@ def as_bounds(value: Any, names: Sequence[str], what: str, kind: str = "joint") 
         f"The {what} must be None, a number, rt.between(lower, upper), a list of these or a dict by {kind}; "
         f"got {type(value).__name__}."
     )
+
+
+def as_duration(value: float | Sequence[float] | Between, phase: str) -> tuple[float, float]:
+    """Read the duration of a phase into its least and its greatest value [s].
+
+    Parameters
+    ----------
+    value : float, (float, float) or Between
+    phase : str
+        Name of the phase, for messages.
+
+    Raises
+    ------
+    InputError
+        Another kind of value, a negative duration, NaN, or crossed bounds.
+    """
+    given, advice = value, "give seconds above 0, or (least, greatest)."
+    single = isinstance(value, float | int | Between | Real) and not isinstance(value, bool)
+    if not single:
+        several = isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim == 1)
+        if not several or len(value) != 2:  # type: ignore[arg-type]
+            raise InputError(f"The duration of phase {phase!r} is {given!r}; {advice}")
+        try:
+            value = between(*value)  # type: ignore[misc]
+        except InputError as error:
+            raise InputError(f"The duration of phase {phase!r} is {given!r}: {error}") from error
+    bounds = as_bounds(value, ["duration"], f"duration of phase {phase!r}", "value")
+    low, high = float(bounds.lower[0]), float(bounds.upper[0])
+    if high <= 0 or -np.inf < low < 0:
+        raise InputError(f"The duration of phase {phase!r} is {given!r}; {advice}")
+    return max(low, 0.0), high
 
 
 def _is_mapping(value: Any) -> bool:

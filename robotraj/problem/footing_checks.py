@@ -1,0 +1,66 @@
+"""Check that contacts hold where the ends of a phase are fixed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.problem.constraints.base import symbols_of
+from robotraj.problem.constraints.bounds import Bounds
+from robotraj.problem.feasibility import SLACK, Ends
+from robotraj.problem.rows import RowTable
+from robotraj.robot.robot import Robot
+
+
+def check_contacts(
+    table: RowTable, robot: Robot, contacts: Sequence[BoundContact], parameters: Bounds, ends: Ends
+) -> None:
+    """Refuse a fixed end at which a contact does not hold.
+
+    A foothold whose parameters are not fixed is taken from the first end that fixes the configuration.
+
+    Parameters
+    ----------
+    table : RowTable
+    robot : Robot
+    contacts : sequence of BoundContact
+    parameters : Bounds
+        Of ``table.parameters``.
+    ends : mapping of Where to Bounds
+
+    Raises
+    ------
+    InputError
+        Naming the contact, the row, by how much it is off, and the end.
+    """
+    if not any(contact.holds for contact in contacts):
+        return
+    names, body = table.parameters, table.body
+    size, stands = robot.nq, dict(zip(names, parameters.lower, strict=True))
+    known = [name for name, low, up in zip(names, *parameters, strict=True) if low == up]
+    rows = body.invariants
+    located = False
+    for end, bounds in ends.items():
+        fixed = (bounds.lower == bounds.upper)[: len(body.states)]
+        if not fixed[:size].all():
+            continue
+        state = np.where(fixed, bounds.lower[: fixed.size], 0.0)
+        if not located:
+            found = {k: v for c in contacts for k, v in c.locate(robot, state[:size]).items()}
+            stands, located = {**stands, **{k: v for k, v in found.items() if k not in known}}, True
+        point = symbols_of(body, names)
+        x, p = (ca.vertcat(ca.SX(0, 1), *named.values()) for named in (point.x, point.p))
+        held = body.invariant(point)
+        moving = np.array(ca.DM(ca.jacobian_sparsity(held, x), 1.0).full(), dtype=bool) @ ~fixed
+        values = np.array(ca.Function("held", [x, p], [held])(state, [stands[name] for name in names])).ravel()
+        worst = int(np.argmax(np.where(moving, 0.0, np.abs(values))))
+        if not moving[worst] and abs(values[worst]) > SLACK:
+            raise InputError(
+                f"Phase {table.phase!r}: at the {end.value}, contact {rows[worst].label!r} does not hold: its row "
+                f"{rows[worst].name} is {values[worst]:.3g} {rows[worst].unit} instead of 0. Move the {end.value}, "
+                "free some of it, or end the contact before."
+            )
