@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,7 @@ from robotraj.problem.constraints.variable_bounds import VariableBounds
 from robotraj.problem.feasibility import Ends, check_duration, check_equations, check_limits, check_rows
 from robotraj.problem.footing_checks import check_contacts
 from robotraj.problem.objectives.base import EndCost, Integral, Objective
+from robotraj.problem.phase_fields import as_constraints, as_contacts, as_mapping
 from robotraj.problem.printing import phase_text
 from robotraj.problem.rows import RowTable
 from robotraj.problem.state import State
@@ -103,21 +104,11 @@ class Phase:
         for which in ("start", "end"):
             if not isinstance(getattr(self, which), State | None):
                 raise InputError(f"The {which} of phase {self.name!r} must be an rt.State or None.")
-        for which in ("duration", "parameters", "design", "states", "controls", "algebraic"):
-            given = getattr(self, which)
-            if which != "duration" and not isinstance(given, Mapping):
-                raise InputError(
-                    f"{which}= of phase {self.name!r} must be a mapping by name, {{}} for none; "
-                    f"got {type(given).__name__}."
-                )
-            object.__setattr__(self, which, own(given))
-        for which, one in (("constraints", Constraint), ("contacts", Contact)):
-            given = getattr(self, which)
-            if not isinstance(given, tuple | list | one | Iterable):
-                raise InputError(
-                    f"{which}= of phase {self.name!r} must be a list of {which}, [] for none; "
-                    f"got {type(given).__name__}."
-                )
+        object.__setattr__(self, "duration", own(self.duration))
+        for which in ("parameters", "design", "states", "controls", "algebraic"):
+            object.__setattr__(self, which, as_mapping(self.name, which, getattr(self, which)))
+        object.__setattr__(self, "constraints", as_constraints(self.name, self.constraints))
+        object.__setattr__(self, "contacts", as_contacts(self.name, self.contacts))
         if isinstance(self.limits, OwnLimits):
             object.__setattr__(self, "limits", self.robot.limits if self.robot else None)
         if self.limits is not None and (self.robot is None or not isinstance(self.limits, Limits)):
@@ -125,10 +116,6 @@ class Phase:
                 f"limits= of phase {self.name!r} must be None or Limits of the robot, such as "
                 f"robot.limits.with_(velocity=2.0); Systems use states= and controls=."
             )
-        object.__setattr__(self, "constraints", tuple(self._checked_constraints()))
-        object.__setattr__(
-            self, "contacts", (self.contacts,) if isinstance(self.contacts, Contact) else tuple(self.contacts)
-        )
         if self.objective is not None and not isinstance(self.objective, Objective):
             raise InputError(f"The objective of phase {self.name!r} must be an objective such as rt.Effort().")
         if self.bound_design is not None:
@@ -154,16 +141,6 @@ class Phase:
             check_contacts(self.rows, self.robot, self.bound_contacts, known, self._ends)
         if isinstance(self.limits, Limits):
             check_duration(self.name, self.robot, self.limits, longest, self._ends)
-
-    def _checked_constraints(self) -> Sequence[Constraint]:
-        # A class is asked for its subclasses the first time that it sees a type: plain lists are told apart before.
-        plain = isinstance(self.constraints, tuple | list)
-        given = self.constraints if plain or not isinstance(self.constraints, Constraint) else [self.constraints]
-        given = list(given)
-        for constraint in given:
-            if not isinstance(constraint, Constraint):
-                raise InputError(f"{constraint!r} in the constraints of phase {self.name!r} is not a constraint.")
-        return given
 
     @property
     def robot(self) -> Robot | None:

@@ -1,0 +1,64 @@
+"""Checks of what a user gives to ``Phase``: kinds of values and mappings, before anything is bound to the dynamics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import own
+from robotraj.dynamics.contacts.base import Contact
+from robotraj.problem.constraints.base import Constraint
+
+
+def as_mapping(phase: str, which: str, given: object) -> object:
+    """Return a copy of a mapping by name.
+
+    Raises
+    ------
+    InputError
+        The field ``which`` of the phase is no mapping.
+    """
+    if not isinstance(given, Mapping):
+        raise InputError(
+            f"{which}= of phase {phase!r} must be a mapping by name, {{}} for none; got {type(given).__name__}."
+        )
+    return own(given)
+
+
+def as_constraints(phase: str, given: object) -> tuple[Constraint, ...]:
+    """Return one constraint or several as a tuple.
+
+    Raises
+    ------
+    InputError
+        A value that is neither a list nor a constraint, or an entry that is no constraint.
+    """
+    every = _several(phase, "constraints", given, Constraint)
+    for constraint in every:
+        if not isinstance(constraint, Constraint):
+            raise InputError(f"{constraint!r} in the constraints of phase {phase!r} is not a constraint.")
+    return every
+
+
+def as_contacts(phase: str, given: object) -> tuple[Contact, ...]:
+    """Return one contact or several as a tuple; ``Phase.bound_contacts`` refuses entries that are no contacts.
+
+    Raises
+    ------
+    InputError
+        A value that is neither a list nor a contact.
+    """
+    return _several(phase, "contacts", given, Contact)
+
+
+def _several(phase: str, which: str, given: object, one: type) -> tuple:
+    # Lists first: an abstract class is slow at the first look at a type.
+    if isinstance(given, tuple | list):
+        return tuple(given)
+    if isinstance(given, one):
+        return (given,)
+    if not isinstance(given, Iterable):
+        raise InputError(
+            f"{which}= of phase {phase!r} must be a list of {which}, [] for none; got {type(given).__name__}."
+        )
+    return tuple(given)
