@@ -11,16 +11,13 @@ from enum import Enum
 from functools import cached_property
 
 import casadi as ca
-import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rows import as_rows
-from robotraj.problem.constraints.base import BoundConstraint, Row, Where, symbols_of
-from robotraj.problem.constraints.bounds import Bounds
-from robotraj.problem.equality_rates import EqualityRates, equality_rates
+from robotraj.problem.constraints.base import BoundConstraint, Row, Where
 
 
 class Kind(Enum):
@@ -55,16 +52,6 @@ class PhaseRow(Row):
     where: Where = Where.THROUGHOUT
     constraint: int = 0
     entry: int = 0
-
-    @property
-    def magnitude(self) -> float:
-        """The largest finite bound without its sign, 0 where there is none [unit]."""
-        return max((abs(bound) for bound in (self.lower, self.upper) if np.isfinite(bound)), default=0.0)
-
-    @property
-    def scale(self) -> float:
-        """What a violation is measured by: 1 + ``magnitude`` [unit]."""
-        return 1.0 + self.magnitude
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,58 +99,13 @@ class RowTable:
             for i, r in enumerate(constraint.rows)
         )
 
-    def row(self, constraint: int, entry: int) -> PhaseRow:
-        """Return a row by the numbers of its constraint and of its entry there."""
-        return self._by_number[constraint, entry]
-
-    @cached_property
-    def _by_number(self) -> dict[tuple[int, int], PhaseRow]:
-        return {(row.constraint, row.entry): row for row in self.rows}
-
     @cached_property
     def bounds(self) -> tuple[PhaseRow, ...]:
         """Rows of single variables of the dynamics, whenever they hold."""
         return self._of(Kind.BOUND)
 
-    @cached_property
-    def path(self) -> tuple[PhaseRow, ...]:
-        """Expressions at the collocation points, those that define variables of the objective among them."""
-        return self._of(Kind.PATH)
-
-    @cached_property
-    def integrals(self) -> tuple[PhaseRow, ...]:
-        """Integrals over the phase."""
-        return self._of(Kind.INTEGRAL)
-
-    def at(self, end: Where) -> tuple[PhaseRow, ...]:
-        """Return the expressions at the start alone or at the end alone."""
-        return tuple(row for row in self._of(Kind.END) if row.where is end)
-
     def _of(self, kind: Kind) -> tuple[PhaseRow, ...]:
         return tuple(row for row in self.rows if row.kind is kind)
-
-    @cached_property
-    def state_rows(self) -> tuple[PhaseRow, ...]:
-        """Rows held throughout that read state, time and parameters alone: they hold between the points as well."""
-        states = {state.name for state in self.dae.states}
-        found = {row for row in self.bounds if row.where is Where.THROUGHOUT and row.variable in states}
-        path = [row for row in self.path if row.where is Where.THROUGHOUT]
-        if path:
-            point = symbols_of(self.dae, self.parameters)
-            # Forward dynamics has no algebraic variables, and its accelerations read the controls.
-            z = (point.z[variable.name] for variable in self.body.algebraic)
-            inner = ca.vertcat(ca.SX(0, 1), *z, *point.u.values())
-            values = self.values(path, point)
-            found |= {row for row, value in zip(path, values, strict=True) if not ca.depends_on(value, inner)}
-        return tuple(row for row in self.rows if row in found)
-
-    @cached_property
-    def equalities(self) -> tuple[EqualityRates, ...]:
-        """Path rows that are equations of order 2 and more, with their rates."""
-        fixed = {i: r.lower for i, r in enumerate(self.path) if r.where is Where.THROUGHOUT and r.lower == r.upper}
-        if not fixed:
-            return ()
-        return equality_rates(self.dae, self.parameters, fixed, lambda point: self.column(self.path, point))
 
     def values(self, rows: Sequence[PhaseRow], point: Point) -> list[ca.SX]:
         """Evaluate rows on a point of symbols; each constraint is evaluated once.
@@ -183,33 +125,6 @@ class RowTable:
                     f"its {len(constraint.rows)} rows; it must return one for each row."
                 )
         return [known[row.constraint][row.entry] for row in rows]
-
-    def column(self, rows: Sequence[PhaseRow], point: Point) -> ca.SX:
-        """Evaluate rows as one column, which may be empty."""
-        return ca.vertcat(*self.values(rows, point)) if rows else ca.SX(0, 1)
-
-    def tightest(self, variables: Sequence[str], *where: Where) -> Bounds:
-        """Return the tightest bounds on variables by name, infinite where there is none.
-
-        Parameters
-        ----------
-        variables : sequence of str
-            Names of n variables of the dynamics.
-        *where : Where
-            Rows that hold then count; those held throughout the phase by default.
-
-        Returns
-        -------
-        Bounds
-            (n,) each, in the units of the variables.
-        """
-        place = {name: i for i, name in enumerate(variables)}
-        lower, upper = np.full(len(variables), -np.inf), np.full(len(variables), np.inf)
-        for row in self.bounds:
-            i = place.get(str(row.variable))
-            if i is not None and row.where in (where or (Where.THROUGHOUT,)):
-                lower[i], upper[i] = max(lower[i], row.lower), min(upper[i], row.upper)
-        return Bounds(lower, upper)
 
 
 def _kind(row: Row, where: Where) -> Kind:

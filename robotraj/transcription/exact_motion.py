@@ -34,7 +34,8 @@ def is_exact(phase: Phase, schemes: Sequence[Scheme]) -> bool:
     """Whether the plan of a phase is a motion whose torques follow from inverse dynamics at any time.
 
     It is for a robot with a fixed root, a motor at every joint, no contacts and torques that are no states. The control
-    must have the scheme's own shape, and the scheme must integrate polynomials of its state's degree exactly: the trapezoidal rule does not.
+    must have the scheme's own shape. The scheme must integrate polynomials of its state's degree exactly, which the
+    trapezoidal rule does not.
     """
     body = phase.body
     if not isinstance(body, InverseRigidBody) or body.contacts or body.invariants:
