@@ -23,7 +23,7 @@ import numpy as np
 from scipy.linalg.blas import dgemm
 
 import robotraj as rt
-from robotraj.solvers.interior_point import BARRIERS
+from robotraj.solvers.interior_point import FACTORS
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program
 from robotraj.solvers.stagewise.reduction import reduce
@@ -84,7 +84,7 @@ def iterations(solver: rt.InteriorPoint, nlp: rt.transcription.Nlp, runs: int) -
     program = native_program(reduction.program, nlp.engine, threads=1)
     start, lower, upper = reduction.start(nlp.guess), reduction.program.lower, reduction.program.upper
     scale = of_program(program, start, reduction.program, solver.initial_barrier)
-    options = solver._options(BARRIERS[0], solver.max_iterations)
+    options = solver._options(FACTORS[0], solver.max_iterations, None)
     for _ in range(runs):
         began = time.process_time()
         found = program.solve(start, lower, upper, options, objective_scale=scale)

@@ -18,6 +18,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.assess import assess
+from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.refinement.strategy import Assessment, Refinement
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
@@ -72,7 +73,8 @@ def adapt(
         """Give the errors of all intervals, the largest, and whether the objective has settled."""
         before = steps[-1].objective if steps else np.inf
         # Where each mesh halves the distance to the optimum, what is left is as large as the last change.
-        settled = abs(solution.objective - before) <= 0.5 * tolerance * max(abs(solution.objective), SMALL)
+        size = tolerance * max(abs(solution.objective), SMALL)
+        settled = abs(solution.objective - before) <= 0.5 * size and _missed(solution) <= size
         assessments = [assess(part.phase, part.trajectory, part.mesh, settled) for part in solution.phases]
         return assessments, max(float(a.errors.max()) for a in assessments), settled
 
@@ -139,6 +141,17 @@ def adapt(
         if kept is None:
             raise
         return replace(kept, status=Status.INTERRUPTED)
+
+
+def _missed(solution: Solution) -> float:
+    """Error of the objective's integral along motions that are exact: no error of a state tells of it there."""
+    parts = [part for part in solution.phases if part.torques is not None]
+    return abs(
+        sum(
+            float(quadrature_errors(part.phase, part.trajectory, part.mesh.schemes, part.torques).sum())
+            for part in parts
+        )
+    )
 
 
 def _is_finer(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:

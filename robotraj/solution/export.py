@@ -17,7 +17,7 @@ from robotraj._util.values import dataclass
 from robotraj.solution.columns import values_of, variables_of
 
 if TYPE_CHECKING:
-    from robotraj.solution.solution import Solution
+    from robotraj.solution.planned import Planned
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class Column:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
-def table(solution: Solution, samples: int | Sequence[float], gains: bool = False) -> list[Column]:
+def table(solution: Planned, samples: int | Sequence[float], gains: bool = False) -> list[Column]:
     """Sample every variable of all phases: states, accelerations of robots, algebraic variables, controls.
 
     Parameters
@@ -74,7 +74,7 @@ def table(solution: Solution, samples: int | Sequence[float], gains: bool = Fals
 
 
 def to_csv(
-    solution: Solution, path: str | os.PathLike[str], samples: int | Sequence[float] = 201, gains: bool = False
+    solution: Planned, path: str | os.PathLike[str], samples: int | Sequence[float] = 201, gains: bool = False
 ) -> Path:
     """Write a table over time with one header row, ``t [s], q.elbow [rad], ...``.
 
@@ -104,7 +104,7 @@ def to_csv(
 
 
 def to_json(
-    solution: Solution, path: str | os.PathLike[str], samples: int | Sequence[float] = 201, gains: bool = False
+    solution: Planned, path: str | os.PathLike[str], samples: int | Sequence[float] = 201, gains: bool = False
 ) -> Path:
     """Write status, figures, phases and the sampled trajectory as plain JSON.
 
@@ -145,7 +145,7 @@ def to_json(
     return target
 
 
-def _gain_columns(solution: Solution, times: Array) -> list[Column]:
+def _gain_columns(solution: Planned, times: Array) -> list[Column]:
     """Sample every entry of the feedback gains, row by row."""
     feedback = solution.gains
     matrices = np.array([feedback.at(float(t)) for t in times])
@@ -161,7 +161,7 @@ def _gain_columns(solution: Solution, times: Array) -> list[Column]:
     return found
 
 
-def _times(solution: Solution, samples: int | Sequence[float]) -> Array:
+def _times(solution: Planned, samples: int | Sequence[float]) -> Array:
     if not isinstance(samples, int | np.integer):
         times = np.asarray(samples, dtype=float)
         if times.ndim != 1 or times.size == 0:

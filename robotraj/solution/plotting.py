@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from robotraj.problem.phase import Phase
     from robotraj.solution.phase_solution import PhaseSolution
-    from robotraj.solution.solution import Solution
+    from robotraj.solution.planned import Planned
 
 Array = NDArray[np.float64]
 Panel = tuple[str, str]
@@ -55,7 +55,7 @@ class _Trace:
     at_between: dict[str, Array]
 
 
-def plot(solution: Solution) -> Figure:
+def plot(solution: Planned) -> Figure:
     """Draw every variable of a solution over time.
 
     Robots get positions, velocities, accelerations and torques, Systems their states, algebraic variables and
@@ -120,7 +120,7 @@ def _trace(part: PhaseSolution) -> _Trace:
     return _Trace(part, np.concatenate(grids), values, knots, values_of(part, knots), between, at_between)
 
 
-def _variables(solution: Solution) -> list[Variable]:
+def _variables(solution: Planned) -> list[Variable]:
     """Variables of all phases, each once."""
     return list(dict.fromkeys(v for part in solution.phases for v in variables_of(part.phase)))
 
@@ -287,7 +287,7 @@ def _heading(panel: Panel, shown: Sequence[Variable]) -> str:
     return f"{named} [{unit.replace('^2', chr(0xB2))}]" if unit else named
 
 
-def _title(solution: Solution) -> str:
+def _title(solution: Planned) -> str:
     first = solution.phases[0].phase
     names = list(dict.fromkeys(part.phase.name for part in solution.phases))
     named = f"{first.subject.name}: {names[0]}" if len(names) == 1 else f"{first.subject.name}, {len(names)} phases"

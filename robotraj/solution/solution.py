@@ -233,6 +233,13 @@ class Solution:
 
         return plot(self)
 
+    def __repr__(self) -> str:
+        names = ", ".join(repr(part.phase.name) for part in self.phases)
+        return (
+            f"<Solution of {names}: {self.status.value}, objective {self.objective:.6g}, {self.duration:.4g} s, "
+            f"{self.iterations} iterations>"
+        )
+
     def __str__(self) -> str:
         lines = [
             f"{self.status.value}: objective {self.objective:.8g}, duration {self.duration:.6g} s, "

