@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from typing import Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj.cli.minimise import Minimise
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.effort import Effort
@@ -15,13 +15,6 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.state import State
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
-
-
-class Minimise(str, Enum):
-    """What ``robotraj plan`` minimises."""
-
-    effort = "effort"
-    duration = "duration"
 
 
 def rest_to_rest(

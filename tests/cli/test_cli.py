@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import os
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +16,7 @@ from typer.testing import CliRunner, Result
 
 import robotraj as rt
 from robotraj.cli.app import app
-from robotraj.cli.demos import DEMOS
+from robotraj.cli.demos.table import DEMOS
 
 
 @pytest.fixture
@@ -23,7 +26,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 PARTS = ("combinations", "functions", "linear", "steps")
-"""What the default solver of arms says of its seconds."""
+"""What fatrop, which plans arms, says of its seconds."""
 
 
 def run(*arguments: Any) -> Result:
@@ -36,9 +39,9 @@ def succeed(*arguments: Any) -> str:
     return result.stdout
 
 
-def fail(*arguments: Any) -> str:
+def fail(*arguments: Any, code: int = 2) -> str:
     result = run(*arguments)
-    assert result.exit_code == 1 and isinstance(result.exception, SystemExit)
+    assert result.exit_code == code and isinstance(result.exception, SystemExit)
     assert "Traceback" not in result.output
     (line,) = result.stderr.strip().splitlines()
     assert line.startswith("error: ")
@@ -53,10 +56,13 @@ def test_demo_prints_the_phase_and_the_proof_and_writes_its_replay(here: Path) -
     assert said.rstrip().endswith(f"wrote {here / 'cartpole.html'}")
     assert "</html>" in (here / "cartpole.html").read_text()[-200:]
     assert [path.name for path in here.iterdir()] == ["cartpole.html"]
+    # The demos are listed with the pages that they write, those on legs among them.
+    assert all(entry.name in said and entry.page in said for entry in DEMOS.values())
 
 
 def test_demo_writes_where_it_is_told(here: Path) -> None:
     said = succeed("demo", "block", "--html", "a.html", "--save", "b", "--plot", "c.svg")
+    assert "demos:" not in said
     assert all(f"wrote {here / name}" in said for name in ("a.html", "b.npz", "c.svg"))
     assert rt.load_solution("b.npz").duration == pytest.approx(2 * np.sqrt(10))
     assert "<svg" in (here / "c.svg").read_text()
@@ -107,10 +113,10 @@ def test_validate_and_replay_read_saved_solutions(here: Path) -> None:
     assert "ends elsewhere" in " ".join(result.output.split())
 
 
-def test_a_proof_that_fails_exits_with_one(here: Path) -> None:
+def test_a_proof_that_fails_exits_with_4(here: Path) -> None:
     succeed("demo", "block", "--save", "a")
-    result = run("validate", "a.npz", "--local", "1e-12")
-    assert result.exit_code == 1
+    result = run("validate", "a.npz", "--drift", "1e-12")
+    assert result.exit_code == 4
     assert "FAILED" in result.stdout
 
 
@@ -122,7 +128,7 @@ def test_what_a_file_cannot_hold_is_a_note(here: Path) -> None:
     assert result.exit_code == 0 and (here / "a.html").is_file()
     assert result.stderr.startswith("note: a.npz was loaded without the equations of system 'cart'")
     result = run("validate", "a.npz")
-    assert result.exit_code == 1
+    assert result.exit_code == 2
     assert "error: The equations of system 'cart' are Python functions" in result.stderr
 
 
@@ -162,9 +168,6 @@ def test_show_prints_joints_limits_and_frames() -> None:
         (["plan", "block", "--to", "1", "--no-limits", "--effort", "2"], "leave out --velocity and --effort"),
         (["plan", "block", "--to", "1", "--intervals", "0"], "at least 1 interval"),
         (["plan", "double_pendulum", "--to", "1,1"], "Joint 'joint1' cannot be planned"),
-        (["demo", "block", "--html", "a.txt"], "let it end in .html"),
-        (["demo", "block", "--plot", "a.xyz"], "Cannot draw 'a.xyz'"),
-        (["demo", "block", "--save", "absent/a"], "does not exist"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
@@ -173,20 +176,33 @@ def test_errors_are_one_line(here: Path, arguments: list[str], message: str) -> 
 
 
 @pytest.mark.parametrize("words", [["demo"], ["plan", "block", "--to=1"]], ids=["demo", "plan"])
-@pytest.mark.parametrize(("name", "message"), [("a.txt", "let it end in .html"), ("absent/a.html", "does not exist")])
-def test_where_no_replay_can_be_written_nothing_is_planned(
-    here: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], name: str, message: str
+@pytest.mark.parametrize(
+    ("option", "name", "message"),
+    [
+        ("--html", "a.txt", "let it end in .html"),
+        ("--html", "absent/a.html", "does not exist"),
+        ("--html", "folder.html", "is a directory"),
+        ("--save", "absent/a", "does not exist"),
+        ("--plot", "a.xyz", "let it end in .png or .svg or .pdf"),
+        ("--plot", "absent/a.png", "does not exist"),
+    ],
+)
+def test_where_a_file_cannot_be_written_nothing_is_planned(
+    here: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], option: str, name: str, message: str
 ) -> None:
+    (here / "folder.html").mkdir()
+
     def planned(*_: Any, **__: Any) -> None:
         raise AssertionError("planned")
 
-    monkeypatch.setattr("robotraj.cli.app.plan", planned)
-    assert message in fail(*words, "--html", name)
+    monkeypatch.setattr(import_module("robotraj.planning.plan"), "plan", planned)
+    assert message in (said := fail(*words, option, name)) and option in said
 
 
 def test_a_plan_that_is_not_found_says_why(here: Path) -> None:
-    result = run("plan", "block", "--to", "10", "--start", "0", "--duration", "2")
-    assert result.exit_code == 1 and isinstance(result.exception, SystemExit)
+    result = run("plan", "block", "--to", "10", "--start", "0", "--duration", "2", "--save", "last")
+    assert result.exit_code == 3 and isinstance(result.exception, SystemExit)
+    assert not rt.load_solution("last").success
     assert "was not solved" in result.stderr and "try: " in result.stderr
 
 
@@ -199,6 +215,73 @@ def test_every_command_explains_itself(command: str) -> None:
     assert f"{command} [OPTIONS]" in said and "--help" in said
     if command == "demo":
         assert all(name in said for name in DEMOS)
+
+
+@pytest.mark.parametrize("command", ["plan", "validate"])
+def test_exit_codes_are_documented(command: str) -> None:
+    for said in (succeed("--help"), succeed(command, "--help")):
+        assert "2 bad input, 3 not solved, 4 solved but not proved" in " ".join(said.split())
+
+
+def test_json_is_the_whole_output(here: Path) -> None:
+    words = ("plan", "block", "--to", "1", "--duration", "2:4")
+    told = json.loads(succeed(*words, "--json", "--save", "a", "--html", "a.html"))
+    assert told["success"] and told["proved"] and told["status"] == "solved"
+    assert told["duration"] == pytest.approx(4.0) and told["written"] == [str(here / "a.npz"), str(here / "a.html")]
+    again = json.loads(succeed("validate", "a.npz", "--json"))
+    assert again["proved"] and again["objective"] == told["objective"]
+    result = run("validate", "a.npz", "--drift", "1e-15", "--json")
+    assert result.exit_code == 4
+    assert not json.loads(result.stdout)["proved"] and "drift" in json.loads(result.stdout)["complaints"][0]
+
+
+def test_json_says_what_was_not_solved(here: Path) -> None:
+    result = run("plan", "block", "--to", "10", "--start", "0", "--duration", "2", "--json")
+    told = json.loads(result.stdout)
+    assert result.exit_code == 3 and not told["success"] and told["proved"] is None and told["violations"]
+
+
+def test_json_describes_a_robot() -> None:
+    told = json.loads(succeed("show", "cartpole", "--json"))
+    slider, pole = told["joints"]
+    assert slider["position"] == [-2.0, 2.0] and slider["velocity"] is None and slider["actuated"]
+    assert not pole["actuated"] and "tip" in str(told["frames"]) and told["nu"] == 1
+
+
+def test_a_script_is_refused_with_the_command_that_runs_it(here: Path) -> None:
+    for command in (["plan", "swing.py", "--to", "1"], ["show", "swing.py"], ["compile", "swing.py"]):
+        said = fail(*command)
+        assert "takes a robot" in said and said.endswith("python swing.py")
+
+
+def test_a_plan_stops_at_its_time_limit(here: Path) -> None:
+    result = run("plan", "ur5", "--to", "1,-1,1,0,0,0", "--intervals", "200", "--time-limit", "0.02", "--json")
+    assert result.exit_code == 3
+    assert json.loads(result.stdout)["status"] == "time limit"
+
+
+def test_a_reader_that_closes_the_pipe_is_no_error(here: Path) -> None:
+    program = "from robotraj.cli.app import app; app(['demo', 'block'])"
+    reading, writing = os.pipe()
+    os.close(reading)
+    environment = {**os.environ, "PYTHONPATH": str(Path(rt.__file__).parents[1])}
+    done = subprocess.run(
+        [sys.executable, "-c", program], stdout=writing, stderr=subprocess.PIPE, text=True, env=environment
+    )
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")
+    # The work goes on: only what is printed is lost.
+    assert (here / "block.html").is_file()
+
+
+@pytest.mark.parametrize(
+    ("words", "offered"), [("plan ur5", "ur5_limited"), ("demo five", "five_link_walking"), ("pro", "profile")]
+)
+def test_the_shell_completes_commands_robots_and_demos(words: str, offered: str) -> None:
+    environment = {"_ROBOTRAJ_COMPLETE": "complete_bash", "COMP_WORDS": f"robotraj {words}"}
+    environment["COMP_CWORD"] = str(len(words.split()))
+    result = CliRunner().invoke(app, [], prog_name="robotraj", env=environment)
+    assert offered in result.stdout.split()
 
 
 def test_the_version_is_told() -> None:

@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.cli.demos import DEFAULT, DEMOS, demo_named, summary
+from robotraj.cli.demos.table import DEFAULT, DEMOS, demo_named
+
+SLOW = {"five_link_stairs", "solo12_trot", "solo12_jump", "bolt_walking", "talos_walking"}
 
 
 def planned(name: str) -> rt.Solution:
-    demo = demo_named(name)()
-    known: Any = demo.guess
+    demo = demo_named(name).make()
+    known: rt.Guess | rt.Solution | None = demo.guess
     for mesh in demo.meshes:
-        known = rt.plan(demo.phase, mesh, known)
+        known = rt.plan(demo.problem, mesh, known, tolerance=demo.tolerance)
     assert isinstance(known, rt.Solution)
     return known
 
 
-@pytest.mark.parametrize("name", DEMOS)
-def test_every_demo_plans_and_passes(name: str) -> None:
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in DEMOS])
+def test_every_demo_plans_and_passes(name: str, tmp_path: Path) -> None:
     solution = planned(name)
-    report = rt.validate(solution)
+    demo = demo_named(name).make()
+    report = rt.validate(solution, drift=demo.drift)
     assert report.passed, str(report)
-    assert summary(name).endswith(".")
+    assert DEMOS[name].shows.endswith(".")
+    assert rt.replay(solution, tmp_path / DEMOS[name].page, periods=demo.periods).is_file()
 
 
 def test_the_block_takes_its_minimum_time() -> None:

@@ -1,16 +1,11 @@
-"""Built-in demos: problems that plan in seconds and are good to look at. ``robotraj demo`` runs them."""
+"""Demos of one or two joints that plan within seconds."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from robotraj._util.errors import unknown_name
-from robotraj._util.values import dataclass
-from robotraj.guess.guess import Guess
+from robotraj.cli.demos.demo import Demo
 from robotraj.guess.keyframes import Keyframes
-from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.effort import Effort
 from robotraj.problem.phase import Phase
@@ -19,24 +14,6 @@ from robotraj.robot.load import load
 from robotraj.transcription.schemes.control import ConstantControl, LinearControl
 from robotraj.transcription.schemes.lobatto import FifthDegree, HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
-
-
-@dataclass(frozen=True, eq=False)
-class Demo:
-    """A problem with the meshes and the guess that solve it.
-
-    Attributes
-    ----------
-    phase : Phase
-    meshes : tuple of Mesh
-        Solved one after the other, each from the solution before.
-    guess : Guess or None
-        Of the first mesh; None for a straight line.
-    """
-
-    phase: Phase
-    meshes: tuple[Mesh, ...]
-    guess: Guess | None = None
 
 
 def block() -> Demo:
@@ -98,39 +75,3 @@ def acrobot() -> Demo:
         (Mesh(20, HermiteSimpson()), Mesh(100, FifthDegree())),
         Keyframes([0, 0.25, 0.75, 1], [State(q=pose, v=0) for pose in poses]),
     )
-
-
-def ur5() -> Demo:
-    """Move a ur5 in 1 s within all limits of its URDF, forearm and wrist at least 5 cm above the ground."""
-    move = Phase(
-        load("ur5"),
-        duration=1.0,
-        start=State(q=[-1.1, -1.8, 1.6, -1.2, -1.57, 0], v=0),
-        end=State(q=[1.1, -0.8, 0.6, -0.6, -0.6, 1.2], v=0),
-        objective=Effort(),
-        constraints=[GroundClearance(["forearm_link", "wrist_1_link", "tool0"], 0.05)],
-        name="pick to place",
-    )
-    return Demo(move, (Mesh(50, HermiteSimpson()),))
-
-
-DEMOS: dict[str, Callable[[], Demo]] = {demo.__name__: demo for demo in (block, pendulum, cartpole, acrobot, ur5)}
-DEFAULT = "cartpole"
-
-
-def summary(name: str) -> str:
-    """One line on what a demo shows."""
-    return str(demo_named(name).__doc__).strip().splitlines()[0]
-
-
-def demo_named(name: str) -> Callable[[], Demo]:
-    """Look a demo up.
-
-    Raises
-    ------
-    UnknownName
-        Lists those that exist.
-    """
-    if name not in DEMOS:
-        raise unknown_name("demo", name, DEMOS)
-    return DEMOS[name]

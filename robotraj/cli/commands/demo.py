@@ -1,0 +1,52 @@
+"""``robotraj demo``: plan a built-in problem, prove it, write its replay."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robotraj.cli.demos.table import DEFAULT, DEMOS, demo_named
+from robotraj.cli.options import HtmlOption, PlotOption, SaveOption
+from robotraj.cli.terminal import say, say_table
+
+
+def _complete(incomplete: str) -> list[tuple[str, str]]:
+    return [(entry.name, entry.shows) for entry in DEMOS.values() if entry.name.startswith(incomplete)]
+
+
+def demo(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", autocompletion=_complete, help=f"One of {', '.join(DEMOS)}."),
+    ] = None,
+    only_list: Annotated[bool, typer.Option("--list", help="List the demos and plan none.")] = False,
+    html: HtmlOption = None,
+    save: SaveOption = None,
+    plot: PlotOption = None,
+) -> None:
+    """Plan a built-in demo, prove it and write its replay as HTML into the current directory.
+
+    Without a name, list the demos and plan the first one of them that swings up, cartpole.
+    """
+    entry = demo_named(DEFAULT if name is None else name)
+    if name is None or only_list:
+        rows = [(known.name, known.shows, known.page) for known in DEMOS.values()]
+        say_table(f"{len(rows)} demos: robotraj demo NAME", ("name", "what it shows", "page"), rows, "what it shows")
+    if only_list:
+        return
+    from robotraj.cli.conclude import Files, conclude
+    from robotraj.cli.options import output_path
+    from robotraj.guess.guess import Guess
+    from robotraj.planning.plan import plan
+    from robotraj.solution.solution import Solution
+
+    target = html or output_path(Path(entry.page), (".html",), "the demo's page")
+    say(f"{entry.name}: {entry.shows}\n")
+    chosen = entry.make()
+    say(f"{chosen.problem}\n")
+    known: Guess | Solution | None = chosen.guess
+    for mesh in chosen.meshes:
+        known = solution = plan(chosen.problem, mesh, known, tolerance=chosen.tolerance)
+    conclude(solution, Files(target, save, plot, chosen.periods), drift=chosen.drift)

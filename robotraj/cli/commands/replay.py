@@ -1,0 +1,27 @@
+"""``robotraj replay``: write a saved solution as one HTML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robotraj.cli.options import FileArgument
+from robotraj.cli.terminal import say
+
+
+def replay_file(
+    file: FileArgument,
+    out: Annotated[
+        Path | None, typer.Argument(metavar="[OUT.html]", help="Where to; beside the file if not given.")
+    ] = None,
+    speed: Annotated[float, typer.Option(help="Playback speed to begin with; 1 is real time.")] = 1.0,
+    periods: Annotated[int, typer.Option(help="How often a gait that closes on itself is shown.")] = 1,
+) -> None:
+    """Write a saved solution as one HTML file that opens anywhere, offline."""
+    from robotraj.replay_page.write import replay
+    from robotraj.solution.solution import load_solution
+
+    solution = load_solution(file)
+    say(f"wrote {replay(solution, out or file.with_suffix('.html'), speed=speed, periods=periods)}")

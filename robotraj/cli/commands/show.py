@@ -1,0 +1,71 @@
+"""``robotraj show``: a robot's joints, limits and frames."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from robotraj.cli.options import JsonOption, RobotArgument
+from robotraj.cli.terminal import say, say_json
+
+if TYPE_CHECKING:
+    from robotraj.robot.known_robots.entry import Entry
+    from robotraj.robot.robot import Robot
+
+
+def show(robot: RobotArgument, as_json: JsonOption = False) -> None:
+    """Print a robot's joints, limits and frames."""
+    from robotraj.robot.known_robots.catalogue import catalogue
+    from robotraj.robot.load import load
+
+    mover = load(robot)
+    entry = {known.name: known for known in catalogue()}.get(robot)
+    if as_json:
+        say_json(_described(mover, entry))
+        return
+    if entry is not None:
+        say(f"{entry.description}\nlicence: {entry.licence}\nprovenance: {entry.provenance}\n")
+    say(mover)
+    for complaint in mover.limits.complaints(mover.actuated):
+        say(f"! {complaint}")
+    say("\nframes")
+    for kind, names in _frames(mover).items():
+        say(f"  {kind}: {', '.join(names)}")
+
+
+def _frames(robot: Robot) -> dict[str, list[str]]:
+    """Names of the frames by their kind."""
+    kinds: dict[str, list[str]] = {}
+    for frame in robot.model.frames:
+        kinds.setdefault(str(frame.type).lower().replace("_", " "), []).append(frame.name)
+    return kinds
+
+
+def _described(robot: Robot, entry: Entry | None) -> dict[str, object]:
+    """Describe a robot as plain data; limits in rad, m, s, N m, N, null where there is none."""
+    from robotraj.cli.conclude import number
+
+    limits = robot.limits
+    joints = [
+        {
+            "name": name,
+            "unit": unit,
+            "position": [number(limits.position_lower[i]), number(limits.position_upper[i])],
+            "velocity": number(limits.velocity[i]),
+            "acceleration": number(limits.acceleration[i]),
+            "effort": number(limits.effort[i]),
+            "actuated": name in robot.actuated,
+        }
+        for i, (name, unit) in enumerate(zip(limits.joints, robot.units, strict=True))
+    ]
+    return {
+        "name": robot.name,
+        "description": None if entry is None else entry.description,
+        "licence": None if entry is None else entry.licence,
+        "nq": robot.nq,
+        "nv": robot.nv,
+        "nu": robot.nu,
+        "root": robot.root,
+        "joints": joints,
+        "complaints": list(limits.complaints(robot.actuated)),
+        "frames": _frames(robot),
+    }

@@ -1,0 +1,83 @@
+"""What follows a plan at the shell: its figures, its proof and its files."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import typer
+
+from robotraj._util.values import dataclass
+from robotraj.cli.exits import ExitCode
+from robotraj.cli.terminal import say, say_json
+from robotraj.replay_page.write import replay
+from robotraj.solution.solution import Solution
+from robotraj.witness.report import Report
+from robotraj.witness.validation import validate
+
+
+@dataclass(frozen=True)
+class Files:
+    """Where a solution is written; None leaves a file out."""
+
+    html: Path | None = None
+    save: Path | None = None
+    plot: Path | None = None
+    periods: int = 1
+
+    def write(self, solution: Solution) -> list[Path]:
+        """Write the files and list their absolute paths."""
+        written = []
+        if self.save is not None:
+            written.append(solution.save(self.save))
+        if self.plot is not None:
+            solution.plot().savefig(self.plot)
+            written.append(self.plot)
+        if self.html is not None:
+            written.append(replay(solution, self.html, periods=self.periods))
+        return written
+
+
+def conclude(solution: Solution, files: Files, *, drift: float | None = 1e-3, as_json: bool = False) -> None:
+    """Print a solution and its proof, write its files, and exit with 4 if the proof failed."""
+    report = validate(solution, drift=drift)
+    if as_json:
+        say_json(described(solution, report, files.write(solution)))
+    else:
+        say(f"{solution}\n")
+        say(report)
+        for path in files.write(solution):
+            say(f"wrote {path}")
+    if not report.passed:
+        raise typer.Exit(ExitCode.NOT_PROVED)
+
+
+def described(solution: Solution, report: Report | None, written: list[Path]) -> dict[str, object]:
+    """Describe a solution and its proof as plain data.
+
+    Keys: ``status``, ``success``, ``proved``, ``message``, ``objective``, ``duration`` [s], ``iterations``,
+    ``seconds``, ``times`` [s], ``error`` (relative, between knots), ``parameters``, ``violations`` and ``complaints``
+    (text), ``intervals`` of each phase by name, ``written`` (paths). What is not known is null.
+    """
+    return {
+        "status": solution.status.value,
+        "success": solution.success,
+        "proved": None if report is None else report.passed,
+        "message": solution.message,
+        "objective": number(solution.objective),
+        "duration": number(solution.duration),
+        "iterations": int(solution.iterations),
+        "seconds": number(solution.seconds),
+        "times": {name: number(seconds) for name, seconds in solution.times.items()},
+        "error": number(solution.error),
+        "parameters": {name: number(value) for name, value in solution.parameters.items()},
+        "violations": [str(violation) for violation in solution.violations(20)],
+        "complaints": [] if report is None else list(report.complaints(report.tolerances)),
+        "intervals": {part.phase.name: len(part.knots) - 1 for part in solution.phases},
+        "written": [str(path) for path in written],
+    }
+
+
+def number(value: float | None) -> float | None:
+    """Give a finite number, else None, which JSON writes as null."""
+    return float(value) if value is not None and math.isfinite(value) else None

@@ -1,0 +1,1 @@
+"""The problems of ``robotraj demo``; ``table.py`` lists them by name."""

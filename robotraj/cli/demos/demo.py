@@ -1,0 +1,36 @@
+"""A built-in problem with what solves it."""
+
+from __future__ import annotations
+
+from robotraj._util.values import dataclass
+from robotraj.guess.guess import Guess
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.transcription.schemes.mesh import Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Demo:
+    """A problem with the meshes and the guess that solve it.
+
+    Attributes
+    ----------
+    problem : Phase or Problem
+    meshes : tuple of Mesh or of lists of Mesh
+        Solved one after the other, each from the solution before.
+    guess : Guess or None
+        Of the first mesh; None for the default.
+    tolerance : float or None
+        Relative error between knots to which the last mesh is refined; None keeps the mesh.
+    drift : float or None
+        Largest drift [rad, m] that the proof allows: more where an open loop is unstable, as on legs.
+    periods : int
+        How often the page shows a gait that closes on itself.
+    """
+
+    problem: Phase | Problem
+    meshes: tuple[Mesh | list[Mesh], ...]
+    guess: Guess | None = None
+    tolerance: float | None = None
+    drift: float | None = 1e-3
+    periods: int = 1
