@@ -38,9 +38,9 @@ class Files:
         return written
 
 
-def conclude(solution: Solution, files: Files, *, drift: float | None = 1e-3, as_json: bool = False) -> None:
+def conclude(solution: Solution, files: Files, *, as_json: bool = False) -> None:
     """Print a solution and its proof, write its files, and exit with 4 if the proof failed."""
-    report = validate(solution, drift=drift)
+    report = validate(solution)
     if as_json:
         say_json(described(solution, report, files.write(solution)))
     else:

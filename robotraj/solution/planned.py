@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Protocol
 
 from robotraj.solution.feedback.gains import Gains
@@ -47,7 +47,7 @@ class Planned(Protocol):
         """Seconds by part."""
 
     @property
-    def parameters(self) -> Mapping[str, float]:
+    def parameters(self) -> dict[str, float]:
         """Values of the parameters of all phases."""
 
     @property

@@ -115,7 +115,7 @@ def test_validate_and_replay_read_saved_solutions(here: Path) -> None:
 
 def test_a_proof_that_fails_exits_with_4(here: Path) -> None:
     succeed("demo", "block", "--save", "a")
-    result = run("validate", "a.npz", "--drift", "1e-12")
+    result = run("validate", "a.npz", "--local", "1e-12")
     assert result.exit_code == 4
     assert "FAILED" in result.stdout
 
@@ -230,9 +230,11 @@ def test_json_is_the_whole_output(here: Path) -> None:
     assert told["duration"] == pytest.approx(4.0) and told["written"] == [str(here / "a.npz"), str(here / "a.html")]
     again = json.loads(succeed("validate", "a.npz", "--json"))
     assert again["proved"] and again["objective"] == told["objective"]
-    result = run("validate", "a.npz", "--drift", "1e-15", "--json")
+    result = run("validate", "a.npz", "--local", "1e-15", "--json")
     assert result.exit_code == 4
-    assert not json.loads(result.stdout)["proved"] and "drift" in json.loads(result.stdout)["complaints"][0]
+    assert (
+        not json.loads(result.stdout)["proved"] and "simulated by itself" in json.loads(result.stdout)["complaints"][0]
+    )
 
 
 def test_json_says_what_was_not_solved(here: Path) -> None:

@@ -26,7 +26,7 @@ def planned(name: str) -> rt.Solution:
 def test_every_demo_plans_and_passes(name: str, tmp_path: Path) -> None:
     solution = planned(name)
     demo = demo_named(name).make()
-    report = rt.validate(solution, drift=demo.drift)
+    report = rt.validate(solution)
     assert report.passed, str(report)
     assert DEMOS[name].shows.endswith(".")
     assert rt.replay(solution, tmp_path / DEMOS[name].page, periods=demo.periods).is_file()

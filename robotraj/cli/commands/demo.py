@@ -49,4 +49,4 @@ def demo(
     known: Guess | Solution | None = chosen.guess
     for mesh in chosen.meshes:
         known = solution = plan(chosen.problem, mesh, known, tolerance=chosen.tolerance)
-    conclude(solution, Files(target, save, plot, chosen.periods), drift=chosen.drift)
+    conclude(solution, Files(target, save, plot, chosen.periods))

@@ -32,7 +32,10 @@ def plan_motion(
         typer.Option(metavar="T", help="Seconds, '2' or '0.5:3'; 2 by default, free when it is minimised."),
     ] = None,
     objective: Annotated[Minimise, typer.Option(help="What is minimised.")] = Minimise.effort,
-    intervals: Annotated[int | None, typer.Option(help="Hermite-Simpson intervals; 40 by default.")] = None,
+    intervals: Annotated[
+        int | None,
+        typer.Option(help="Plan on this many Hermite-Simpson intervals, without refinement."),
+    ] = None,
     tolerance: Annotated[
         float | None, typer.Option(help="Refine the mesh until the error between knots is below this.")
     ] = None,
@@ -60,14 +63,15 @@ def plan_motion(
 
     Problems of your own are Python scripts: write one with rt.Phase and rt.plan, and run it with python.
     """
+    from dataclasses import replace
+
     from robotraj.cli.arguments import configuration_of, limits_of, rest_to_rest
     from robotraj.cli.conclude import Files, conclude, described
     from robotraj.native.engines.compiled import Compiled
     from robotraj.planning.plan import plan
-    from robotraj.planning.solver_choice import solver_for
+    from robotraj.planning.settings import resolve
     from robotraj.problem.problem import Problem
     from robotraj.robot.load import load
-    from robotraj.solvers.ipopt import Ipopt
     from robotraj.transcription.schemes.control import LinearControl, PolynomialControl
     from robotraj.transcription.schemes.lobatto import HermiteSimpson
     from robotraj.transcription.schemes.mesh import Mesh
@@ -83,16 +87,18 @@ def plan_motion(
     )
     if not as_json:
         say(f"{phase}\n")
-    # Controls of least duration jump: lines keep their limits between the points, parabolas would not.
-    control = LinearControl() if objective is Minimise.duration else PolynomialControl()
-    mesh = None
-    if intervals is not None or tolerance is None:
-        mesh = Mesh(40 if intervals is None else intervals, HermiteSimpson(control=control))
-    solver = Ipopt() if compiled else solver_for(Problem([phase]), mesh or Mesh())
-    engine = Compiled() if compiled else None
+    given: dict[str, object] = {"tolerance": tolerance}
+    if intervals is not None:
+        # Controls of least duration jump: lines keep their limits between the points, parabolas would not.
+        control = LinearControl() if objective is Minimise.duration else PolynomialControl()
+        given["mesh"] = Mesh(intervals, HermiteSimpson(control=control))
+    if compiled:
+        given["engine"] = Compiled()
+    settings = resolve(Problem([phase]), given)
+    settings = replace(settings, solver=settings.solver.within(time_limit))
     files = Files(html, save, plot)
     try:
-        solution = plan(phase, mesh, solver=solver.within(time_limit), tolerance=tolerance, engine=engine)
+        solution = plan(phase, settings=settings)
     except NoSolutionFound as error:
         written = files.write(error.solution)
         if as_json:

@@ -8,7 +8,7 @@ from robotraj.cli.options import JsonOption, RobotArgument
 from robotraj.cli.terminal import say, say_json
 
 if TYPE_CHECKING:
-    from robotraj.robot.known_robots.entry import Entry
+    from robotraj.robot.known_robots.entry import KnownRobot
     from robotraj.robot.robot import Robot
 
 
@@ -40,7 +40,7 @@ def _frames(robot: Robot) -> dict[str, list[str]]:
     return kinds
 
 
-def _described(robot: Robot, entry: Entry | None) -> dict[str, object]:
+def _described(robot: Robot, entry: KnownRobot | None) -> dict[str, object]:
     """Describe a robot as plain data; limits in rad, m, s, N m, N, null where there is none."""
     from robotraj.cli.conclude import number
 

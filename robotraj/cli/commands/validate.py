@@ -13,8 +13,8 @@ from robotraj.cli.terminal import say, say_json
 
 def validate_file(
     file: FileArgument,
-    drift: Annotated[float, typer.Option(help="Largest drift allowed [rad, m].")] = 1e-3,
-    limits: Annotated[float, typer.Option(help="Largest violation of a limit allowed [SI unit of its row].")] = 1e-3,
+    local: Annotated[float, typer.Option(help="Largest relative local error allowed.")] = 1e-3,
+    limits: Annotated[float, typer.Option(help="Largest violation of a limit allowed, relative to its range.")] = 1e-3,
     as_json: JsonOption = False,
 ) -> None:
     """Simulate a saved solution with plain Pinocchio and print the proof."""
@@ -25,7 +25,7 @@ def validate_file(
     solution = load_solution(file)
     if not as_json:
         say(solution)
-    report = validate(solution, drift=drift, limits=limits)
+    report = validate(solution, local=local, limits=limits)
     if as_json:
         say_json(described(solution, report, []))
     else:

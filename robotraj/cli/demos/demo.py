@@ -22,8 +22,6 @@ class Demo:
         Of the first mesh; None for the default.
     tolerance : float or None
         Relative error between knots to which the last mesh is refined; None keeps the mesh.
-    drift : float or None
-        Largest drift [rad, m] that the proof allows: more where an open loop is unstable, as on legs.
     periods : int
         How often the page shows a gait that closes on itself.
     """
@@ -32,5 +30,4 @@ class Demo:
     meshes: tuple[Mesh | list[Mesh], ...]
     guess: Guess | None = None
     tolerance: float | None = None
-    drift: float | None = 1e-3
     periods: int = 1
