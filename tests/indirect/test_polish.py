@@ -107,11 +107,11 @@ def test_six_joints() -> None:
     robot = rt.load("ur5")
     first, last = [0, -1.2, 1.0, 0, 0, 0], [1.0, -1.6, 1.4, 0.3, 0.5, 0]
     phase = rt.Phase(robot, 2.0, rt.State(q=first, v=0), rt.State(q=last, v=0), rt.Effort(), limits=None)
-    # The default finds another, lower optimum (483.8 against 489.6), whose polishing does not converge.
-    solution = rt.plan(phase, rt.Mesh(50), solver=rt.Ipopt())
+    # Without limits there are many optima, which 50 intervals do not resolve: Newton's steps end at a neighbour of theirs.
+    solution = rt.plan(phase, rt.Mesh(100), solver=rt.Ipopt())
     polished = rt.indirect.polish(solution)
     assert max(polished.error, polished.residual) <= 1e-9
-    assert polished.objective == pytest.approx(solution.objective, rel=2e-3)
+    assert polished.objective == pytest.approx(solution.objective, rel=5e-4)
     end = arrives(polished, robot_rates(robot), [*first, *[0] * 6])
     assert end == pytest.approx([*last, *[0] * 6], abs=1e-5)
 
