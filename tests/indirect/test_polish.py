@@ -107,7 +107,7 @@ def test_six_joints() -> None:
     robot = rt.load("ur5")
     first, last = [0, -1.2, 1.0, 0, 0, 0], [1.0, -1.6, 1.4, 0.3, 0.5, 0]
     phase = rt.Phase(robot, 2.0, rt.State(q=first, v=0), rt.State(q=last, v=0), rt.Effort(), limits=None)
-    # Without limits there are many optima, which 50 intervals do not resolve: Newton's steps end at a neighbour of theirs.
+    # Without limits there are many optima. A mesh of 50 intervals does not resolve them: polishing ends at a neighbour.
     solution = rt.plan(phase, rt.Mesh(100), solver=rt.Ipopt())
     polished = rt.indirect.polish(solution)
     assert max(polished.error, polished.residual) <= 1e-9
