@@ -153,6 +153,10 @@ class Solver(ABC):
         """Whether it works stage by stage: it calls native functions itself, and rows within a stage cost it little."""
         return False
 
+    def at_most(self, iterations: int) -> Solver:
+        """Return this solver with no more than these iterations; itself where it counts none."""
+        return self
+
     def from_nearby(self) -> Solver:
         """Give the same solver for a start near the optimum, such as the solution on a coarser mesh."""
         return self

@@ -131,6 +131,10 @@ class InteriorPoint(Solver):
         """Start at a smaller barrier."""
         return replace(self, initial_barrier=min(self.initial_barrier, WARM_BARRIER))
 
+    def at_most(self, iterations: int) -> InteriorPoint:
+        """Return this solver with no more than these iterations."""
+        return replace(self, max_iterations=min(self.max_iterations, iterations))
+
     def within(self, seconds: float) -> InteriorPoint:
         """Give the same solver with at most so many wall-clock seconds a solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))

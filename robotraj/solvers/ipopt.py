@@ -112,6 +112,10 @@ class Ipopt(Solver):
                 f'options={{"{library}": ...}}, or take one of {", ".join(LINEAR_SOLVERS)}.'
             )
 
+    def at_most(self, iterations: int) -> Ipopt:
+        """Return this solver with no more than these iterations."""
+        return replace(self, max_iterations=min(self.max_iterations, iterations))
+
     def within(self, seconds: float) -> Ipopt:
         """Give the same solver with at most so many wall-clock seconds a solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))

@@ -38,3 +38,8 @@ def test_bad_numbers_are_refused_by_their_names(solver: Any, field: str, value: 
 def test_numbers_of_numpy_are_numbers(solver: Any) -> None:
     value = solver(tolerance=np.float32(1e-6), max_iterations=np.int64(50), time_limit=np.float64(3))
     assert value.max_iterations == 50
+
+
+def test_a_bound_on_iterations_is_never_raised() -> None:
+    assert rt.InteriorPoint().at_most(5).max_iterations == 5
+    assert rt.Ipopt(max_iterations=3).at_most(5).max_iterations == 3

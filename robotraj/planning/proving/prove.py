@@ -29,6 +29,8 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 MOST_MESHES = 4
 """Meshes tried before a plan is given back as it is."""
+PATIENCE = 200
+"""Iterations of a solve that may improve an objective and nothing else."""
 MOST_MARGINS = 4
 """Times that limits are lowered on one mesh."""
 FINEST = 160
@@ -102,6 +104,9 @@ class _Refining:
         settings = replace(self.settings, mesh=meshes)
         if self.best is not None:
             settings = replace(settings, solver=settings.solver.from_nearby())
+        if len(self.steps) > 1:
+            # The motion is known by now, and only its objective is left to settle.
+            settings = replace(settings, solver=settings.solver.at_most(PATIENCE), restarts=Restarts(0))
         if first:
             return self._solve(start, replace(settings, restarts=Restarts(0)), {})
         found = self._solve(start, settings, {})
