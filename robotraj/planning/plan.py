@@ -9,6 +9,7 @@ from robotraj._util.errors import InputError, NoSolutionFound
 from robotraj.guess.guess import Guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.continuation import ContinuationStep, found_by, run_steps
+from robotraj.planning.diagnosis.ends import unheld_ends
 from robotraj.planning.progress import watching
 from robotraj.planning.proving.prove import prove
 from robotraj.planning.refine import adapt
@@ -168,5 +169,6 @@ def plan(
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)
         verb = "was" if len(problem.phases) == 1 else "were"
-        raise NoSolutionFound(f"{names} {verb} not solved.\n{solution}", solution)
+        causes = "".join(f"\na likely cause: {cause}" for cause in unheld_ends(problem))
+        raise NoSolutionFound(f"{names} {verb} not solved.\n{solution}{causes}", solution)
     return solution

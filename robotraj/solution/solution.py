@@ -68,7 +68,7 @@ class Solution:
         Rows that were imposed between collocation points as well.
     interval_violations : tuple of Violation
         Rows on states that are still broken between collocation points, worst first; empty where they all hold there.
-    controls_between : tuple of Violation
+    control_interval_violations : tuple of Violation
         Bounds of controls and of algebraic variables, accelerations among them, that are exceeded by more than 1 %
         there, worst first: their polynomials bulge where they switch, unless
         ``rt.interval_limits.BernsteinBounds(controls=True)`` holds

@@ -43,3 +43,11 @@ def test_strong_motors_hold_everything(ur5: rt.Robot) -> None:
 def test_ends_that_move_or_are_open_are_not_judged(ur5: rt.Robot) -> None:
     problem = reach(ur5, 20.0, start=rt.State(q=A, v=0.1), end=rt.State(v=0))
     assert not unheld_ends(problem)
+
+
+def test_a_failed_plan_names_the_motor_that_cannot_hold_its_end(ur5: rt.Robot) -> None:
+    solver = rt.Ipopt(max_iterations=3)
+    with pytest.raises(
+        rt.NoSolutionFound, match="a likely cause: holding the end of 'phase' needs .* shoulder_lift_joint"
+    ):
+        rt.plan(reach(ur5, 20.0), rt.Mesh(5), solver=solver)
