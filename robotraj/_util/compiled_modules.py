@@ -45,9 +45,9 @@ def check_versions(graphs: ModuleType) -> None:
 
 
 def wheel_version(name: str) -> str | None:
-    """Give the version of an installed wheel, None where there is none.
+    """Return the version of an installed wheel, None where there is none.
 
-    The first ``<name>-<version>.dist-info`` on Python's path says so, as it does for ``importlib.metadata``, whose
+    The first ``<name>-<version>.dist-info`` on Python's path holds it, as it does for ``importlib.metadata``, whose
     import takes longer than loading the module.
     """
     found = (path for entry in sys.path for path in Path(entry).glob(f"{name}-*.dist-info"))
@@ -56,7 +56,7 @@ def wheel_version(name: str) -> str | None:
 
 
 def not_loaded(module: str, error: Exception) -> BuildMismatch:
-    """Say why a compiled module could not be imported, and what helps.
+    """Build the error for a compiled module that could not be imported.
 
     Parameters
     ----------
