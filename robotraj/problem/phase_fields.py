@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import TypeVar
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import own
 from robotraj.dynamics.contacts.base import Contact
 from robotraj.problem.constraints.base import Constraint
+
+T = TypeVar("T")
 
 
 def as_mapping(phase: str, which: str, given: object) -> object:
@@ -51,7 +54,7 @@ def as_contacts(phase: str, given: object) -> tuple[Contact, ...]:
     return _several(phase, "contacts", given, Contact)
 
 
-def _several(phase: str, which: str, given: object, one: type) -> tuple:
+def _several(phase: str, which: str, given: object, one: type[T]) -> tuple[T, ...]:
     # Lists first: an abstract class is slow at the first look at a type.
     if isinstance(given, tuple | list):
         return tuple(given)

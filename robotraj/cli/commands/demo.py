@@ -36,8 +36,8 @@ def demo(
         say_table(f"{len(rows)} demos: robotraj demo NAME", ("name", "what it shows", "page"), rows, "what it shows")
     if only_list:
         return
+    from robotraj._util.paths import output_path
     from robotraj.cli.conclude import Files, conclude
-    from robotraj.cli.options import output_path
     from robotraj.guess.guess import Guess
     from robotraj.planning.plan import plan
     from robotraj.solution.solution import Solution

@@ -120,7 +120,7 @@ class _Walk(Guess):
         chart = Chart.around(robot.model, keys[0])
         y = through(fractions, chart.coordinates(keys), 5)
         rate, second = y.derivative(1), y.derivative(2)
-        motions = {
+        motions: dict[str, Curve] = {
             "q": lambda s: chart.positions(y(s)),
             "v": lambda s: chart.velocities(y(s), rate(s) / pace),
             "a": lambda s: chart.accelerations(y(s), rate(s) / pace, second(s) / pace**2),
