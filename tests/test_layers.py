@@ -123,6 +123,16 @@ def test_rooms_are_not_named_as_public_functions() -> None:
     assert not names & set(FLOOR)
 
 
+def test_no_class_name_is_defined_twice() -> None:
+    places: dict[str, list[str]] = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ClassDef):
+                places.setdefault(node.name, []).append(module_of(path, PACKAGE))
+    assert len(places) > 100
+    assert not {name: modules for name, modules in places.items() if len(modules) > 1}
+
+
 def test_tests_mirror_the_rooms() -> None:
     tests = Path(__file__).parent
     folders = {path.name for path in tests.iterdir() if path.is_dir() and path.name != "__pycache__"}

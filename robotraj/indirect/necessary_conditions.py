@@ -23,7 +23,7 @@ from robotraj.indirect.boundary import end_data, potential
 from robotraj.indirect.checks import TOUCHED, HeldRow
 from robotraj.indirect.costate_trajectory import PhaseCostates, costates
 from robotraj.indirect.pontryagin import Pontryagin
-from robotraj.indirect.report import Condition, ConditionsReport
+from robotraj.indirect.report import ConditionsReport, NecessaryCondition
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
@@ -59,7 +59,7 @@ def conditions(solution: Solution, tolerance: float = 1e-2) -> ConditionsReport:
     if not tolerance > 0:
         raise InputError(f"conditions(tolerance) must be above 0, got {tolerance}.")
     linked = {i for link in solution.problem.bound_links for i in link.phases}
-    found: list[Condition] = []
+    found: list[NecessaryCondition] = []
     for i, part in enumerate(costates(solution).phases):
         found += _Along(part, i in linked).conditions()
     return ConditionsReport(tuple(found), tolerance)
@@ -77,7 +77,7 @@ class _Along:
         each = [known.evaluate(t, k) for k, t in enumerate(self.intervals)]
         self.at = {name: np.concatenate([part[name] for part in each]) for name in each[0]}
 
-    def conditions(self) -> list[Condition]:
+    def conditions(self) -> list[NecessaryCondition]:
         """Write the lines of the report."""
         return [
             *self._costate_equation(),
@@ -87,17 +87,17 @@ class _Along:
             *self._complementarity(),
         ]
 
-    def _line(self, name: str, variable: Variable | str, residual: Array | float, note: str = "") -> Condition:
+    def _line(self, name: str, variable: Variable | str, residual: Array | float, note: str = "") -> NecessaryCondition:
         """Make a line of residuals at the nodes, (m,), or of one at the end."""
         label = variable if isinstance(variable, str) else variable.name
         if np.ndim(residual) == 0:
             end = self.solution.t0 + self.solution.duration
-            return Condition(self.phase.name, name, label, float(residual), end, note)
+            return NecessaryCondition(self.phase.name, name, label, float(residual), end, note)
         values = np.asarray(residual)
         worst = int(np.argmax(values))
-        return Condition(self.phase.name, name, label, float(values[worst]), float(self.at["t"][worst]), note)
+        return NecessaryCondition(self.phase.name, name, label, float(values[worst]), float(self.at["t"][worst]), note)
 
-    def _costate_equation(self) -> list[Condition]:
+    def _costate_equation(self) -> list[NecessaryCondition]:
         """Compare the slope of the costates with -H_x, of which active bounds are a part."""
         slope = self.known.duals.costate.derivative()
         nudge = 1e-9 * self.solution.duration
@@ -113,7 +113,7 @@ class _Along:
         parts = zip(self.intervals, knots[:-1], knots[1:], strict=True)
         return [np.clip(t, a + 1e-7 * (b - a), b - 1e-7 * (b - a)) for t, a, b in parts]
 
-    def _controls(self) -> list[Condition]:
+    def _controls(self) -> list[NecessaryCondition]:
         """Check dH/du: zero where a control is inside its bounds, of the right sign where it is at one."""
         slope = self.at["by_u"]
         size = np.max(self.at["size_by_u"], axis=0) + SMALL
@@ -133,7 +133,7 @@ class _Along:
                 found.append(self._line("saturation", control, np.maximum(wrong, 0.0), note))
         return found
 
-    def _transversality(self) -> list[Condition]:
+    def _transversality(self) -> list[NecessaryCondition]:
         """Costates at free ends against the gradient of the end costs and end constraints."""
         if self.linked:
             return []
@@ -161,7 +161,7 @@ class _Along:
         for i in np.flatnonzero(free):
             note = f"H = {hamiltonian:.6g} at the end" if i == 2 * nx else ""
             line = self._line("transversality", labels[i], float(off[i]), note)
-            start = Condition(line.phase, line.name, line.label, line.residual, t0, line.note)
+            start = NecessaryCondition(line.phase, line.name, line.label, line.residual, t0, line.note)
             found.append(start if i < nx else line)
         return found
 
@@ -169,7 +169,7 @@ class _Along:
         """Size of the Hamiltonian's terms."""
         return float(np.max(self.at["size"]))
 
-    def _hamiltonian(self) -> list[Condition]:
+    def _hamiltonian(self) -> list[NecessaryCondition]:
         """H is constant, or changes by what depends on time explicitly alone."""
         drift = self.at["H"]
         note = f"constant: {np.min(drift):.6g} to {np.max(drift):.6g}"
@@ -195,7 +195,7 @@ class _Along:
             first += len(t)
         return np.concatenate(values)
 
-    def _complementarity(self) -> list[Condition]:
+    def _complementarity(self) -> list[NecessaryCondition]:
         """Weigh multiplier times slack of every row against the Hamiltonian's terms."""
         at, found = self.at, []
         names = {

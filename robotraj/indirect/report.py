@@ -7,7 +7,7 @@ from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True)
-class Condition:
+class NecessaryCondition:
     """One necessary condition.
 
     Attributes
@@ -40,16 +40,16 @@ class ConditionsReport:
 
     Attributes
     ----------
-    conditions : tuple of Condition
+    conditions : tuple of NecessaryCondition
     tolerance : float
         Largest relative residual of a condition that counts as held.
     """
 
-    conditions: tuple[Condition, ...]
+    conditions: tuple[NecessaryCondition, ...]
     tolerance: float
 
     @property
-    def failed(self) -> tuple[Condition, ...]:
+    def failed(self) -> tuple[NecessaryCondition, ...]:
         """Conditions that are off by more than the tolerance, worst first."""
         off = [c for c in self.conditions if not c.residual <= self.tolerance]
         return tuple(sorted(off, key=lambda c: -c.residual))

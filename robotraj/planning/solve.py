@@ -13,6 +13,7 @@ import numpy as np
 from robotraj.guess.guess import Guess, as_guess
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.planning.many.starts import Start
+from robotraj.planning.nlp_violations import violations
 from robotraj.planning.restarts import restarted
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -21,7 +22,7 @@ from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.records import added_times
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
-from robotraj.solution.violations import Violation, violations
+from robotraj.solution.violation import Side, Violation
 from robotraj.solvers.base import LateMultipliers, Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.status import Status
@@ -203,8 +204,10 @@ def _is_kept_to(nlp: Nlp, guard: Guard) -> bool:
 def _violation(solution: Solution, bulge: Bulge) -> Violation:
     phase = solution.phases[bulge.guard.phase].phase
     row = phase.bound_constraints[bulge.guard.constraint].rows[bulge.guard.row]
-    bound = max((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0)
-    return Violation(phase.name, row.label, bulge.time, bulge.amount, row.unit, bulge.amount / (1.0 + bound))
+    limit = row.upper if bulge.upper else row.lower
+    size = 1.0 + max(abs(bound) for bound in (row.lower, row.upper) if np.isfinite(bound))
+    side: Side = "off" if row.lower == row.upper else "over" if bulge.upper else "under"
+    return Violation(phase.name, row.name, row.joint, bulge.time, bulge.amount, row.unit, limit, side, size)
 
 
 def _known_guards(

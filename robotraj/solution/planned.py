@@ -7,7 +7,7 @@ from typing import Protocol
 
 from robotraj.solution.feedback.gains import Gains
 from robotraj.solution.phase_solution import PhaseSolution
-from robotraj.solution.violations import Violation
+from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
 
 

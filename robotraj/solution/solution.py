@@ -22,7 +22,7 @@ from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Proof
 from robotraj.solution.sample import Sample, join
 from robotraj.solution.settings import Settings
-from robotraj.solution.violations import Violation
+from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.constraint_generation import Guard
 

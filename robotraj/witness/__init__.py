@@ -4,9 +4,9 @@ Start with ``validation.py``. The room reads solutions: it may import ``solution
 neither ``transcription`` nor ``solvers``.
 """
 
+from robotraj.solution.violation import Violation
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
-from robotraj.witness.checks.violations import Violation
 from robotraj.witness.contacts.holding import Holding
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.figures import Tolerances
@@ -26,7 +26,7 @@ from robotraj.witness.report import Report
 from robotraj.witness.simulation.drift import Drift, DriftRow
 from robotraj.witness.simulation.plant import Landing
 from robotraj.witness.simulation.robot import Simulation, simulate
-from robotraj.witness.simulation.tracking import Tracking, track
+from robotraj.witness.simulation.tracking import TrackingResult, track
 from robotraj.witness.validation import validate
 
 __all__ = [
@@ -49,7 +49,7 @@ __all__ = [
     "Simulation",
     "SoftGround",
     "Tolerances",
-    "Tracking",
+    "TrackingResult",
     "Violation",
     "second_opinion",
     "simulate",

@@ -9,7 +9,7 @@ class OutOfTime(Exception):
     """The time limit was reached."""
 
 
-class Clock:
+class ProcessorClock:
     """Processor time since a start, with a limit.
 
     Parameters

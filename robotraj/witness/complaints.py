@@ -60,7 +60,10 @@ def _limits(figures: Figures, tolerance: float) -> list[str]:
     if not broken:
         return []
     others = f", and {len(broken) - 1} more" if len(broken) > 1 else ""
-    return [f"A bound is broken: {broken[0]}{others}; {tolerance * broken[0].size:.3g} is allowed."]
+    return [
+        f"A bound is violated: {broken[0]} in phase {broken[0].phase!r}{others}; "
+        f"{tolerance * broken[0].size:.3g} is allowed."
+    ]
 
 
 def _balances(figures: Figures, tolerances: Tolerances) -> list[str]:

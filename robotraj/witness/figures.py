@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from robotraj._util.values import dataclass
+from robotraj.solution.violation import Violation
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
-from robotraj.witness.checks.violations import Violation
 from robotraj.witness.contacts.holding import Holding
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.simulation.closed_loop import ClosedLoop

@@ -20,7 +20,7 @@ CHUNK = 16
 """Intervals that are sampled at once: one call for many, and the clock is looked at in between."""
 
 
-class Stretch(NamedTuple):
+class IntervalSamples(NamedTuple):
     """Some intervals of a phase, with samples of each.
 
     Attributes
@@ -50,9 +50,9 @@ class Stretch(NamedTuple):
         return np.repeat(self.intervals, len(self.sites))
 
 
-def stretches(
+def interval_samples(
     planned: PhaseSolutionLike, samples: int, sites: Array | None = None, only: Collection[int] | None = None
-) -> Iterator[Stretch]:
+) -> Iterator[IntervalSamples]:
     """Intervals that have a length, some at a time, sampled at ``samples`` Chebyshev-Lobatto points each.
 
     On these points a polynomial of degree below ``samples`` is differentiated exactly by ``time_derivative``.
@@ -69,14 +69,14 @@ def stretches(
     chosen = [k for k in range(len(knots) - 1) if knots[k + 1] > knots[k] and (only is None or k in only)]
     for start in range(0, len(chosen), CHUNK):
         part = np.array(chosen[start : start + CHUNK])
-        yield Stretch(part, knots[part], knots[part + 1], places)
+        yield IntervalSamples(part, knots[part], knots[part + 1], places)
 
 
-def time_derivative(values: Array, stretch: Stretch) -> Array:
-    """Differentiate the polynomials through values (k m, n) at the times of a stretch."""
-    count = len(stretch.sites)
-    by_interval = values.reshape(len(stretch.intervals), count, -1)
-    slopes = _differentiation(count) @ by_interval * (2.0 / (stretch.ends - stretch.begins))[:, None, None]
+def time_derivative(values: Array, part: IntervalSamples) -> Array:
+    """Differentiate the polynomials through values (k m, n) at the times of a part."""
+    count = len(part.sites)
+    by_interval = values.reshape(len(part.intervals), count, -1)
+    slopes = _differentiation(count) @ by_interval * (2.0 / (part.ends - part.begins))[:, None, None]
     return np.asarray(slopes.reshape(values.shape))
 
 

@@ -11,7 +11,7 @@ from robotraj._util.errors import InputError, require_solution
 from robotraj.witness.checks import energy as energies
 from robotraj.witness.checks.residual import Residual, residual_of
 from robotraj.witness.checks.violations import violations_of
-from robotraj.witness.clock import Clock, OutOfTime
+from robotraj.witness.clock import OutOfTime, ProcessorClock
 from robotraj.witness.contacts.holding import holding_of
 from robotraj.witness.contacts.impact import impacts_of
 from robotraj.witness.figures import Tolerances
@@ -91,7 +91,7 @@ def validate(
         raise InputError("There is nothing to validate: the solution has no phases.")
     if samples_per_interval < 2:
         raise InputError(f"samples_per_interval is {samples_per_interval}; look at 2 points of an interval or more.")
-    clock, samples = Clock(time_limit), samples_per_interval
+    clock, samples = ProcessorClock(time_limit), samples_per_interval
     skipped: list[str] = []
     unseen: list[str] = []
 

@@ -64,7 +64,7 @@ def test_an_infeasible_problem_raises_with_the_iterate_the_rows_and_a_remedy() -
     solution = caught.value.solution
     assert solution.status is rt.solvers.Status.INFEASIBLE and not solution.success
     worst = solution.violations(top=1)[0]
-    assert worst.name.startswith("defect, ") and worst.phase == "move" and worst.unit in ("m", "m/s")
+    assert worst.label.startswith("defect, ") and worst.phase == "move" and worst.unit in ("m", "m/s")
     assert 0 <= worst.time <= 5.0 and worst.amount > 1e-3
     assert all(part in str(caught.value) for part in ("'move'", "infeasible", str(worst), "try: "))
     assert solution.status.remedy in str(caught.value)
@@ -85,7 +85,7 @@ def test_an_infeasible_row_is_named_with_its_unit_and_time() -> None:
     solution = rt.plan(phase, check=False)
     named = [violation for violation in solution.violations(100) if violation.name == "reach"]
     assert named and named[0].unit == "m^2"
-    assert str(named[0]).startswith("reach, t = ") and str(named[0]).endswith("m^2 over")
+    assert str(named[0]).startswith("reach, t = ") and str(named[0]).endswith("m^2 over the limit of 50 m^2")
 
 
 def test_the_iteration_limit_keeps_the_iterate() -> None:

@@ -13,7 +13,7 @@ from scipy.interpolate import BPoly
 
 import robotraj as rt
 from robotraj._util.polynomials import basis
-from robotraj.solution.violations import violations
+from robotraj.planning.nlp_violations import violations
 from robotraj.solvers.base import Solver
 from robotraj.transcription.interval_limits.bernstein_bounds import are_coefficients, control_weights
 from robotraj.transcription.schemes.collocation import Scheme
@@ -208,7 +208,7 @@ def test_a_bulge_is_named_with_its_control_and_time() -> None:
     for interval in nlp.layouts[0].intervals:
         w[interval.controls] = UPPER
     w[nlp.layouts[0].intervals[2].controls[1]] = UPPER + 0.1
-    (found,) = (v for v in violations(nlp, w, 1e-6) if "u" in v.name.split(", "))
+    (found,) = (v for v in violations(nlp, w, 1e-6) if "u" in v.label.split(", "))
     assert (found.time, found.amount) == (pytest.approx(2.5), pytest.approx(0.2))
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from robotraj.witness.sampling import stretches, time_derivative
+from robotraj.witness.sampling import interval_samples, time_derivative
 
 
 class Knots:
@@ -9,7 +9,7 @@ class Knots:
 
 
 def test_intervals_are_sampled_with_both_ends_and_empty_ones_left_out():
-    (found,) = stretches(Knots(), 9)
+    (found,) = interval_samples(Knots(), 9)
     assert list(found.intervals) == [0, 2] and list(found.interval) == [0] * 9 + [2] * 9
     assert list(found.begins) == [-1.0, 0.5] and list(found.ends) == [0.5, 2.5]
     for times, begin, end in zip(found.times.reshape(2, 9), found.begins, found.ends, strict=True):
@@ -21,6 +21,6 @@ def test_intervals_are_sampled_with_both_ends_and_empty_ones_left_out():
 def test_polynomials_below_the_number_of_samples_are_differentiated_exactly(degree):
     random = np.random.default_rng(degree)
     p = np.polynomial.Polynomial(random.normal(size=degree + 1), domain=[0.5, 2.5], window=[-1, 1])
-    (stretch,) = stretches(Knots(), 25, only={2})
-    slope = time_derivative(p(stretch.times)[:, None], stretch)[:, 0]
-    np.testing.assert_allclose(slope, p.deriv()(stretch.times), rtol=1e-11, atol=1e-11)
+    (part,) = interval_samples(Knots(), 25, only={2})
+    slope = time_derivative(p(part.times)[:, None], part)[:, 0]
+    np.testing.assert_allclose(slope, p.deriv()(part.times), rtol=1e-11, atol=1e-11)

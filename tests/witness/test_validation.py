@@ -128,7 +128,7 @@ def test_a_limit_broken_only_between_knots_is_found(make, swinging, kind, name, 
     assert violation.amount == pytest.approx(peak - bound, abs=1e-4)
     assert violation.time == pytest.approx(time, abs=0.005)
     with pytest.raises(
-        ValidationFailed, match=f"{name}, {joint}, t = .* (over|under) the limit of .* \\(phase 'swing'\\)"
+        ValidationFailed, match=f"{name}, {joint}, t = .* (over|under) the limit of .* in phase 'swing'"
     ):
         report.check()
     report.check(limits=(peak - bound) / violation.size + 1e-6)
@@ -175,7 +175,7 @@ def test_effort_limits_go_by_actuated_joint(make):
     )
     (violation,) = validate(make.solution(planned)).violations
     assert (violation.name, violation.joint, violation.unit) == ("effort limit", "driven", "N")
-    assert (violation.limit, violation.upper) == (-1.0, False)
+    assert (violation.limit, violation.side) == (-1.0, "under")
     assert violation.amount == pytest.approx(0.5)
     assert "0.5 N under the limit of -1 N" in str(violation)
 
@@ -215,7 +215,7 @@ def test_states_at_the_ends_are_checked(make, swinging):
     low = np.array([-np.inf, 0.0, -np.inf, -np.inf])
     wanted = SimpleNamespace(lower=low, upper=np.array([np.inf, 0.0, np.inf, np.inf]))
     violations = validate(make.solution(swinging(end_bounds=wanted))).violations
-    assert [(v.name, v.joint, v.time, v.upper) for v in violations] == [("end state", "q.elbow", 1.0, False)]
+    assert [(v.name, v.joint, v.time, v.side) for v in violations] == [("end state", "q.elbow", 1.0, "off")]
     assert violations[0].amount == pytest.approx(abs(np.cos(3)))
 
 

@@ -115,11 +115,14 @@ class Bulge:
         [s].
     amount : float
         In the row's SI unit.
+    upper : bool
+        Whether the upper bound is violated.
     """
 
     guard: Guard
     time: float
     amount: float
+    upper: bool
 
     def guards(self, again: bool) -> list[Guard]:
         """Guards to set: one at the worst place, and with ``again`` at Chebyshev points all over the interval."""
@@ -198,8 +201,10 @@ def _peaks(
         return np.maximum(lower - found, found - upper)
 
     times = curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * PLACES
-    seen = over(times.ravel(), curve.inside(PLACES).reshape(times.size, -1)).reshape(*times.shape, len(rows))
+    found = values(times.ravel(), curve.inside(PLACES).reshape(times.size, -1)).reshape(*times.shape, len(rows))
+    seen = np.maximum(lower - found, found - upper)
     worst = seen.argmax(axis=1)
+    extreme = np.take_along_axis(found, worst[:, None], axis=1)[:, 0]
     amount, place = np.take_along_axis(seen, worst[:, None], axis=1)[:, 0], PLACES[worst]
     inner = np.clip(worst, 1, len(PLACES) - 2)
     before, here, after = (np.take_along_axis(seen, (inner + i)[:, None], axis=1)[:, 0] for i in (-1, 0, 1))
@@ -223,7 +228,8 @@ def _peaks(
     for k_, r_ in np.argwhere(amount > allowed).tolist():
         guard = Guard(phase, k_, rows[r_][0], rows[r_][1], float(place[k_, r_]))
         time = float(times[k_, 0] + (times[k_, -1] - times[k_, 0]) * guard.tau)
-        bulges.append(Bulge(guard, time, float(amount[k_, r_])))
+        above = bool(extreme[k_, r_] - upper[r_] >= lower[r_] - extreme[k_, r_])
+        bulges.append(Bulge(guard, time, float(amount[k_, r_]), above))
     return bulges
 
 

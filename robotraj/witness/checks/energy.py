@@ -11,7 +11,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
-from robotraj.witness.sampling import stretches
+from robotraj.witness.sampling import interval_samples
 
 QUADRATURE_POINTS = 16
 """Gauss-Legendre points of an interval: exact for power of degree 31 in time, far above any plan's."""
@@ -69,10 +69,10 @@ def energy_of(
     work = dissipated = change = moved = 0.0
     worst, time = 0.0, float(planned.knots[0])
     kinetic: list[float] = []
-    for stretch in stretches(planned, samples, 0.5 * (nodes + 1.0)):
+    for part in interval_samples(planned, samples, 0.5 * (nodes + 1.0)):
         clock()
-        half, shape = 0.5 * (stretch.ends - stretch.begins), (len(stretch.intervals), samples)
-        sample = planned.at(stretch.times, interval=stretch.interval)
+        half, shape = 0.5 * (part.ends - part.begins), (len(part.intervals), samples)
+        sample = planned.at(part.times, interval=part.interval)
         power = np.einsum("mi,mi->m", sample.tau @ actuation.T, sample.v).reshape(shape)
         loss = np.array([robot.dissipation(v) @ v for v in sample.v])
         if sliding:
@@ -80,7 +80,7 @@ def energy_of(
             loss -= np.einsum("mi,mi->m", np.array(pushes), sample.v)
         inside = zip(sample.q, sample.v, strict=True)
         kinetic += [pin.computeKineticEnergy(robot.model, data, q, v) for q, v in inside]
-        ends = stretch._replace(sites=np.array([0.0, 1.0]))
+        ends = part._replace(sites=np.array([0.0, 1.0]))
         there = planned.at(ends.times, interval=ends.interval)
         totals = np.array([_total(robot, data, q, v) for q, v in zip(there.q, there.v, strict=True)])
         terms = half * (power @ weights), half * (loss.reshape(shape) @ weights), totals[1::2] - totals[::2]
@@ -88,7 +88,7 @@ def energy_of(
         moved += np.sum(half * (np.abs(power) @ weights))
         imbalances = np.nan_to_num(np.abs(terms[0] - terms[1] - terms[2]), nan=np.inf)
         if (largest := np.max(imbalances)) > worst:
-            worst, time = float(largest), float(stretch.begins[np.argmax(imbalances)])
+            worst, time = float(largest), float(part.begins[np.argmax(imbalances)])
     scale = max(moved, abs(dissipated), max(kinetic, default=0.0) - min(kinetic, default=0.0))
     return Energy(float(work), float(dissipated), float(change), float(scale), float(worst), time)
 

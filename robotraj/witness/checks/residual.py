@@ -15,7 +15,7 @@ from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak, peaks
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
-from robotraj.witness.sampling import stretches, time_derivative
+from robotraj.witness.sampling import interval_samples, time_derivative
 from robotraj.witness.simulation.plant import RATE_UNITS, columns, plant_of
 
 TORQUE_UNITS = {"rad": "N m", "m": "N"}
@@ -57,7 +57,7 @@ class Residual:
 def residual_of(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None) -> Residual:
     """Evaluate both residuals at ``samples`` points of every interval, ``FEWEST_SAMPLES`` at least."""
     samples = max(samples, FEWEST_SAMPLES)
-    if not list(stretches(planned, samples)):
+    if not list(interval_samples(planned, samples)):
         return Residual({}, {}, {})
     dynamics, rate = (_robot if planned.phase.robot is not None else _system)(planned, samples, clock)
     return Residual(dynamics, rate, _jumps(planned))
@@ -83,15 +83,15 @@ def _robot(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None]) 
     times: list[Array] = []
     torque: list[Array] = []
     rate: list[Array] = []
-    for stretch in stretches(planned, samples):
+    for part in interval_samples(planned, samples):
         clock()
-        sample = planned.at(stretch.times, interval=stretch.interval)
-        acceleration = time_derivative(sample.v, stretch)
+        sample = planned.at(part.times, interval=part.interval)
+        acceleration = time_derivative(sample.v, part)
         for i, (q, v, a, tau) in enumerate(zip(sample.q, sample.v, acceleration, sample.tau, strict=True)):
             needed = pin.rnea(robot.model, data, q, v, a) + robot.dissipation(v) - actuation @ tau
             torque.append(needed - stance.torques(q, forces_in(sample, contacts, i)) if contacts else needed)
-        rate.append(velocities(robot.model, sample.q, time_derivative(sample.q, stretch)) - sample.v)
-        times.append(stretch.times)
+        rate.append(velocities(robot.model, sample.q, time_derivative(sample.q, part)) - sample.v)
+        times.append(part.times)
     t, name = np.concatenate(times), planned.phase.name
     joints = robot.velocity_names
     return (
@@ -108,20 +108,20 @@ def _system(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None])
     times: list[Array] = []
     rows: list[Array] = []
     rate: list[Array] = []
-    for stretch in stretches(planned, samples):
+    for part in interval_samples(planned, samples):
         clock()
-        sample = planned.at(stretch.times, interval=stretch.interval)
+        sample = planned.at(part.times, interval=part.interval)
         x, u, z = (
-            columns(named, names, len(stretch.times))
+            columns(named, names, len(part.times))
             for named, names in ((sample.x, states), (sample.u, controls), (sample.z, algebraic))
         )
-        slope = time_derivative(x, stretch)
-        for i, t in enumerate(stretch.times):
+        slope = time_derivative(x, part)
+        for i, t in enumerate(part.times):
             point = system_point(system, t, x[i], z[i], u[i], planned.parameters)
             rate.append(slope[i] - as_numbers(system.dynamics(point), "dynamics"))
             if system.residual is not None:
                 rows.append(as_numbers(system.residual(point), "residual"))
-        times.append(stretch.times)
+        times.append(part.times)
     t, name = np.concatenate(times), planned.phase.name
     units = [f"{s.unit}/s" if s.unit else "" for s in system.states]
     dynamics = {}

@@ -13,11 +13,12 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.constraints.base import Row, Where
+from robotraj.solution.violation import Violation, violated
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.point import NumericPoint, system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
-from robotraj.witness.sampling import stretches
+from robotraj.witness.sampling import interval_samples
 from robotraj.witness.simulation.plant import RATE_UNITS, columns
 
 SOLVER_NOISE = 1e-6
@@ -27,52 +28,6 @@ FEW_SAMPLES = 9
 """Points of every interval at which constraints are evaluated; where they come nearest to their bounds, more are."""
 
 ACCELERATION_UNITS = {"rad": "rad/s^2", "m": "m/s^2"}
-
-
-@dataclass(frozen=True)
-class Violation:
-    """One bound that is broken, where it is broken most.
-
-    Attributes
-    ----------
-    name : str
-        The row: ``"effort limit"``, ``"ground clearance"`` ...
-    joint : str or None
-        The joint, frame or variable it is about.
-    phase : str
-    time : float
-        When the bound is broken most [s].
-    amount : float
-        How far the value lies outside [unit].
-    unit : str
-    limit : float
-        The bound that is broken [unit].
-    upper : bool
-        Whether it is the upper bound.
-    size : float
-        What a tolerance is a part of [unit]: half the range of a row with two bounds, else max(1, |limit|).
-    """
-
-    name: str
-    joint: str | None
-    phase: str
-    time: float
-    amount: float
-    unit: str
-    limit: float
-    upper: bool
-    size: float = 1.0
-
-    @property
-    def relative(self) -> float:
-        """``amount`` / ``size``, what a tolerance is compared with."""
-        return self.amount / self.size
-
-    def __str__(self) -> str:
-        about = f"{self.name}, {self.joint}" if self.joint else self.name
-        side = "over" if self.upper else "under"
-        amount, limit = (f"{value:.4g} {self.unit}".rstrip() for value in (self.amount, self.limit))
-        return f"{about}, t = {self.time:.4g} s: {amount} {side} the limit of {limit} (phase {self.phase!r})"
 
 
 @dataclass
@@ -98,17 +53,14 @@ class Watch:
     def worst(self, phase: str) -> Violation | None:
         """Return the largest violation, None if the row holds."""
         values, times = np.concatenate(self.values), np.concatenate(self.times)
-        lower, upper = float(self.row.lower), float(self.row.upper)
+        row, lower, upper = self.row, float(self.row.lower), float(self.row.upper)
         excess = np.nan_to_num(np.maximum(values - upper, lower - values), nan=np.inf)
         i = int(np.argmax(excess))
-        above = bool(values[i] > upper) or not np.isfinite(lower)
-        limit = upper if above else lower
-        if excess[i] <= SOLVER_NOISE * max(1.0, abs(limit)):
+        amount, limit, side = violated(float(values[i]), lower, upper)
+        if amount <= SOLVER_NOISE * max(1.0, abs(limit)):
             return None
-        row = self.row
-        return Violation(
-            row.name, row.joint, phase, float(times[i]), float(excess[i]), row.unit, limit, above, size_of(row, limit)
-        )
+        time, size = float(times[i]), size_of(row, limit)
+        return Violation(phase, row.name, row.joint, time, amount, row.unit, limit, side, size)
 
 
 def size_of(row: Row, limit: float) -> float:
@@ -141,10 +93,10 @@ def violations_of(
     ]
     throughout = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where is Where.THROUGHOUT]
     if limits:
-        for stretch in stretches(planned, samples):
-            sample = planned.at(stretch.times, interval=stretch.interval)
+        for part in interval_samples(planned, samples):
+            sample = planned.at(part.times, interval=part.interval)
             for watch, (_, read) in zip(watched, limits, strict=True):
-                watch.see(stretch.times, read(sample))
+                watch.see(part.times, read(sample))
     if throughout:
         _see_throughout(planned, throughout, samples, clock)
     ends = [(0, Where.START, phase.start_bounds), (-1, Where.END, phase.end_bounds)]
@@ -164,9 +116,9 @@ def _see_throughout(
     """Look at a few points of every interval, and at many of those in which a row comes nearest to its bounds."""
 
     def see(count: int, only: Collection[int] | None = None) -> None:
-        for stretch in stretches(planned, count, only=only):
+        for part in interval_samples(planned, count, only=only):
             clock()
-            _see(entries, stretch.times, _points(planned, stretch.times, stretch.interval))
+            _see(entries, part.times, _points(planned, part.times, part.interval))
 
     see(min(FEW_SAMPLES, samples))
     if samples > FEW_SAMPLES:

@@ -52,8 +52,8 @@ def _forces(holdings: Sequence[Holding], allowed: float) -> list[str]:
     part, worst = over[0]
     others = f", and {len(over) - 1} more" if len(over) > 1 else ""
     return [
-        f"A contact asks of the ground what it cannot give: {worst}{others}; that is {part:.3g} of the weight, "
-        f"{allowed:.3g} is allowed."
+        f"A contact asks of the ground what it cannot give: {worst} in phase {worst.phase!r}{others}; "
+        f"that is {part:.3g} of the weight, {allowed:.3g} is allowed."
     ]
 
 

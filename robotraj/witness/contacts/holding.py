@@ -11,12 +11,13 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.problem.constraints.base import Row
-from robotraj.witness.checks.violations import Violation, Watch
+from robotraj.solution.violation import Violation
+from robotraj.witness.checks.violations import Watch
 from robotraj.witness.contacts.stance import Instant, Stance, forces_in
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
 from robotraj.witness.protocols import Array, PhaseSolutionLike
-from robotraj.witness.sampling import stretches
+from robotraj.witness.sampling import interval_samples
 
 NEWTONS = {"N": 1, "N m": 1, "N^2": 2, "N s": 1, "N m s": 1, "N^2 s^2": 2, "m": 0, "m/s": 0, "W": 1}
 """Power of the force in the unit of a row, by which it is measured against the robot's weight; rest in SI units."""
@@ -86,10 +87,10 @@ def holding_of(
     watched = [_Watched(contact, stance, i) for i, contact in enumerate(phase.bound_contacts)]
     actuation = np.asarray(stance.robot.actuation, dtype=float)
     data = stance.robot.model.createData()
-    for stretch in stretches(planned, min(samples, MOST_SAMPLES)):
+    for part in interval_samples(planned, min(samples, MOST_SAMPLES)):
         clock()
-        sample = planned.at(stretch.times, interval=stretch.interval)
-        for i, t in enumerate(stretch.times):
+        sample = planned.at(part.times, interval=part.interval)
+        for i, t in enumerate(part.times):
             q, v = sample.q[i], sample.v[i]
             held = stance.rows(q, v)
             gaps = stance.by_contact(held.gap)
@@ -101,7 +102,7 @@ def holding_of(
             for watch in watched:
                 name = watch.contact.name
                 # Forces of contacts that come and go act over an interval: they are what they are at its end.
-                if watch.contact.holds or (i + 1) % len(stretch.sites) == 0:
+                if watch.contact.holds or (i + 1) % len(part.sites) == 0:
                     watch.see(instant, float(t), gaps[name], forces[name], None if solved is None else solved[name])
     return tuple(watch.result(phase.name) for watch in watched)
 

@@ -14,7 +14,7 @@ from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.dynamics.design.binding import realised
 from robotraj.solution.gait_cycles import Return, closing_of
-from robotraj.witness.mujoco.roots import QUATERNION, Root
+from robotraj.witness.mujoco.roots import QUATERNION, RootCoordinates
 from robotraj.witness.protocols import Array, SolutionLike
 
 AXES = ("x", "y", "z")
@@ -23,7 +23,7 @@ LEAST_PUSH = 0.2
 """Force [N] for every kilogram of the robot from which on a contact counts as pushing: a fiftieth of its weight."""
 
 
-class Passage(NamedTuple):
+class PeriodPhase(NamedTuple):
     """One phase of one period.
 
     Attributes
@@ -85,7 +85,7 @@ class Course:
         self.closing = closing_of(solution)
         self._impulses = _impulses(solution)
         self.periods = _count(periods, self.closing)
-        self.root = Root(self.robot.model)
+        self.root = RootCoordinates(self.robot.model)
 
     @property
     def nu(self) -> int:
@@ -129,12 +129,12 @@ class Course:
         return self._impulses.get(phase, {})
 
     @property
-    def passages(self) -> Iterator[Passage]:
+    def passages(self) -> Iterator[PeriodPhase]:
         """All phases of all periods, in the order they are passed through."""
         begin = 0.0
         for period in range(self.periods):
             for phase, duration in enumerate(self.durations):
-                yield Passage(phase, period, begin)
+                yield PeriodPhase(phase, period, begin)
                 begin += duration
 
     def grid(self, phase: int, step: float) -> Array:

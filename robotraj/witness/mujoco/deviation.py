@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj.dynamics.terrain.base import Ground
-from robotraj.witness.mujoco.roots import Root
+from robotraj.witness.mujoco.roots import RootCoordinates
 from robotraj.witness.protocols import Array
 from robotraj.witness.simulation.drift import Drift, DriftRow
 from robotraj.witness.simulation.plant import RATE_UNITS, VELOCITY_SCALE
@@ -55,7 +55,7 @@ def deviation_of(
         Whether the last sample is the end of the plan; if not, what is final is infinite.
     """
     names, units = labels(robot)
-    root = Root(robot.model)
+    root = RootCoordinates(robot.model)
     gaps = np.array([root.upright(position, gap) for position, gap in zip(q, gaps, strict=True)])
     sizes = np.nan_to_num(np.abs(gaps), nan=np.inf)
     speeds = np.abs(planned).max(axis=0, initial=0.0)
@@ -83,7 +83,7 @@ class Fall:
 
     def __init__(self, robot: Any, ground: Ground) -> None:
         self._model, self._data, self._ground = robot.model, robot.model.createData(), ground
-        self._root = Root(robot.model)
+        self._root = RootCoordinates(robot.model)
 
     def has(self, planned: Array, q: Array, gap: Array) -> bool:
         """Whether the robot at q (nq,) lies, where it should be at ``planned``."""

@@ -15,7 +15,7 @@ from robotraj.witness.mujoco.feet import SoftGround, feet_of, furnish
 from robotraj.witness.mujoco.loops import close, loops_of
 from robotraj.witness.mujoco.model import mujoco_robot
 from robotraj.witness.mujoco.report import SecondOpinion
-from robotraj.witness.mujoco.run import Run
+from robotraj.witness.mujoco.run import MujocoRun
 from robotraj.witness.protocols import SolutionLike
 
 
@@ -92,7 +92,7 @@ def second_opinion(
             furnish(course, feet, soft, spec, bodies)
 
     robot = mujoco_robot(course.robot, limits, touching)
-    run = Run(
+    run = MujocoRun(
         course, robot, feedback, feet, bool(feet or loops), Fall(course.robot, feet[0].ground if feet else Flat())
     )
     run.place(away)

@@ -19,7 +19,7 @@ import scipy
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.witness.contacts.constrained import Held, accelerate, impact
 from robotraj.witness.mujoco.feet import Foot, place
-from robotraj.witness.mujoco.roots import Root
+from robotraj.witness.mujoco.roots import RootCoordinates
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.protocols import Array
 
@@ -87,7 +87,7 @@ class LinearPhase:
         grown = scipy.linalg.expm(block * duration)
         return grown[:size, :size], grown[:size, size:]
 
-    def touchdown(self, q: Array, rate: Array, feet: Sequence[Foot], root: Root) -> Array:
+    def touchdown(self, q: Array, rate: Array, feet: Sequence[Foot], root: RootCoordinates) -> Array:
         """Matrix (2 nv, 2 nv) that takes a deviation through the impact as the phase begins.
 
         The impact comes when the feet reach the ground, not at its planned time; afterwards the plan is followed from
@@ -102,7 +102,7 @@ class LinearPhase:
             Planned rate of (q, v) just before it.
         feet : sequence of Foot
             Those that come down.
-        root : Root
+        root : RootCoordinates
         """
         nv = self.robot.model.nv
         landed = np.eye(2 * nv)
@@ -139,7 +139,7 @@ class LinearPhase:
             if found_out and contact.name not in pushing:
                 continue
             velocity = contact.spot.velocity if found_out else contact.velocity
-            point = _Moving(self.robot, self._data)
+            point = _SingleFrameMotion(self.robot, self._data)
             as_numbers(velocity(point), contact.name)
             for name, index in tuple(point.read.items()):
                 columns = [as_numbers(velocity(point.with_motion(name, unit)), contact.name) for unit in np.eye(6)]
@@ -178,7 +178,7 @@ class LinearPhase:
         return accelerate(self.robot.model, self._data, q, v, applied, held._replace(bias=held.bias + pull))[0]
 
 
-class _Moving:
+class _SingleFrameMotion:
     """A point at which one frame moves and all others stand still: the rows of contacts are linear in such motions."""
 
     def __init__(self, robot: Any, data: Any) -> None:
@@ -186,7 +186,7 @@ class _Moving:
         self._moving: tuple[str, Array] = ("", np.zeros(6))
         self.read: dict[str, int] = {}
 
-    def with_motion(self, name: str, motion: Array) -> _Moving:
+    def with_motion(self, name: str, motion: Array) -> _SingleFrameMotion:
         """Move a frame, with velocity (6,) in world axes."""
         self._moving = name, motion
         return self

@@ -16,7 +16,7 @@ QUATERNION = slice(3, 7)
 PLANAR = ["root_x", "root_z", "root_pitch"]
 
 
-class Root:
+class RootCoordinates:
     """A root that is fixed, planar (x, z and pitch first) or floating.
 
     Parameters

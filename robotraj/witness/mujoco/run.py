@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj.witness.checks.residual import TORQUE_UNITS
-from robotraj.witness.mujoco.course import Course, Passage
+from robotraj.witness.mujoco.course import Course, PeriodPhase
 from robotraj.witness.mujoco.deviation import Fall, deviation_of
 from robotraj.witness.mujoco.feedback import Feedback
 from robotraj.witness.mujoco.feet import Foot, place
@@ -41,7 +41,7 @@ EARLY, LATE = 0.6, 1.3
 """Shares of a phase's duration: before the first a touchdown is a stumble, after the second the foot is not coming."""
 
 
-class Run:
+class MujocoRun:
     """The state of a simulation, and what it has seen.
 
     Parameters
@@ -91,7 +91,7 @@ class Run:
         self._data.qpos[:] = self._robot.coordinates.qpos(q)
         self._data.qvel[:] = self._robot.coordinates.qvel(q, start.v[0] + away[nv:])
 
-    def through(self, passage: Passage, step: float) -> bool:
+    def through(self, passage: PeriodPhase, step: float) -> bool:
         """Pass through a phase; False if the robot fell or the simulation blew up."""
         course, name = self._course, self._course.phases[passage.phase].phase.name
         times, coming = course.grid(passage.phase, step), self._coming(passage)
@@ -137,7 +137,7 @@ class Run:
             self._keep(name, q[last], v[last], here, none, none > 0)
         return True
 
-    def _coming(self, passage: Passage) -> tuple[str, ...]:
+    def _coming(self, passage: PeriodPhase) -> tuple[str, ...]:
         """Feet whose touchdown ends a passage."""
         following = passage.phase + 1
         over, phase = divmod(following, len(self._course.phases))
@@ -145,7 +145,7 @@ class Run:
             return ()
         return tuple(self._course.foot_onwards(name, passage.period + over)[0] for name in self._course.lands(phase))
 
-    def _extended(self, passage: Passage, times: Array, duration: float) -> tuple[Array, Array]:
+    def _extended(self, passage: PeriodPhase, times: Array, duration: float) -> tuple[Array, Array]:
         """Planned positions and velocities; beyond the end of the phase the last velocity goes on."""
         sample = self._course.reference(passage.phase, times)
         q, v = self._course.onwards(sample.q, sample.v, passage.period)
@@ -153,7 +153,7 @@ class Run:
             q[k] = pin.integrate(self._pin, q[k], v[k] * (times[k] - duration))
         return q, v
 
-    def _anchor(self, passage: Passage, planned: Array) -> None:
+    def _anchor(self, passage: PeriodPhase, planned: Array) -> None:
         """See the plan from where the feet stand that have come down, not from where they should."""
         landed = self._course.lands(passage.phase)
         if not landed or (passage.phase, passage.period) == (0, 0):
@@ -179,7 +179,7 @@ class Run:
         self._names.append(name)
         self._rows.append((np.array([self._time]), q, v, here, away, added, full))
 
-    def _expect(self, passage: Passage, times: Array, sizes: Array) -> None:
+    def _expect(self, passage: PeriodPhase, times: Array, sizes: Array) -> None:
         """Add up the impulses of the planned contact forces, those of impacts included."""
         planned = self._course.phases[passage.phase]
         forces = planned.at(self._course.starts[passage.phase] + times).forces

@@ -24,7 +24,7 @@ from robotraj.witness.simulation.robot import Simulation, split
 
 
 @dataclass(frozen=True)
-class Tracking:
+class TrackingResult:
     """How well feedback holds a robot on its plan.
 
     Attributes
@@ -63,7 +63,7 @@ def track(
     rtol: float = 1e-8,
     atol: float = 1e-10,
     samples_per_interval: int = 10,
-) -> Tracking:
+) -> TrackingResult:
     """Simulate tau = tau_plan + kp (q_plan - q) + kd (v_plan - v) of the actuated joints.
 
     Open-loop drift of an unstable motion grows whatever the mesh; this asks whether feedback keeps it. Contacts hold
@@ -135,7 +135,7 @@ def track(
         if motion.failure is not None:
             failure = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"
             break
-    return Tracking(drifts.merge(rows), largest(added), tuple(motions), failure)
+    return TrackingResult(drifts.merge(rows), largest(added), tuple(motions), failure)
 
 
 def _always(gain: Array, times: Array) -> Array:
