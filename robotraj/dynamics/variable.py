@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from robotraj._util.errors import unknown_name
-from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj._util.values import dataclass
 from robotraj.guess.guess import Guess, PhaseGuess, default_parameters, ends_of
 from robotraj.guess.joint_motion import designed
 from robotraj.guess.minimum_jerk import through

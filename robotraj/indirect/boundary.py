@@ -15,6 +15,7 @@ Source: Bryson and Ho, Applied Optimal Control (1975), sections 2.7, 2.8 and 3.9
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -22,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from robotraj._util.errors import InputError
-from robotraj._util.values import dataclass
 from robotraj.native.engines.compiled import Compiled
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
 from robotraj._util.errors import InputError, unknown_name
-from robotraj._util.values import dataclass
 from robotraj.guess.guess import Guess
 from robotraj.planning.solve import solve
 from robotraj.problem.phase import Phase

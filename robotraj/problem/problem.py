@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
 from robotraj._util.errors import InputError
-from robotraj._util.values import dataclass
 from robotraj.problem.links.base import BoundLink, Link
 from robotraj.problem.links.continuity import running_on
 from robotraj.problem.phase import Phase

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -10,7 +11,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.trajectory import PiecewisePolynomial
-from robotraj._util.values import dataclass
 from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]

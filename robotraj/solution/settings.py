@@ -6,12 +6,11 @@ The values are chosen in ``robotraj.planning.settings``. They are defined here s
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field, fields
+from dataclasses import dataclass, field, fields
 from textwrap import wrap
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import as_call
-from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine
 from robotraj.solution.proof import Goals
 from robotraj.solvers.base import Solver

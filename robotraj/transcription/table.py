@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-
-from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from robotraj._util.values import dataclass
+from dataclasses import dataclass
+
 from robotraj.guess.guess import Guess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError
-from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.variable import Variable
 from robotraj.robot.memory import PerRobot

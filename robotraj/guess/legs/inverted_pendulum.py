@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.splines import through
-from robotraj._util.values import dataclass
 from robotraj.guess.guess import Curve, Guess, PhaseGuess, default_parameters
 from robotraj.guess.legs.footsteps import Footsteps
 from robotraj.guess.legs.schedule import schedule_of

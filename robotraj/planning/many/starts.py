@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from robotraj._util.values import dataclass
 from robotraj.guess.guess import Guess, PhaseGuess
 from robotraj.native.engines.base import Engine
 from robotraj.solvers.base import Multipliers

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
-from robotraj._util.values import dataclass, own_fields
+from robotraj._util.values import own_fields
 from robotraj.dynamics.rigid_body import RigidBody
 
 if TYPE_CHECKING:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError, called
-from robotraj._util.values import dataclass
 from robotraj.problem.constraints.path import flat
 
 

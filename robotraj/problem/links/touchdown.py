@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
-from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import LimitRow
 from robotraj.dynamics.holding import anchors, torques
 from robotraj.dynamics.rigid_body import RigidBody

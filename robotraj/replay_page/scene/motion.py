@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-
-from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]
 FINEST = 8

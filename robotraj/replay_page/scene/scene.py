@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import meshcat
@@ -14,7 +15,6 @@ from meshcat.path import Path as NodePath
 from numpy.typing import NDArray
 from trimesh import creation
 
-from robotraj._util.values import dataclass
 from robotraj.replay_page.clearance import clearance_scene
 from robotraj.replay_page.colors import rgb
 from robotraj.replay_page.contacts import contact_scene

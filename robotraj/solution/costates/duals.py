@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, overload
 
 from robotraj._util.trajectory import PiecewisePolynomial
-from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True, eq=False)

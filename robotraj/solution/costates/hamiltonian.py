@@ -9,6 +9,7 @@ a row is active, it is measured from its bound and vanishes.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +17,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rows import as_rows
 from robotraj.problem.constraints.base import Row, Where
