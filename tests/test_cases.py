@@ -13,7 +13,8 @@ import pytest
 import yaml
 
 import robotraj as rt
-from robotraj.guess.guess import Guess, PhaseGuess, default_parameters
+from robotraj.guess.base import InitialGuess, PhaseGuess
+from robotraj.guess.ends import default_parameters
 
 CASES = {case["id"]: case for case in yaml.safe_load((Path(__file__).parent / "cases" / "systems.yaml").read_text())}
 LECTURE = rt.HermiteSimpson(control=rt.schemes.LinearControl(), quadrature=rt.schemes.TrapezoidalQuadrature())
@@ -33,7 +34,7 @@ def number(value: Any) -> float:
 
 
 @dataclass(frozen=True)
-class Line(Guess):
+class Line(InitialGuess):
     """States and controls on straight lines through rows."""
 
     duration: float

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 
 import robotraj as rt
-from robotraj.guess.guess import Guess
+from robotraj.guess.base import InitialGuess
 from robotraj.transcription.schemes.collocation import Collocation
 
 TOLERANCE = 1e-6
@@ -20,7 +20,7 @@ class Case:
     ----------
     name : str
     problem : Problem or Phase
-    guess : Guess
+    guess : InitialGuess
     exact : float
         The optimum of the continuous problem.
     accuracy : float
@@ -31,7 +31,7 @@ class Case:
 
     name: str
     problem: rt.Problem | rt.Phase
-    guess: Guess
+    guess: InitialGuess
     exact: float
     accuracy: float
     source: str

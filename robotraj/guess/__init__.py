@@ -1,6 +1,6 @@
-"""Where a solver starts: straight lines, keyframes, inverse kinematics, earlier solutions, and walks of legs.
+"""Initial guesses: arrays, straight lines, keyframes, inverse kinematics, earlier solutions, and walks of legs.
 
-Start with ``guess.py``. The room may import ``problem`` and what lies below.
+Start with ``base.py``. The room may import ``problem`` and what lies below.
 """
 
 import lazy_loader

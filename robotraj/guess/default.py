@@ -1,17 +1,22 @@
-"""The guess that is made where none is given."""
+"""What ``rt.plan(guess=...)`` accepts, and the guess where none is given."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from robotraj.guess.guess import Guess, StraightLine
+from robotraj._util.errors import InputError
+from robotraj.guess.base import InitialGuess
+from robotraj.guess.from_solution import FromSolution, is_solution
+from robotraj.guess.guess import EachPhase
+from robotraj.guess.straight_line import StraightLine
 
 if TYPE_CHECKING:
     from robotraj.problem.problem import Problem
 
 
-def default_guess(problem: Problem) -> Guess:
-    """Choose the guess: an inverted pendulum for one robot with a free root on contacts, else a straight line."""
+def default_guess(problem: Problem) -> InitialGuess:
+    """Return an inverted pendulum for one robot with a free root on contacts, else a straight line."""
     robots = {id(phase.robot) for phase in problem.phases}
     robot = problem.phases[0].robot
     footed = any(contact.anchors for phase in problem.phases for contact in phase.bound_contacts)
@@ -20,3 +25,23 @@ def default_guess(problem: Problem) -> Guess:
 
         return InvertedPendulum()
     return StraightLine()
+
+
+def as_guess(value: object) -> InitialGuess | None:
+    """Accept a guess, a sequence with one guess a phase, an earlier solution or None.
+
+    Raises
+    ------
+    InputError
+        Any other value.
+    """
+    if value is None or isinstance(value, InitialGuess):
+        return value
+    if is_solution(value):
+        return FromSolution(value)
+    if isinstance(value, Sequence) and value and all(isinstance(entry, InitialGuess) for entry in value):
+        return EachPhase(value)
+    raise InputError(
+        "guess= must be None, a guess such as rt.guess.StraightLine(), a sequence with one guess a phase, or a "
+        f"Solution; got {type(value).__name__}."
+    )

@@ -11,7 +11,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.guess.guess import Guess, PhaseGuess, default_parameters, ends_of
+from robotraj.guess.base import InitialGuess, PhaseGuess
+from robotraj.guess.ends import default_parameters, ends_of
 from robotraj.guess.joint_motion import designed
 from robotraj.guess.minimum_jerk import through
 from robotraj.problem.objectives.terminal_pose import target_of
@@ -33,7 +34,7 @@ RESTARTS = 30
 
 
 @dataclass(frozen=True)
-class InverseKinematics(Guess):
+class InverseKinematics(InitialGuess):
     """Joint positions that bring a frame to a target at the end, and minimum jerk to them.
 
     Damped least squares from the start, then from seeded random configurations, inside the position limits of

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.guess.guess import (
-    Curve,
-    Guess,
-    PhaseGuess,
-    constant,
-    default_parameters,
-    guessed_duration,
-    middle_of,
-    turned,
-)
+from robotraj._util.values import own_fields
+from robotraj.guess.base import Curve, InitialGuess, PhaseGuess, zeros
+from robotraj.guess.ends import default_parameters, guessed_duration, middle_of, normalised_state
+from robotraj.guess.samples import check_samples, named_samples
 from robotraj.problem.state import State
 from robotraj.robot.chart import Chart
 
@@ -30,29 +24,39 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Keyframes(Guess):
+class Keyframes(InitialGuess):
     """States through key poses.
 
-    States of a System run on straight lines. A robot's positions run on the monotone piecewise cubic through
-    the poses, without overshoot and at rest where they turn; velocities and accelerations are that curve's
-    own.
+    States of a System run on straight lines. Positions of a robot run on the monotone piecewise cubic through the
+    poses, without overshoot and at rest where they turn, or with the velocities that a keyframe fixes. Velocities and
+    accelerations are the rates of that curve. Controls run on straight lines.
     Source: Fritsch and Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984).
 
     Parameters
     ----------
     fractions : sequence of float
-        Where the keyframes are, ascending from 0 to 1.
+        Places of the keyframes, ascending from 0 to 1.
     states : sequence of State
-        One state per fraction; entries left free are 0. Of a robot's keyframes only the positions are read.
+        One state per fraction. Positions and states that are left free are 0.
     duration : float, optional
         Guessed duration [s] where it is free.
+    controls : array_like or mapping of str to array_like, optional
+        One row per fraction (m, nu), torques of the actuated joints [N m, N] for a robot; or (m,) by control or joint.
+        0 by default.
+
+    Raises
+    ------
+    InputError
+        Another number of states or controls than of fractions, or fractions that do not ascend from 0 to 1.
     """
 
     fractions: Sequence[float]
     states: Sequence[State]
     duration: float | None = None
+    controls: ArrayLike | Mapping[str, ArrayLike] | None = None
 
     def __post_init__(self) -> None:
+        own_fields(self)
         if len(self.fractions) != len(self.states) or len(self.states) < 2:
             raise InputError(
                 f"Keyframes needs one state per fraction and at least two; got {len(self.fractions)} "
@@ -60,37 +64,71 @@ class Keyframes(Guess):
             )
         if not np.all(np.diff(self.fractions) > 0) or self.fractions[0] != 0 or self.fractions[-1] != 1:
             raise InputError(f"The fractions of Keyframes must ascend from 0 to 1; got {list(self.fractions)}.")
+        if self.controls is not None:
+            check_samples(self.controls, len(self.fractions), "controls of Keyframes")
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
-        """Interpolate between the keyframes."""
-        keys = np.array([turned(phase, middle_of(state.bounds(phase.dae, "keyframe"), 0.0)) for state in self.states])
+        """Interpolate between the keyframes.
+
+        Raises
+        ------
+        InputError
+            Unknown names, or a wrong number of values.
+        """
         duration = guessed_duration(phase, self.duration)
-        states, algebraic = _through(phase, self.fractions, keys, duration)
-        return PhaseGuess(duration, states, algebraic, constant(len(phase.dae.controls)), default_parameters(phase))
+        states, algebraic = self._motion(phase, duration)
+        return PhaseGuess(duration, states, algebraic, self._controls(phase), default_parameters(phase))
 
+    def _motion(self, phase: Phase, duration: float) -> tuple[Curve, Curve]:
+        """Return curves of the states and of the algebraic variables."""
+        import scipy
 
-def _through(phase: Phase, fractions: Sequence[float], keys: Array, duration: float) -> tuple[Curve, Curve]:
-    """States and algebraic variables of a motion through key states (m, nx)."""
-    nz = len(phase.dae.algebraic)
-    import scipy
+        fractions, nz, robot = self.fractions, len(phase.dae.algebraic), phase.robot
+        bounds = [state.bounds(phase.dae, "keyframe") for state in self.states]
+        keys = np.array([normalised_state(phase, middle_of(pair, 0.0)) for pair in bounds])
+        if robot is None:
+            return cast(Curve, scipy.interpolate.make_interp_spline(fractions, keys, k=1)), zeros(nz)
+        nq, nv = robot.nq, robot.nv
+        # States that the objective adds come last and start at 0.
+        added = len(phase.dae.states) - nq - nv
+        pace = duration if duration > 0 else 1.0
+        chart = Chart.around(robot.model, keys[0, :nq])
+        at = chart.coordinates(keys[:, :nq])
+        rates = scipy.interpolate.PchipInterpolator(fractions, at).derivative()(fractions)
+        given = np.array([middle_of(pair, np.nan)[nq : nq + nv] for pair in bounds])
+        v = np.where(np.isnan(given), chart.velocities(at, rates / pace), given)
+        slopes = np.array([chart.slopes(*row) for row in zip(at, v, strict=True)]) * pace
+        y = scipy.interpolate.CubicHermiteSpline(fractions, at, slopes)
+        rate, second = y.derivative(1), y.derivative(2)
 
-    if phase.robot is None:
-        return scipy.interpolate.make_interp_spline(fractions, keys, k=1), constant(nz)
-    # What an objective added comes last and starts from 0.
-    nq, nv, further = phase.robot.nq, phase.robot.nv, len(phase.dae.states) - len(phase.body.states)
-    chart = Chart.around(phase.robot.model, keys[0, :nq])
-    y = scipy.interpolate.PchipInterpolator(fractions, chart.coordinates(keys[:, :nq]))
-    rate, second = y.derivative(1), y.derivative(2)
-    pace = duration if duration > 0 else 1.0
+        def states(s: Array) -> Array:
+            at, v = chart.positions(y(s)), chart.velocities(y(s), rate(s) / pace)
+            return np.column_stack([at, v, np.zeros((len(s), added))])
 
-    def states(s: Array) -> Array:
-        at = y(s)
-        return np.column_stack([chart.positions(at), chart.velocities(at, rate(s) / pace), np.zeros((len(s), further))])
+        def algebraic(s: Array) -> Array:
+            values = np.zeros((len(s), nz))
+            if phase.body.algebraic:
+                values[:, :nv] = chart.accelerations(y(s), rate(s) / pace, second(s) / pace**2)
+            return values
 
-    def algebraic(s: Array) -> Array:
-        values = np.zeros((len(s), nz))
-        if phase.body.algebraic:
-            values[:, :nv] = chart.accelerations(y(s), rate(s) / pace, second(s) / pace**2)
-        return values
+        return states, algebraic
 
-    return states, algebraic
+    def _controls(self, phase: Phase) -> Curve:
+        if self.controls is None:
+            return zeros(len(phase.dae.controls))
+        count, robot = len(self.fractions), phase.robot
+        names, kind = ([c.name for c in phase.body.controls], "control") if robot is None else (robot.actuated, "joint")
+        samples = check_samples(self.controls, count, "controls of Keyframes")
+        prefix = "" if robot is None else "tau."
+        known = {
+            f"{prefix}{name}": column
+            for name, column in named_samples(samples, names, count, "controls of Keyframes", kind).items()
+        }
+        zero = np.zeros(count)
+        table = [known.get(control.name, zero) for control in phase.dae.controls]
+
+        def curve(s: Array) -> Array:
+            columns = [np.interp(s, self.fractions, column) for column in table]
+            return np.column_stack(columns or [np.zeros((len(s), 0))])
+
+        return curve

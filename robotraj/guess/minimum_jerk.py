@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.guess.guess import Guess, PhaseGuess, constant, default_parameters, ends_of, guessed_duration
+from robotraj.guess.base import InitialGuess, PhaseGuess, zeros
+from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.joint_motion import fractions_of, joint_motion, quintic, speeds_of
 from robotraj.robot.chart import Chart
 
@@ -20,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class MinimumJerk(Guess):
+class MinimumJerk(InitialGuess):
     """The motion of least integrated squared jerk from start to end, through waypoints.
 
     From rest to rest without waypoints, q = q_0 + (q_1 - q_0) (10 s^3 - 15 s^4 + 6 s^5), s the fraction of
@@ -73,8 +74,8 @@ class MinimumJerk(Guess):
         return PhaseGuess(
             guessed_duration(phase, self.duration),
             quintic(fractions, keys, still, still),
-            constant(len(phase.dae.algebraic)),
-            constant(len(phase.dae.controls)),
+            zeros(len(phase.dae.algebraic)),
+            zeros(len(phase.dae.controls)),
             default_parameters(phase),
         )
 

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotraj.guess.guess import Guess, PhaseGuess
+from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.problem.constraints.base import Where
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import normalised
@@ -29,7 +29,7 @@ MODES = 4
 
 
 @dataclass(frozen=True)
-class Perturbed(Guess):
+class Perturbed(InitialGuess):
     """Another guess with smooth random perturbations, the same for the same seed.
 
     To every state is added  size sum_k c_k sin(k pi s) / k,  s the fraction of the phase and c_k standard
@@ -41,18 +41,18 @@ class Perturbed(Guess):
 
     Parameters
     ----------
-    guess : Guess
+    guess : InitialGuess
     seed : int or sequence of int
         Seeds NumPy's default generator, together with the index of the phase.
     spread : float
         0 leaves the guess as it is.
     """
 
-    guess: Guess
+    guess: InitialGuess
     seed: int | tuple[int, ...]
     spread: float = 1.0
 
-    def prepared(self, problem: Problem) -> Guess:
+    def prepared(self, problem: Problem) -> InitialGuess:
         """Prepare the guess that is perturbed."""
         return Perturbed(self.guess.prepared(problem), self.seed, self.spread)
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, require_solution
-from robotraj.guess.guess import Guess, PhaseGuess
+from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.problem.constraints.base import AtEnd, AtStart, Row, Where
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.links.continuity import Continuity
@@ -58,7 +58,7 @@ class BoundArc:
 
 
 @dataclass(frozen=True)
-class Cut(Guess):
+class Cut(InitialGuess):
     """Start every phase from its piece of an earlier solution of one phase.
 
     Parameters
@@ -88,7 +88,7 @@ class Cut(Guess):
         return PhaseGuess(last - first, states, algebraic, controls, self.source.parameters)
 
 
-def cut_at_junctions(solution: Solution) -> tuple[Problem, Guess]:
+def cut_at_junctions(solution: Solution) -> tuple[Problem, InitialGuess]:
     """Restate a motion as one phase per arc of its active state bounds, and the motion as its guess.
 
     Bounds of states are those of ``states=`` and joint limits, on position and speed. Solve the problem on a few
@@ -107,7 +107,7 @@ def cut_at_junctions(solution: Solution) -> tuple[Problem, Guess]:
     -------
     Problem
         Phases joined by ``Continuity``, of free durations that add up to one that the motion may have.
-    Guess
+    InitialGuess
 
     Raises
     ------

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, require_solution
-from robotraj.guess.guess import Guess, PhaseGuess
+from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.indirect.arcs import Arc, affine_controls, control_bounds, find_arcs
 from robotraj.indirect.boundary import EndData, boundary_value_problem, end_data, potential
 from robotraj.indirect.checks import complaints, refuse_active_constraints
@@ -115,7 +115,7 @@ def _solve(
     knots = known.solution.knots
     counts = [max(2, int(np.ceil(np.sum((knots > a.start) & (knots < a.end)) / 3))) for a in arcs]
     meshes = [Mesh(count, LobattoIIIA(POINTS)) for count in counts]
-    guess: Guess = FromDirect(equations, known, tuple(arcs), _multipliers(equations, known, ends))
+    guess: InitialGuess = FromDirect(equations, known, tuple(arcs), _multipliers(equations, known, ends))
     steps = 0
     for _ in range(MOST_ROUNDS):
         nlp = transcribe(problem, meshes, guess)
@@ -189,7 +189,7 @@ def _multipliers(equations: Pontryagin, known: PhaseCostates, ends: EndData) -> 
     return np.asarray(np.linalg.lstsq(np.array(matrix)[free], wanted[free], rcond=None)[0])
 
 
-class FromDirect(Guess):
+class FromDirect(InitialGuess):
     """States, costates and controls of a direct solution, arc by arc."""
 
     def __init__(self, equations: Pontryagin, known: PhaseCostates, arcs: tuple[Arc, ...], multipliers: Array) -> None:
@@ -218,7 +218,7 @@ class FromDirect(Guess):
         return PhaseGuess(arc.end - arc.start, states, algebraic, lambda s: np.zeros((len(s), 0)), multipliers)
 
 
-class FromArcs(Guess):
+class FromArcs(InitialGuess):
     """The arcs of an earlier mesh."""
 
     def __init__(self, trajectories: Sequence[PhaseTrajectory]) -> None:

@@ -8,7 +8,7 @@ from enum import Enum
 from typing import Any
 
 from robotraj._util.errors import InputError, unknown_name
-from robotraj.guess.guess import Guess
+from robotraj.guess.base import InitialGuess
 from robotraj.planning.solve import solve
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -137,10 +137,10 @@ def _changes(given: Mapping[str, Any], phase: Phase) -> dict[str, Any]:
 def run_steps(
     problem: Problem,
     continuation: Sequence[ContinuationStep],
-    guess: Guess | Solution | None,
+    guess: InitialGuess | Solution | None,
     settings: Settings,
     progress: Progress | None = None,
-) -> tuple[Guess | Solution | None, tuple[ContinuationRecord, ...], Solution | None]:
+) -> tuple[InitialGuess | Solution | None, tuple[ContinuationRecord, ...], Solution | None]:
     """Solve the stages in order; return the guess they leave for the problem itself, and what each did.
 
     A stage that fails is recorded, and the next one starts from where the failed one had started. One that is
@@ -151,7 +151,7 @@ def run_steps(
     ----------
     problem : Problem
     continuation : sequence of ContinuationStep
-    guess : Guess, Solution or None
+    guess : InitialGuess, Solution or None
         Of the first step.
     settings : Settings
         Of steps that do not bring a mesh or solver of their own.
@@ -194,13 +194,13 @@ def run_steps(
     return guess, tuple(records), None
 
 
-def found_by(records: Sequence[ContinuationRecord], guess: Guess | Solution | None) -> Solution | None:
+def found_by(records: Sequence[ContinuationRecord], guess: InitialGuess | Solution | None) -> Solution | None:
     """Give the last solution of the stages, as interrupted, for Ctrl-C where no solver waits for it.
 
     Parameters
     ----------
     records : sequence of ContinuationRecord
-    guess : Guess, Solution or None
+    guess : InitialGuess, Solution or None
         That the stages left.
 
     Returns

@@ -12,8 +12,10 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.rigid_body import InverseDynamics
-from robotraj.guess.guess import Guess, PhaseGuess, StraightLine, ends_of, guessed_duration
+from robotraj.guess.base import InitialGuess, PhaseGuess
+from robotraj.guess.ends import ends_of, guessed_duration
 from robotraj.guess.joint_motion import joint_motion
+from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.settings import resolve
 from robotraj.planning.solve import solve
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, symbols_of
@@ -35,7 +37,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Kinematic(Guess):
+class Kinematic(InitialGuess):
     """Plan the same problem without dynamics first, and start from that motion.
 
     Accelerations are the controls; ends, limits of position, velocity and acceleration, links and every
@@ -47,7 +49,7 @@ class Kinematic(Guess):
     ----------
     mesh : Mesh
         Of the kinematic plan, for every phase.
-    guess : Guess, optional
+    guess : InitialGuess, optional
         For the kinematic plan; a straight line by default.
     solver : Solver
     duration : float, optional
@@ -55,7 +57,7 @@ class Kinematic(Guess):
     """
 
     mesh: Mesh = field(default_factory=lambda: Mesh(20))
-    guess: Guess = field(default_factory=StraightLine)
+    guess: InitialGuess = field(default_factory=StraightLine)
     solver: Solver = field(default_factory=Ipopt)
     duration: float | None = None
 
@@ -63,7 +65,7 @@ class Kinematic(Guess):
         """Plan one phase by itself."""
         return self.prepared(Problem([phase])).of(phase, 0)
 
-    def prepared(self, problem: Problem) -> Guess:
+    def prepared(self, problem: Problem) -> InitialGuess:
         """Plan all phases and their links without dynamics.
 
         A kinematic plan that fails warns, and its last iterate is the guess.
@@ -86,7 +88,7 @@ class Kinematic(Guess):
 
 
 @dataclass(frozen=True)
-class _Planned(Guess):
+class _Planned(InitialGuess):
     """Motions of the joints, one for each phase."""
 
     phases: Sequence[PhaseSolution]

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from robotraj._util.errors import InputError, NoSolutionFound
-from robotraj.guess.guess import Guess
+from robotraj.guess.base import InitialGuess
+from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.continuation import ContinuationStep, found_by, run_steps
 from robotraj.planning.diagnosis.ends import unheld_ends
@@ -30,7 +31,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 def plan(
     problem: Problem | Phase,
     mesh: Mesh | Sequence[Mesh] | None = None,
-    guess: Guess | Solution | None = None,
+    guess: InitialGuess | Solution | Sequence[InitialGuess] | None = None,
     solver: Solver | None = None,
     *,
     engine: Engine | None = None,
@@ -53,8 +54,9 @@ def plan(
     problem : Problem or Phase
     mesh : Mesh or sequence of Mesh, optional
         One for all phases or one for each. With ``tolerance``, the first mesh.
-    guess : Guess or Solution, optional
-        ``rt.guess.StraightLine()`` by default. An earlier solution on any mesh and scheme is a warm start.
+    guess : InitialGuess, Solution or sequence of InitialGuess, optional
+        A straight line by default, for legs an inverted pendulum. ``rt.Guess(times, q=..., tau=...)`` takes arrays, a
+        sequence has one guess for each phase. An earlier solution on any mesh and scheme is a warm start.
     solver : Solver, optional
         Such as ``rt.InteriorPoint()``, which works by stages, or ``rt.Ipopt()``.
     engine : Engine, optional
@@ -140,6 +142,8 @@ def plan(
         problem = Problem([problem])
     if not isinstance(problem, Problem):
         raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
+    if not isinstance(guess, Solution):
+        guess = as_guess(guess)
     given = {
         "tolerance": tolerance,
         "goals": goals,

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robotraj.guess.guess import Guess
+from robotraj.guess.base import InitialGuess
 from robotraj.planning.sharpening import Sharpening
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
@@ -44,7 +44,7 @@ SMALL = 1e-2
 
 def adapt(
     problem: Problem,
-    guess: Guess | Solution | None,
+    guess: InitialGuess | Solution | None,
     settings: Settings,
     progress: Progress | None = None,
 ) -> Solution:
@@ -65,7 +65,7 @@ def adapt(
     # Below 1e-7 a guard would chase the solver's own round-off.
     limits = replace(limits, tolerance=min(limits.tolerance, max(1e-7, 0.1 * tolerance)))
     total: dict[str, float] = {}
-    known: Guess | Solution | None = guess
+    known: InitialGuess | Solution | None = guess
     holding = False
     sharpening = Sharpening(settings.solver)
 
@@ -85,7 +85,7 @@ def adapt(
             holding = (worst <= tolerance and settled) or worst >= min((step.error for step in steps), default=np.inf)
         return holding
 
-    def solved(known: Guess | Solution | None, hold: Callable[[Solution], bool] | None) -> Solution:
+    def solved(known: InitialGuess | Solution | None, hold: Callable[[Solution], bool] | None) -> Solution:
         own = replace(settings, mesh=tuple(meshes), solver=sharpening.solver, interval_limits=limits)
         return solve(problem, known, own, progress, hold)
 

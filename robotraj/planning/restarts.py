@@ -19,9 +19,10 @@ from itertools import chain
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import default_guess
-from robotraj.guess.guess import Guess, StraightLine
 from robotraj.guess.perturbed import Perturbed
+from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.diagnosis.elastic import stretched
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
@@ -34,14 +35,14 @@ LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
 """Ends from which another beginning may lead away."""
 
 
-Solve = Callable[[Problem, Guess | Solution | None], Solution]
+Solve = Callable[[Problem, InitialGuess | Solution | None], Solution]
 """(problem, guess) -> Solution, on the same mesh."""
 
 
 def restarted(
     failed: Solution,
     nlp: Nlp,
-    guess: Guess | Solution | None,
+    guess: InitialGuess | Solution | None,
     solve: Solve,
     restarts: Restarts,
     coarsely: Solve,
@@ -57,7 +58,7 @@ def restarted(
         What the solver ended with.
     nlp : Nlp
         What it was given, with the durations it started from.
-    guess : Guess, Solution or None
+    guess : InitialGuess, Solution or None
         What the user gave. Guesses with a course of their own are not replaced, and only where there is none is there a
         default to vary.
     solve : callable
@@ -91,7 +92,7 @@ def restarted(
 
 
 def _from_elsewhere(
-    problem: Problem, guess: Guess | Solution | None, solve: Solve, seeds: Sequence[int], coarsely: Solve
+    problem: Problem, guess: InitialGuess | Solution | None, solve: Solve, seeds: Sequence[int], coarsely: Solve
 ) -> Iterator[tuple[Solution, str]]:
     """Start from variations of the default guess, then from a motion that meets every row on a coarse mesh.
 
@@ -113,7 +114,7 @@ def _from_elsewhere(
 
 
 def _from_longer(
-    problem: Problem, nlp: Nlp, guess: Guess | Solution | None, solve: Solve, factors: Sequence[float]
+    problem: Problem, nlp: Nlp, guess: InitialGuess | Solution | None, solve: Solve, factors: Sequence[float]
 ) -> Iterator[tuple[Solution, str]]:
     """Start from motions that take longer; say so of each solution, and nothing of these motions themselves."""
     free = [layout.duration.column is not None for layout in nlp.layouts]

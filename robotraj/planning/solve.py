@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from robotraj.guess.guess import Guess, as_guess
+from robotraj.guess.base import InitialGuess
+from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import violations
@@ -56,7 +57,7 @@ NEAR = 1e-2
 
 def solve(
     problem: Problem,
-    guess: Guess | Solution | None,
+    guess: InitialGuess | Solution | None,
     settings: Settings,
     progress: Progress | None = None,
     hold: Callable[[Solution], bool] | None = None,
@@ -93,13 +94,13 @@ def solve(
     try:
         if settings.restarts.count and not solution.success:
 
-            def once_more(asked: Problem, start: Guess | Solution | None) -> Solution:
+            def once_more(asked: Problem, start: InitialGuess | Solution | None) -> Solution:
                 # Whether rows between the points are worth it is said of the problem's own solutions: others lead to
                 # them.
                 worth = hold if asked is problem else _never
                 return solve(asked, start, replace(settings, restarts=Restarts(0)), progress, worth)
 
-            def coarsely(asked: Problem, start: Guess | Solution | None) -> Solution:
+            def coarsely(asked: Problem, start: InitialGuess | Solution | None) -> Solution:
                 few = replace(
                     settings,
                     mesh=Mesh(COARSE, HermiteSimpson()),
@@ -159,7 +160,7 @@ def _never(solution: Solution) -> bool:
 def _again(
     problem: Problem,
     mesh: Mesh | Sequence[Mesh],
-    guess: Guess | Solution | None,
+    guess: InitialGuess | Solution | None,
     engine: Engine | None,
     interval_limits: ConstraintGeneration,
 ) -> Nlp | None:
@@ -211,7 +212,7 @@ def _violation(solution: Solution, bulge: Bulge) -> Violation:
 
 
 def _known_guards(
-    problem: Problem, mesh: Mesh | Sequence[Mesh], guess: Guess | Solution | None
+    problem: Problem, mesh: Mesh | Sequence[Mesh], guess: InitialGuess | Solution | None
 ) -> tuple[list[Guard], bool]:
     """Guards of an earlier solution, of rows that this problem has as well; and whether they are all on the same mesh.
 
@@ -252,7 +253,7 @@ def _ends(mesh: Mesh) -> Iterator[tuple[float, float]]:
 
 def _solve(
     nlp: Nlp,
-    guess: Guess | Solution | None,
+    guess: InitialGuess | Solution | None,
     multipliers: Multipliers | None,
     solver: Solver,
     progress: Progress | None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.guess.guess import Guess
+from robotraj.guess.base import InitialGuess
 from robotraj.native.engines.base import Engine
 from robotraj.transcription.collocation.index_reduction import settled
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
@@ -73,7 +73,7 @@ def transcribed_again(
     return _with_functions(again, nlp)
 
 
-def started_at(nlp: Nlp, guess: Guess) -> Nlp:
+def started_at(nlp: Nlp, guess: InitialGuess) -> Nlp:
     """Start an NLP at another guess; blocks, scales and functions are those of ``nlp``."""
     start = start_of(nlp.problem, nlp.layouts, nlp.link_columns, nlp.variables, guess)
     return _with_functions(replace(nlp, guess=start), nlp)

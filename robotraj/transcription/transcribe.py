@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.guess.default import default_guess
-from robotraj.guess.guess import Guess, PhaseGuess
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.problem.constraints.base import Where
 from robotraj.transcription.assembly.block import Block
@@ -55,7 +55,7 @@ INSIDE = 1e-9
 def transcribe(
     problem: Problem,
     mesh: Mesh | Sequence[Mesh],
-    guess: Guess | None = None,
+    guess: InitialGuess | None = None,
     engine: Engine | None = None,
     interval_limits: ConstraintGeneration | None = None,
 ) -> Nlp:
@@ -66,7 +66,7 @@ def transcribe(
     problem : Problem
     mesh : Mesh or sequence of Mesh
         One for all phases, or one for each.
-    guess : Guess, optional
+    guess : InitialGuess, optional
         Where the solver starts; ``default_guess`` by default.
     engine : Engine, optional
         Evaluates the point functions; ``rt.engines.VirtualMachine()`` by default.
@@ -145,7 +145,7 @@ def start_of(
     layouts: Sequence[PhaseLayout],
     link_columns: Sequence[NDArray[np.int_]],
     variables: Scalars,
-    guess: Guess,
+    guess: InitialGuess,
 ) -> Array:
     """Give the decision vector of a guess, inside the bounds, (n_w,)."""
     known = guess.prepared(problem)
@@ -239,7 +239,7 @@ def _columns_by_variable(phase: Phase, layout: PhaseLayout) -> dict[str, NDArray
     return found
 
 
-def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: Guess, size: int) -> Array:
+def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: InitialGuess, size: int) -> Array:
     w = np.zeros(size)
     t0 = 0.0
     for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):

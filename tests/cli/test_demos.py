@@ -15,7 +15,7 @@ SLOW = {"five_link_stairs", "solo12_trot", "solo12_jump", "bolt_walking", "talos
 
 def planned(name: str) -> rt.Solution:
     demo = demo_named(name).make()
-    known: rt.Guess | rt.Solution | None = demo.guess
+    known: rt.guess.InitialGuess | rt.Solution | None = demo.guess
     for mesh in demo.meshes:
         known = rt.plan(demo.problem, mesh, known, tolerance=demo.tolerance)
     assert isinstance(known, rt.Solution)

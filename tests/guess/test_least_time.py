@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.guess.guess import ends_of
+from robotraj.guess.ends import ends_of
 from robotraj.guess.least_time import Trapezoid, fastest_line
 
 FAST = rt.Duration()

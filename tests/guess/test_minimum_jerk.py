@@ -7,7 +7,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError, UnknownName
-from robotraj.guess.guess import Guess
+from robotraj.guess.base import InitialGuess
 
 S = np.linspace(0.0, 1.0, 41)
 
@@ -22,7 +22,7 @@ def reach(robot: rt.Robot, q: object, duration: object = 2.0, v: object = 0.0) -
     )
 
 
-def balance(phase: rt.Phase, guess: Guess) -> float:
+def balance(phase: rt.Phase, guess: InitialGuess) -> float:
     """Largest torque balance [N m] of an NLP at the guess."""
     nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(8), guess)
     names = np.array([entry.name for entry in nlp.rows.entries])[nlp.rows.meaning]

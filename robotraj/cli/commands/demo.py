@@ -38,7 +38,7 @@ def demo(
         return
     from robotraj._util.paths import output_path
     from robotraj.cli.conclude import Files, conclude
-    from robotraj.guess.guess import Guess
+    from robotraj.guess.base import InitialGuess
     from robotraj.planning.plan import plan
     from robotraj.solution.solution import Solution
 
@@ -46,7 +46,7 @@ def demo(
     say(f"{entry.name}: {entry.shows}\n")
     chosen = entry.make()
     say(f"{chosen.problem}\n")
-    known: Guess | Solution | None = chosen.guess
+    known: InitialGuess | Solution | None = chosen.guess
     for mesh in chosen.meshes:
         known = solution = plan(chosen.problem, mesh, known, tolerance=chosen.tolerance)
     conclude(solution, Files(target, save, plot, chosen.periods))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from robotraj.guess.guess import Guess
+from robotraj.guess.base import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.mesh import Mesh
@@ -19,7 +19,7 @@ class Demo:
     problem : Phase or Problem
     meshes : tuple of Mesh or of lists of Mesh
         Solved one after the other, each from the solution before.
-    guess : Guess or None
+    guess : InitialGuess or None
         Of the first mesh; None for the default.
     tolerance : float or None
         Relative error between knots to which the last mesh is refined; None keeps the mesh.
@@ -29,6 +29,6 @@ class Demo:
 
     problem: Phase | Problem
     meshes: tuple[Mesh | list[Mesh], ...]
-    guess: Guess | None = None
+    guess: InitialGuess | None = None
     tolerance: float | None = None
     periods: int = 1

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.splines import through
-from robotraj.guess.guess import Curve, Guess, PhaseGuess, default_parameters
+from robotraj.guess.base import Curve, InitialGuess, PhaseGuess
+from robotraj.guess.ends import default_parameters
 from robotraj.guess.legs.footsteps import Footsteps
 from robotraj.guess.legs.schedule import schedule_of
 from robotraj.guess.legs.stance import BalancedStance
@@ -35,7 +36,7 @@ LANDING = 0.02
 
 
 @dataclass(frozen=True)
-class InvertedPendulum(Guess):
+class InvertedPendulum(InitialGuess):
     """Feet on a timetable, the centre of mass a linear inverted pendulum on them, legs by inverse kinematics.
 
     The default guess of problems in which a robot with a free root stands on contacts. Nothing is asked for: the phases
@@ -63,7 +64,7 @@ class InvertedPendulum(Guess):
         """Guess a phase on its own, as a problem of one phase."""
         return self.prepared(Problem([phase])).of(phase, 0)
 
-    def prepared(self, problem: Problem) -> Guess:
+    def prepared(self, problem: Problem) -> InitialGuess:
         """Walk through the whole problem.
 
         Raises
@@ -82,7 +83,7 @@ class InvertedPendulum(Guess):
 
 
 @dataclass(frozen=True, eq=False)
-class _Walk(Guess):
+class _Walk(InitialGuess):
     """The guess of one problem."""
 
     steps: Footsteps

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from robotraj.guess.guess import guessed_duration
+from robotraj.guess.ends import guessed_duration
 from robotraj.problem.constraints.bounds import as_bounds
 from robotraj.problem.links.periodic import Mirror, Periodic
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, Interrupted
-from robotraj.guess.default import default_guess
-from robotraj.guess.guess import Guess, as_guess
+from robotraj.guess.base import InitialGuess
+from robotraj.guess.default import as_guess, default_guess
 from robotraj.guess.perturbed import Perturbed
 from robotraj.planning.many.starts import Shared, Start
 from robotraj.planning.many.sweep import attach, check_options, detach
@@ -125,7 +125,7 @@ def multistart(
     *,
     spread: float = 0.2,
     patience: int | None = None,
-    guess: Guess | Solution | None = None,
+    guess: InitialGuess | Solution | Sequence[InitialGuess] | None = None,
     executor: Executor | None = None,
     objective_tolerance: float = 1e-5,
     trajectory_tolerance: float = 1e-2,
@@ -148,7 +148,7 @@ def multistart(
         Size of the perturbations, relative to the ranges of the variables; see ``rt.guess.Perturbed``.
     patience : int, optional
         Stop when this many starts in a row found no lower optimum; all are made by default.
-    guess : Guess or Solution, optional
+    guess : InitialGuess, Solution or sequence of InitialGuess, optional
         A straight line by default.
     executor : concurrent.futures.Executor, optional
         As of ``rt.sweep``: one fresh process per core by default. Where a start takes less than the second that a
@@ -228,7 +228,7 @@ class _Search:
     """What all starts have in common."""
 
     problem: Problem
-    first: Guess
+    first: InitialGuess
     options: Mapping[str, Any]
 
 
@@ -242,7 +242,7 @@ class _Own(threading.local):
 _own = _Own()
 
 
-def _plan(search: _Search, guess: Guess) -> Solution:
+def _plan(search: _Search, guess: InitialGuess) -> Solution:
     shared = _own.known.setdefault(search, Shared(search.first))
     start = Start(guess, shared)
     return detach(plan(search.problem, guess=start, check=False, progress=False, **search.options))

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from robotraj.guess.guess import Guess, PhaseGuess
+from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.native.engines.base import Engine
 from robotraj.solvers.base import Multipliers
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
@@ -28,11 +28,11 @@ class Shared:
 
     Parameters
     ----------
-    reference : Guess
+    reference : InitialGuess
         That decides the scales.
     """
 
-    def __init__(self, reference: Guess) -> None:
+    def __init__(self, reference: InitialGuess) -> None:
         self._reference = reference
         self._problem: Problem | None = None
         self._nlp: Nlp | None = None
@@ -43,7 +43,7 @@ class Shared:
         self,
         problem: Problem,
         mesh: Mesh | Sequence[Mesh],
-        guess: Guess,
+        guess: InitialGuess,
         engine: Engine | None,
         interval_limits: ConstraintGeneration,
     ) -> Nlp | None:
@@ -68,19 +68,19 @@ class Shared:
 
 
 @dataclass(frozen=True, eq=False)
-class Start(Guess):
+class Start(InitialGuess):
     """A guess whose plan uses what earlier plans of the same problem made.
 
     Parameters
     ----------
-    guess : Guess
+    guess : InitialGuess
     shared : Shared
     """
 
-    guess: Guess
+    guess: InitialGuess
     shared: Shared
 
-    def prepared(self, problem: Problem) -> Guess:
+    def prepared(self, problem: Problem) -> InitialGuess:
         """Prepare the guess itself."""
         return replace(self, guess=self.guess.prepared(problem))
 

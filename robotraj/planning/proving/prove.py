@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robotraj.guess.guess import Guess
+from robotraj.guess.base import InitialGuess
 from robotraj.planning.proving.first_mesh import FINE, graded
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
@@ -46,7 +46,7 @@ SMALL = 1e-2
 
 
 def prove(
-    problem: Problem, guess: Guess | Solution | None, settings: Settings, progress: Progress | None = None
+    problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
 ) -> Solution:
     """Plan on finer and finer meshes until ``settings.goals`` hold.
 
@@ -72,7 +72,7 @@ class _Refining:
         self.known: tuple[int, float] | None = None
         """Intervals and true objective of the mesh before."""
 
-    def plan(self, guess: Guess | Solution | None) -> Solution:
+    def plan(self, guess: InitialGuess | Solution | None) -> Solution:
         """Solve on one mesh after the other."""
         mesh = self.settings.mesh
         meshes = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
@@ -96,7 +96,7 @@ class _Refining:
             meshes = (graded(max(FINE, count) if first else self._next(count)),) * len(meshes)
         return self._concluded(self.best or last)
 
-    def _on(self, meshes: tuple[Mesh, ...], start: Guess | Solution | None, first: bool) -> Solution:
+    def _on(self, meshes: tuple[Mesh, ...], start: InitialGuess | Solution | None, first: bool) -> Solution:
         """Solve on meshes; where torques exceed their limits between the points, lower the limits there.
 
         The first meshes only find a start: a failure there is met on the next, and so is what exceeds limits.
@@ -126,7 +126,7 @@ class _Refining:
             found = again
         return found
 
-    def _solve(self, start: Guess | Solution | None, settings: Settings, margins: Margins) -> Solution:
+    def _solve(self, start: InitialGuess | Solution | None, settings: Settings, margins: Margins) -> Solution:
         found = solve(self.problem, start, settings, self.progress, margins=margins)
         self.times = added_times(self.times, found.times)
         self.iterations += found.iterations

@@ -1,0 +1,62 @@
+"""The interface of guesses: states, algebraic variables and controls along every phase."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from robotraj.problem.links.base import BoundLink
+    from robotraj.problem.phase import Phase
+    from robotraj.problem.problem import Problem
+
+Array = NDArray[np.float64]
+Curve = Callable[[Array], Array]
+"""From fractions of a phase (m,) to values (m, n)."""
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseGuess:
+    """A guess of one phase.
+
+    Attributes
+    ----------
+    duration : float
+        [s].
+    states, algebraic, controls : callable
+        From fractions of the phase (m,) to values (m, n), in the order of the phase's variables.
+    parameters : mapping of str to float
+        Every parameter of the phase by name.
+    """
+
+    duration: float
+    states: Curve
+    algebraic: Curve
+    controls: Curve
+    parameters: Mapping[str, float]
+
+
+class InitialGuess(ABC):
+    """Initial values of all variables of a problem. A new kind of guess is one subclass that defines ``of``."""
+
+    @abstractmethod
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Return the guess of phase number ``index`` of the problem."""
+
+    def of_link(self, link: BoundLink, index: int) -> Mapping[str, float]:
+        """Return values of the unknowns of link number ``index`` by name, such as impulses; the others start at 0."""
+        return {}
+
+    def prepared(self, problem: Problem) -> InitialGuess:
+        """Return the guess of this problem; computations that need all phases are done here. By default, ``self``."""
+        return self
+
+
+def zeros(size: int) -> Curve:
+    """Return the curve that is zero everywhere, (m, size)."""
+    return lambda s: np.zeros((len(s), size))

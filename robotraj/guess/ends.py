@@ -1,0 +1,100 @@
+"""Values that the bounds of a phase suggest: its ends, its parameters and its duration."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.guess.least_time import fastest_line
+from robotraj.problem.constraints.bounds import Bounds
+from robotraj.robot.chart import way
+from robotraj.robot.limits import Limits
+from robotraj.robot.root import QUATERNION
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+
+MARGIN = 1.5
+"""Ratio of a guessed duration to the least time of a straight line, so that smooth motions keep their speed limits."""
+
+
+def default_parameters(phase: Phase) -> dict[str, float]:
+    """Return the middle of each parameter's bounds, or its finite bound, or 1."""
+    values = middle_of(phase.parameter_bounds, 1.0)
+    return dict(zip(phase.parameter_names, (float(v) for v in values), strict=True))
+
+
+def middle_of(bounds: Bounds, free: float) -> Array:
+    """Return the middle of two finite bounds, the only finite bound, or ``free``, (n,)."""
+    low, high = bounds
+    with np.errstate(invalid="ignore"):
+        middle = np.where(
+            np.isfinite(low) & np.isfinite(high), 0.5 * (low + high), np.where(np.isfinite(low), low, high)
+        )
+    return np.where(np.isfinite(middle), middle, free)
+
+
+def ends_of(phase: Phase, reached: Array | None = None) -> tuple[Array, Array]:
+    """Return guesses of the first and last state, (nx,) each.
+
+    A value that is free at one end is taken from the other end. A value that is free at both ends is that of
+    ``reached``, where this is given, else neutral for positions of robots and 0 for all others.
+    """
+    rest = np.zeros(len(phase.dae.states))
+    if reached is not None:
+        rest[: len(reached)] = reached
+    if phase.robot is not None:
+        rest[: phase.robot.nq] = phase.robot.neutral
+    first, last = middle_of(phase.start_bounds, np.nan), middle_of(phase.end_bounds, np.nan)
+    first = np.where(np.isnan(first), np.where(np.isnan(last), rest, last), first)
+    last = np.where(np.isnan(last), first, last)
+    return normalised_state(phase, first), normalised_state(phase, last)
+
+
+def normalised_state(phase: Phase, x: Array) -> Array:
+    """Scale the root's quaternion in a state (nx,) to length 1; a zero quaternion becomes the neutral one."""
+    robot = phase.robot
+    if robot is None or robot.root != "floating":
+        return x
+    x = np.array(x)
+    size = np.linalg.norm(x[QUATERNION])
+    x[QUATERNION] = x[QUATERNION] / size if size > 0 else robot.neutral[QUATERNION]
+    return x
+
+
+def guessed_duration(phase: Phase, given: float | None) -> float:
+    """Return the duration to start from [s]: the given one, or one between the bounds.
+
+    The latter is at least ``MARGIN`` times the least time of a straight line: that of ``fastest_line``, or of the speed
+    limits where the torque limits bound no acceleration. A guess that is too short violates limits everywhere; one
+    that is too long costs few iterations.
+
+    Raises
+    ------
+    InputError
+        The given duration lies outside the phase's bounds.
+    """
+    low, high = phase.duration_bounds
+    if given is not None:
+        if not low <= given <= high:
+            raise InputError(f"The guessed duration {given} s of phase {phase.name!r} lies outside {low} to {high} s.")
+        return given
+    if low == high:
+        return low
+    if low > 0:
+        guess = np.sqrt(low * high) if np.isfinite(high) else 2 * low
+    else:
+        guess = min(max(1.0, high / 20), high / 2) if np.isfinite(high) else 1.0
+    law = fastest_line(phase, *ends_of(phase))
+    if law is not None:
+        guess = max(guess, MARGIN * law.duration)
+    elif phase.robot is not None and isinstance(phase.limits, Limits):
+        first, last = (x[: phase.robot.nq] for x in ends_of(phase))
+        gaps = np.abs(way(phase.robot.model, first, last))
+        guess = max(guess, MARGIN * float(np.max(gaps / phase.limits.velocity, initial=0.0)))
+    return float(np.clip(guess, low, high))

@@ -1,0 +1,121 @@
+"""The straight line from start to end: the default guess."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from numbers import Real
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.guess.base import InitialGuess, PhaseGuess, zeros
+from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
+from robotraj.guess.least_time import fastest_line
+from robotraj.robot.chart import Chart
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+    from robotraj.problem.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StraightLine(InitialGuess):
+    """States on a straight line from start to end, with zero controls.
+
+    The velocities of a robot are the rate of the line, (q_end - q_start) / T, so that positions and velocities are
+    consistent; at the ends the velocities are those of the problem. The origin of a floating root moves on the line
+    while the root turns at a constant rate about one axis; its velocities are in its own axes. Compared with
+    velocities on a line of their own, this halves the iterations, and minimum-time problems do not collapse to
+    zero duration.
+
+    If the duration is free and the limits of all joints bound the accelerations, the line is run as in its fastest
+    motion, stretched to T. With s from 0 to 1 along the line, from rest to rest, s' <= s'_max and abs(s'') <= k by the
+    limits of speeds, accelerations and torques, the least time is 1 / p + p / k, p = min(s'_max, sqrt(k)).
+    Source: Lynch and Park, Modern Robotics (2017), section 9.2.
+
+    A state of a system that is free at both ends of a phase keeps the value with which ``rt.Continuity`` or
+    ``rt.links.Jump`` enters the phase.
+
+    Parameters
+    ----------
+    duration : float, optional
+        Guessed duration [s] where it is free; by default from the bounds, and at least 1.5 times the least time.
+    """
+
+    duration: float | None = None
+
+    def prepared(self, problem: Problem) -> InitialGuess:
+        """Compute the states with which links enter the phases of systems."""
+        reached = _entered_states(problem)
+        return _LinkedLine(self.duration, reached) if reached else self
+
+    def of(self, phase: Phase, index: int) -> PhaseGuess:
+        """Interpolate between the ends."""
+        first, last = self._ends(phase, index)
+        duration = guessed_duration(phase, self.duration)
+        robot, nz = phase.robot, len(phase.dae.algebraic)
+        low, high = phase.duration_bounds
+        law = fastest_line(phase, first, last) if low < high else None
+
+        def states(s: Array) -> Array:
+            s = np.asarray(s)
+            values = first + s[:, None] * (last - first)
+            if robot is not None:
+                nq = robot.nq
+                chart = Chart.around(robot.model, first[:nq])
+                start, end = chart.coordinates(np.array([first[:nq], last[:nq]]))
+                place, pace, _ = (s, np.ones_like(s), s) if law is None else law.motion(s)
+                y = start + place[:, None] * (end - start)
+                values[:, :nq] = chart.positions(y)
+                if duration > 0:
+                    inside = (s > 0) & (s < 1)
+                    rate = pace[inside, None] * (end - start) / duration
+                    values[inside, nq : nq + robot.nv] = chart.velocities(y[inside], rate)
+            return values
+
+        def algebraic(s: Array) -> Array:
+            values = np.zeros((len(s), nz))
+            if robot is not None and law is not None and duration > 0 and phase.body.algebraic:
+                n = robot.nv
+                values[:, :n] = law.motion(s)[2][:, None] * (last - first)[:n] / duration**2
+            return values
+
+        return PhaseGuess(duration, states, algebraic, zeros(len(phase.dae.controls)), default_parameters(phase))
+
+    def _ends(self, phase: Phase, index: int) -> tuple[Array, Array]:
+        return ends_of(phase)
+
+
+@dataclass(frozen=True, eq=False)
+class _LinkedLine(StraightLine):
+    """Straight lines; ``entered`` has the states with which links enter a phase, by its index."""
+
+    entered: Mapping[int, Array] = field(default_factory=dict)
+
+    def prepared(self, problem: Problem) -> InitialGuess:
+        return self
+
+    def _ends(self, phase: Phase, index: int) -> tuple[Array, Array]:
+        return ends_of(phase, self.entered.get(index))
+
+
+def _entered_states(problem: Problem) -> dict[int, Array]:
+    """Return the states with which ``Continuity`` and ``Jump`` enter phases of systems, by the index of the phase."""
+    from robotraj.problem.links.continuity import Continuity, Jump
+
+    phases, found = problem.phases, dict[int, Array]()
+    joints = [link for link in problem.links if isinstance(link, Continuity | Jump)]
+    for link in sorted(joints, key=lambda link: link.second % len(phases)):
+        source, target = link.first % len(phases), link.second % len(phases)
+        if phases[source].robot is not None or phases[target].robot is not None:
+            continue
+        _, last = ends_of(phases[source], found.get(source))
+        jumps = link.jumps if isinstance(link, Jump) else {}
+        given = [jumps.get(state.name, 0.0) for state in phases[target].body.states]
+        known = np.array([float(jump) if isinstance(jump, Real) else 0.0 for jump in given])
+        found[target] = last[: len(given)] + known
+    return found
