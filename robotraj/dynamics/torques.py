@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj.dynamics.point import RobotPoint
-from robotraj.native.torque_chain import read_tree
+from robotraj.native.rigid_tree import rigid_tree
 from robotraj.symbolic import SymbolicModel
 
 if TYPE_CHECKING:
@@ -60,7 +60,9 @@ class Torques:
 
 @lru_cache(maxsize=16)
 def _tree(text: str) -> RigidTree:
-    return read_tree(text)
+    model = pin.Model()
+    model.loadFromString(text)
+    return rigid_tree(model)
 
 
 def torques_apart(point: Any) -> Torques | None:

@@ -53,12 +53,23 @@ class NotATape(ValueError):
     """A function is no scalar graph of one dense result, or has calls of other functions in it."""
 
 class RigidTree:
-    """A robot's joints and bodies.
+    """A tree of joints that turn or slide, on a fixed or a free-flying base.
 
     Parameters
     ----------
-    model : bytes
-        Pinocchio's text.
+    parents : ndarray
+        (n,): the parent of every joint, -1 for the world.
+    turns : ndarray
+        (n,): 1 where a joint turns about its axis, 0 where it slides along it.
+    numbers : ndarray
+        (28 n,): of every joint the direction of its axis (3), the rotation (9) and translation (3) of its placement,
+        and the mass (1), centre of mass (3) and inertia about it (9) of its body; matrices row after row.
+    armature : ndarray
+        (n,) [kg m^2, kg].
+    gravity : ndarray
+        (3,) [m/s^2].
+    flies : bool
+        Whether joint 0 is a free-flyer.
 
     Attributes
     ----------
@@ -68,10 +79,12 @@ class RigidTree:
     Raises
     ------
     ValueError
-        A joint neither turns about an axis nor slides along one, and is no free-flyer at the root.
+        An array has a wrong length, or a joint comes before its parent.
     """
 
-    def __init__(self, model: bytes) -> None: ...
+    def __init__(
+        self, parents: Indices, turns: Indices, numbers: Array, armature: Array, gravity: Array, flies: bool
+    ) -> None: ...
     @property
     def positions(self) -> int: ...
     @property

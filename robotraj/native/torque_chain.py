@@ -32,18 +32,6 @@ if TYPE_CHECKING:
     from robotraj.native.addend import Added
 
 
-def read_tree(model: str) -> RigidTree:
-    """Read Pinocchio's text of a model.
-
-    Raises
-    ------
-    ValueError
-        A joint neither turns about an axis nor slides along one, and is no free-flyer at the root.
-    """
-    tree: RigidTree = load_native().RigidTree(model.encode())
-    return tree
-
-
 class TorqueChain(Tapes):
     """Recipes of a stage function and the patterns of their results.
 

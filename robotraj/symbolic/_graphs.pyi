@@ -1,8 +1,36 @@
+from enum import Enum
+
+import numpy as np
+import numpy.typing as npt
+
+Numbers = npt.NDArray[np.float64]
+
 PINOCCHIO_VERSION: str
 CASADI_VERSION: str
 
+class JointKind(Enum):
+    SCREW = 0
+    CIRCLE = 1
+    PLANAR = 2
+    SPHERICAL = 3
+    FREE_FLYER = 4
+
+class Tree:
+    """A model's joints and frames as numbers; joint 0 is the universe.
+
+    Placements are the 12 entries of [R p], row after row. A body is its mass [kg], centre of mass [m] and inertia about
+    it, xx, xy, yy, xz, yz, zz [kg m^2]. An axis is a joint's motion at unit rate, linear part first. Gravity is an
+    acceleration [m/s^2], armature one number a rate [kg m^2, kg].
+    """
+
+    def __init__(self, gravity: Numbers, armature: Numbers) -> None: ...
+    def add_joint(self, parent: int, placement: Numbers, body: Numbers) -> None: ...
+    def add_part(self, kind: JointKind, placement: Numbers, axis: Numbers) -> None:
+        """Append a joint to the chain of the last joint; its placement is relative to the part before it."""
+    def add_frame(self, joint: int, placement: Numbers) -> None: ...
+
 class Graphs:
-    def __init__(self, text: str, parametric: bool) -> None: ...
+    def __init__(self, tree: Tree, parametric: bool) -> None: ...
     def forward_dynamics(self) -> bytes: ...
     def inverse_dynamics(self) -> bytes: ...
     def nonlinear_effects(self) -> bytes: ...

@@ -11,16 +11,16 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
-from robotraj.symbolic.build import load_graphs
-
-_graphs = load_graphs()
+from robotraj.symbolic.joint_tree import Graphs, tree_of
 
 LOCAL_WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
 @lru_cache(maxsize=8)
-def _compiled_model(text: str, parametric: bool) -> Any:
-    return _graphs.Graphs(text, parametric)
+def _compiled_model(text: str, parametric: bool) -> Graphs:
+    model = pin.Model()
+    model.loadFromString(text)
+    return Graphs(tree_of(model), parametric)
 
 
 @lru_cache(maxsize=512)
@@ -51,7 +51,9 @@ class SymbolicModel:
     Raises
     ------
     InputError
-        When it is no ``pinocchio.Model``, or has active mimic joints, whose forward dynamics Pinocchio lacks.
+        The model is no ``pinocchio.Model``, or has active mimic joints, whose forward dynamics Pinocchio lacks. A
+        function of a model with a joint of another type than Pinocchio's usual ones (``JointModelEllipsoid``) is
+        refused when it is first needed.
 
     Notes
     -----
@@ -61,7 +63,7 @@ class SymbolicModel:
     the linear part first. Armature enters as Pinocchio does it; damping, friction and rotor inertia do not.
     A quaternion in ``q`` is (x, y, z, w) and must have length 1.
 
-    Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, on ``casadi::SX``; models and joints are Pinocchio's.
+    Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, on ``casadi::SX``; models are Pinocchio's.
 
     Examples
     --------
@@ -97,7 +99,7 @@ class SymbolicModel:
 
     @cached_property
     def text(self) -> str:
-        """The model as Pinocchio writes it, which is how it crosses into compiled modules."""
+        """Pinocchio's text archive of the model: equal models have equal texts."""
         return str(self._model.saveToString())
 
     @property

@@ -12,7 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 import robotraj as rt
-from robotraj.native._native import NotATape, Recipe, RigidTree, TapeBlock, Torques, processors
+from robotraj.native._native import NotATape, Recipe, TapeBlock, Torques, processors
+from robotraj.native.rigid_tree import rigid_tree
 from robotraj.native.tape import tape, tape_of
 
 Array = NDArray[np.float64]
@@ -44,7 +45,7 @@ class Dynamics:
     processor: str = ""
 
     def __post_init__(self) -> None:
-        self.tree = RigidTree(self.model.saveToString().encode())
+        self.tree = rigid_tree(self.model)
         nq, nv = self.model.nq, self.model.nv
         assert (self.tree.positions, self.tree.rates) == (nq, nv)
         n = nq + 2 * nv
@@ -203,7 +204,7 @@ def test_a_joint_that_neither_turns_nor_slides_is_named() -> None:
     model = pin.Model()
     model.addJoint(0, pin.JointModelSpherical(), pin.SE3.Identity(), "ball")
     with pytest.raises(ValueError, match="'ball'.*neither turns"):
-        RigidTree(model.saveToString().encode())
+        rigid_tree(model)
 
 
 def test_a_free_flyer_has_nothing_beside_it() -> None:
@@ -211,12 +212,12 @@ def test_a_free_flyer_has_nothing_beside_it() -> None:
     model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")
     model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "beside")
     with pytest.raises(ValueError, match="'beside' hangs in the world"):
-        RigidTree(model.saveToString().encode())
+        rigid_tree(model)
 
 
 def test_wrong_sizes_are_refused() -> None:
     model = load("ur5")
-    tree = RigidTree(model.saveToString().encode())
+    tree = rigid_tree(model)
     v, c, r = ca.SX.sym("v", 3), ca.SX.sym("c", 0), ca.SX.sym("r", 6)
     plain = recipe([v, c, r], v, 1, 3)
     with pytest.raises(ValueError, match="place for every argument"):

@@ -23,7 +23,26 @@ std::vector<std::int32_t> to_vector(const Indices& indices) {
   return std::vector<std::int32_t>(indices.data(), indices.data() + indices.size());
 }
 
-std::string to_text(const nb::bytes& text) { return std::string(text.c_str(), text.size()); }
+/// `numbers` has a row of 28 for every joint: direction, rotation, translation, mass, centre, inertia.
+void make_tree(RigidTree* self, const Indices& parents, const Indices& turns, const Doubles& numbers,
+               const Doubles& armature, const Doubles& gravity, bool flies) {
+  constexpr std::size_t width = 28;
+  const std::size_t count = parents.size();
+  checked(turns, count, "turns");
+  checked(numbers, width * count, "numbers");
+  checked(armature, count, "armature");
+  checked(gravity, 3, "gravity");
+  std::vector<Link> links;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int64_t parent = parents.data()[i];
+    if (parent < -1 || parent >= static_cast<std::int64_t>(i))
+      throw std::invalid_argument("a joint comes before its parent");
+    const double* row = numbers.data() + width * i;
+    links.push_back({static_cast<std::int32_t>(parent), turns.data()[i] != 0, row, row + 3, row + 12, row[15], row + 16,
+                     row + 19, armature.data()[i]});
+  }
+  new (self) RigidTree(links, gravity.data(), flies);
+}
 
 Recipe recipe_of(const Tape& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
                  std::size_t results, const Indices& out, const Indices& left, const Indices& right,
@@ -61,8 +80,8 @@ void bind_tape_block(nb::module_& m) {
   nb::exception<NotATape>(m, "NotATape", PyExc_ValueError);
 
   nb::class_<RigidTree>(m, "RigidTree")
-      .def("__init__", [](RigidTree* self, const nb::bytes& model) { new (self) RigidTree(read_tree(to_text(model))); },
-           nb::arg("model"))
+      .def("__init__", &make_tree, nb::arg("parents"), nb::arg("turns"), nb::arg("numbers"), nb::arg("armature"),
+           nb::arg("gravity"), nb::arg("flies"))
       .def_prop_ro("positions", [](const RigidTree& robot) { return robot.tree.positions(); })
       .def_prop_ro("rates", [](const RigidTree& robot) { return robot.tree.rates(); })
       .def("jacobian_pattern", [](const RigidTree& robot) { return to_arrays(jacobian_pattern(robot.tree)); })

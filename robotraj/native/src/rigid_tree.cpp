@@ -1,9 +1,9 @@
 #include "rigid_tree.hpp"
 
-#include <pinocchio/multibody.hpp>
-#include <pinocchio/serialization.hpp>
+#include <Eigen/Geometry>
 
-#include <stdexcept>
+#include <algorithm>
+#include <iterator>
 
 namespace robotraj::native {
 
@@ -32,73 +32,39 @@ void write_vector(const Vector3& from, double* to) {
   for (int row = 0; row < 3; ++row) to[row] = from[row];
 }
 
-std::invalid_argument refusal(const std::string& name, const std::string& kind) {
-  return std::invalid_argument("joint '" + name + "' (" + kind + ") neither turns about an axis nor slides along one");
-}
+Matrix3 read_matrix(const double* from) { return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from); }
 
-/// Direction of a joint in its own frame, and whether it turns.
-std::pair<Vector3, bool> direction(const pinocchio::Model& model, std::size_t joint) {
-  const pinocchio::JointModel& kind = model.joints[joint];
-  if (kind.nq() != 1 || kind.nv() != 1) throw refusal(model.names[joint], kind.shortname());
-  pinocchio::JointModel alone = kind;
-  alone.setIndexes(1, 0, 0);
-  pinocchio::JointData data = alone.createData();
-  alone.calc(data, Eigen::VectorXd::Zero(1));
-  const Eigen::Matrix<double, 6, 1> along = data.S().matrix().col(0);
-  const Vector3 linear = along.head<3>(), angular = along.tail<3>();
-  constexpr double tiny = 1e-14;
-  if (linear.norm() < tiny && std::abs(angular.norm() - 1.0) < tiny) return {angular, true};
-  if (angular.norm() < tiny && std::abs(linear.norm() - 1.0) < tiny) return {linear, false};
-  throw refusal(model.names[joint], kind.shortname());
-}
+Vector3 read_vector(const double* from) { return Eigen::Map<const Vector3>(from); }
 
 }  // namespace
 
-RigidTree read_tree(const std::string& text) {
-  pinocchio::Model model;
-  pinocchio::serialization::loadFromString(model, text);
-  RigidTree made;
-  std::vector<Joint>& joints = made.joints;
-  Tree& tree = made.tree;
-  write_vector(model.gravity.linear(), tree.gravity);
-  std::vector<Matrix3> axes(model.njoints, Matrix3::Identity());
-  for (std::size_t i = 1; i < static_cast<std::size_t>(model.njoints); ++i) {
+RigidTree::RigidTree(const std::vector<Link>& links, const double* gravity, bool flies) {
+  std::copy(gravity, gravity + 3, tree.gravity);
+  tree.flies = flies;
+  std::vector<Matrix3> axes;
+  for (const Link& link : links) {
     Joint joint{};
-    joint.parent = static_cast<std::int32_t>(model.parents[i]) - 1;
-    const bool flies = model.joints[i].shortname() == "JointModelFreeFlyer" && i == 1;
-    if (flies) {
-      tree.flies = true;
-      write_matrix(model.jointPlacements[i].rotation(), tree.flyer);
-    } else {
-      std::tie(axes[i], joint.turns) = [&] {
-        const auto [along, turns] = direction(model, i);
-        return std::pair(axes_along(along), turns);
-      }();
-      joint.armature = model.armature[model.joints[i].idx_v()];
-      if (tree.flies && joint.parent < 0)
-        throw std::invalid_argument("joint '" + model.names[i] + "' hangs in the world beside a free-flyer");
-      if (model.joints[i].idx_v() != static_cast<int>(tree.rate(joints.size())) ||
-          model.joints[i].idx_q() != static_cast<int>(tree.position(joints.size())))
-        throw std::invalid_argument("the model's joints are not numbered one after the other");
-    }
+    joint.parent = link.parent;
+    joint.turns = link.turns;
+    joint.armature = link.armature;
+    const bool free = flies && joints.empty();
+    const Matrix3 rotation = read_matrix(link.rotation);
     // A free-flyer's body lies in its own axes.
-    const std::size_t parent = model.parents[i];
-    const Matrix3 into = axes[parent].transpose();
-    write_matrix(into * model.jointPlacements[i].rotation() * axes[i], joint.rotation);
-    write_vector(into * model.jointPlacements[i].translation(), joint.translation);
-    const auto& body = model.inertias[i];
-    joint.mass = body.mass();
-    write_vector(body.mass() * (axes[i].transpose() * body.lever()), joint.lever);
-    const Matrix3 inertia = axes[i].transpose() * body.inertia().matrix() * axes[i];
+    axes.push_back(free ? Matrix3(Matrix3::Identity()) : axes_along(read_vector(link.direction)));
+    if (free) write_matrix(rotation, tree.flyer);
+    const Matrix3 own = axes.back();
+    const Matrix3 into = link.parent < 0 ? Matrix3(Matrix3::Identity()) : Matrix3(axes[link.parent].transpose());
+    write_matrix(into * rotation * own, joint.rotation);
+    write_vector(into * read_vector(link.translation), joint.translation);
+    joint.mass = link.mass;
+    write_vector(link.mass * (own.transpose() * read_vector(link.centre)), joint.lever);
+    const Matrix3 inertia = own.transpose() * read_matrix(link.inertia) * own;
     const double entries[] = {inertia(0, 0), inertia(0, 1), inertia(1, 1), inertia(0, 2), inertia(1, 2), inertia(2, 2)};
     std::copy(std::begin(entries), std::end(entries), joint.inertia);
     joints.push_back(joint);
   }
-  if (tree.flies && model.armature.head<6>().any())
-    throw std::invalid_argument("the free-flyer has armature");
   tree.joints = joints.data();
   tree.count = joints.size();
-  return made;
 }
 
 Pattern jacobian_pattern(const Tree& tree) {

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -44,12 +43,26 @@ struct Tree {
   ROBOTRAJ_ALWAYS std::size_t positions() const { return position(count); }
 };
 
+/// A joint as a model describes it; matrices row after row.
+struct Link {
+  std::int32_t parent;        ///< joint, -1 for the world
+  bool turns;                 ///< or slides
+  const double* direction;    ///< of the axis, in the joint's frame; a free-flyer has none
+  const double* rotation;     ///< from the joint's frame to the parent's, at q = 0
+  const double* translation;  ///< of the origin, in the parent's frame [m]
+  double mass;                ///< of the body [kg]
+  const double* centre;       ///< of mass, in the joint's frame [m]
+  const double* inertia;      ///< 3 x 3, about the centre of mass [kg m^2]
+  double armature;            ///< [kg m^2, kg]
+};
+
 /// A tree that owns its joints.
 struct RigidTree {
   std::vector<Joint> joints;
   Tree tree;
 
-  RigidTree() = default;
+  /// No joint comes before its parent; a free-flyer is the first one.
+  RigidTree(const std::vector<Link>& links, const double* gravity, bool flies);
   RigidTree(const RigidTree& other) : joints(other.joints), tree(other.tree) { tree.joints = joints.data(); }
   RigidTree(RigidTree&& other) = default;
   RigidTree& operator=(RigidTree other) {
@@ -61,9 +74,6 @@ struct RigidTree {
 };
 
 using Pattern = std::vector<std::pair<std::int32_t, std::int32_t>>;
-
-/// Reads a model from Pinocchio's text; throws std::invalid_argument where a joint neither turns nor slides.
-RigidTree read_tree(const std::string& model);
 
 /// (tau, x) of every number that the kernel gives for d tau/dx, in its order.
 Pattern jacobian_pattern(const Tree& tree);

@@ -3,19 +3,14 @@
 #include "graph.hpp"
 #include "planar.hpp"
 
-#include <pinocchio/algorithm/joint-configuration.hpp>
-#include <pinocchio/multibody.hpp>
-
-#include <boost/variant/get.hpp>
-
-#include <stdexcept>
-#include <vector>
+#include <pinocchio/multibody/liegroup.hpp>
 
 namespace robotraj {
 namespace {
 
-using JointType = pinocchio::JointModelTpl<SX>;
-using CompositeJoint = pinocchio::JointModelCompositeTpl<SX>;
+using Circle = pinocchio::SpecialOrthogonalOperationTpl<2, SX>;
+using Rotations = pinocchio::SpecialOrthogonalOperationTpl<3, SX>;
+using Placements = pinocchio::SpecialEuclideanOperationTpl<3, SX>;
 
 /// Rate of a unit quaternion (x, y, z, w) under the body's angular velocity: half of the product with (w, 0).
 Eigen::Matrix<SX, 4, 1> quaternion_rate(const Vector& quaternion, const Vector& omega) {
@@ -33,84 +28,90 @@ Eigen::Matrix<SX, 3, 1> rotated(const Vector& quaternion, const Vector& vector) 
   return velocity + cross * quaternion[3] + axis.cross(cross);
 }
 
-/// A joint, or the parts of a composite one.
-void append_parts(const JointType& joint, std::vector<JointType>& parts) {
-  if (joint.shortname() == CompositeJoint::classname()) {
-    for (const auto& part : boost::get<CompositeJoint>(joint.toVariant()).joints) append_parts(part, parts);
-  } else {
-    parts.push_back(joint);
+Vector rate_of(const JointPart& part, const Vector& q, const Vector& v) {
+  Vector rate(part.positions());
+  switch (part.kind) {
+    case JointKind::screw: rate = v; break;
+    case JointKind::circle: rate << -q[1] * v[0], q[0] * v[0]; break;
+    case JointKind::planar:
+      rate << q[2] * v[0] - q[3] * v[1], q[3] * v[0] + q[2] * v[1], -q[3] * v[2], q[2] * v[2];
+      break;
+    case JointKind::spherical: rate = quaternion_rate(q, v); break;
+    case JointKind::free_flyer:
+      rate.head(3) = rotated(q.tail(4), v.head(3));
+      rate.tail(4) = quaternion_rate(q.tail(4), v.tail(3));
+      break;
   }
+  return rate;
 }
 
-std::vector<JointType> simple_joints(const Model& model) {
-  std::vector<JointType> parts;
-  for (std::size_t joint = 1; joint < model.joints.size(); ++joint) append_parts(model.joints[joint], parts);
+Vector step_from(const JointPart& part, const Vector& q, const Vector& dv) {
+  Vector q1(part.positions());
+  switch (part.kind) {
+    case JointKind::screw: q1 = q + dv; break;
+    case JointKind::circle: Circle().integrate(q, dv, q1); break;
+    case JointKind::planar: q1 = planar_integrate(q, dv); break;
+    case JointKind::spherical: Rotations().integrate(q, dv, q1); break;
+    case JointKind::free_flyer: Placements().integrate(q, dv, q1); break;
+  }
+  return q1;
+}
+
+Vector step_between(const JointPart& part, const Vector& q0, const Vector& q1) {
+  Vector dv(part.rates());
+  switch (part.kind) {
+    case JointKind::screw: dv = q1 - q0; break;
+    case JointKind::circle: dv[0] = angle_between(q0[0], q0[1], q1[0], q1[1]); break;
+    case JointKind::planar: dv = planar_difference(q0, q1); break;
+    case JointKind::spherical: Rotations().difference(q0, q1, dv); break;
+    case JointKind::free_flyer: Placements().difference(q0, q1, dv); break;
+  }
+  return dv;
+}
+
+std::vector<JointPart> parts_of(const Tree& tree) {
+  std::vector<JointPart> parts;
+  for (const Joint& joint : tree.joints) parts.insert(parts.end(), joint.parts.begin(), joint.parts.end());
   return parts;
-}
-
-bool is_continuous(const JointType& joint) { return joint.nq() == 2 && joint.nv() == 1; }
-
-bool is_planar(const JointType& joint) { return joint.shortname() == pinocchio::JointModelPlanarTpl<SX>::classname(); }
-
-void write_rate(const JointType& joint, const Vector& q, const Vector& v, Vector& rate) {
-  const int nq = joint.nq(), nv = joint.nv();
-  const Vector here = q.segment(joint.idx_q(), nq), velocity = v.segment(joint.idx_v(), nv);
-  auto out = rate.segment(joint.idx_q(), nq);
-  if (nq == nv) {
-    out = velocity;
-  } else if (is_continuous(joint)) {  // (cos, sin)
-    out << -here[1] * velocity[0], here[0] * velocity[0];
-  } else if (is_planar(joint)) {  // (x, y, cos, sin), velocity in the body frame
-    out << here[2] * velocity[0] - here[3] * velocity[1], here[3] * velocity[0] + here[2] * velocity[1],
-        -here[3] * velocity[2], here[2] * velocity[2];
-  } else if (nq == 4 && nv == 3) {  // quaternion
-    out = quaternion_rate(here, velocity);
-  } else if (nq == 7 && nv == 6) {  // position and quaternion, velocity in the body frame
-    out.head(3) = rotated(here.tail(4), velocity.head(3));
-    out.tail(4) = quaternion_rate(here.tail(4), velocity.tail(3));
-  } else {
-    throw std::invalid_argument("the rate of a joint of type " + joint.shortname() + " is not known");
-  }
 }
 
 }  // namespace
 
 std::string integrate(const SymbolicModel& symbolic) {
-  const Model& model = *symbolic.tree.model;
+  const Tree& tree = symbolic.tree;
   Graph graph(symbolic);
-  const Vector q = graph.input("q", model.nq);
-  const Vector dv = graph.input("dv", model.nv);
-  Vector q1 = pinocchio::integrate(model, q, dv);
-  for (const JointType& joint : simple_joints(model))
-    if (is_planar(joint))
-      q1.segment(joint.idx_q(), 4) = planar_integrate(q.segment(joint.idx_q(), 4), dv.segment(joint.idx_v(), 3));
+  const Vector q = graph.input("q", tree.nq);
+  const Vector dv = graph.input("dv", tree.nv);
+  Vector q1(tree.nq);
+  for (const JointPart& part : parts_of(tree))
+    q1.segment(part.q, part.positions()) =
+        step_from(part, q.segment(part.q, part.positions()), dv.segment(part.v, part.rates()));
   graph.output("q1", q1);
   return graph.serialize("integrate");
 }
 
 std::string difference(const SymbolicModel& symbolic) {
-  const Model& model = *symbolic.tree.model;
+  const Tree& tree = symbolic.tree;
   Graph graph(symbolic);
-  const Vector q0 = graph.input("q0", model.nq);
-  const Vector q1 = graph.input("q1", model.nq);
-  Vector dv = pinocchio::difference(model, q0, q1);
-  for (const JointType& joint : simple_joints(model)) {
-    const auto from = joint.idx_q();
-    if (is_continuous(joint)) dv[joint.idx_v()] = angle_between(q0[from], q0[from + 1], q1[from], q1[from + 1]);
-    else if (is_planar(joint))
-      dv.segment(joint.idx_v(), 3) = planar_difference(q0.segment(from, 4), q1.segment(from, 4));
-  }
+  const Vector q0 = graph.input("q0", tree.nq);
+  const Vector q1 = graph.input("q1", tree.nq);
+  Vector dv(tree.nv);
+  for (const JointPart& part : parts_of(tree))
+    dv.segment(part.v, part.rates()) =
+        step_between(part, q0.segment(part.q, part.positions()), q1.segment(part.q, part.positions()));
   graph.output("dv", dv);
   return graph.serialize("difference");
 }
 
 std::string configuration_rate(const SymbolicModel& symbolic) {
-  const Model& model = *symbolic.tree.model;
+  const Tree& tree = symbolic.tree;
   Graph graph(symbolic);
-  const Vector q = graph.input("q", model.nq);
-  const Vector v = graph.input("v", model.nv);
-  Vector rate(model.nq);
-  for (const JointType& joint : simple_joints(model)) write_rate(joint, q, v, rate);
+  const Vector q = graph.input("q", tree.nq);
+  const Vector v = graph.input("v", tree.nv);
+  Vector rate(tree.nq);
+  for (const JointPart& part : parts_of(tree))
+    rate.segment(part.q, part.positions()) =
+        rate_of(part, q.segment(part.q, part.positions()), v.segment(part.v, part.rates()));
   graph.output("qdot", rate);
   return graph.serialize("configuration_rate");
 }

@@ -53,7 +53,7 @@ Vector articulated_bodies(const Tree& tree, const Vector& q, const Vector& v, co
   std::vector<Force> force(count, Force::Zero());
   std::vector<Matrix6> inertia(count);
   for (std::size_t i = 1; i < count; ++i) {
-    const auto& [parent, first, rates, rest, body] = tree.joints[i];
+    const auto& [parent, first, rates, rest, body, parts] = tree.joints[i];
     const JointMotion& joint = motions[i];
     velocity[i] = joint.velocity;
     if (parent > 0) velocity[i] += joint.placement.actInv(velocity[parent]);
@@ -67,7 +67,7 @@ Vector articulated_bodies(const Tree& tree, const Vector& q, const Vector& v, co
   std::vector<Matrix> gains(count);
   std::vector<Vector> free_rates(count);
   for (std::size_t i = count - 1; i > 0; --i) {
-    const auto& [parent, first, rates, rest, body] = tree.joints[i];
+    const auto& [parent, first, rates, rest, body, parts] = tree.joints[i];
     const Subspace& axes = motions[i].axes;
     const Subspace U = inertia[i] * axes;
     Matrix D = axes.transpose() * U;

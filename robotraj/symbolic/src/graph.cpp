@@ -9,8 +9,7 @@ Matrix to_eigen(const SX& source) {
   return result;
 }
 
-SymbolicModel::SymbolicModel(const std::string& text, bool parametric_)
-    : tree(read_model(text)), parametric(parametric_) {
+SymbolicModel::SymbolicModel(Tree tree_, bool parametric_) : tree(std::move(tree_)), parametric(parametric_) {
   if (!parametric) return;
   const auto njoints = static_cast<casadi_int>(tree.joints.size());
   inertias = SX::sym("inertias", 10, njoints);

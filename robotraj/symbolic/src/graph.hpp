@@ -29,7 +29,7 @@ struct Moving;
 /// m, m c, I about the joint origin) and the translations of the joint placements (3 x njoints)
 /// are symbols; column 0 belongs to the universe and is not used.
 struct SymbolicModel {
-  SymbolicModel(const std::string& text, bool parametric);
+  SymbolicModel(Tree tree, bool parametric);
 
   Tree tree;
   bool parametric;

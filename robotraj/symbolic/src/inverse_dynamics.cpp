@@ -14,7 +14,7 @@ Vector newton_euler(const Tree& tree, const Vector& q, const Vector& v, const Ve
   std::vector<Motion> acceleration(count, Motion(-tree.gravity));
   std::vector<Force> force(count, Force::Zero());
   for (std::size_t i = 1; i < count; ++i) {
-    const auto& [parent, first, rates, rest, body] = tree.joints[i];
+    const auto& [parent, first, rates, rest, body, parts] = tree.joints[i];
     const JointMotion& joint = motions[i];
     velocity[i] = joint.velocity;
     if (parent > 0) velocity[i] += joint.placement.actInv(velocity[parent]);

@@ -7,7 +7,7 @@ Kinematics move(const Tree& tree, const Vector& q, const Vector& v, const Vector
   Kinematics moved{joint_motions(tree, q, v), std::vector<Placement>(count, Placement::Identity()),
                    std::vector<Motion>(count, Motion::Zero()), std::vector<Motion>(count, Motion::Zero())};
   for (std::size_t i = 1; i < count; ++i) {
-    const auto& [parent, first, rates, rest, body] = tree.joints[i];
+    const auto& [parent, first, rates, rest, body, parts] = tree.joints[i];
     const JointMotion& joint = moved.joints[i];
     Motion& velocity = moved.velocities[i];
     Motion& acceleration = moved.accelerations[i];

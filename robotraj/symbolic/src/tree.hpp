@@ -1,20 +1,15 @@
-// The tree of joints that the algorithms walk. Only joints.cpp and configuration.cpp know the types of joints:
-// instantiating each algorithm for all of Pinocchio's joint types would take minutes to compile.
+// A model as a tree of joints with numbers on casadi::SX, which the algorithms walk.
 #pragma once
 
 #include <pinocchio/autodiff/casadi.hpp>
-#include <pinocchio/multibody/fwd.hpp>
 #include <pinocchio/spatial.hpp>
 
 #include <cstddef>
-#include <memory>
-#include <string>
 #include <vector>
 
 namespace robotraj {
 
 using casadi::SX;
-using Model = pinocchio::ModelTpl<SX>;
 using Placement = pinocchio::SE3Tpl<SX>;
 using Motion = pinocchio::MotionTpl<SX>;
 using Force = pinocchio::ForceTpl<SX>;
@@ -24,13 +19,34 @@ using Vector3 = Eigen::Matrix<SX, 3, 1>;
 using Matrix = Eigen::Matrix<SX, Eigen::Dynamic, Eigen::Dynamic>;
 using Subspace = Eigen::Matrix<SX, 6, Eigen::Dynamic>;
 
-/// A joint's place in the tree, and the body it carries. Joint 0 is the universe.
+/// Kinds of joints; every joint type of Pinocchio is one of them or a chain of several.
+enum class JointKind {
+  screw,       ///< q is an angle about or a length along the axis, or both (helical)
+  circle,      ///< q = (cos, sin) of an angle about the axis
+  planar,      ///< q = (x, y, cos, sin), v in the body frame
+  spherical,   ///< q is a quaternion (x, y, z, w), v in the body frame
+  free_flyer,  ///< q is a position and a quaternion, v in the body frame
+};
+
+/// One joint of a chain of joints without bodies between them.
+struct JointPart {
+  JointKind kind;
+  Eigen::Index q, v;                 ///< first entries in the model's q and v
+  Placement placement;               ///< relative to the part before
+  Eigen::Matrix<double, 6, 1> axis;  ///< of a screw or a circle: motion at unit rate, linear part first
+
+  Eigen::Index positions() const;
+  Eigen::Index rates() const;
+};
+
+/// A joint's position in the tree, and the body it carries. Joint 0 is the universe.
 struct Joint {
   std::size_t parent;
   Eigen::Index first;   ///< of its rates among those of the model
   Eigen::Index count;   ///< of its rates
   Placement placement;  ///< in the parent's axes, at the neutral position
   Inertia body;
+  std::vector<JointPart> parts;
 };
 
 struct Frame {
@@ -45,7 +61,6 @@ struct Tree {
   std::vector<Frame> frames;
   Vector armature;
   Motion gravity;
-  std::shared_ptr<const Model> model;  ///< the types of the joints
 };
 
 /// A joint at one position and velocity.
@@ -55,9 +70,6 @@ struct JointMotion {
   Motion velocity;      ///< relative to the parent, in its own axes
   Motion bias;          ///< acceleration at zero rates of the velocity
 };
-
-/// The double-precision model read from Model::saveToString(), cast to SX (numbers become constants).
-Tree read_model(const std::string& text);
 
 /// All joints at q and v; joint 0 does not move.
 std::vector<JointMotion> joint_motions(const Tree& tree, const Vector& q, const Vector& v);
