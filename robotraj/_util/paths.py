@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from threading import get_ident
 
 from robotraj._util.errors import InputError
 
@@ -36,3 +38,27 @@ def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], who: str)
     if not os.access(target if target.exists() else target.parent, os.W_OK):
         raise InputError(f"{who} is {str(path)!r}, which cannot be written; choose another place or its permissions.")
     return target
+
+
+@contextmanager
+def whole_file(target: Path) -> Iterator[Path]:
+    """Yield a path to write to; the file takes its place at ``target`` once it is complete.
+
+    An older file at ``target`` stays as it was until then. Nothing is left behind where writing fails.
+
+    Raises
+    ------
+    InputError
+        The operating system refuses to write, as on a full disk.
+    """
+    partial = target.with_name(f".{target.name}.{os.getpid()}.{get_ident()}.part")
+    try:
+        yield partial
+        partial.replace(target)
+    except OSError as error:
+        raise InputError(
+            f"{str(target)!r} could not be written: {error.strerror or error}. Nothing of it was kept; free space or "
+            "choose another place."
+        ) from error
+    finally:
+        partial.unlink(missing_ok=True)

@@ -1,14 +1,41 @@
-"""Values printed as the calls that make them."""
+"""Values as text: as the calls that make them, on one short line, and as tables."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
+from enum import Enum
+from textwrap import wrap
+
+import numpy as np
+
+WIDTH = 80
+"""Largest number of columns of printed text."""
+
+ENTRIES = 3
+"""Largest number of entries of a sequence or array that are printed one by one."""
+
+TEXT = 32
+"""Largest number of characters of a nested text."""
+
+
+class OneLine:
+    """Values whose ``repr`` is ``one_line``, where neither they nor a class above them define it."""
+
+    def __init_subclass__(cls, **arguments: object) -> None:
+        super().__init_subclass__(**arguments)
+        # The standard dataclass writes a ``__repr__`` into each class whose body has none.
+        setattr(cls, "__repr__", cls.__repr__)  # noqa: B010
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def as_call(value: object) -> str:
     """Print a value with the fields that differ from their defaults: ``BernsteinBounds(controls=True)``.
 
-    A dataclass with a ``__str__`` of its own prints by that. Values that are not dataclasses print by ``repr``.
+    A dataclass that defines ``__str__`` prints by that. Values that are not dataclasses print by ``repr``.
     """
     if isinstance(value, tuple | list):
         return f"({', '.join(map(as_call, value))}{',' if len(value) == 1 else ''})"
@@ -16,10 +43,129 @@ def as_call(value: object) -> str:
         return repr(value)
     if type(value).__str__ is not object.__str__:
         return str(value)
-    parts = []
-    for entry in fields(value):
-        given = getattr(value, entry.name)
+    return f"{type(value).__name__}({', '.join(f'{name}={as_call(given)}' for name, given in changed_fields(value))})"
+
+
+def changed_fields(value: object) -> list[tuple[str, object]]:
+    """List the printed fields of a dataclass whose values differ from the defaults."""
+    found = []
+    for entry in fields(value) if is_dataclass(value) else ():
+        given = getattr(value, entry.name, None)
         default = entry.default if entry.default_factory is MISSING else entry.default_factory()
-        if entry.repr and given != default:
-            parts.append(f"{entry.name}={as_call(given)}")
-    return f"{type(value).__name__}({', '.join(parts)})"
+        if entry.repr and not _same(given, default):
+            found.append((entry.name, given))
+    return found
+
+
+def one_line(value: object) -> str:
+    """Print a dataclass on one line of at most 80 characters: its class and the fields that differ from the defaults.
+
+    Large arrays print as their shapes, long sequences as their lengths. Fields that do not fit are replaced by ``...``.
+    """
+    name, given = type(value).__name__, changed_fields(value)
+    full = {field: f"{field}={brief(entry)}" for field, entry in given}
+    short = {field: f"{field}={_kind(entry)}" for field, entry in given}
+    while len(_joined(name, full)) > WIDTH and any(len(full[field]) > len(short[field]) for field in full):
+        longest = max(full, key=lambda field: len(full[field]) - len(short[field]))
+        full[longest] = short[longest]
+    if len(_joined(name, full)) <= WIDTH:
+        return _joined(name, full)
+    while len(_joined(name, full | {"": "..."})) > WIDTH:
+        full.popitem()
+    return _joined(name, full | {"": "..."})
+
+
+def brief(value: object) -> str:
+    """Print a value in a few words: numbers with six digits, arrays by shape, functions by name."""
+    if isinstance(value, bool | np.bool_ | Enum | type | None):
+        return value.__name__ if isinstance(value, type) else str(value)
+    if isinstance(value, float | np.floating):
+        text = repr(float(value))
+        return text if len(text) <= 8 else f"{float(value):.6g}"
+    if isinstance(value, str):
+        return repr(value if len(value) <= TEXT else value[: TEXT - 3] + "...")
+    if isinstance(value, np.ndarray):
+        few = value.ndim == 1 and value.size <= ENTRIES
+        return f"[{', '.join(map(brief, value.tolist()))}]" if few else f"array{value.shape}".replace(",)", ")")
+    if isinstance(value, tuple | list):
+        return _sequence(value)
+    if isinstance(value, Mapping) and type(value).__repr__ is dict.__repr__:
+        entries = [f"{brief(key)}: {brief(entry)}" for key, entry in value.items()]
+        return f"{{{', '.join(entries)}}}" if len(entries) <= ENTRIES else f"{{{len(entries)} entries}}"
+    if callable(value) and hasattr(value, "__qualname__"):
+        return re.sub(r".*<locals>\.", "", value.__qualname__)
+    text = re.sub(r"<([\w.]+) object at 0x[0-9a-f]+>", r"\1", repr(value))
+    return text if len(text) <= WIDTH and "\n" not in text else _kind(value)
+
+
+def table(rows: Iterable[Sequence[str]], width: int = WIDTH) -> list[str]:
+    """Align the cells of rows in columns two blanks apart; the widest cells are wrapped where a line exceeds ``width``.
+
+    Returns
+    -------
+    list of str
+        Lines of at most ``width`` characters, as long as ``width`` holds eight characters a column.
+    """
+    cells = [[str(cell) for cell in row] for row in rows]
+    if not cells:
+        return []
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    while sum(widths) + 2 * (len(widths) - 1) > width and max(widths) > 8:
+        widths[widths.index(max(widths))] -= 1
+    lines = []
+    for row in cells:
+        wrapped = [wrap(cell, size) or [""] for cell, size in zip(row, widths, strict=True)]
+        for i in range(max(map(len, wrapped))):
+            parts = [cell[i] if i < len(cell) else "" for cell in wrapped]
+            lines.append("  ".join(part.ljust(size) for part, size in zip(parts, widths, strict=True)).rstrip())
+    return lines
+
+
+def wrapped(text: str, indent: str = "") -> list[str]:
+    """Wrap a paragraph at 80 columns; all lines but the first are indented by two more blanks."""
+    return wrap(
+        text,
+        WIDTH,
+        initial_indent=indent,
+        subsequent_indent=indent + "  ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    ) or [indent]
+
+
+def _joined(name: str, parts: Mapping[str, str]) -> str:
+    return f"{name}({', '.join(parts.values())})"
+
+
+def _same(given: object, default: object) -> bool:
+    if given is default:
+        return True
+    if type(given) is not type(default) or isinstance(given, np.ndarray):
+        return False
+    try:
+        return bool(given == default)
+    except (TypeError, ValueError):
+        # Mappings and sequences of arrays have no single truth value.
+        return False
+
+
+def _sequence(value: Sequence[object]) -> str:
+    left, right = "[]" if isinstance(value, list) else "()"
+    if len(value) > ENTRIES:
+        return f"{left}{len(value)} entries{right}"
+    return f"{left}{', '.join(map(brief, value))}{',' if len(value) == 1 and left == '(' else ''}{right}"
+
+
+def _kind(value: object) -> str:
+    """Print a dataclass or an unknown value by its class alone, others as ``brief`` does."""
+    if isinstance(value, tuple | list) and len(value) > 1:
+        return f"{'[' if isinstance(value, list) else '('}{len(value)} entries{']' if isinstance(value, list) else ')'}"
+    if isinstance(value, tuple | list) and value:
+        return f"[{_kind(value[0])}]" if isinstance(value, list) else f"({_kind(value[0])},)"
+    if isinstance(value, Mapping):
+        return f"{{{len(value)} entries}}"
+    plain = isinstance(value, bool | int | float | str | Enum | type | np.generic | np.ndarray | None)
+    if plain or (callable(value) and hasattr(value, "__qualname__")):
+        return brief(value)
+    name = getattr(value, "name", None)
+    return f"{type(value).__name__}({name!r})" if isinstance(name, str) and len(name) <= TEXT else type(value).__name__

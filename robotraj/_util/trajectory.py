@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, basis_at, differentiation
+from robotraj._util.printing import OneLine
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class PiecewisePolynomial:
+class PiecewisePolynomial(OneLine):
     """A vector-valued function of time, polynomial on each interval.
 
     Attributes

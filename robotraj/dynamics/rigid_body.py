@@ -18,6 +18,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.holding import correct, hold, pinned, share_of
 from robotraj.dynamics.point import RobotPoint
@@ -32,7 +33,7 @@ RATE_UNITS = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
 
 
 @dataclass(frozen=True)
-class RigidBody:
+class RigidBody(OneLine):
     """What all forms share: states (q, v), controls tau of the actuated joints.
 
     Attributes

@@ -10,6 +10,7 @@ from typing import Any
 import casadi as ca
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rows import rows_of
 from robotraj.dynamics.variable import Named, Variable
@@ -18,7 +19,7 @@ Expression = Callable[[Any], Any]
 
 
 @dataclass(frozen=True, init=False)
-class System:
+class System(OneLine):
     """A system given by its equations: xdot = f, 0 = g.
 
     Parameters
@@ -95,7 +96,7 @@ class System:
 
 
 @dataclass(frozen=True)
-class SystemDynamics:
+class SystemDynamics(OneLine):
     """A System seen through the DAE protocol."""
 
     system: System

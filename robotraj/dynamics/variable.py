@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from textwrap import shorten
 from typing import Any
 
 from robotraj._util.errors import unknown_name
+from robotraj._util.printing import WIDTH, brief
 
 
 @dataclass(frozen=True)
@@ -76,4 +78,5 @@ class Named(Mapping[str, Any]):
         return len(self._index)
 
     def __repr__(self) -> str:
-        return "{" + ", ".join(f"{name}: {value}" for name, value in self.items()) + "}"
+        entries = (f"{name}: {brief(value)}" for name, value in self.items())
+        return "{" + shorten(", ".join(entries), WIDTH - 2, placeholder=" ...") + "}"

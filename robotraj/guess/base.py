@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
+
 if TYPE_CHECKING:
     from robotraj.problem.links.base import BoundLink
     from robotraj.problem.phase import Phase
@@ -41,7 +43,7 @@ class PhaseGuess:
     parameters: Mapping[str, float]
 
 
-class InitialGuess(ABC):
+class InitialGuess(OneLine, ABC):
     """Initial values of all variables of a problem. A new kind of guess is one subclass that defines ``of``."""
 
     @abstractmethod

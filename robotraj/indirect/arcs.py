@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.indirect.costate_trajectory import PhaseCostates
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.phase import Phase
@@ -32,7 +33,7 @@ class Side(Enum):
 
 
 @dataclass(frozen=True)
-class Arc:
+class Arc(OneLine):
     """From ``start`` to ``end`` [s] with one side for every control."""
 
     start: float

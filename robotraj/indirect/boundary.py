@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.rows import as_rows
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns
@@ -63,7 +64,7 @@ class Conditions(Link):
 
 
 @dataclass(frozen=True, eq=False)
-class EndData:
+class EndData(OneLine):
     """What is known of the ends of the direct solution.
 
     Attributes

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.rows import as_rows
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.costate_trajectory import PhaseCostates
@@ -129,7 +130,7 @@ def _broken(equations: Pontryagin, s: dict[str, Array]) -> list[str]:
 
 
 @dataclass(frozen=True, eq=False)
-class HeldRow:
+class HeldRow(OneLine):
     """Rows of a phase that hold throughout, with their values along a trajectory."""
 
     phase: Phase

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, require_solution
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.variable import Named
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.costates.hamiltonian import Hamiltonian
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class CostateSample:
+class CostateSample(OneLine):
     """Duals at a time (floats) or at m times (arrays (m,)).
 
     Attributes
@@ -53,7 +54,7 @@ class CostateSample:
 
 
 @dataclass(frozen=True, eq=False)
-class PhaseCostates:
+class PhaseCostates(OneLine):
     """Duals of one phase of a solution.
 
     Attributes
@@ -129,7 +130,7 @@ class PhaseCostates:
 
 
 @dataclass(frozen=True, eq=False)
-class Costates:
+class Costates(OneLine):
     """Duals of all phases of a solution."""
 
     phases: tuple[PhaseCostates, ...]

@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.transcription.extract import PhaseTrajectory
@@ -27,7 +28,7 @@ MOST_STEPS = 12
 
 
 @dataclass(frozen=True, eq=False)
-class Flow:
+class Flow(OneLine):
     """The equations of an arc as numbers, algebraic variables solved for at every call."""
 
     equations: Pontryagin

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, require_solution
+from robotraj._util.printing import OneLine
 from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.problem.constraints.base import AtEnd, AtStart, Row, Where
 from robotraj.problem.constraints.path import PathConstraint
@@ -48,7 +49,7 @@ LEAST, MOST = 0.2, 5.0
 
 
 @dataclass(frozen=True)
-class BoundArc:
+class BoundArc(OneLine):
     """A state at a bound from ``start`` to ``end`` [s]; junctions are the ends that lie inside the motion."""
 
     start: float

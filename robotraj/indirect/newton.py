@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from robotraj._util.printing import OneLine
 from robotraj.transcription.assembly.triplets import scaled
 from robotraj.transcription.nlp import Nlp
 
@@ -20,7 +21,7 @@ LEAST_STEP = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class NewtonRoot:
+class NewtonRoot(OneLine):
     """Where Newton's method stopped.
 
     Attributes

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, NoSolutionFound
+from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.dynamics.variable import Named
 from robotraj.indirect.arcs import Arc, Side
@@ -33,7 +34,7 @@ class PolishFailed(NoSolutionFound):
 
 
 @dataclass(frozen=True, eq=False)
-class PolishedSample:
+class PolishedSample(OneLine):
     """Values at a time (floats) or at m times (arrays (m,)).
 
     Attributes
@@ -61,7 +62,7 @@ class PolishedSample:
 
 
 @dataclass(frozen=True, eq=False)
-class Polished:
+class Polished(OneLine):
     """A solution of Pontryagin's boundary value problem.
 
     Attributes

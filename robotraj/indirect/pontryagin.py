@@ -19,6 +19,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.rigid_body import ForwardDynamics
 from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.system import System
@@ -30,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Pontryagin:
+class Pontryagin(OneLine):
     """The equations of a phase, on arcs.
 
     Attributes

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from robotraj._util.errors import ValidationFailed
+from robotraj._util.printing import OneLine
 
 
 @dataclass(frozen=True)
-class NecessaryCondition:
+class NecessaryCondition(OneLine):
     """One necessary condition.
 
     Attributes
@@ -36,7 +37,7 @@ class NecessaryCondition:
 
 
 @dataclass(frozen=True)
-class ConditionsReport:
+class ConditionsReport(OneLine):
     """The first-order necessary conditions of Pontryagin along a direct solution.
 
     Attributes

@@ -24,6 +24,7 @@ from typing import Any, ClassVar
 import casadi as ca
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.dae import Dynamics, TimeOrders
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rigid_body import InverseDynamics, RigidBody
@@ -31,7 +32,7 @@ from robotraj.dynamics.variable import Variable
 
 
 @dataclass(frozen=True)
-class Augmented(ABC):
+class Augmented(OneLine, ABC):
     """Dynamics around other dynamics; new variables come after the inner ones.
 
     Attributes

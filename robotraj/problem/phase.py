@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from robotraj._util.errors import FailedExpression, InputError, unknown_name
+from robotraj._util.printing import OneLine
 from robotraj._util.values import own
 from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.system import System, SystemDynamics
 from robotraj.problem.augmentation import Augmented
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.bounds import Between, Bounds, Interval, as_bounds, as_duration
 from robotraj.problem.constraints.contact_limits import contact_limits
-from robotraj.problem.constraints.joint_limits import own_limits
+from robotraj.problem.constraints.joint_limits import OwnLimits, own_limits
 from robotraj.problem.constraints.variable_bounds import VariableBounds
 from robotraj.problem.feasibility import Ends, check_duration, check_equations, check_limits, check_rows
 from robotraj.problem.footing_checks import check_contacts
 from robotraj.problem.objectives.base import EndCost, Integral, Objective
-from robotraj.problem.phase_fields import as_constraints, as_contacts, as_mapping
-from robotraj.problem.printing import phase_text
+from robotraj.problem.phase_fields import as_constraints, as_contacts, as_mapping, bind_contacts
+from robotraj.problem.printing import PhaseTable, duration_text, parameter_rows, phase_table
 from robotraj.problem.rows import RowTable
 from robotraj.problem.state import State
 from robotraj.robot.limits import Limits
@@ -36,13 +36,8 @@ if TYPE_CHECKING:
     from robotraj.dynamics.kinematics import Kinematics
 
 
-@dataclass(frozen=True)
-class OwnLimits:
-    """Impose the limits that the URDF of the robot states (the default)."""
-
-
 @dataclass(frozen=True, eq=False)
-class Phase:
+class Phase(OneLine):
     """One stretch of motion under one set of dynamics and constraints.
 
     Arrays, lists and mappings are copied: later changes of them change no phase.
@@ -177,24 +172,9 @@ class Phase:
         Raises
         ------
         InputError
-            Contacts of a System, what is no contact, or two of one name.
+            The phase moves a System, an entry is no contact, or two contacts have one name.
         """
-        robot = self.robot
-        if not self.contacts:
-            return ()
-        if robot is None:
-            raise InputError(f"Phase {self.name!r} has contacts, which are for robots, but moves an rt.System.")
-        for contact in self.contacts:
-            if not isinstance(contact, Contact):
-                raise InputError(
-                    f"{contact!r} in the contacts of phase {self.name!r} is not a contact such as "
-                    "rt.PointContact('foot')."
-                )
-        bound = tuple(contact.bound_to(robot) for contact in self.contacts)
-        twice = [name for name, count in Counter(contact.name for contact in bound).items() if count > 1]
-        if twice:
-            raise InputError(f"Phase {self.name!r} has two contacts named {twice[0]!r}; give one of them name=.")
-        return bound
+        return bind_contacts(self.name, self.contacts, self.robot)
 
     @cached_property
     def body(self) -> Dynamics:
@@ -304,11 +284,18 @@ class Phase:
             changed.__dict__.update({name: value for name, value in self.__dict__.items() if name not in own})
         return changed
 
-    def __str__(self) -> str:
+    @property
+    def _table(self) -> PhaseTable:
         objective = str(self.objective) if self.objective is not None else "none: any feasible motion"
-        names, bounds, design = self.parameter_names, self.parameter_bounds, self.bound_design
-        parameters = []
-        for name, low, high in zip(names, *bounds, strict=True):
-            what, unit = design.describe(name) if design is not None else ("", "")
-            parameters.append(Row("parameter", unit, low, high, f"{name} ({what})" if what else name))
-        return phase_text(self.rows, self.subject.name, objective, self.duration_bounds, self._ends, parameters)
+        parameters = parameter_rows(self.parameter_names, self.parameter_bounds, self.bound_design)
+        return phase_table(self.rows, self.subject.name, objective, self.duration_bounds, self._ends, parameters)
+
+    def __repr__(self) -> str:
+        duration = duration_text(*self.duration_bounds)
+        return f"<{type(self).__name__} {self.name!r} of {self.subject.name}: {duration}, {len(self.rows.rows)} rows>"
+
+    def __str__(self) -> str:
+        return str(self._table)
+
+    def _repr_html_(self) -> str:
+        return self._table.html

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import own
-from robotraj.dynamics.contacts.base import Contact
+from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.problem.constraints.base import Constraint
+from robotraj.robot.robot import Robot
 
 T = TypeVar("T")
 
@@ -52,6 +54,30 @@ def as_contacts(phase: str, given: object) -> tuple[Contact, ...]:
         A value that is neither a list nor a contact.
     """
     return _several(phase, "contacts", given, Contact)
+
+
+def bind_contacts(phase: str, contacts: Sequence[Contact], robot: Robot | None) -> tuple[BoundContact, ...]:
+    """Bind the contacts of a phase to its robot.
+
+    Raises
+    ------
+    InputError
+        The phase moves a System, an entry is no contact, or two contacts have one name.
+    """
+    if not contacts:
+        return ()
+    if robot is None:
+        raise InputError(f"Phase {phase!r} has contacts, which are for robots, but moves an rt.System.")
+    for contact in contacts:
+        if not isinstance(contact, Contact):
+            raise InputError(
+                f"{contact!r} in the contacts of phase {phase!r} is not a contact such as rt.PointContact('foot')."
+            )
+    bound = tuple(contact.bound_to(robot) for contact in contacts)
+    twice = [name for name, count in Counter(contact.name for contact in bound).items() if count > 1]
+    if twice:
+        raise InputError(f"Phase {phase!r} has two contacts named {twice[0]!r}; give one of them name=.")
+    return bound
 
 
 def _several(phase: str, which: str, given: object, one: type[T]) -> tuple[T, ...]:

@@ -1,28 +1,71 @@
-"""A phase as text: every row, bound and unit that it imposes."""
+"""A phase as text and as HTML: every row, bound and unit that it imposes."""
 
 from __future__ import annotations
 
+import html
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.printing import OneLine, table, wrapped
 from robotraj.problem.constraints.base import Row, Where
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.feasibility import Ends
 from robotraj.problem.rows import RowTable
 
-Line = tuple[str, str, str, str, str]
-"""Quantity, what has it, when, bounds and unit."""
+if TYPE_CHECKING:
+    from robotraj.dynamics.design.binding import Design
+
+Cells = tuple[str, str, str, str, str]
+"""Quantity, joint or variable, time, bounds and unit."""
+
+HEADINGS = ("quantity", "joint or variable", "when", "bounds", "unit")
 
 
-def phase_text(
-    table: RowTable, subject: str, objective: str, duration: tuple[float, float], ends: Ends, parameters: Sequence[Row]
-) -> str:
-    """Write a phase as two headlines and a table of quantity, joint or variable, time, bounds and unit.
+@dataclass(frozen=True, eq=False)
+class PhaseTable(OneLine):
+    """Two headlines and a table of quantity, joint or variable, time, bounds and unit.
+
+    Attributes
+    ----------
+    title : str
+        ``"phase 'swing' of cartpole: 4 states, 2 algebraic, 1 controls"``.
+    objective : str
+        What is minimised.
+    cells : tuple of Cells
+    """
+
+    title: str
+    objective: str
+    cells: tuple[Cells, ...]
+
+    def __str__(self) -> str:
+        return "\n".join([*wrapped(self.title), *wrapped(f"minimise {self.objective}"), *table(self.cells)])
+
+    @property
+    def html(self) -> str:
+        """The table for a notebook."""
+        head = "".join(f"<th>{heading}</th>" for heading in HEADINGS)
+        body = "".join(
+            "<tr>" + "".join(f"<td style='text-align:left'>{html.escape(cell)}</td>" for cell in row) + "</tr>"
+            for row in self.cells
+        )
+        return (
+            f"<div><b>{html.escape(self.title)}</b><br>minimise {html.escape(self.objective)}"
+            f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
+        )
+
+
+def phase_table(
+    rows: RowTable, subject: str, objective: str, duration: tuple[float, float], ends: Ends, parameters: Sequence[Row]
+) -> PhaseTable:
+    """Tabulate a phase.
 
     Parameters
     ----------
-    table : RowTable
+    rows : RowTable
     subject : str
         Name of what moves.
     objective : str
@@ -32,25 +75,35 @@ def phase_text(
     ends : mapping of Where to Bounds
         Bounds of the state at the start and at the end.
     parameters : sequence of Row
-        One row a parameter.
+        One row for each parameter.
     """
-    dae = table.dae
-    lines: list[Line] = [("duration", "", "", _interval(*duration), "s")]
-    lines += [line for end, bounds in ends.items() for line in _end(table, end, bounds)]
-    lines += [(r.name, r.joint or "", r.where.value, _interval(r.lower, r.upper), r.unit) for r in table]
-    lines += [(r.quantity, r.label, "throughout", "= 0", r.unit) for r in dae.residuals]
-    lines += [("defect", s.name, "throughout", "= 0", s.unit) for s in dae.states]
-    lines += [(r.name, r.joint or "", "", _interval(r.lower, r.upper), r.unit) for r in parameters]
-    widths = [max(len(line[i]) for line in lines) for i in range(5)]
-    written = [
-        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip() for line in lines
-    ]
+    dae = rows.dae
+    cells: list[Cells] = [("duration", "", "", _interval(*duration), "s")]
+    cells += [line for end, bounds in ends.items() for line in _end(rows, end, bounds)]
+    cells += [(r.name, r.joint or "", r.where.value, _interval(r.lower, r.upper), r.unit) for r in rows]
+    cells += [(r.quantity, r.label, "throughout", "= 0", r.unit) for r in dae.residuals]
+    cells += [("defect", s.name, "throughout", "= 0", s.unit) for s in dae.states]
+    cells += [(r.name, r.joint or "", "", _interval(r.lower, r.upper), r.unit) for r in parameters]
     sizes = f"{len(dae.states)} states, {len(dae.algebraic)} algebraic, {len(dae.controls)} controls"
-    return "\n".join([f"phase {table.phase!r} of {subject}: {sizes}", f"minimise {objective}", *written])
+    return PhaseTable(f"phase {rows.phase!r} of {subject}: {sizes}", objective, tuple(cells))
 
 
-def _end(table: RowTable, end: Where, bounds: Bounds) -> list[Line]:
-    """Write the bounds of the state at one end."""
+def parameter_rows(names: Sequence[str], bounds: Bounds, design: Design | None) -> list[Row]:
+    """Return one row for each parameter; a parameter of the design is described by the quantities that it sets."""
+    rows = []
+    for name, low, high in zip(names, *bounds, strict=True):
+        what, unit = design.describe(name) if design is not None else ("", "")
+        rows.append(Row("parameter", unit, low, high, f"{name} ({what})" if what else name))
+    return rows
+
+
+def duration_text(low: float, high: float) -> str:
+    """Return ``"2 s"`` or ``"0.5 to 3 s"``."""
+    return f"{_number(low)} s" if low == high else f"{_number(low)} to {_number(high)} s"
+
+
+def _end(table: RowTable, end: Where, bounds: Bounds) -> list[Cells]:
+    """List the bounds of the state at one end."""
     return [
         (variable.quantity, variable.label, end.value, _interval(lower, upper), variable.unit)
         for variable, lower, upper in zip(table.dae.states, bounds.lower, bounds.upper, strict=True)

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from html import escape
 from typing import Any
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import ENTRIES, OneLine, brief, table
+from robotraj.problem.constraints.base import Row
 from robotraj.problem.links.base import BoundLink, Link
 from robotraj.problem.links.continuity import running_on
 from robotraj.problem.phase import Phase
@@ -21,7 +24,7 @@ _MISSING_AS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem(OneLine):
     """Phases and the links between them; one NLP.
 
     Parameters
@@ -97,11 +100,27 @@ class Problem:
         given = tuple(start for name in changes for start in _MISSING_AS.get(name, ()))
         return Problem(phases, self.links, tuple(name for name in self.missing if not name.startswith(given)))
 
+    def __repr__(self) -> str:
+        names = brief(tuple(phase.name for phase in self.phases)).strip("(),")
+        what = names if len(self.phases) <= ENTRIES else f"{len(self.phases)} phases"
+        return f"<Problem of {what}: {len(self.links)} link{'s' * (len(self.links) != 1)}>"
+
     def __str__(self) -> str:
-        parts = [str(phase) for phase in self.phases]
-        parts += [
-            f"link {link.name}: {row.label} in [{row.lower:g}, {row.upper:g}] {row.unit}".rstrip()
-            for link in self.bound_links
-            for row in link.rows
+        cells = [
+            (f"link {link.name}", row.label, f"[{row.lower:g}, {row.upper:g}] {row.unit}") for link, row in self._links
         ]
-        return "\n\n".join(parts[: len(self.phases)]) + ("\n" + "\n".join(parts[len(self.phases) :]))
+        return "\n\n".join([str(phase) for phase in self.phases] + ["\n".join(table(cells))] * bool(cells))
+
+    def _repr_html_(self) -> str:
+        cells = "".join(
+            f"<tr><td>{escape(link.name)}</td><td>{escape(row.label)}</td>"
+            f"<td>[{row.lower:g}, {row.upper:g}] {escape(row.unit)}</td></tr>"
+            for link, row in self._links
+        )
+        links = f"<div><b>links</b><table>{cells}</table></div>" if cells else ""
+        return "".join(phase._repr_html_() for phase in self.phases) + links
+
+    @property
+    def _links(self) -> list[tuple[BoundLink, Row]]:
+        """Every row of a link, with its link."""
+        return [(link, row) for link in self.bound_links for row in link.rows]

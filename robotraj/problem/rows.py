@@ -14,6 +14,7 @@ from functools import cached_property
 import casadi as ca
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rows import as_rows
@@ -55,7 +56,7 @@ class PhaseRow(Row):
 
 
 @dataclass(frozen=True, eq=False)
-class RowTable:
+class RowTable(OneLine):
     """Every row that the constraints of a phase impose, in their order.
 
     Attributes

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import own_fields
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rigid_body import RigidBody
@@ -19,7 +20,7 @@ from robotraj.robot.root import QUATERNION
 
 
 @dataclass(frozen=True)
-class State:
+class State(OneLine):
     """Where a phase starts or ends.
 
     Parameters

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.replay_page.footholds import footholds
 from robotraj.solution.gait_cycles import Passage, Unrolled
 
@@ -23,7 +24,7 @@ ALL_SAMPLES = 3600
 
 
 @dataclass(frozen=True)
-class Series:
+class Series(OneLine):
     """One curve: its label, unit and name among the variables (``q.elbow``)."""
 
     label: str
@@ -32,7 +33,7 @@ class Series:
 
 
 @dataclass(frozen=True)
-class Panel:
+class Panel(OneLine):
     """One chart: its title, the symbol that heads its column of values, and its curves."""
 
     title: str

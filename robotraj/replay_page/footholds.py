@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
 from robotraj.dynamics.contacts.footing import Footing
@@ -26,7 +27,7 @@ TOUCH = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Foothold:
+class Foothold(OneLine):
     """One contact over one passage, held throughout.
 
     Attributes

@@ -10,11 +10,13 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
+from robotraj._util.printing import OneLine
+
 SCRIPTS = ("view.js", "contacts.js", "bars.js", "charts.js", "page.js")
 
 
 @dataclass(frozen=True)
-class Heading:
+class Heading(OneLine):
     """What the top of the page says; ``facts`` are (label, value), ``good`` colours the status."""
 
     title: str

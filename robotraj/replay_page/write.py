@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
+from robotraj._util.paths import whole_file
 from robotraj.dynamics.design.binding import realised
 from robotraj.replay_page.colors import css
 from robotraj.replay_page.contacts import held
@@ -19,13 +20,14 @@ from robotraj.replay_page.footholds import contact_names
 from robotraj.replay_page.page import Heading, page
 from robotraj.robot.root import root_of
 from robotraj.solution.gait_cycles import Unrolled, unrolled
+from robotraj.solution.solution import Solution
 
 SAME_PLACE = 1e-6
 """Dimensions [m] of two phases' robots that differ by less are one: so far a solver may let them differ."""
 
 
 def replay(
-    solution: Any,
+    solution: Solution,
     path: str | os.PathLike[str],
     *,
     speed: float = 1.0,
@@ -88,6 +90,21 @@ def replay(
         raise InputError(f"replay: speed is {speed!r}; give a factor above 0, such as 0.5 for half speed.")
     if not (_is_number(fps) and 1 <= fps <= 240 and int(fps) == fps):
         raise InputError(f"replay: fps is {fps!r}; give a whole number of frames per second from 1 to 240.")
+    text = page_of(solution, float(speed), int(fps), traces, periods, title)
+    with whole_file(target) as file:
+        file.write_text(text, encoding="utf-8")
+    return target
+
+
+def page_of(
+    solution: Solution,
+    speed: float = 1.0,
+    fps: int = 30,
+    traces: Sequence[str] | str | None = None,
+    periods: int = 1,
+    title: str | None = None,
+) -> str:
+    """Return the text of the page; parameters and errors are those of ``replay``."""
     robot = _one_robot(solution)
     names = [traces] if isinstance(traces, str) else traces
     if robot is None and names:
@@ -98,9 +115,9 @@ def replay(
         # Imported here, since meshcat and trimesh take a second that planning alone need not wait for.
         from robotraj.replay_page.scene.scene import scene_of
 
-        scene = scene_of(robot, course, int(fps), names)
+        scene = scene_of(robot, course, fps, names)
     description = {
-        "speed": float(speed),
+        "speed": speed,
         "phases": [{"name": p.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in course.phases],
         "charts": curves(course),
         "held": held(course) if robot is not None else [],
@@ -109,9 +126,7 @@ def replay(
         "hidden": list(root_of(robot.root).positions + root_of(robot.root).velocities) if robot is not None else [],
         "scene": scene.description if scene is not None else None,
     }
-    text = page(_heading(course, robot, title), description, scene.commands if scene is not None else None)
-    target.write_text(text, encoding="utf-8")
-    return target
+    return page(_heading(course, robot, title), description, scene.commands if scene is not None else None)
 
 
 def _is_number(value: Any) -> bool:

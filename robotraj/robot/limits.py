@@ -11,6 +11,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import OneLine
 from robotraj.robot.loading.surgery import names_of
 from robotraj.robot.root import ROOTS, root_of
 
@@ -24,7 +25,7 @@ QUANTITIES = ("position", *MAGNITUDES)
 
 
 @dataclass(frozen=True, eq=False)
-class Limits:
+class Limits(OneLine):
     """Limits of every moving joint; infinite where there is none. The arrays are read-only.
 
     Attributes

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from robotraj._util.printing import OneLine
+
 
 @dataclass(frozen=True)
-class Conflict:
+class Conflict(OneLine):
     """One row that has to be stretched, with a bound that would do.
 
     Attributes

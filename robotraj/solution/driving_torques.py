@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.robot.robot import Robot
 
@@ -17,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class DrivingTorques:
+class DrivingTorques(OneLine):
     """tau(t) = RNEA(q, v, vdot) + D v + F tanh(v / v_s), with damping D and smoothed Coulomb friction F.
 
     Attributes

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.solution.columns import values_of, variables_of
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Column:
+class Column(OneLine):
     """One variable over time: its name (``"q.elbow"``), SI unit and values (m,), NaN where there is none."""
 
     name: str

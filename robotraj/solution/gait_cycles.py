@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.variable import Named
 from robotraj.problem.links.periodic import Mirror, Periodic
@@ -25,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Return:
+class Return(OneLine):
     """How the start of a plan sees its end: q_0 = P q_T + d, v_0 = P_v v_T, and points of the world p_0 = W p_T + e.
 
     Attributes
@@ -84,7 +85,7 @@ class Return:
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class Moment(OneLine):
     """What a later period says at some times, as a ``Sample`` of the plan does.
 
     Attributes
@@ -106,7 +107,7 @@ class Moment:
 
 
 @dataclass(frozen=True, eq=False)
-class Passage:
+class Passage(OneLine):
     """One phase of one period; it is read like the phase's solution.
 
     Attributes
@@ -214,7 +215,7 @@ class Passage:
 
 
 @dataclass(frozen=True, eq=False)
-class PlannedImpact:
+class PlannedImpact(OneLine):
     """Impulses of one touchdown.
 
     Attributes
@@ -233,7 +234,7 @@ class PlannedImpact:
 
 
 @dataclass(frozen=True, eq=False)
-class Unrolled:
+class Unrolled(OneLine):
     """A solution passed through ``periods`` times; read like a solution, but for what ``Passage`` does not say.
 
     Attributes

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.dynamics.variable import Named
 from robotraj.problem.augmentation import Augmented
@@ -29,7 +30,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class PhaseSolution:
+class PhaseSolution(OneLine):
     """The planned motion of one phase, in global time.
 
     Attributes

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import Where
 from robotraj.solution.columns import values_of, variables_of
@@ -43,7 +44,7 @@ DASHES = (0, (5, 3))
 
 
 @dataclass(frozen=True, eq=False)
-class _Trace:
+class _Trace(OneLine):
     """One phase of a solution, evaluated for drawing."""
 
     part: PhaseSolution

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from robotraj._util.printing import OneLine
+
 
 @dataclass(frozen=True)
-class Goals:
+class Goals(OneLine):
     """What must hold of a plan between its collocation points.
 
     Attributes
@@ -25,7 +27,7 @@ class Goals:
 
 
 @dataclass(frozen=True)
-class Proof:
+class Proof(OneLine):
     """Measures of a plan between its collocation points.
 
     Attributes

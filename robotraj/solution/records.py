@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from robotraj._util.printing import OneLine
 from robotraj.solvers.status import Status
 
 
 @dataclass(frozen=True)
-class MeshStep:
+class MeshStep(OneLine):
     """One mesh of a refinement.
 
     Attributes
@@ -32,7 +33,7 @@ class MeshStep:
 
 
 @dataclass(frozen=True)
-class ContinuationRecord:
+class ContinuationRecord(OneLine):
     """One stage that was solved before the problem itself.
 
     Attributes

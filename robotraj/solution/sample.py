@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.variable import Named
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Sample:
+class Sample(OneLine):
     """Values of a trajectory at a time (shape (n,)) or at m times (shape (m, n)).
 
     Attributes

@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from textwrap import wrap
 
 from robotraj._util.errors import InputError
-from robotraj._util.printing import as_call
+from robotraj._util.printing import OneLine, as_call, table
 from robotraj.native.engines.base import Engine
 from robotraj.solution.proof import Goals
 from robotraj.solvers.base import Solver
@@ -18,12 +17,9 @@ from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.strategy import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
 
-WIDTH = 80
-"""Columns of printed settings."""
-
 
 @dataclass(frozen=True)
-class Restarts:
+class Restarts(OneLine):
     """Other beginnings of a problem that was not solved from its guess.
 
     Parameters
@@ -58,7 +54,7 @@ class Restarts:
 
 
 @dataclass(frozen=True)
-class Settings:
+class Settings(OneLine):
     """What a plan was made with. ``rt.plan(problem, settings=...)`` repeats it.
 
     Attributes
@@ -92,10 +88,5 @@ class Settings:
 
     def __str__(self) -> str:
         names = [entry.name for entry in fields(self) if entry.name != "reasons"]
-        indent = max(map(len, names)) + 2
-        lines = []
-        for name in names:
-            chosen = f"{as_call(getattr(self, name))}: {self.reasons.get(name, 'given')}"
-            cell = wrap(chosen, WIDTH - indent, break_long_words=False, break_on_hyphens=False)
-            lines += [f"{left:<{indent}}{part}" for left, part in zip([name] + [""] * len(cell), cell, strict=False)]
-        return "\n".join(lines)
+        rows = [(name, f"{as_call(getattr(self, name))}: {self.reasons.get(name, 'given')}") for name in names]
+        return "\n".join(table(rows))

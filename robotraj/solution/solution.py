@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.display import drawn
 from robotraj._util.errors import InputError
+from robotraj._util.printing import ENTRIES, OneLine, brief, wrapped
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
@@ -37,7 +39,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(OneLine):
     """What a solver found, checked outside the solver.
 
     Attributes
@@ -233,11 +235,17 @@ class Solution:
         return plot(self)
 
     def __repr__(self) -> str:
-        names = ", ".join(repr(part.phase.name) for part in self.phases)
+        names = brief(tuple(part.phase.name for part in self.phases)).strip("(),")
+        if len(self.phases) > ENTRIES:
+            names = f"{len(self.phases)} phases"
         return (
             f"<Solution of {names}: {self.status.value}, objective {self.objective:.6g}, {self.duration:.4g} s, "
             f"{self.iterations} iterations>"
         )
+
+    def _repr_html_(self) -> str:
+        """Show the replay page in a notebook."""
+        return drawn(self)
 
     def __str__(self) -> str:
         lines = [
@@ -273,7 +281,10 @@ class Solution:
             lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]
             several = len(self.phases) > 1
             lines += [f"  {v} (phase {v.phase!r})" if several else f"  {v}" for v in self.violations(5)]
-        return "\n".join(lines)
+        # A line is indented by its rank; what does not fit goes on below, indented further.
+        return "\n".join(
+            part for line in lines for part in wrapped(line.lstrip(), line[: len(line) - len(line.lstrip())])
+        )
 
 
 def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> Solution:

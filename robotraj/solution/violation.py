@@ -7,12 +7,14 @@ from typing import Literal
 
 import numpy as np
 
+from robotraj._util.printing import OneLine
+
 Side = Literal["over", "under", "off"]
 """``"over"`` an upper bound, ``"under"`` a lower bound, ``"off"`` the required value of an equality."""
 
 
 @dataclass(frozen=True)
-class Violation:
+class Violation(OneLine):
     """A violated bound, at the time of its largest violation.
 
     Attributes

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ class Origin:
 
 
 @dataclass(frozen=True, eq=False)
-class Multipliers:
+class Multipliers(OneLine):
     """Multipliers of rows (n_g,) and of variable bounds (n_w,), in physical units: grad f + J' rows + bounds = 0.
 
     Physical units carry them from one scaling to the next, as a warm start needs.
@@ -144,7 +145,7 @@ class Outcome:
     times: dict[str, float] = field(default_factory=dict)
 
 
-class Solver(ABC):
+class Solver(OneLine, ABC):
     """A solver and its options, as one frozen value. A new solver is one new file."""
 
     @property

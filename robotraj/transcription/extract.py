@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, integrals, lobatto_sites
+from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.transcription.exact_motion import is_exact, with_integrated_speeds
 from robotraj.transcription.nlp import Nlp
@@ -18,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class PhaseTrajectory:
+class PhaseTrajectory(OneLine):
     """The polynomials of one phase in global time.
 
     Attributes

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.table import Entry
 
@@ -120,7 +121,7 @@ class Run:
 
 
 @dataclass(frozen=True, eq=False)
-class PhaseLayout:
+class PhaseLayout(OneLine):
     """Columns of one phase.
 
     Attributes

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj._util.sparse import csr_array
 from robotraj.native.engines.base import Engine, StageMapped, VirtualMachine
 from robotraj.transcription.assembly.assembly import Functions, assemble, point_functions
@@ -35,7 +36,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Nlp:
+class Nlp(OneLine):
     """A transcribed problem.
 
     Attributes

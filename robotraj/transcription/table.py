@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
@@ -37,7 +39,7 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
-class Scalars:
+class Scalars(OneLine):
     """Meaning, time and bounds of n columns or rows.
 
     Attributes

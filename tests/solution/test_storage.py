@@ -226,7 +226,7 @@ def test_functions_are_listed_by_name_and_the_rest_is_kept(tmp_path: Path) -> No
     with pytest.warns(UserWarning) as caught:
         loaded = rt.load_solution(path)
     (message,) = [str(warning.message) for warning in caught]
-    assert "constraint PathConstraint(expression=<lambda>, lower=None, upper=50, name='power', unit='W')" in message
+    assert "constraint PathConstraint(expression=<lambda>, upper=50, name='power', unit='W')" in message
     assert "objective 0.5 Lagrange(expression=<lambda>) of phase 'move'" in message
     assert " at 0x" not in message and "locals" not in message
     assert loaded.problem.phases[0].objective == Sum(((1.0, rt.Duration()), (2.0, rt.Effort())))

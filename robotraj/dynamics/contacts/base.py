@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.variable import Variable
 from robotraj.robot.memory import PerRobot
@@ -54,7 +55,7 @@ class LimitRow:
         return replace(self, lower=lower, upper=upper)
 
 
-class Contact(ABC):
+class Contact(OneLine, ABC):
     """A place where the ground or another body of the robot holds it. A new kind is one class and its bound form."""
 
     @property
@@ -78,7 +79,7 @@ class Contact(ABC):
 
 
 @dataclass(frozen=True, eq=False)
-class BoundContact(ABC):
+class BoundContact(OneLine, ABC):
     """A contact of one robot: m held rows, their contact forces, and the foothold.
 
     Every method takes a point of the NLP (symbols) or of the witness (numbers) and returns symbols or numbers.

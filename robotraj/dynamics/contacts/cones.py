@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 
 
-class FrictionCone(ABC):
+class FrictionCone(OneLine, ABC):
     """Rows that are not negative while |f_t| <= mu f_n (or a cone inside it). A new cone is one new class."""
 
     @property

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.contacts.base import positive
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
 
@@ -32,7 +33,7 @@ class Rectangle:
     half: float
 
 
-class Sole(ABC):
+class Sole(OneLine, ABC):
     """Rows that are not negative while the sole can carry a wrench. A new model is one new class."""
 
     @abstractmethod

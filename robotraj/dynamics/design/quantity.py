@@ -6,13 +6,14 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import OneLine
 
 if TYPE_CHECKING:
     from robotraj.dynamics.design.bodies import Bodies
     from robotraj.robot.robot import Robot
 
 
-class Quantity(ABC):
+class Quantity(OneLine, ABC):
     """A physical quantity of the robot that a parameter sets; a frozen value.
 
     Attributes

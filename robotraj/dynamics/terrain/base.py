@@ -12,10 +12,12 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
+
 Array = NDArray[np.float64]
 
 
-class Ground(ABC):
+class Ground(OneLine, ABC):
     """A height field. A new ground is one frozen dataclass with ``surface``, written in CasADi's functions.
 
     Contacts, clearance and replays all use that one expression. Every method takes CasADi symbols and numbers, floats

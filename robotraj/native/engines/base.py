@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
 
+from robotraj._util.printing import OneLine
 from robotraj.native.engines.blocks import casadi_block
 from robotraj.native.engines.blocks import wanted as wanted_of
 
@@ -56,7 +57,7 @@ class StageMapped:
         return function
 
 
-class Engine(ABC):
+class Engine(OneLine, ABC):
     """How point functions are evaluated; every engine gives the same numbers.
 
     Attributes

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import own_fields
 from robotraj.dynamics.rigid_body import RigidBody
 
@@ -39,7 +40,7 @@ class Where(Enum):
 
 
 @dataclass(frozen=True)
-class Row:
+class Row(OneLine):
     """One scalar row: lower <= value <= upper.
 
     Attributes
@@ -70,7 +71,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class BoundConstraint:
+class BoundConstraint(OneLine):
     """A constraint bound to the dynamics of a phase: names checked, rows counted.
 
     Attributes
@@ -88,7 +89,7 @@ class BoundConstraint:
     where: Where = Where.THROUGHOUT
 
 
-class Constraint(ABC):
+class Constraint(OneLine, ABC):
     """A value that bounds expressions of a Point along a phase. A new kind is one new class."""
 
     def __post_init__(self) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import OneLine
 from robotraj._util.values import own
 
 UNBOUNDED = 1e20
@@ -18,7 +19,7 @@ UNBOUNDED = 1e20
 
 
 @dataclass(frozen=True)
-class Between:
+class Between(OneLine):
     """An interval [lower, upper]; make one with ``rt.between``."""
 
     lower: Any

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.terrain.base import Ground
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ its radius, on the safe side."""
 
 
 @dataclass(frozen=True)
-class ClearancePoint:
+class ClearancePoint(OneLine):
     """A point, ball or disc fixed in a frame.
 
     Attributes
@@ -73,7 +74,7 @@ def _turned(view: Any, vector: Vector) -> Any:
 
 
 @dataclass(frozen=True)
-class CollisionShapes:
+class CollisionShapes(OneLine):
     """Collision shapes of links, from the robot's URDF, for ``GroundClearance``.
 
     A box is kept clear by its 8 corners, a sphere by its lowest point, a capsule by its two end spheres, a cylinder

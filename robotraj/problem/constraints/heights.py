@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from robotraj._util.errors import InputError, called
+from robotraj._util.printing import OneLine
 from robotraj.problem.constraints.path import flat
 
 
-class RequiredHeight(ABC):
+class RequiredHeight(OneLine, ABC):
     """A clearance [m] that changes along the motion. A new profile is one new class."""
 
     @abstractmethod

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.rigid_body import RATE_UNITS
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
 from robotraj.problem.constraints.bounds import Between, as_bounds
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
 
 RATES = ("v", "a", "tau")
 """Joint quantities, in the order of their units in ``RATE_UNITS``."""
+
+
+@dataclass(frozen=True)
+class OwnLimits(OneLine):
+    """Impose the limits that the URDF of the robot states (the default)."""
 
 
 @dataclass(frozen=True)

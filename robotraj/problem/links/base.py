@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import own_fields
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import Row
@@ -24,7 +25,7 @@ class Ends(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Carry:
+class Carry(OneLine):
     """What holds at the start of a phase because it holds at the end of another.
 
     Attributes
@@ -48,7 +49,7 @@ STATE = frozenset({"unit quaternion", "contact position", "contact velocity"})
 
 
 @dataclass(frozen=True)
-class BoundLink:
+class BoundLink(OneLine):
     """A link bound to its phases.
 
     Attributes
@@ -74,7 +75,7 @@ class BoundLink:
     carries: tuple[Carry, ...] = ()
 
 
-class Link(ABC):
+class Link(OneLine, ABC):
     """A value that joins ends of phases. A new kind is one new class."""
 
     def __post_init__(self) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import OneLine
 from robotraj.problem.constraints.base import Row
 from robotraj.problem.constraints.bounds import as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
@@ -22,7 +23,7 @@ ALONG_THE_GROUND = {"q.root_x", "q.root_y"}
 
 
 @dataclass(frozen=True, eq=False)
-class Repeat:
+class Repeat(OneLine):
     """How the end of a motion is seen from its start: lower <= x_start - image(x_end) <= upper.
 
     Attributes

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import own_fields
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from robotraj.problem.constraints.base import BoundConstraint
 
 
-class Objective(ABC):
+class Objective(OneLine, ABC):
     """What a phase minimises. Objectives add up and scale: ``rt.Effort() + 0.1 * rt.Duration()``."""
 
     @property

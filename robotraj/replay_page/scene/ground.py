@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.replay_page.scene.part import Part, weld
@@ -18,7 +19,7 @@ SAMPLES = 49
 
 
 @dataclass(frozen=True)
-class GroundView:
+class GroundView(OneLine):
     """A level [m] for the grid, and a surface where the ground is not level."""
 
     level: float

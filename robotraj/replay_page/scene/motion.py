@@ -10,6 +10,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from robotraj._util.printing import OneLine
+
 Array = NDArray[np.float64]
 FINEST = 8
 """A frame is divided at most into this many keys (a power of two)."""
@@ -18,7 +20,7 @@ TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True)
-class SceneMotion:
+class SceneMotion(OneLine):
     """A robot over a whole solution, sampled on a fine time grid.
 
     Attributes

@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from robotraj._util.printing import OneLine
+
 Color = tuple[float, float, float, float]
 CREASE = np.radians(40.0)
 """Faces that meet at a sharper angle [rad] get their own normals: edges stay crisp and curves smooth."""
 
 
 @dataclass(frozen=True)
-class Part:
+class Part(OneLine):
     """Triangles in one colour.
 
     Attributes

@@ -15,6 +15,7 @@ from meshcat.path import Path as NodePath
 from numpy.typing import NDArray
 from trimesh import creation
 
+from robotraj._util.printing import OneLine
 from robotraj.replay_page.clearance import clearance_scene
 from robotraj.replay_page.colors import rgb
 from robotraj.replay_page.contacts import contact_scene
@@ -35,7 +36,7 @@ STILL = 1e-9
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(OneLine):
     """Everything the page needs for its 3D view.
 
     Attributes

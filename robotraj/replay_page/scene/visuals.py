@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.replay_page.scene.meshes import read_mesh
 from robotraj.replay_page.scene.part import Color, Part
 from robotraj.replay_page.scene.shapes import rod, shape_part
@@ -22,7 +23,7 @@ UNNAMED_COLOR: Color = (0.9, 0.9, 0.9, 1.0)
 
 
 @dataclass(frozen=True)
-class Visual:
+class Visual(OneLine):
     """Parts under one fixed transform of a joint's frame.
 
     Attributes

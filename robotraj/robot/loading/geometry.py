@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.printing import OneLine
 from robotraj.robot.loading.packages import find_mesh, search_folders
 from robotraj.robot.loading.urdf import read_xml
 
@@ -34,7 +35,7 @@ class Geometry(Protocol):
 
 
 @dataclass(frozen=True)
-class UrdfGeometry:
+class UrdfGeometry(OneLine):
     """Shapes of a URDF; links keep their frames through locking, so they attach to the model by name.
 
     Attributes

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
+
 Array = NDArray[np.float64]
 
 STANDS_OUT = 4.0
@@ -14,7 +16,7 @@ STANDS_OUT = 4.0
 
 
 @dataclass(frozen=True, eq=False)
-class Density:
+class Density(OneLine):
     """Densities [per second] and impulses, (places, n) each; multiplier = weight * density + impulse."""
 
     density: Array

@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, overload
 
+from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 
 
 @dataclass(frozen=True, eq=False)
-class PhaseDuals:
+class PhaseDuals(OneLine):
     """Duals of one phase, in global time, for the Hamiltonian H = l + lambda' f + nu' g + eta' h.
 
     Attributes
@@ -68,3 +69,6 @@ class LateDuals(Sequence[PhaseDuals]):
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy, or a solution that comes back from another process, holds the duals themselves.
         return tuple, (self._all(),)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {len(self)} phases>"

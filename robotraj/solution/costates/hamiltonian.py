@@ -17,6 +17,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rows import as_rows
 from robotraj.problem.constraints.base import Row, Where
@@ -29,7 +30,7 @@ ARGUMENTS = ("t", "x", "z", "u", "p", "costate", "nu", "eta")
 
 
 @dataclass(frozen=True)
-class Hamiltonian:
+class Hamiltonian(OneLine):
     """The Hamiltonian of a phase under given dynamics: its own, or others of the same states and controls."""
 
     phase: Phase

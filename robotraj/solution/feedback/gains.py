@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.design.binding import realised
 from robotraj.solution.feedback.linearisation import Linearisation
 from robotraj.solution.feedback.riccati import backwards, transition
@@ -34,7 +35,7 @@ class PlanLike(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class PhaseGains:
+class PhaseGains(OneLine):
     """Gains of one phase.
 
     Attributes
@@ -64,7 +65,7 @@ class PhaseGains:
 
 
 @dataclass(frozen=True, eq=False)
-class Gains:
+class Gains(OneLine):
     """Feedback that holds a robot on its plan.
 
         tau(t) = tau_plan(t) - K(t) e,    e = (difference(q_plan, q), v - v_plan)

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.printing import OneLine
+
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -17,7 +19,7 @@ LOCAL = pin.ReferenceFrame.LOCAL
 
 
 @dataclass(frozen=True, eq=False)
-class HeldRows:
+class HeldRows(OneLine):
     """What one contact holds of the motion of its frames: one frame, or the two that close a loop.
 
     Attributes

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from robotraj._util.errors import InputError, RobotrajError
+from robotraj._util.printing import OneLine
 from robotraj.problem.problem import Problem
 from robotraj.solution.settings import Settings
 from robotraj.solution.storage.codec import NotPlainData, Packer, Unpacker
@@ -33,7 +34,7 @@ ADVICE = "give the path of a file that solution.save(path) wrote."
 
 
 @dataclass(frozen=True, eq=False)
-class Contents:
+class Contents(OneLine):
     """What a file holds.
 
     Attributes

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj._util.sparse import csr_array, expand
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import scaled
@@ -22,7 +23,7 @@ Indices = NDArray[np.int_]
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class Block(OneLine):
     """One stage function, its places, and where its outputs go.
 
     Attributes

@@ -20,6 +20,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.constraints.base import symbols_of
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class ConstraintGeneration:
+class ConstraintGeneration(OneLine):
     """Impose rows where a solution breaks them and solve again, until none is broken by more than the tolerance.
 
     Parameters

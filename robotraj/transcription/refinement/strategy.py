@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
 from robotraj.transcription.schemes.integrators import Adaptive
 from robotraj.transcription.schemes.mesh import Mesh
@@ -55,7 +56,7 @@ class Assessment:
     coarse: Array
 
 
-class Refinement(ABC):
+class Refinement(OneLine, ABC):
     """A value that makes the next mesh. A new method is one new class."""
 
     @abstractmethod

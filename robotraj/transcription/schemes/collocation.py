@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, integrals
+from robotraj._util.printing import OneLine
 from robotraj.transcription.schemes.control import Control, PolynomialControl
 from robotraj.transcription.schemes.quadrature import OwnQuadrature, Quadrature
 
@@ -26,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Scheme(ABC):
+class Scheme(OneLine, ABC):
     """What a mesh applies on its intervals.
 
     Parameters

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
+
 Array = NDArray[np.float64]
 
 
-class Control(ABC):
+class Control(OneLine, ABC):
     """A control is a polynomial through its sites in [0, 1]; sites at 0 and 1 are shared with the neighbours."""
 
     @abstractmethod

@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 
 Array = NDArray[np.float64]
 
 
-class Integrator(ABC):
+class Integrator(OneLine, ABC):
     """How shooting integrates an interval. A new integrator is one new class."""
 
     @property

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.polynomials import lobatto_sites
-from robotraj._util.printing import as_call
+from robotraj._util.printing import OneLine, as_call
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Mesh:
+class Mesh(OneLine):
     """Intervals of a phase and their scheme.
 
     Parameters

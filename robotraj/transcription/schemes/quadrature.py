@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 
 Array = NDArray[np.float64]
 
 
-class Quadrature(ABC):
+class Quadrature(OneLine, ABC):
     """Weights w_j of the integrand at the collocation points of a unit interval."""
 
     @abstractmethod
