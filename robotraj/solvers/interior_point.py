@@ -209,7 +209,7 @@ class InteriorPoint(Solver):
         nlp, program, native = reduction.nlp, reduction.program, compiled.native
         ready = time.perf_counter()
         start = reduction.start(nlp.guess)
-        scale = self.objective_scale or of_program(native, start, program, self.initial_barrier)
+        scale = self.objective_scale or of_program(native, start, program, self.initial_barrier, nlp)
         tried = []
         iterations = 0
         for factor in FACTORS if self.barrier_factor is None else (self.barrier_factor,):

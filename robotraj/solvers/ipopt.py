@@ -175,6 +175,7 @@ class Ipopt(Solver):
         # A call makes a constant objective sparse again, which nlpsol refuses.
         objective = ca.densify(functions.objective(w, p))
         oracle = {"x": w, "p": p, "f": objective, "g": functions.rows(w, p)}
+        scale = nlp.objective_scale(float(functions.objective(nlp.guess / nlp.scale, [])))
         try:
             solver = ca.nlpsol(
                 "solver",
@@ -190,7 +191,7 @@ class Ipopt(Solver):
                     "print_time": False,
                     "error_on_fail": False,
                     "show_eval_warnings": False,
-                    "ipopt": self._options(multipliers is not None),
+                    "ipopt": {**_unit(scale), **self._options(multipliers is not None)},
                 },
             )
         except RuntimeError as error:
@@ -231,6 +232,11 @@ class Ipopt(Solver):
             0 if status is Status.OVERDETERMINED else int(stats["iter_count"]),
             {"setup": ready - began, "solve": ended - ready, **parts},
         )
+
+
+def _unit(scale: float) -> dict[str, float]:
+    """Return IPOPT's options for an objective times ``scale``; these tolerances are in the unit of the objective."""
+    return {"obj_scaling_factor": scale, "dual_inf_tol": 1.0 / scale, "compl_inf_tol": 1e-4 / scale}
 
 
 def own_factors() -> dict[str, Any]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from robotraj.solvers.stagewise.program import Program
+    from robotraj.transcription.nlp import Nlp
 
 Array = NDArray[np.float64]
 
@@ -50,7 +51,9 @@ def objective_scale(objective: float, bounds: int, stages: int, barrier: float) 
     return float(np.clip(bounds * barrier / (SHARE * abs(objective)), LEAST, max(1.0, stages / FINE)))
 
 
-def of_program(native: Any, start: Array, program: Program, barrier: float) -> float:
-    """``objective_scale`` of a compiled program in stages that starts from ``start``."""
+def of_program(native: Any, start: Array, program: Program, barrier: float, nlp: Nlp) -> float:
+    """Return the scale of the compiled program of an NLP, that starts from ``start``: in a sensible unit first."""
+    first = native.objective(start)
+    unit = nlp.objective_scale(first)
     bounds = int(np.isfinite(program.lower).sum() + np.isfinite(program.upper).sum())
-    return objective_scale(native.objective(start), bounds, len(program.nu), barrier)
+    return unit * objective_scale(unit * first, bounds, len(program.nu), barrier)

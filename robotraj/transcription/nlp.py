@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+OBJECTIVE_SIZES = 1e-2, 1e5
+"""Least and greatest size of the objective that a solver sees. Its tolerance of 1e-8 is absolute."""
+
 
 @dataclass(frozen=True, eq=False)
 class Nlp(OneLine):
@@ -105,6 +108,25 @@ class Nlp(OneLine):
         """Objective at w, in physical units."""
         every = self.outputs(w) if outputs is None else outputs
         return sum(block.objective(own) for block, own in zip(self.blocks, every, strict=True))
+
+    def objective_scale(self, start: float) -> float:
+        """Return the factor that brings the objective to a size at which a solver's tolerance means digits of it.
+
+        The size is the objective at the guess; where that is below the least size, as it is for efforts that start from
+        zero, the objective one unit of every scaled variable away. The factor is 1 inside ``OBJECTIVE_SIZES``.
+
+        Parameters
+        ----------
+        start : float
+            Objective at the guess.
+        """
+        least, greatest = OBJECTIVE_SIZES
+        size = abs(start)
+        if size < least:
+            away = np.clip(self.guess + self.scale, self.variables.lower, self.variables.upper)
+            with np.errstate(all="ignore"):
+                size = max(size, abs(self.objective(away)))
+        return float(np.clip(size, least, greatest) / size) if np.isfinite(size) and size > 0.0 else 1.0
 
     def values(self, w: Array, outputs: Sequence[Array] | None = None) -> Array:
         """Rows g at w, in physical units, (n_g,)."""

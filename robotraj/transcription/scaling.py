@@ -23,6 +23,8 @@ from robotraj.transcription.table import Entry, Scalars
 Array = NDArray[np.float64]
 
 LEAST, GREATEST = 1e-3, 1e4
+PLAIN = 1e2
+"""Sizes from 1 / PLAIN to PLAIN SI units count as one unit."""
 ALIKE = frozenset({"position", "velocity", "acceleration", "jerk", "effort", "contact force", "contact moment"})
 """Quantities whose variables of one unit share the scale that the guess gives."""
 
@@ -41,6 +43,51 @@ def variable_scale(variables: Scalars, guess: Array) -> Array:
     bounded = (by_bounds > 0) & (by_bounds <= 1e3) & [entry.name != "duration" for entry in variables.entries]
     size = np.where(bounded, by_bounds, by_guess)
     return np.where(size > 0, np.clip(size, LEAST, GREATEST), 1.0)[meaning]
+
+
+def fill_unknown(
+    scale: Array, blocks: Sequence[Block], linear: csr_array, variables: Scalars, rows: Scalars, guess: Array
+) -> Array:
+    """Rescale variables whose size neither bounds nor guess tell, where SI units are far from it, (n_w,).
+
+    Such a variable gets the size at which its terms are as large as the others in some kind of row:
+
+        s_j = 1 / max_i (n_i J_ij / r_i),    r_i = max_k J_ik s_k over the variables k of known size,
+
+    where J_ij is the largest |dg/dw| of row kind i by variable j at the guess. n_i is the number of rows of a kind of
+    defect, since a control acts over the whole phase, and 1 for other kinds. A torque that moves 1e-4 kg or 1e8 kg is
+    scaled so. A size within ``PLAIN`` of the SI unit leaves the scale as it is.
+    """
+    unknown = np.flatnonzero(~_sized(variables, guess))
+    if not unknown.size:
+        return scale
+
+    def largest(scale: Array) -> Array:
+        """Return the largest term of every kind of row."""
+        found = np.zeros(len(rows.entries))
+        magnitudes = row_magnitudes(blocks, linear, scale, guess)
+        np.maximum.at(found, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
+        return found
+
+    defects = np.array([entry.name == "defect" for entry in rows.entries], dtype=bool)
+    count = np.where(defects, np.bincount(rows.meaning, minlength=len(defects)), 1)
+    others = largest(np.where(np.isin(variables.meaning, unknown), 0.0, scale))
+    out = scale.copy()
+    for kind in unknown:
+        own = count * largest(np.where(variables.meaning == kind, 1.0, 0.0))
+        compared = (others > 0.0) & (own > 0.0)
+        size = float(1.0 / np.max(own[compared] / others[compared], initial=0.0)) if compared.any() else 1.0
+        if not 1.0 / PLAIN <= size <= PLAIN:
+            out[variables.meaning == kind] = size
+    return out
+
+
+def _sized(variables: Scalars, guess: Array) -> NDArray[np.bool_]:
+    """Return the entries whose size ``variable_scale`` knows from bounds or from the guess, (entries,)."""
+    low, high = variables.lower, variables.upper
+    sized = np.zeros(len(variables.entries), dtype=bool)
+    np.logical_or.at(sized, variables.meaning, (np.isfinite(low) & np.isfinite(high)) | (guess != 0.0))
+    return sized
 
 
 def _shared(entries: Sequence[Entry], sizes: Array) -> Array:

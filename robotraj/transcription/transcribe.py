@@ -37,7 +37,7 @@ from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.numbering import lay_out
-from robotraj.transcription.scaling import row_scale, variable_scale
+from robotraj.transcription.scaling import fill_unknown, row_scale, variable_scale
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.table import ColumnBound, Entry, Scalars, ScalarTable
@@ -122,7 +122,7 @@ def transcribe(
         block.stage.as_tapes = engine.torques_apart
     matrix = linear.matrix(shape)
     start = start_of(problem, layouts, unknowns, variables, guess or default_guess(problem))
-    scale = variable_scale(variables, start)
+    scale = fill_unknown(variable_scale(variables, start), every, matrix, variables, constraints, start)
     return Nlp(
         problem,
         layouts,

@@ -1,0 +1,66 @@
+"""The unit of an objective, of a mass or of a time changes the answer by its factor and by nothing else."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+MESH = rt.Mesh(30, rt.HermiteSimpson())
+SOLVERS = pytest.mark.parametrize("solver", [rt.InteriorPoint(fallback=None), rt.Ipopt()], ids=["own", "ipopt"])
+
+
+@pytest.fixture(scope="module")
+def cartpole() -> rt.Robot:
+    return rt.load("cartpole")
+
+
+def swing_up(robot: rt.Robot, weight: float) -> rt.Phase:
+    return rt.Phase(
+        robot,
+        duration=2.0,
+        start=rt.State(q=[0, 0], v=0),
+        end=rt.State(q=[1, np.pi], v=0),
+        objective=weight * rt.Effort(),
+    )
+
+
+def pendulum(mass: float = 1.0, second: float = 1.0) -> rt.Phase:
+    """A point on a rod of 1 m, in units of mass of 1 / ``mass`` kg and of time of 1 / ``second`` s, half a turn."""
+    g = 9.81 / second**2
+    rod = rt.System(
+        states=["q", "w"],
+        controls=["tau"],
+        dynamics=lambda point: [point.x["w"], point.u["tau"] / mass - g * ca.sin(point.x["q"])],
+    )
+    # Starting from a quarter turn, there is one optimum.
+    return rt.Phase(
+        rod,
+        duration=2.0 * second,
+        start=rt.State({"q": np.pi / 2, "w": 0}),
+        end=rt.State({"q": np.pi, "w": 0}),
+        objective=rt.Lagrange(lambda point: point.u["tau"] ** 2),
+    )
+
+
+@SOLVERS
+@pytest.mark.parametrize("weight", [1e-12, 1e-10, 1e-8, 1e-5, 1e-2, 1e4, 1e8, 1e12])
+def test_a_weight_scales_the_optimum(cartpole: rt.Robot, weight: float, solver: rt.Ipopt | rt.InteriorPoint) -> None:
+    known = rt.plan(swing_up(cartpole, 1.0), mesh=MESH, solver=solver).objective
+    found = rt.plan(swing_up(cartpole, weight), mesh=MESH, solver=solver).objective
+    assert found == pytest.approx(weight * known, rel=1e-6)
+
+
+@SOLVERS
+@pytest.mark.parametrize("mass", [1e-6, 1e-4, 1e-2, 1e4, 1e6, 1e9])
+def test_a_unit_of_mass_scales_the_optimum(mass: float, solver: rt.Ipopt | rt.InteriorPoint) -> None:
+    known = rt.plan(pendulum(), mesh=MESH, solver=solver).objective
+    assert rt.plan(pendulum(mass), mesh=MESH, solver=solver).objective == pytest.approx(mass**2 * known, rel=1e-6)
+
+
+@SOLVERS
+@pytest.mark.parametrize("second", [1e-3, 60.0, 1e3])
+def test_a_unit_of_time_scales_the_optimum(second: float, solver: rt.Ipopt | rt.InteriorPoint) -> None:
+    known = rt.plan(pendulum(), mesh=MESH, solver=solver).objective
+    found = rt.plan(pendulum(second=second), mesh=MESH, solver=solver).objective
+    assert found == pytest.approx(second**-3 * known, rel=1e-6)
