@@ -6,10 +6,10 @@ takes longer than the guess of a walk does.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]
 

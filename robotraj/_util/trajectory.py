@@ -6,7 +6,6 @@ Each interval keeps its polynomial by values on its own sites, so that orders ma
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, basis_at, differentiation
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]
 

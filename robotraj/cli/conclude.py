@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 import typer
 
+from robotraj._util.values import dataclass
 from robotraj.cli.exits import ExitCode
 from robotraj.cli.terminal import say, say_json
 from robotraj.replay_page.write import replay

@@ -7,12 +7,12 @@ leg, its forces and its foothold. This function is differentiated once for all p
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.holding import Share, anchors, pinned, pull
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.native.addend import Added, Addend, where_in

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody, refuse_contacts
 from robotraj.dynamics.variable import Named, Variable

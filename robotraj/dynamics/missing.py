@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True)

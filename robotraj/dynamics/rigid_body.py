@@ -10,7 +10,6 @@ Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5, 7 and 8
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +18,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.holding import correct, hold, pinned, share_of
 from robotraj.dynamics.point import RobotPoint

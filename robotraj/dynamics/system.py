@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import casadi as ca
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rows import rows_of
 from robotraj.dynamics.variable import Named, Variable

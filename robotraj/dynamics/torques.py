@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
 from robotraj.native.rigid_tree import rigid_tree
 from robotraj.symbolic import SymbolicModel

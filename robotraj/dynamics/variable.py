@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from textwrap import shorten
 from typing import Any
 
 from robotraj._util.errors import unknown_name
 from robotraj._util.printing import WIDTH, brief
+from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True)

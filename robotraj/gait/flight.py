@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.problem.phase import Phase
 
 

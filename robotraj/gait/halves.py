@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.checks import check_ground_repeats, check_kinds, number

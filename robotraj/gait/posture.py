@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.effort import Effort
 from robotraj.problem.objectives.tracking import Tracking

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem.links.base import BoundLink

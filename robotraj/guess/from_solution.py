@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.guess.base import Curve, InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters, ends_of
 from robotraj.guess.joint_motion import designed

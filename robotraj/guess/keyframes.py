@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
-from robotraj._util.values import own_fields
+from robotraj._util.values import dataclass, own_fields
 from robotraj.guess.base import Curve, InitialGuess, PhaseGuess, zeros
 from robotraj.guess.ends import default_parameters, guessed_duration, middle_of, normalised_state
 from robotraj.guess.samples import check_samples, named_samples

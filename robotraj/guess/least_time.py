@@ -15,13 +15,13 @@ of s'' along a path).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import Where
 
 if TYPE_CHECKING:

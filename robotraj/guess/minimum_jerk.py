@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess, PhaseGuess, zeros
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.joint_motion import fractions_of, joint_motion, quintic, speeds_of

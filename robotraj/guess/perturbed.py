@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.problem.constraints.base import Where
 from robotraj.robot.root import QUATERNION

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess, PhaseGuess, zeros
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.least_time import fastest_line

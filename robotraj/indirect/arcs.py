@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 
 import casadi as ca
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.indirect.costate_trajectory import PhaseCostates
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.phase import Phase

@@ -15,7 +15,6 @@ Source: Bryson and Ho, Applied Optimal Control (1975), sections 2.7, 2.8 and 3.9
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -24,6 +23,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns

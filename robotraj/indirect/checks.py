@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.costate_trajectory import PhaseCostates

@@ -6,7 +6,6 @@ l + lambda' f, dlambda/dt = -dH/dx).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.costates.hamiltonian import Hamiltonian

@@ -12,7 +12,7 @@ Source: Bryson, Denham and Dreyfus, Optimal programming problems with inequality
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.problem.constraints.base import AtEnd, AtStart, Row, Where
 from robotraj.problem.constraints.path import PathConstraint

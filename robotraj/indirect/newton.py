@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.transcription.assembly.triplets import scaled
 from robotraj.transcription.nlp import Nlp
 

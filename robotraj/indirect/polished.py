@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError, NoSolutionFound
 from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.flow import Flow

@@ -11,7 +11,7 @@ the objective then read like any other. Source: Bryson and Ho, Applied Optimal C
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import ForwardDynamics
 from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.system import System

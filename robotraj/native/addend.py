@@ -8,7 +8,6 @@ its Jacobian and of the Hessian of l' s_k serve every stage; each says only wher
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
 from typing import TYPE_CHECKING
@@ -17,6 +16,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.native.tape import nonzeros, tape
 from robotraj.native.terms import Entries, Indices, Sums, copied

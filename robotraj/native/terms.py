@@ -6,10 +6,12 @@ module runs the list for every point.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
 
 Indices = NDArray[np.int64]
 Sums = tuple[Indices, Indices, Indices, Indices]

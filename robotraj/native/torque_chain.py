@@ -13,13 +13,13 @@ derivatives are ever built. Where every entry of x is one of v, the common case,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.values import dataclass
 from robotraj.native.addend import Calls
 from robotraj.native.build import load_native
 from robotraj.native.tapes import Pattern, Tapes, plain

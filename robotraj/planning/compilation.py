@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.native.engines.compiled import Compiled
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.system import SystemDynamics
 from robotraj.native.engines.base import Engine

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from typing import Any
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
 from robotraj.planning.solve import solve
 from robotraj.problem.phase import Phase

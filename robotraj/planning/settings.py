@@ -7,13 +7,13 @@ condition may read what was given, and what was decided before.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import as_call
+from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.native.engines.native import Native
 from robotraj.planning import conditions as when

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -25,6 +25,7 @@ import casadi as ca
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rigid_body import InverseDynamics, RigidBody

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from robotraj._util.errors import FailedExpression, InputError, unknown_name
 from robotraj._util.printing import OneLine
-from robotraj._util.values import own
+from robotraj._util.values import dataclass, own
 from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics

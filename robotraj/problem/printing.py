@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.printing import OneLine, table, wrapped
+from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import Row, Where
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.feasibility import Ends

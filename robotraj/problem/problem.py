@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property
 from html import escape
 from typing import Any
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import ENTRIES, OneLine, brief, table
+from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import Row
 from robotraj.problem.links.base import BoundLink, Link
 from robotraj.problem.links.continuity import running_on

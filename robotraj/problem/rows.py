@@ -7,7 +7,6 @@ replay read it. The witness does not: it evaluates the definitions of the constr
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 
@@ -15,6 +14,7 @@ import casadi as ca
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rows import as_rows

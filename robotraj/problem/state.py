@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
-from robotraj._util.values import own_fields
+from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.problem.augmentation import body_of

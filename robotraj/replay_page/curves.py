@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.replay_page.footholds import footholds
 from robotraj.solution.gait_cycles import Passage, Unrolled
 

@@ -6,11 +6,11 @@ import base64
 import gzip
 import html
 import json
-from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 
 SCRIPTS = ("view.js", "contacts.js", "bars.js", "charts.js", "page.js")
 

@@ -10,12 +10,11 @@ Source: Sola, Deray and Atchuthan, A micro Lie theory for state estimation in ro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.values import dataclass
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import PLACE, REST, TURN, conjugate, floats, product, rotated
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.robot.loading.surgery import names_of
 from robotraj.robot.root import ROOTS, root_of
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
 from robotraj.robot.configuration import as_vector, unit_quaternion
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.assembly import units

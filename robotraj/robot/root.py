@@ -9,13 +9,13 @@ damping.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
 from robotraj.robot.loading.surgery import flies, rebuilt
 
 Array = npt.NDArray[np.float64]

@@ -8,7 +8,7 @@ F(x) = P' (x - d), the one after F(F(x)), and so on. Points and forces follow th
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.variable import Named
 from robotraj.problem.links.periodic import Mirror, Periodic

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase

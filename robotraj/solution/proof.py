@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True)

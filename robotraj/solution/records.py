@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.solvers.status import Status
 
 

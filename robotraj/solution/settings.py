@@ -6,10 +6,11 @@ The values are chosen in ``robotraj.planning.settings``. They are defined here s
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, as_call, table
+from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine
 from robotraj.solution.proof import Goals
 from robotraj.solvers.base import Solver

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 
 Side = Literal["over", "under", "off"]
 """``"over"`` an upper bound, ``"under"`` a lower bound, ``"off"`` the required value of an equality."""

@@ -12,7 +12,8 @@ from robotraj._util.errors import InputError
 from robotraj.symbolic.build import load_graphs
 
 if TYPE_CHECKING:
-    from robotraj.symbolic._graphs import Graphs, JointKind, Tree
+    from robotraj.symbolic._graphs import Graphs as Graphs
+    from robotraj.symbolic._graphs import JointKind, Tree
 else:
     _graphs = load_graphs()
     Graphs, JointKind, Tree = _graphs.Graphs, _graphs.JointKind, _graphs.Tree

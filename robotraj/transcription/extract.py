@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from robotraj._util.polynomials import basis, integrals, lobatto_sites
 from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.values import dataclass
 from robotraj.transcription.exact_motion import is_exact, with_integrated_speeds
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.onestep import OneStep

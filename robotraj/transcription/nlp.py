@@ -9,7 +9,7 @@ row_scale.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.sparse import csr_array
+from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, StageMapped, VirtualMachine
 from robotraj.transcription.assembly.assembly import Functions, assemble, point_functions
 from robotraj.transcription.assembly.block import Block

@@ -7,13 +7,13 @@ sites. Where the schemes on both sides of a knot have a node (or a control site)
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import accumulate, groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.transcription.layout import Array, Indices, PhaseLayout, Run, Scalar, entries_of
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from robotraj._util.values import dataclass
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import html
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 
 from robotraj._util.errors import ValidationFailed, unknown_name
+from robotraj._util.values import dataclass
 from robotraj.witness.complaints import complaints_about
 from robotraj.witness.figures import Figures, Tolerances
 from robotraj.witness.table import coloured, render

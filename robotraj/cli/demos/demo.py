@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import unknown_name
+from robotraj._util.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.cli.demos.demo import Demo

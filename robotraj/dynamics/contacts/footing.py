@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import LimitRow, spread
 from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.contacts.vectors import dot

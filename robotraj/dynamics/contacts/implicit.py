@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact, Contact, LimitRow, Wrench, checked_name, label_of, positive
 from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
     BoundContact,
     Contact,

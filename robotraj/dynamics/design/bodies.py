@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
+
+from robotraj._util.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot

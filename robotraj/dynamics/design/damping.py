@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies
 from robotraj.dynamics.design.quantity import Quantity
 

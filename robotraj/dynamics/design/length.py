@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -11,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies, Body
 from robotraj.dynamics.design.quantity import Quantity
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies, Body
 from robotraj.dynamics.design.quantity import Quantity, body_of_name
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 
 from robotraj._util.errors import InputError, called
+from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.guess.legs.pendulum import Pendulum, heights
 from robotraj.guess.legs.schedule import Schedule, Stand
 from robotraj.guess.legs.stance import BalancedStance, standing

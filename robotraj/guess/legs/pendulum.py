@@ -11,12 +11,12 @@ Source: Kajita, Kanehiro, Kaneko, Yokoi and Hirukawa, The 3D linear inverted pen
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.splines import Spline, hermite
+from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]
 

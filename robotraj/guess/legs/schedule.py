@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from robotraj._util.values import dataclass
 from robotraj.guess.ends import guessed_duration
 from robotraj.problem.constraints.bounds import as_bounds
 from robotraj.problem.links.periodic import Mirror, Periodic

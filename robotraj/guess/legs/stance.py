@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.holding import anchors
 from robotraj.dynamics.rigid_body import InverseDynamics
 from robotraj.problem.constraints.base import symbols_of

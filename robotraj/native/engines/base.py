@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.native.engines.blocks import casadi_block
 from robotraj.native.engines.blocks import wanted as wanted_of
 

@@ -13,11 +13,11 @@ import stat
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 
 
 def default_folder() -> Path:

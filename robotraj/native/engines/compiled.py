@@ -7,7 +7,6 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
-from dataclasses import dataclass
 from functools import cache as once
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import casadi as ca
 
 from robotraj._util.errors import InputError, RobotrajError
+from robotraj._util.values import dataclass
 from robotraj.native.engines import background, source
 from robotraj.native.engines.base import Engine, Mapped, StageMapped, VirtualMachine
 from robotraj.native.engines.blocks import casadi_block

@@ -9,11 +9,11 @@ import shutil
 import subprocess
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from robotraj._util.errors import InputError, RobotrajError
+from robotraj._util.values import dataclass
 from robotraj.native.engines.source import Source
 
 CANDIDATES = ("gcc", "clang", "cc")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, Mapped, StageMapped, VirtualMachine
 
 if TYPE_CHECKING:

@@ -15,11 +15,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 
 from robotraj._util.errors import RobotrajError
+from robotraj._util.values import dataclass
 
 _ASSIGNED = re.compile(r"  a(\d+)=(.*);")
 _ARGUMENT = re.compile(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0")

@@ -10,7 +10,7 @@ Gill, Murray and Saunders, SNOPT, SIAM Review 47 (2005), for the elastic mode.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import casadi as ca
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import RobotrajError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where, symbols_of

@@ -6,11 +6,10 @@ is a suspicion, which names the cause where a solve fails, and no refusal.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.values import dataclass
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits

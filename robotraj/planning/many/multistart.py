@@ -6,7 +6,6 @@ import threading
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, Interrupted
+from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess, default_guess
 from robotraj.guess.perturbed import Perturbed

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.native.engines.base import Engine
 from robotraj.solvers.base import Multipliers

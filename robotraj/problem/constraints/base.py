@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,7 @@ import casadi as ca
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
-from robotraj._util.values import own_fields
+from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.rigid_body import RigidBody
 
 if TYPE_CHECKING:

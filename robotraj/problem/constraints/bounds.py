@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from numbers import Real
 from typing import Any, NamedTuple
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
-from robotraj._util.values import own
+from robotraj._util.values import dataclass, own
 
 UNBOUNDED = 1e20
 """Numbers above this mean infinity, as URDF readers write 1.8e308 for a joint without limits."""

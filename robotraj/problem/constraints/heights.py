@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError, called
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.problem.constraints.path import flat
 
 

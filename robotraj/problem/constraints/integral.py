@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.path import PathConstraint
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import RATE_UNITS
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
 from robotraj.problem.constraints.bounds import Between, as_bounds

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row
 from robotraj.problem.constraints.bounds import as_bounds
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
-from robotraj._util.values import own_fields
+from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import Row
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.variable import Named
 from robotraj.problem.constraints.base import Row, ends_of

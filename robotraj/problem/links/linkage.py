@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import rows_of
 from robotraj.problem.constraints.base import Row, ends_of
 from robotraj.problem.constraints.path import flat, side

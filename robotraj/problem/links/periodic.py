@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import Row
 from robotraj.problem.constraints.bounds import as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states

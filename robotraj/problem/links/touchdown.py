@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import LimitRow
 from robotraj.dynamics.holding import anchors, torques
 from robotraj.dynamics.rigid_body import RigidBody

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
-from robotraj._util.values import own_fields
+from robotraj._util.values import dataclass, own_fields
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from robotraj._util.values import dataclass
 from robotraj.problem.objectives.base import EndCost
 
 if TYPE_CHECKING:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.weights import weights_of
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError, called
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.rows import as_rows
 from robotraj.problem.constraints.base import symbols_of

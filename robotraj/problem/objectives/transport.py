@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import RunningIntegral, body_of, has
 from robotraj.problem.constraints.base import BoundConstraint, robot_of

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]
 FINEST = 8

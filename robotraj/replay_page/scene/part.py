@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 
 Color = tuple[float, float, float, float]
 CREASE = np.radians(40.0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import meshcat
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from trimesh import creation
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.replay_page.clearance import clearance_scene
 from robotraj.replay_page.colors import rgb
 from robotraj.replay_page.contacts import contact_scene

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.replay_page.scene.meshes import read_mesh
 from robotraj.replay_page.scene.part import Color, Part
 from robotraj.replay_page.scene.shapes import rod, shape_part

@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 from xml.etree import ElementTree
@@ -19,6 +18,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.robot.loading.packages import find_mesh, search_folders
 from robotraj.robot.loading.urdf import read_xml
 

@@ -9,10 +9,10 @@ holds for the real robot.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True)

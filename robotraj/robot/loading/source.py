@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.robot.known_robots.catalogue import find
 from robotraj.robot.known_robots.entry import KnownRobot
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry

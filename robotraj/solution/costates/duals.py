@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, overload
 
 from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -12,7 +12,6 @@ import os
 import warnings
 import zipfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError, RobotrajError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
 from robotraj.solution.settings import Settings
 from robotraj.solution.storage.codec import NotPlainData, Packer, Unpacker

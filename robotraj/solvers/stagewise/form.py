@@ -9,13 +9,14 @@ Columns keep their numbers; rows that a step uses up stay as well, marked by wha
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
+from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.matrices import below, native, same
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import scaled

@@ -5,13 +5,14 @@ By inverse dynamics the rates (v, a) are: the defects of a fixed duration hold n
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.form import Form
 from robotraj.solvers.stagewise.kept import Kept
 from robotraj.solvers.stagewise.matrices import array, entries, native, summed

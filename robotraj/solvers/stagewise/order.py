@@ -9,13 +9,13 @@ of their phase; rows that couple more, such as a periodic link, make their colum
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
+from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.form import Form
 from robotraj.solvers.stagewise.matrices import entries, summed
 from robotraj.transcription.layout import PhaseLayout

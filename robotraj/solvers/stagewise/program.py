@@ -9,12 +9,13 @@ with derivatives by the chain rule, as sparse combinations of the nonzeros of th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.solvers.stagewise.form import Form, Mask
 from robotraj.solvers.stagewise.matrices import Entries, array, entries, entries_of, native, summed

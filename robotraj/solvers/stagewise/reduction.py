@@ -6,12 +6,12 @@ gives, is found again on the way back: columns from the expressions, multipliers
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.controls import eliminate_controls
 from robotraj.solvers.stagewise.form import Form, Mask
 from robotraj.solvers.stagewise.linear import take_out_linear

@@ -8,12 +8,13 @@ it (a defect whose x_j is the column), an expression of the stage's variables; i
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.form import Form
 from robotraj.solvers.stagewise.matrices import entries_of, summed
 from robotraj.solvers.stagewise.order import Order

@@ -10,7 +10,7 @@ defect of velocities is multiplied by s, which changes nothing where it is zero.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array, vstack
+from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.problem.augmentation import Augmented

@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from threading import Lock
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.sparse import csr_array
+from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, StageMapped
 from robotraj.transcription.assembly.block import Array, Block, Chain, Indices
 from robotraj.transcription.assembly.callbacks import NlpFunction

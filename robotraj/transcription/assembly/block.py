@@ -8,13 +8,14 @@ rows and s weighs the costed output in the objective.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.sparse import csr_array, expand
+from robotraj._util.values import dataclass
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import scaled
 

@@ -15,7 +15,6 @@ in the outputs with constant coefficients: the defect of node j on an interval o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import accumulate, count, pairwise
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
@@ -25,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
+from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_terms import contacts_apart
 from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.torques import torques_apart

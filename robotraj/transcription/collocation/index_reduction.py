@@ -16,13 +16,13 @@ Practical Methods for Optimal Control (2010), section 4.12.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
 from robotraj.problem.constraints.base import BoundConstraint, Row, Where
 from robotraj.problem.constraints.bounds import Bounds

@@ -9,7 +9,7 @@ semi-infinite programs). Source: Hettich and Kortanek, Semi-infinite programming
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
@@ -17,6 +17,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.polynomials import integrals
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
 from robotraj.problem.constraints.base import BoundConstraint, Row, Where, symbols_of
 from robotraj.transcription.assembly.block import Block

@@ -12,7 +12,6 @@ Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Com
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -21,6 +20,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.constraints.base import symbols_of
 

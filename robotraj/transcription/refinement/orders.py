@@ -9,11 +9,12 @@ IEEE Transactions on Control Systems Technology 26 (2018).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.transcription.refinement.strategy import Assessment, Refinement, SplitAndMerge, points_of
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
 from robotraj.transcription.schemes.mesh import Mesh

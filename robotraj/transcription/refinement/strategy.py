@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
 from robotraj.transcription.schemes.integrators import Adaptive
 from robotraj.transcription.schemes.mesh import Mesh

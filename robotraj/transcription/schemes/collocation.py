@@ -12,7 +12,7 @@ Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, integrals
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.control import Control, PolynomialControl
 from robotraj.transcription.schemes.quadrature import OwnQuadrature, Quadrature
 

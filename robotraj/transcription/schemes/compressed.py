@@ -11,13 +11,12 @@ Source: Kelly, SIAM Review 59 (2017), section 4; Betts, Practical Methods for Op
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import integrals
+from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.lobatto import legendre_lobatto
 from robotraj.transcription.schemes.onestep import OneStep
 

@@ -7,7 +7,6 @@ output is sampled at any sites of [0, 1].
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]
 

@@ -8,13 +8,13 @@ Herman and Conway, Journal of Guidance, Control, and Dynamics 19 (1996).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Collocation
 
 Array = NDArray[np.float64]

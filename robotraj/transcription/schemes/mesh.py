@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.polynomials import lobatto_sites
 from robotraj._util.printing import OneLine, as_call
+from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 

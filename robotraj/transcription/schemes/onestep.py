@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis
+from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Scheme
 
 Array = NDArray[np.float64]

@@ -6,13 +6,14 @@ Calculation of Gauss quadrature rules, Mathematics of Computation 23 (1969).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Collocation
 
 Array = NDArray[np.float64]

@@ -10,7 +10,6 @@ more state. Path rows at knots read the knots' own unknowns and are a block of t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
+from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
 from robotraj.problem.constraints.base import Row, Where
 from robotraj.transcription.assembly.block import Block

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike

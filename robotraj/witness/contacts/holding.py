@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.problem.constraints.base import Row

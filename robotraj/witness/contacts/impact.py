@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.constraints.base import Row
 from robotraj.solution.violation import Violation

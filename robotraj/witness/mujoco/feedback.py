@@ -6,12 +6,12 @@ A value each; a new kind of feedback is one new class.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.witness.contacts.constrained import mass_and_bias
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.feet import feet_of

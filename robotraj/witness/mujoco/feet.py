@@ -8,13 +8,14 @@ rolls by no more than r times its angle. Feet touch the ground only, each that o
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.dynamics.contacts.line_contact import BoundLineContact

@@ -7,13 +7,13 @@ model already, and a contact simulation needs no meshes.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.witness.mujoco.coordinates import Coordinates
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.protocols import Array, RobotLike

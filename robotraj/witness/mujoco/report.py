@@ -5,10 +5,10 @@ from __future__ import annotations
 import io
 import textwrap
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from rich.console import Console
 
+from robotraj._util.values import dataclass
 from robotraj.witness.layout import WIDTH, columns_of, worst_of
 from robotraj.witness.peak import Peak
 from robotraj.witness.protocols import Array

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
+from robotraj._util.values import dataclass
 from robotraj.witness.protocols import Array
 from robotraj.witness.simulation.integration import Motion
 from robotraj.witness.simulation.plant import Plant

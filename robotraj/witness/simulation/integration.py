@@ -13,12 +13,12 @@ from __future__ import annotations
 import threading
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.witness.protocols import Array
 
 Rates = Callable[[float, Array, int], Array]

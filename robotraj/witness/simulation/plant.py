@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -11,6 +11,7 @@ import pinocchio as pin
 import scipy
 from numpy.typing import NDArray
 
+from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.tangent import PLACE, difference, floats, normalised, rate_matrix
 from robotraj.witness.contacts.stance import Stance, forces_in

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import floats, normalised

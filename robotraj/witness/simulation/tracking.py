@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, require_solution
+from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.tangent import difference
 from robotraj.witness.checks.residual import TORQUE_UNITS
