@@ -21,10 +21,10 @@ from robotraj.witness.mujoco import (
     second_opinion,
 )
 from robotraj.witness.peak import Peak
+from robotraj.witness.plants.plant import Landing
 from robotraj.witness.point import NumericPoint
 from robotraj.witness.report import Report
 from robotraj.witness.simulation.drift import Drift, DriftRow
-from robotraj.witness.simulation.plant import Landing
 from robotraj.witness.simulation.robot import Simulation, simulate
 from robotraj.witness.simulation.tracking import TrackingResult, track
 from robotraj.witness.validation import validate

@@ -8,9 +8,9 @@ from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
 from robotraj.witness.contacts.holding import Holding
 from robotraj.witness.contacts.impact import Impact
+from robotraj.witness.plants.plant import Landing
 from robotraj.witness.simulation.closed_loop import ClosedLoop
 from robotraj.witness.simulation.drift import Drift
-from robotraj.witness.simulation.plant import Landing
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class Figures:
         How every contact of every phase holds: slip, sink, forces.
     impacts : tuple of Impact
     stiff : float or None
-        Time [s] from which on LSODA simulated open loop, because the motion is stiff there.
+        Time [s] from which implicit steps simulated open loop, because the motion is stiff.
     """
 
     local: Drift | None

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+Settle = Callable[[Array], Array]
+"""Projection of a state on its constraints: rows of contacts that hold, quaternions of length 1."""
+
 
 class RobotLike(Protocol):
     """A robot: Pinocchio's model, the names of its joints and what drives and brakes them."""

@@ -101,7 +101,7 @@ def _notes(figures: Figures) -> list[str]:
     if loop is not None and loop.growth is not None:
         notes.append(f"without feedback a small error grows by a factor of up to {loop.growth:.2g}: that is drift")
     if figures.stiff is not None:
-        notes.append(f"the motion is stiff: LSODA simulates it from t = {figures.stiff:.4g} s on")
+        notes.append(f"the motion is stiff: implicit steps simulate it from t = {figures.stiff:.4g} s on")
     if figures.failure is not None:
         notes.append(f"open loop, the simulation stopped: {figures.failure}")
     return [textwrap.fill(note, WIDTH, initial_indent="  ", subsequent_indent="    ") for note in notes]

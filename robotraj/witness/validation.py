@@ -24,7 +24,7 @@ from robotraj.witness.simulation.open_loop import open_loop
 
 Found = TypeVar("Found")
 
-LOCAL_RTOL, LOCAL_ATOL = 1e-6, 1e-8
+LOCAL_RTOL, LOCAL_ATOL = 1e-6, 1e-6
 """Tolerances of simulations whose errors do not grow: a thousandth of the thresholds."""
 
 TIME_LIMIT = 60.0
@@ -51,7 +51,8 @@ def validate(
 
     A robot moves by plain double-precision Pinocchio, M(q) a + h(q, v) = B tau(t) - d(v), a System by its own
     equations on numbers (algebraic variables are solved for at every evaluation). Where contacts hold,
-    M a + h = B tau - d + J' f and J a + (dJ/dt) v = 0. DOP853 integrates; LSODA does where the motion is stiff.
+    M a + h = B tau - d + J' f and J a + (dJ/dt) v = 0. DOP853 integrates; where the motion is
+    stiff, an L-stable SDIRK method of order 4 does.
 
     Four things decide:
 
@@ -68,7 +69,7 @@ def validate(
     solution : Solution
         A failed one can be validated too.
     rtol, atol : float
-        Tolerances of the steps of the open-loop simulation; of the others they are 1e-6 and 1e-8.
+        Tolerances of the steps of the open-loop simulation; those of the other simulations are 1e-6.
     samples_per_interval : int
         Points of every interval at which limits, constraints and residuals are looked at.
     local, tracking, limits, contact, forces, energy, residual, drift : float or None

@@ -13,10 +13,12 @@ from robotraj.robot.tangent import velocities
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak, peaks
+from robotraj.witness.plants.of_phase import plant_of
+from robotraj.witness.plants.plant import RATE_UNITS
+from robotraj.witness.plants.system_plant import columns
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import interval_samples, time_derivative
-from robotraj.witness.simulation.plant import RATE_UNITS, columns, plant_of
 
 TORQUE_UNITS = {"rad": "N m", "m": "N"}
 

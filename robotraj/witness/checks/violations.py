@@ -16,10 +16,11 @@ from robotraj.problem.constraints.base import Row, Where
 from robotraj.solution.violation import Violation, violated
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.numbers import as_numbers
+from robotraj.witness.plants.plant import RATE_UNITS
+from robotraj.witness.plants.system_plant import columns
 from robotraj.witness.point import NumericPoint, system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import interval_samples
-from robotraj.witness.simulation.plant import RATE_UNITS, columns
 
 SOLVER_NOISE = 1e-6
 """Amounts below this, relative to max(1, |limit|), are a solver's tolerance and are not listed."""

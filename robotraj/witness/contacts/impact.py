@@ -17,8 +17,8 @@ from robotraj.witness.contacts.holding import FORCE_NOISE, part_of, weight_of
 from robotraj.witness.contacts.stance import Instant, Stance
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
+from robotraj.witness.plants.of_phase import plant_of
 from robotraj.witness.protocols import Array, SolutionLike
-from robotraj.witness.simulation.plant import plant_of
 
 IMPULSE_UNITS = {"N": "N s", "N m": "N m s", "N^2": "N^2 s^2"}
 

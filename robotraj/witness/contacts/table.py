@@ -11,7 +11,7 @@ from rich.console import Group
 from robotraj.witness.contacts.holding import Holding, part_of
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.layout import WIDTH, columns_of, worst_of
-from robotraj.witness.simulation.plant import Landing
+from robotraj.witness.plants.plant import Landing
 
 
 class Allowed(Protocol):

@@ -8,12 +8,13 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.witness.plants.robot_plant import RobotPlant
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
 from robotraj.witness.simulation.open_loop import handed_on
-from robotraj.witness.simulation.plant import RobotPlant
-from robotraj.witness.simulation.steps import march, spans_of
+from robotraj.witness.simulation.spans import spans_of
+from robotraj.witness.simulation.steps import march
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.witness.plants.plant import Plant
 from robotraj.witness.protocols import Array
-from robotraj.witness.simulation.integration import Motion
-from robotraj.witness.simulation.plant import Plant
+from robotraj.witness.simulation.spans import Motion
 
 
 @dataclass(frozen=True)

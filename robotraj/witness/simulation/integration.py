@@ -16,15 +16,11 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from robotraj._util.values import dataclass
-from robotraj.witness.protocols import Array
+from robotraj.witness.protocols import Array, Settle
+from robotraj.witness.simulation.spans import Motion, Stopped
 
 Rates = Callable[[float, Array, int], Array]
-
-Settle = Callable[[Array], Array]
-"""Puts a state back where it belongs: on the rows of contacts that hold, on unit quaternions."""
 
 MOST_EVALUATIONS = 200_000
 """Evaluations of the rates one interval may take before the motion counts as too stiff or divergent."""
@@ -42,44 +38,8 @@ _LSODA = threading.Lock()
 """ODEPACK keeps its state in one place for all threads."""
 
 
-class Stopped(Exception):
-    """The integration cannot go on; carries the time and the reason."""
-
-    def __init__(self, time: float, reason: str) -> None:
-        super().__init__(reason)
-        self.time = time
-        self.reason = reason
-
-
 class TooMany(Stopped):
     """It took more evaluations than it may."""
-
-
-@dataclass(frozen=True)
-class Motion:
-    """A simulated motion.
-
-    Attributes
-    ----------
-    times : ndarray (m,)
-        Sample times [s], every knot among them.
-    states : ndarray (m, n)
-    intervals : ndarray (m,)
-        Interval of each sample; a knot belongs to the interval on its right.
-    failure : str or None
-        Why the integration stopped early, None if it reached the end.
-    stopped : float
-        Time reached [s].
-    stiff : float or None
-        Time [s] from which on LSODA integrated, None if DOP853 did all of it.
-    """
-
-    times: Array
-    states: Array
-    intervals: NDArray[np.int_]
-    failure: str | None
-    stopped: float
-    stiff: float | None = None
 
 
 def integrate(

@@ -12,13 +12,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from robotraj.dynamics.design.binding import realised
+from robotraj.witness.plants.of_phase import plant_of
+from robotraj.witness.plants.plant import Plant
+from robotraj.witness.plants.robot_plant import RobotPlant
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation.drift import Drift, DriftRow, merge
-from robotraj.witness.simulation.integration import Stopped
 from robotraj.witness.simulation.mirror_image import MIRRORED, mirror_image, mirror_of
 from robotraj.witness.simulation.open_loop import handed_on
-from robotraj.witness.simulation.plant import Plant, RobotPlant, plant_of
-from robotraj.witness.simulation.steps import MOST_STEPS, Span, pass_span, sampled
+from robotraj.witness.simulation.spans import Span, Stopped
+from robotraj.witness.simulation.steps import Stepper
 
 WINDOWS = 40
 """Parts of the whole plan that are simulated one by one."""
@@ -92,20 +94,16 @@ def local_error_of(
     windows = windows_of(knots, longest)
     begins = _ends(plant, windows, 0)
     ends = _ends(plant, windows, -1)
-    flat = [span for window in windows for span in window]
-    given = iter(sampled(plant, flat, [1] * len(flat)))
+    stepper = Stepper(plant, [span for window in windows for span in window], rtol, atol)
     reached = np.full_like(ends, np.nan)
-    steps = 1
     for i, window in enumerate(windows):
         clock()
         x = begins[i]
-        plans = [next(given) for _ in window]
         try:
-            for span, plan in zip(window, plans, strict=True):
-                states, steps = pass_span(plant, x, span, steps, plan, rtol, atol)
+            for span in window:
+                _, states = stepper.through(x, span)
                 x = states[-1]
         except Stopped:
-            steps = min(steps, MOST_STEPS)
             continue
         reached[i] = x
     gaps = np.nan_to_num(np.abs(plant.gaps(reached, ends)), nan=np.inf)

@@ -15,7 +15,8 @@ import pinocchio as pin
 
 from robotraj.problem.links.periodic import Mirror
 from robotraj.problem.links.touchdown import Touchdown
-from robotraj.witness.protocols import Array, RobotLike, SolutionLike
+from robotraj.robot.robot import Robot
+from robotraj.witness.protocols import Array, SolutionLike
 
 REFLECTION = np.diag([1.0, -1.0, 1.0])
 """Left and right change places: the mirror is the world's x-z plane."""
@@ -36,7 +37,7 @@ def mirror_of(solution: SolutionLike) -> Mirror | None:
     return None
 
 
-def mirror_image(robot: RobotLike, mirror: Mirror) -> RobotLike | None:
+def mirror_image(robot: Robot, mirror: Mirror) -> Robot | None:
     """Give a robot the mirrored inertias of its partners' bodies; None where they are the same.
 
     At q = 0, which is its own image, a body with mass m, centre c and inertia I about it, in world axes, has the image
@@ -62,7 +63,7 @@ def mirror_image(robot: RobotLike, mirror: Mirror) -> RobotLike | None:
     same = all(np.array_equal(a, b) for a, b in ((damping, robot.damping), (friction, robot.friction)))
     if not changed and same and np.array_equal(image.armature, model.armature):
         return None
-    return replace(robot, model=image, damping=damping, friction=friction)  # type: ignore[type-var]
+    return replace(robot, model=image, damping=damping, friction=friction)
 
 
 def _partner(model: pin.Model, joint: int, both: Mapping[str, str]) -> int:

@@ -7,11 +7,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.witness.plants.of_phase import plant_of
+from robotraj.witness.plants.plant import Landing, Plant
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
-from robotraj.witness.simulation.plant import Landing, Plant, plant_of
-from robotraj.witness.simulation.steps import march, spans_of
+from robotraj.witness.simulation.spans import spans_of
+from robotraj.witness.simulation.steps import march
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import floats, normalised
 from robotraj.robot.tangent import rates as rates_of
 from robotraj.witness.protocols import Array, RobotLike
-from robotraj.witness.simulation.integration import Motion, Rates, integrate
+from robotraj.witness.simulation.integration import Rates, integrate
+from robotraj.witness.simulation.spans import Motion
 
 Torque = Callable[[float, int, Array, Array], Any]
 

@@ -15,11 +15,11 @@ from robotraj.dynamics.design.binding import realised
 from robotraj.robot.tangent import difference
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.peak import Peak, largest, peaks
+from robotraj.witness.plants.robot_plant import RobotPlant
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
 from robotraj.witness.simulation.integration import integrate
-from robotraj.witness.simulation.plant import RobotPlant
 from robotraj.witness.simulation.robot import Simulation, split
 
 

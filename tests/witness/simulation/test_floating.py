@@ -8,7 +8,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.witness import simulate
-from robotraj.witness.simulation.plant import FLYING, RobotPlant
+from robotraj.witness.plants.robot_plant import FLYING, RobotPlant
 
 BRICK = (
     '<robot name="brick"><link name="brick"><inertial><mass value="2"/>'

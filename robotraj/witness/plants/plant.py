@@ -1,0 +1,92 @@
+"""The protocol of a plant: what a simulation needs of a robot or a System that moves under planned controls."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.witness.protocols import Array, Settle
+
+RATE_UNITS = {"rad": "rad/s", "m": "m/s"}
+
+
+@dataclass(frozen=True)
+class Landing:
+    """Place at which a simulation set a contact down.
+
+    Attributes
+    ----------
+    contact, phase : str
+    time : float
+        Start of the phase [s].
+    distance : float
+        From the planned place [m].
+    moved : float
+        Largest distance from there while the contact held in the simulation [m, rad].
+    """
+
+    contact: str
+    phase: str
+    time: float
+    distance: float
+    moved: float = 0.0
+
+
+class Plant(Protocol):
+    """The states x of a phase and their rates under the planned controls.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the states, (n,).
+    gap_names, gap_units : tuple of str
+        Of the difference of two states, (k,): the orientation of a floating root differs by three angles.
+    """
+
+    names: tuple[str, ...]
+    gap_names: tuple[str, ...]
+    gap_units: tuple[str, ...]
+
+    def states(self, times: Array, interval: int | NDArray[np.int_] | None = None) -> Array:
+        """Return the planned states (m, n) at times (m,)."""
+        ...
+
+    def gaps(self, states: Array, planned: Array) -> Array:
+        """Return the differences (m, k) of states (m, n) from planned states (m, n)."""
+        ...
+
+    def scales(self, peaks: Array) -> Array:
+        """Return the factors of a drift tolerance (k,) for the largest planned magnitudes (n,)."""
+        ...
+
+    def sizes(self, states: Array) -> Array:
+        """Return the scale of differences from states (m, n): 1 + |x|, (m, k)."""
+        ...
+
+    def given(self, times: Array) -> Array:
+        """Return the planned controls at times (m,), one row each, with all else that ``rate`` reads."""
+        ...
+
+    def rate(self, t: float, x: Array, given: Array) -> Array:
+        """Return the rate (n,) of a state."""
+        ...
+
+    def jacobian(self, t: float, x: Array, given: Array) -> Array:
+        """Return the derivative (n, n) of ``rate`` with respect to x."""
+        ...
+
+    @property
+    def settle(self) -> Settle | None:
+        """Projection of a state on the constraints that hold; None without any."""
+        ...
+
+    def begin(self, x: Array) -> tuple[Array, tuple[Landing, ...]]:
+        """Set the contacts down at a state x; return the state after their impact and the places."""
+        ...
+
+    def watched(self, landings: tuple[Landing, ...], states: Array) -> tuple[Landing, ...]:
+        """Add the distances that the contacts moved in simulated states (m, n)."""
+        ...
