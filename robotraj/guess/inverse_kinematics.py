@@ -1,13 +1,13 @@
-"""Inverse kinematics to poses of a frame, and minimum jerk between them."""
+"""Inverse kinematics to poses of a frame, with minimum-jerk motions between them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -16,6 +16,7 @@ from robotraj.guess.ends import default_parameters, ends_of
 from robotraj.guess.joint_motion import designed
 from robotraj.guess.minimum_jerk import through
 from robotraj.problem.objectives.terminal_pose import target_of
+from robotraj.robot.limits import Limits
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import PLACE, REST
 
@@ -24,20 +25,22 @@ if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
+Target: TypeAlias = "ArrayLike | tuple[ArrayLike, ArrayLike] | pin.SE3"
+"""A position in the world [m], or a pose."""
 
-CLOSE = 1e-8
-"""Length of the error [m, rad] that counts as reached."""
+TOLERANCE = 1e-8
+"""Norm of the error [m, rad] below which a target is reached."""
 STEPS = 300
-"""Damped steps tried from one configuration."""
+"""Largest number of damped steps from one configuration."""
 RESTARTS = 30
-"""Seeded random configurations tried after the one nearby."""
+"""Number of seeded random configurations that are tried after the given one."""
 
 
 @dataclass(frozen=True)
 class InverseKinematics(InitialGuess):
-    """Joint positions that bring a frame to a target at the end, and minimum jerk to them.
+    """Joint positions at which a frame reaches a target, and the minimum-jerk motion to them.
 
-    Damped least squares from the start, then from seeded random configurations, inside the position limits of
+    Damped least squares start at the first configuration, then at seeded random ones, inside the position limits of
     the phase and the bounds of its end. Torques are those of the inverse dynamics, as for ``rt.guess.MinimumJerk``.
 
     Parameters
@@ -46,16 +49,16 @@ class InverseKinematics(InitialGuess):
     target : sequence of 3 float, pinocchio.SE3 or (position, rotation)
         A position in the world [m], or a pose.
     waypoints : sequence of targets
-        Passed before the target.
+        Targets that the frame passes before the last one, in order.
     fractions : sequence of float, optional
-        Of start, waypoints and target, ascending from 0 to 1.
+        Places of start, waypoints and target in the phase, ascending from 0 to 1.
     duration : float, optional
         Guessed duration [s] where it is free.
     """
 
     frame: str
-    target: Any
-    waypoints: Sequence[Any] = ()
+    target: Target
+    waypoints: Sequence[Target] = ()
     fractions: Sequence[float] | None = None
     duration: float | None = None
 
@@ -65,16 +68,18 @@ class InverseKinematics(InitialGuess):
         Raises
         ------
         InputError
-            The phase moves no robot, there is no such frame, or it cannot reach a target.
+            The phase moves a System, the robot has no such frame, or the frame cannot reach a target.
         """
         robot = phase.robot
         if robot is None:
-            raise InputError(f"InverseKinematics needs a robot, but phase {phase.name!r} moves a System.")
+            raise InputError(
+                f"InverseKinematics needs a robot, but phase {phase.name!r} moves a System; use another guess."
+            )
         robot = designed(phase, default_parameters(phase))
         nq = robot.nq
         lower, upper = np.full(nq, -np.inf), np.full(nq, np.inf)
-        if phase.limits is not None:
-            lower, upper = phase.limits.positions  # type: ignore[union-attr]
+        if isinstance(phase.limits, Limits):
+            lower, upper = phase.limits.positions
         q = ends_of(phase)[0][:nq]
         reached = []
         for i, target in enumerate([*self.waypoints, self.target]):
@@ -88,11 +93,11 @@ class InverseKinematics(InitialGuess):
 
 
 def reach(
-    robot: Robot, frame: str, target: Any, near: Array, lower: Array, upper: Array, what: str = "target"
+    robot: Robot, frame: str, target: Target, near: Array, lower: Array, upper: Array, what: str = "target"
 ) -> Array:
-    """Positions (nq,) that bring a frame to a target, the first found from ``near`` outwards.
+    """Return positions (nq,) at which a frame reaches a target; the search starts at ``near``.
 
-    A floating root moves with the joints, but where its place or its quaternion is fixed.
+    A floating root moves as well, unless the bounds fix its position or its quaternion.
 
     Parameters
     ----------
@@ -100,15 +105,15 @@ def reach(
     frame : str
     target : sequence of 3 float, pinocchio.SE3 or (position, rotation)
     near, lower, upper : ndarray (nq,)
-        Where to start and the bounds [rad, m].
+        First iterate and bounds [rad, m].
     what : str
-        What the target is, for errors.
+        Name of the target in error messages.
 
     Raises
     ------
     InputError
-        No configuration inside the bounds was found; the message names the frame, how far off the nearest one
-        is, and the joints that stand at their bounds there.
+        No configuration inside the bounds was found. The message names the frame, the least distance, and the joints
+        that are at their bounds there.
     """
     index = robot.frame(frame)
     position, rotation = target_of(target, f"{what} of frame {frame!r}")
@@ -122,7 +127,7 @@ def reach(
         q, gap = _descend(robot, index, position, rotation, np.clip(start, lower, upper), lower, upper)
         if gap < least:
             best, least = q, gap
-        if least < CLOSE:
+        if least < TOLERANCE:
             return best
     at_bounds = [
         f"{joint} at {value:.4g} {unit}".rstrip()
@@ -137,14 +142,14 @@ def reach(
     raise InputError(
         f"Frame {frame!r} of {robot.name!r} cannot reach the {what} {np.round(position, 6).tolist()}: the "
         f"nearest configuration found is {np.linalg.norm(miss[:3]):.3g} m{turned} away{bounds}. Move the "
-        "target, or the bounds."
+        "target, or widen the bounds."
     )
 
 
 def _descend(
     robot: Robot, index: int, position: Array, rotation: Array | None, q: Array, lower: Array, upper: Array
 ) -> tuple[Array, float]:
-    """Damped least squares, dq = J' (J J' + m 1)^-1 e, with joints held where they would leave their bounds.
+    """Take damped least-squares steps, dq = J' (J J' + m 1)^-1 e; joints at bounds that a step would leave are held.
 
     Sources: Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement, and Control 108 (1986); the
     damping m follows Marquardt, Journal of the Society for Industrial and Applied Mathematics 11 (1963).
@@ -153,13 +158,13 @@ def _descend(
     error = _error(robot, data, index, position, rotation, q)
     gap = float(np.linalg.norm(error))
     for _ in range(STEPS):
-        if gap < CLOSE:
+        if gap < TOLERANCE:
             break
         jacobian = pin.computeFrameJacobian(robot.model, data, q, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)[
             : len(error)
         ]
-        pull = jacobian.T @ error
-        held = jacobian * _free(robot, q, pull, lower, upper)
+        gradient = jacobian.T @ error
+        held = jacobian * _free(robot, q, gradient, lower, upper)
         step = held.T @ np.linalg.solve(held @ held.T + damping * np.eye(len(error)), error)
         trial = np.clip(pin.integrate(robot.model, q, step), lower, upper)
         after = _error(robot, data, index, position, rotation, trial)
@@ -173,18 +178,18 @@ def _descend(
     return q, gap
 
 
-def _free(robot: Robot, q: Array, pull: Array, lower: Array, upper: Array) -> NDArray[np.bool_]:
-    """Entries of v (nv,) that push no position beyond a bound; a floating root's by its fixed parts."""
+def _free(robot: Robot, q: Array, gradient: Array, lower: Array, upper: Array) -> NDArray[np.bool_]:
+    """Return which entries of v (nv,) move no position beyond a bound; fixed parts of a floating root are held."""
     if robot.root != "floating":
-        return ~((q <= lower) & (pull < 0) | (q >= upper) & (pull > 0))
-    joints, along = slice(QUATERNION.stop, None), pull[REST]
+        return ~((q <= lower) & (gradient < 0) | (q >= upper) & (gradient > 0))
+    joints, along = slice(QUATERNION.stop, None), gradient[REST]
     at, low, high = q[joints], lower[joints], upper[joints]
     root = [not np.array_equal(lower[part], upper[part]) for part in (PLACE, QUATERNION)]
     return np.concatenate([np.repeat(root, 3), ~((at <= low) & (along < 0) | (at >= high) & (along > 0))])
 
 
-def _error(robot: Robot, data: Any, index: int, position: Array, rotation: Array | None, q: Array) -> Array:
-    """Way from the frame to the target [m], and the rotation vector between them in the world [rad]."""
+def _error(robot: Robot, data: pin.Data, index: int, position: Array, rotation: Array | None, q: Array) -> Array:
+    """Return the displacement from frame to target [m] and, for poses, the rotation vector in world axes [rad]."""
     pin.framesForwardKinematics(robot.model, data, q)
     pose = data.oMf[index]
     gap = position - pose.translation

@@ -1,9 +1,9 @@
-"""From a motion of the joints to a guess that satisfies the dynamics."""
+"""Guesses from motions of the joints, with the torques of the inverse dynamics."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 import pinocchio as pin
@@ -24,10 +24,10 @@ Array = NDArray[np.float64]
 def joint_motion(
     phase: Phase, duration: float, q: Curve, v: Curve, a: Curve, parameters: Mapping[str, float]
 ) -> PhaseGuess:
-    """Guess states, accelerations and torques of a robot that moves its joints so.
+    """Return the guess of a motion of the joints.
 
-    Torques are those of the inverse dynamics, tau = B' (RNEA(q, v, a) + d(v)), d damping and friction: where
-    all joints have motors, the guess satisfies the equations of motion.
+    Torques are those of the inverse dynamics, tau = B' (RNEA(q, v, a) + d(v)), with damping and friction d. If all
+    joints have motors, the guess satisfies the equations of motion.
 
     Parameters
     ----------
@@ -36,8 +36,7 @@ def joint_motion(
     duration : float
         [s].
     q, v, a : callable
-        From fractions of the phase (m,) to positions (m, nq), velocities and accelerations (m, nv), in SI units of
-        time.
+        From fractions of the phase (m,) to positions (m, nq), velocities and accelerations (m, nv) [SI].
     parameters : mapping of str to float
     """
     robot = designed(phase, parameters)
@@ -57,9 +56,9 @@ def joint_motion(
                 needed = np.array([pin.rnea(model, data, *row) + robot.dissipation(row[1]) for row in rows])
                 for i, joint in enumerate(robot.velocity_names):
                     known[f"tau.{joint}"] = needed[:, i]
-            # What else there is (slacks, rates, forces) starts from 0.
-            still = np.zeros(len(s))
-            return np.column_stack([known.get(x.name, still) for x in variables] or [np.zeros((len(s), 0))])
+            # Slacks, rates and forces start at 0.
+            zero = np.zeros(len(s))
+            return np.column_stack([known.get(x.name, zero) for x in variables] or [np.zeros((len(s), 0))])
 
         return curve
 
@@ -68,30 +67,36 @@ def joint_motion(
 
 
 def designed(phase: Phase, parameters: Mapping[str, float]) -> Robot:
-    """Robot of a phase, with the design at the given parameters written in."""
+    """Return the robot of a phase; the parameters of its design have the given values."""
     assert phase.robot is not None
     design = phase.bound_design
     return phase.robot if design is None else design.realise(parameters)
 
 
-def quintic(fractions: Array, keys: Array, first: Array, last: Array) -> Any:
-    """Minimum-jerk curve through keys (m, n) at fractions (m,), with given slopes at its ends.
+class Differentiable(Protocol):
+    """A curve from fractions (m,) to values (m, n) that has derivatives, as SciPy's splines."""
+
+    def __call__(self, s: Array) -> Array: ...  # noqa: D102
+    def derivative(self, order: int) -> Differentiable: ...  # noqa: D102
+
+
+def quintic(fractions: Array, keys: Array, first: Array, last: Array) -> Differentiable:
+    """Return the minimum-jerk curve through keys (m, n) at fractions (m,), with given slopes at its ends.
 
     The curve that minimises the integral of the squared third derivative is the quintic spline with four
     continuous derivatives; through two keys it is one quintic. Sources: Flash and Hogan, Journal of
     Neuroscience 5 (1985); de Boor, A Practical Guide to Splines (2001), chapter XIII.
     """
-    # SciPy's splines take longer to import than most guesses take.
+    # Importing SciPy's splines takes longer than computing most guesses.
     import scipy
 
-    still = np.zeros(keys.shape[1])
-    return scipy.interpolate.make_interp_spline(
-        fractions, keys, k=5, bc_type=([(1, first), (2, still)], [(1, last), (2, still)])
-    )
+    zero = np.zeros(keys.shape[1])
+    ends = [(1, first), (2, zero)], [(1, last), (2, zero)]
+    return cast(Differentiable, scipy.interpolate.make_interp_spline(fractions, keys, k=5, bc_type=ends))
 
 
 def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, who: str) -> Array:
-    """Return fractions at which keys are passed: those given, or in proportion to the time at full speed.
+    """Return the fractions of the keys: those given, or in proportion to the time at full speed.
 
     Raises
     ------
@@ -100,7 +105,7 @@ def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, who:
     """
     if given is None:
         gaps = np.abs(np.diff(keys, axis=0)) / np.where(np.isfinite(speeds), speeds, 1.0)
-        # Keys that coincide still take a share of the time.
+        # Equal keys take a small part of the time, so that fractions ascend.
         steps = np.maximum(gaps.max(axis=1), 1e-2 * max(gaps.max(), 1e-9))
         return np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
     fractions = np.asarray(given, dtype=float)
@@ -114,6 +119,6 @@ def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, who:
 
 
 def speeds_of(phase: Phase, robot: Robot) -> Array:
-    """Speed limits of a phase (nv,), infinite where there are none."""
+    """Return the speed limits of a phase (nv,), infinite where there are none."""
     limits = phase.limits
     return limits.velocity if isinstance(limits, Limits) else np.full(robot.nv, np.inf)

@@ -1,13 +1,13 @@
-"""How fast a robot can run along a straight line of its joints: a trapezoid of speed over time.
+"""Least time of a straight line in joint space: a trapezoid of speed over time.
 
 On the line q = q_0 + s (q_1 - q_0) from s = 0 to 1, with d = q_1 - q_0, the inverse dynamics are linear in s'':
 
     tau = M(q) d s'' + (C(q, d) d) s'^2 + g(q).
 
-Without the middle term, s'' is limited by every torque at every place, |s''| <= min_j room_j / |(M d)_j|, room the
-lesser distance of g_j, with Coulomb friction, to the two torque limits; the limits of accelerations and of speeds give
-|s''| <= min_j a_j / |d_j| and s' <= min_j v_j / |d_j|. Under one limit k of s'' and one limit of s' the least time has
-a trapezoid of speed, or a triangle where the speed limit is not met.
+The middle term is neglected. Then every torque limits s'' at every place, |s''| <= min_j r_j / |(M d)_j|, where r_j is
+the lesser distance of g_j, with Coulomb friction, from the two torque limits. The limits of accelerations and speeds
+give |s''| <= min_j a_j / |d_j| and s' <= min_j v_j / |d_j|. With one limit k of s'' and one limit of s', the motion of
+least time has a trapezoidal speed, or a triangular one if it does not reach the speed limit.
 
 Source: Lynch and Park, Modern Robotics (2017), sections 9.2 (straight paths, trapezoidal time scaling) and 9.4 (limits
 of s'' along a path).
@@ -30,12 +30,12 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 PLACES = 9
-"""Places of the line where torques are asked for."""
+"""Number of points of the line at which torques are evaluated."""
 
 
 @dataclass(frozen=True)
 class Trapezoid:
-    """The least time from s = 0 to 1 with abs(s'') <= k: speeds rise from one to a peak, stay, and fall to another.
+    """The motion of least time from s = 0 to 1 with abs(s'') <= k: speed rises, stays at its peak, and falls.
 
     Attributes
     ----------
@@ -52,16 +52,16 @@ class Trapezoid:
 
     @classmethod
     def of(cls, fastest: float, slope: float, first: float = 0.0, last: float = 0.0) -> Trapezoid:
-        """Find the peak: p^2 = k + (s'_0^2 + s'_1^2) / 2, or the limit of speed where that is less.
+        """Compute the peak p: p^2 = k + (s'_0^2 + s'_1^2) / 2, at most the speed limit.
 
         Parameters
         ----------
         fastest : float
-            Largest s', may be infinite [1/s].
+            Largest s' [1/s]; may be infinite.
         slope : float
-            k, above 0 and finite [1/s^2].
+            k [1/s^2], positive and finite.
         first, last : float
-            Speeds at the ends; what the way is too short for, or the limit too low, is cut off [1/s].
+            Speeds at the ends [1/s]; they are reduced to what the length and the speed limit allow.
         """
         first, last = np.clip([first, last], 0.0, fastest)
         first, last = min(first, np.sqrt(last**2 + 2 * slope)), min(last, np.sqrt(first**2 + 2 * slope))
@@ -70,7 +70,7 @@ class Trapezoid:
 
     @property
     def times(self) -> Array:
-        """Start, end of the rise, start of the fall, end (4,) [s]."""
+        """Times of the start, the end of the rise, the start of the fall and the end, (4,) [s]."""
         rise, fall = (self.peak - self.first) / self.slope, (self.peak - self.last) / self.slope
         ramps = 0.5 * (rise * (self.first + self.peak) + fall * (self.peak + self.last))
         return np.cumsum([0.0, rise, max(0.0, 1.0 - ramps) / self.peak, fall])
@@ -81,62 +81,64 @@ class Trapezoid:
         return float(self.times[-1])
 
     def motion(self, fractions: Array) -> tuple[Array, Array, Array]:
-        """Give s, ds/df and d^2s/df^2 (m,) at fractions f (m,) of the duration."""
+        """Return s, ds/df and d^2s/df^2 (m,) at fractions f (m,) of the duration."""
         times, speeds = self.times, np.array([self.first, self.peak, self.peak, self.last])
         t = np.asarray(fractions) * times[-1]
         piece = np.clip(np.searchsorted(times[1:-1], t), 0, 2)
         slopes = np.array([self.slope, 0.0, -self.slope])[piece]
-        since = t - times[piece]
+        elapsed = t - times[piece]
         passed = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(times) * (speeds[:-1] + speeds[1:]))])
-        place = passed[piece] + since * (speeds[piece] + 0.5 * slopes * since)
-        return place, (speeds[piece] + slopes * since) * times[-1], slopes * times[-1] ** 2
+        place = passed[piece] + elapsed * (speeds[piece] + 0.5 * slopes * elapsed)
+        return place, (speeds[piece] + slopes * elapsed) * times[-1], slopes * times[-1] ** 2
 
 
 def fastest_line(phase: Phase, first: Array, last: Array) -> Trapezoid | None:
-    """Fastest motion on the straight line between two states, by the speed, acceleration and torque limits of a phase.
+    """Return the fastest motion on the straight line between two states.
+
+    The speed, acceleration and torque limits of the phase bound it.
 
     Parameters
     ----------
     phase : Phase
     first, last : ndarray (nx,)
-        States at its ends.
+        States at the ends of the line.
 
     Returns
     -------
     Trapezoid or None
-        None where nothing limits the accelerations or no bound on them is known: joints without motors, a moving root,
-        contacts that carry loads, motors too weak to hold the robot on the line, ends that are the same.
+        None if no bound on the accelerations is known: joints without motors, a moving root, contacts, motors too weak
+        to hold the robot on the line, equal ends, no limits.
     """
     robot = phase.robot
     if robot is None or robot.root != "fixed" or robot.nu < robot.nv or phase.bound_contacts:
         return None
     n = robot.nv
-    way = last[:n] - first[:n]
-    moved = np.abs(way) > 1e-9
+    line = last[:n] - first[:n]
+    moved = np.abs(line) > 1e-9
     if not moved.any():
         return None
     lower, upper = _limits(phase, "v")
-    fastest = float(np.min(np.where(way > 0, upper, -lower)[moved] / np.abs(way[moved])))
+    fastest = float(np.min(np.where(line > 0, upper, -lower)[moved] / np.abs(line[moved])))
     lower, upper = _limits(phase, "a")
-    slope = float(np.min(np.minimum(upper, -lower)[moved] / np.abs(way[moved])))
+    slope = float(np.min(np.minimum(upper, -lower)[moved] / np.abs(line[moved])))
     lower, upper = _limits(phase, "tau")
-    model, data, still = robot.model, robot.model.createData(), np.zeros(n)
-    places = first[:n] + np.linspace(0.0, 1.0, PLACES)[:, None] * way
-    # Pinocchio gives the same vector anew: each is copied.
-    gravity = np.array([pin.rnea(model, data, q, still, still).copy() for q in places])
-    inertia = np.abs(np.array([pin.rnea(model, data, q, still, way).copy() for q in places]) - gravity)
-    held = gravity + robot.friction * np.sign(way)
-    room = np.minimum(upper - held, held - lower)
-    asked = (inertia > 1e-9) | (room < 0)
-    slope = min(slope, float(np.min(room[asked] / np.maximum(inertia[asked], 1e-9), initial=np.inf)))
+    model, data, zero = robot.model, robot.model.createData(), np.zeros(n)
+    places = first[:n] + np.linspace(0.0, 1.0, PLACES)[:, None] * line
+    # rnea returns a view of data, which the next call overwrites.
+    gravity = np.array([pin.rnea(model, data, q, zero, zero).copy() for q in places])
+    inertia = np.abs(np.array([pin.rnea(model, data, q, zero, line).copy() for q in places]) - gravity)
+    held = gravity + robot.friction * np.sign(line)
+    reserve = np.minimum(upper - held, held - lower)
+    loaded = (inertia > 1e-9) | (reserve < 0)
+    slope = min(slope, float(np.min(reserve[loaded] / np.maximum(inertia[loaded], 1e-9), initial=np.inf)))
     if not (fastest > 0 and 0 < slope < np.inf):
         return None
-    along = way / (way @ way)
+    along = line / (line @ line)
     return Trapezoid.of(fastest, slope, float(along @ first[n : 2 * n]), float(along @ last[n : 2 * n]))
 
 
 def _limits(phase: Phase, quantity: str) -> tuple[Array, Array]:
-    """Bounds (nv,) that hold throughout on v, a or tau of every joint, infinite where there are none."""
+    """Return the bounds (nv,) on v, a or tau of every joint throughout the phase, infinite where there are none."""
     assert phase.robot is not None
     place = {f"{quantity}.{name}": i for i, name in enumerate(phase.robot.velocity_names)}
     lower, upper = np.full(len(place), -np.inf), np.full(len(place), np.inf)

@@ -1,12 +1,12 @@
-"""Minimum jerk from start to end, through waypoints."""
+"""Minimum-jerk motions from start to end, through waypoints."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess, PhaseGuess, zeros
@@ -25,23 +25,24 @@ class MinimumJerk(InitialGuess):
     """The motion of least integrated squared jerk from start to end, through waypoints.
 
     From rest to rest without waypoints, q = q_0 + (q_1 - q_0) (10 s^3 - 15 s^4 + 6 s^5), s the fraction of
-    the phase. Velocities given for the ends hold there, accelerations are zero there. A robot's velocities
-    and accelerations are the curve's own and its torques those of the inverse dynamics, so that the guess
-    satisfies the equations of motion of a robot whose joints all have motors. States of a System each run on
-    such a curve from rest to rest, its controls are 0.
+    the phase. The end velocities are those of the problem, the end accelerations are zero. Velocities and
+    accelerations of a robot are the rates of the curve, and its torques are those of the inverse dynamics. The guess
+    therefore satisfies the equations of motion if all joints have motors. Each state of a System runs on such a curve
+    from rest to rest, with zero controls.
 
     Parameters
     ----------
     waypoints : sequence, optional
-        Positions between start and end (sequences, or mappings by name, the others neutral); states of a System.
+        Positions between start and end, each a sequence or a mapping by joint name (others are neutral); for a System,
+        states.
     fractions : sequence of float, optional
-        Of start, waypoints and end, ascending from 0 to 1; by default in proportion to the time between them
-        at the speed limits.
+        Places of start, waypoints and end in the phase, ascending from 0 to 1; by default in proportion to the time
+        between them at the speed limits.
     duration : float, optional
         Guessed duration [s] where it is free.
     """
 
-    waypoints: Sequence[Any] = ()
+    waypoints: Sequence[ArrayLike | Mapping[str, float]] = ()
     fractions: Sequence[float] | None = None
     duration: float | None = None
 
@@ -51,7 +52,7 @@ class MinimumJerk(InitialGuess):
         Raises
         ------
         InputError
-            Waypoints of a wrong size or with unknown joints, or fractions that do not fit them.
+            Waypoints of a wrong size or with unknown names, or fractions that do not fit them.
         """
         if phase.robot is None:
             return self._of_system(phase)
@@ -65,15 +66,17 @@ class MinimumJerk(InitialGuess):
         middle = []
         for value in self.waypoints:
             row = first.copy()
-            known = isinstance(value, Mapping)
-            row[: len(names)] = [value[n] for n in names] if known else np.asarray(value, dtype=float)
+            if isinstance(value, Mapping):
+                row[: len(names)] = [value[n] for n in names]
+            else:
+                row[: len(names)] = np.asarray(value, dtype=float)
             middle.append(row)
         keys = np.array([first, *middle, last])
-        still = np.zeros(keys.shape[1])
+        rest = np.zeros(keys.shape[1])
         fractions = fractions_of(self.fractions, keys, np.full(keys.shape[1], np.inf), "MinimumJerk")
         return PhaseGuess(
             guessed_duration(phase, self.duration),
-            quintic(fractions, keys, still, still),
+            quintic(fractions, keys, rest, rest),
             zeros(len(phase.dae.algebraic)),
             zeros(len(phase.dae.controls)),
             default_parameters(phase),
@@ -88,7 +91,7 @@ def through(
     who: str,
     end: Array | None = None,
 ) -> PhaseGuess:
-    """Guess a robot's minimum-jerk motion through joint positions; ``end`` replaces the end of the phase."""
+    """Return a robot's minimum-jerk motion through joint positions; ``end`` replaces the end of the phase."""
     robot = phase.robot
     assert robot is not None
     nq, nx = robot.nq, robot.nq + robot.nv

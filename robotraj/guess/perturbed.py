@@ -1,4 +1,4 @@
-"""Seeded random variations of a guess, smooth and inside the limits."""
+"""Seeded random variations of a guess, smooth and inside the bounds."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ MODES = 4
 
 @dataclass(frozen=True)
 class Perturbed(InitialGuess):
-    """Another guess with smooth random perturbations, the same for the same seed.
+    """Another guess with smooth random perturbations, reproducible by its seed.
 
-    To every state is added  size sum_k c_k sin(k pi s) / k,  s the fraction of the phase and c_k standard
-    normal: zero at both ends. Velocities and accelerations of a robot follow from its perturbed positions; a floating
-    root is moved by ``pin.integrate``, in its own axes.
-    Controls of a System get the same with free ends. ``size`` is ``spread`` times half the range between the
-    bounds of the variable, or, where it is not bounded, half the range that the guess covers, at least 1. The
-    result is clipped to the bounds. Free durations are multiplied by exp(spread c).
+    The perturbation of a state is  size sum_k c_k sin(k pi s) / k,  s the fraction of the phase and c_k standard
+    normal; it is zero at both ends. Velocities and accelerations of a robot follow from its perturbed positions; a
+    floating root is moved by ``pin.integrate``, in its own axes. Perturbations of a System's controls do not vanish
+    at the ends. ``size`` is ``spread`` times half the range between the bounds of the variable. For an unbounded
+    variable it is half the range that the guess covers, at least 1. The result is clipped to the bounds. Free durations
+    are multiplied by exp(spread c).
 
     Parameters
     ----------
     guess : InitialGuess
     seed : int or sequence of int
-        Seeds NumPy's default generator, together with the index of the phase.
+        Seed of NumPy's default generator, combined with the index of the phase.
     spread : float
-        0 leaves the guess as it is.
+        Relative size of the perturbations; 0 for none.
     """
 
     guess: InitialGuess
@@ -57,7 +57,7 @@ class Perturbed(InitialGuess):
         return Perturbed(self.guess.prepared(problem), self.seed, self.spread)
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
-        """Perturb the guess of a phase."""
+        """Return the perturbed guess of a phase."""
         rng = np.random.default_rng((*np.atleast_1d(self.seed).tolist(), index))
         known = self.guess.of(phase, index)
         low, high = phase.duration_bounds
@@ -69,7 +69,7 @@ class Perturbed(InitialGuess):
         nq, nv = (nx, nx) if robot is None else (robot.nq, robot.nv)
         sizes = self._sizes(phase, body.states[:nq], x[:, :nq])
         if robot is not None and robot.root == "floating":
-            # Turns of the root have no bounds to be scaled by: a radian.
+            # Rotations of the root have no bounds; their size is one radian.
             sizes = np.concatenate([sizes[:3], np.full(3, self.spread), sizes[QUATERNION.stop :]])
         waves = rng.standard_normal((MODES, nv)) * sizes
         bounds = _bounds(phase, phase.dae.states)
@@ -106,7 +106,7 @@ class Perturbed(InitialGuess):
         return PhaseGuess(duration, states, algebraic, controls, self._parameters(phase, known, rng))
 
     def of_link(self, link: BoundLink, index: int) -> Mapping[str, float]:
-        """Impulses as the guess has them."""
+        """Return the impulses of the unperturbed guess."""
         return self.guess.of_link(link, index)
 
     def _sizes(self, phase: Phase, variables: tuple[Variable, ...], values: Array) -> Array:
@@ -126,7 +126,7 @@ class Perturbed(InitialGuess):
 
 
 def _moved(robot: Robot, states: Array, added: Array, rate: Array) -> Array:
-    """States (m, nq + nv) moved by tangent vectors that change at a rate, (m, nv) each, velocities along with them."""
+    """Return states (m, nq + nv) after displacements ``added`` with rates ``rate``, tangent vectors (m, nv) each."""
     q, v = states[:, : robot.nq], states[:, robot.nq :]
     if robot.root != "floating":
         return np.hstack([q + added, v + rate])
@@ -138,14 +138,14 @@ def _moved(robot: Robot, states: Array, added: Array, rate: Array) -> Array:
 
 
 def _sines(s: Array, waves: Array, derivative: int) -> Array:
-    """Sum of waves_k sin(k pi s) / k, or a derivative with respect to s, (m, n)."""
+    """Return the sum of waves_k sin(k pi s) / k, or its derivative with respect to s, (m, n)."""
     k = np.arange(1, len(waves) + 1)
     angles = np.pi * np.outer(s, k) + 0.5 * np.pi * derivative
     return np.asarray((np.sin(angles) * (np.pi * k) ** derivative / k) @ waves)
 
 
 def _bounds(phase: Phase, variables: tuple[Variable, ...]) -> tuple[Array, Array]:
-    """Bounds of variables throughout the phase."""
+    """Return the bounds of variables throughout the phase."""
     lower, upper = np.full(len(variables), -np.inf), np.full(len(variables), np.inf)
     index = {variable.name: i for i, variable in enumerate(variables)}
     for constraint in phase.bound_constraints:

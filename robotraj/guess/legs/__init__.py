@@ -1,1 +1,1 @@
-"""Guesses for robots with legs: an inverted pendulum, footsteps, balanced forces."""
+"""Guesses for legged robots: an inverted pendulum, footholds, inverse kinematics and balanced contact forces."""

@@ -1,10 +1,10 @@
-"""Where feet and centre of mass of a plan go: footholds under the hips, arcs between them, a pendulum above."""
+"""Paths of feet and centre of mass: footholds under the hips, arcs between them, a pendulum above."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.guess.legs.pendulum import Pendulum, heights
-from robotraj.guess.legs.schedule import Schedule, Stand
+from robotraj.guess.legs.schedule import Schedule, StanceTime
 from robotraj.guess.legs.stance import BalancedStance, standing
 from robotraj.guess.legs.swing import Swing, swings
 
 if TYPE_CHECKING:
+    from robotraj.problem.constraints.bounds import Bounds
     from robotraj.problem.problem import Problem
 
 Array = NDArray[np.float64]
@@ -33,9 +34,9 @@ class Footsteps:
     stance : BalancedStance
         All feet.
     height : float or None
-        Of the centre of mass above the feet [m]; None for that of the robot as it stands.
+        Of the centre of mass above the feet [m]; None for that of the standing robot.
     lift : float or None
-        How high swinging feet are lifted [m]; None for what phases ask for.
+        Apex of swinging feet [m]; None for a default that the clearances of the phases increase.
     """
 
     problem: Problem
@@ -46,34 +47,34 @@ class Footsteps:
 
     @cached_property
     def _plane(self) -> tuple[str, ...]:
-        """Horizontal axes in which the robot moves."""
+        """Return the horizontal axes in which the robot moves."""
         return ("x",) if self.stance.robot.root == "planar" else ("x", "y")
 
     @cached_property
     def home(self) -> Array:
-        """How the robot stands: the start where it is given whole, else on all feet."""
+        """Return the standing configuration (nq,), with the entries that the start of the first phase fixes."""
         q = standing(self.stance, self.height)
         return _fixed(q, self.problem.phases[0].start_bounds)
 
     @cached_property
-    def _mass(self) -> Array:
-        """Centre of mass at home."""
+    def _standing_com(self) -> Array:
+        """Return the centre of mass in the standing configuration, (3,) [m]."""
         model = self.stance.robot.model
         return np.array(pin.centerOfMass(model, model.createData(), self.home))
 
     @cached_property
-    def _way(self) -> dict[str, tuple[float, float]]:
-        """Start and gain of the centre of mass along each horizontal axis, as if it moved evenly."""
+    def _displacements(self) -> dict[str, tuple[float, float]]:
+        """Return start and displacement [m] of the centre of mass along each axis, for motion at constant speed."""
         last = self.problem.phases[-1].end_bounds
         names = list(self.stance.robot.position_names)
         moved = {}
         for k, axis in enumerate(self._plane):
             i = names.index(f"root_{axis}")
-            start, gain = float(self._mass[k]), 0.0
+            start, gain = float(self._standing_com[k]), 0.0
             ends = [side[i] for side in (last.lower, last.upper) if np.isfinite(side[i])]
             if self.schedule.repeat is not None:
                 gain = self.schedule.displacement[f"q.root_{axis}"]
-                # The image of the path in a mirror at y = 0 continues it.
+                # A mirrored path is continuous only if it starts at y = 0.
                 start = 0.0 if self.schedule.sign < 0 and axis == "y" else start
             elif ends:
                 gain = float(np.mean(ends)) - float(self.home[i])
@@ -82,21 +83,21 @@ class Footsteps:
 
     @cached_property
     def swings(self) -> dict[str, Swing]:
-        """Where each foot is at every time."""
+        """Return the motion of every foot."""
         found = {}
         for contact in self.schedule.contacts:
             stands = self.schedule.stands(contact.name)
-            spots = [self._moved(stand) for stand in stands]
-            found[contact.name] = swings(contact, stands, spots, self._places)
+            footholds = [self._foothold(stand) for stand in stands]
+            found[contact.name] = swings(contact, stands, footholds, self._standing_anchors)
         return found
 
     @cached_property
-    def _places(self) -> dict[str, float]:
-        """Anchors of all feet at home."""
+    def _standing_anchors(self) -> dict[str, float]:
+        """Return the anchors of all feet in the standing configuration."""
         return self.stance.locate(self.home)
 
-    def _spot(self, stand: Stand) -> dict[str, float]:
-        """Where a foot stands as if the walk were even: under its hip halfway."""
+    def _regular_foothold(self, stand: StanceTime) -> dict[str, float]:
+        """Return the anchors of a stance at constant speed: under the hip halfway through the stance."""
         whole = self.schedule.times[-1]
         if np.isinf(stand.start):
             share = 0.0
@@ -104,42 +105,45 @@ class Footsteps:
             share = 1.0
         else:
             share = 0.5 * (stand.start + stand.end) / whole
-        own = {name: value for name, value in self._places.items() if name.rsplit(".", 1)[0] == stand.foot}
+        own = {name: value for name, value in self._standing_anchors.items() if name.rsplit(".", 1)[0] == stand.foot}
         for k, axis in enumerate(self._plane):
             name = f"{stand.foot}.{axis}"
             if name in own:
-                begin, gain = self._way[axis]
-                own[name] += begin - float(self._mass[k]) + share * gain
+                begin, gain = self._displacements[axis]
+                own[name] += begin - float(self._standing_com[k]) + share * gain
         return own
 
-    def _moved(self, stand: Stand) -> dict[str, float]:
-        """Where a foot stands: where a phase says so, else as far from an even walk's as the walk is."""
-        spot = self._spot(stand)
+    def _foothold(self, stand: StanceTime) -> dict[str, float]:
+        """Return the anchors of a stance: those that a phase fixes, else those of constant speed, shifted."""
+        spot = self._regular_foothold(stand)
         for name in spot:
             spot[name] += self._shift.get(name.rsplit(".", 1)[1], 0.0)
-        # What repeats stays even: the periods before and after it have no phases to say so.
-        return spot if self.schedule.repeat is not None else spot | self._said(stand)
+        # The footholds of a repeating gait stay regular, since no phase fixes those of its other periods.
+        return spot if self.schedule.repeat is not None else spot | self._fixed_anchors(stand)
 
-    def _said(self, stand: Stand) -> dict[str, float]:
-        """Anchors that phases fix while a foot stands."""
+    def _fixed_anchors(self, stand: StanceTime) -> dict[str, float]:
+        """Return the anchors that phases fix during a stance."""
         times = self.schedule.times
-        said = {}
+        fixed = {}
         for i, phase in enumerate(self.problem.phases):
             bounds = phase.parameter_bounds
             for name, low, high in zip(phase.parameter_names, bounds.lower, bounds.upper, strict=True):
                 mine = name.rpartition(".")[0] == stand.foot and stand.start <= 0.5 * (times[i] + times[i + 1])
                 if mine and 0.5 * (times[i] + times[i + 1]) <= stand.end and np.isfinite(low) and low == high:
-                    said[name] = float(low)
-        return said
+                    fixed[name] = float(low)
+        return fixed
 
     @cached_property
     def _shift(self) -> dict[str, float]:
-        """How far footholds that phases fix are from an even walk's: all of it moves there, if its start is free."""
+        """Return the mean distance [m] of fixed footholds from those of constant speed; zero if the start is fixed.
+
+        The whole motion is shifted by it.
+        """
         gaps: dict[str, list[float]] = {axis: [] for axis in self._plane}
         first, names = self.problem.phases[0].start_bounds, list(self.stance.robot.position_names)
         for stand in (stand for contact in self.schedule.contacts for stand in self.schedule.stands(contact.name)):
-            spot = self._spot(stand)
-            for name, value in self._said(stand).items():
+            spot = self._regular_foothold(stand)
+            for name, value in self._fixed_anchors(stand).items():
                 axis = name.rsplit(".", 1)[1]
                 if axis in gaps and name in spot:
                     gaps[axis].append(value - spot[name])
@@ -150,7 +154,7 @@ class Footsteps:
         return {axis: float(np.mean(values)) if values else 0.0 for axis, values in gaps.items()}
 
     def feet(self, t: float) -> tuple[dict[str, float], dict[str, float]]:
-        """Anchors of all contacts, and how high [m] their feet are, at a time [s]."""
+        """Return the anchors of all contacts and the heights of their feet [m], at a time [s]."""
         places: dict[str, float] = {}
         lifts: dict[str, float] = {}
         for name, swing in self.swings.items():
@@ -160,7 +164,7 @@ class Footsteps:
 
     @cached_property
     def _apex(self) -> float:
-        """How high feet swing [m]: over what phases ask for, and as high as the centre of mass rises in flight."""
+        """Return the apex of the swing [m]: above the clearances of the phases and the rise in flight."""
         if self.lift is not None:
             return self.lift
         constraints = [c for phase in self.problem.phases for c in phase.constraints]
@@ -172,31 +176,31 @@ class Footsteps:
 
     @cached_property
     def above(self) -> float:
-        """Height of the centre of mass above the feet at home [m]."""
+        """Return the height of the centre of mass above the feet in the standing configuration [m]."""
         places = self.stance.locate(self.home)
         ground = [self.ground(c.name, places) for c in self.schedule.contacts if c.anchors]
-        return float(self._mass[2] - np.mean(ground))
+        return float(self._standing_com[2] - np.mean(ground))
 
     def ground(self, foot: str, places: Mapping[str, float]) -> float:
-        """Height of the ground [m] where a foot is."""
+        """Return the height of the ground [m] under a foot."""
         contact = next(c for c in self.schedule.contacts if c.name == foot)
         return float(contact.contact.ground.height(places.get(f"{foot}.x", 0.0), places.get(f"{foot}.y", 0.0)))  # type: ignore[attr-defined]
 
     @cached_property
     def grounded(self) -> list[list[str]]:
-        """Feet that stand on the ground in every phase."""
+        """Return the feet on the ground in every phase."""
         feet = {contact.name for contact in self.schedule.contacts if contact.anchors}
         return [sorted(held & feet) for held in self.schedule.held]
 
     @cached_property
-    def mass(self) -> Any:
-        """Path of the centre of mass: from a time [s] to a place (3,) [m]."""
+    def com(self) -> Callable[[float], Array]:
+        """Return the path of the centre of mass, from a time [s] to a position (3,) [m]."""
         times, model = self.schedule.times, self.stance.robot.model
         gravity = float(np.linalg.norm(model.gravity.linear))
         standing_at = [self.feet(0.5 * (a + b))[0] for a, b in zip(times[:-1], times[1:], strict=True)]
         paths = {}
         for axis in self._plane:
-            begin, gain = self._way[axis]
+            begin, gain = self._displacements[axis]
             begin += self._shift[axis]
             middles = [
                 float(np.mean([places[f"{f}.{axis}"] for f in feet])) if feet else np.nan
@@ -214,12 +218,12 @@ class Footsteps:
 
         def at(t: float) -> Array:
             across = {axis: float(pendulum.at(start, t)[0]) for axis, (pendulum, start) in paths.items()}
-            return np.array([across["x"], across.get("y", float(self._mass[1])), float(z(t))])
+            return np.array([across["x"], across.get("y", float(self._standing_com[1])), float(z(t))])
 
         return at
 
     def _levels(self, standing_at: Sequence[Mapping[str, float]]) -> list[float]:
-        """Height of the centre of mass where phases meet: above the feet of both sides [m]."""
+        """Return the height of the centre of mass [m] between phases: above the mean of the feet of both phases."""
         known = [
             float(np.mean([self.ground(f, places) for f in feet])) if feet else None
             for feet, places in zip(self.grounded, standing_at, strict=True)
@@ -231,8 +235,8 @@ class Footsteps:
         return [level + self.above for level in levels]
 
 
-def _fixed(q: Array, bounds: Any) -> Array:
-    """Put the entries that bounds fix into a configuration."""
+def _fixed(q: Array, bounds: Bounds) -> Array:
+    """Return a configuration with the entries that the bounds fix."""
     q = np.array(q)
     n = len(q)
     fixed = bounds.lower[:n] == bounds.upper[:n]

@@ -1,4 +1,4 @@
-"""A guess for robots that walk, run and jump."""
+"""The inverted pendulum: the default guess of robots that walk, run and jump."""
 
 from __future__ import annotations
 
@@ -31,28 +31,28 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 KEYS = 11
-"""Configurations found by inverse kinematics in a phase; curves run through them."""
+"""Number of configurations of a phase that inverse kinematics computes; splines interpolate them."""
 LANDING = 0.02
-"""Guessed impulse of a foot that comes down, as the fraction of the robot's weight times a second it carries."""
+"""Guessed impulse of a touchdown, as a fraction of the robot's weight times one second."""
 
 
 @dataclass(frozen=True)
 class InvertedPendulum(InitialGuess):
-    """Feet on a timetable, the centre of mass a linear inverted pendulum on them, legs by inverse kinematics.
+    """A linear inverted pendulum above the scheduled feet, with legs by inverse kinematics.
 
-    The default guess of problems in which a robot with a free root stands on contacts. Nothing is asked for: the phases
-    say which feet stand when, their links how the motion repeats and how far it goes. A foot is put down under where
-    its hip will be halfway through its stance (Raibert, Legged Robots That Balance, 1986), swinging feet run on arcs.
-    Velocities and accelerations are those of a spline through the configurations, on the manifold of a floating root;
-    forces and torques hold that motion up, ``guesses.support``; footholds are where the feet stand.
+    This is the default guess of problems in which a robot with a free root stands on contacts. The contacts of the
+    phases give the schedule of the feet; the links give the repetition and the displacement. A foothold is under the
+    position of the hip halfway through the stance (Raibert, Legged Robots That Balance, 1986). Swinging feet move on
+    arcs. Velocities and accelerations are the rates of a spline through the configurations, on the manifold of a
+    floating root. Contact forces and torques balance that motion in the least-squares sense.
 
     Parameters
     ----------
     height : float, optional
-        Of the centre of mass above the feet [m]; by default that of the robot as ``rt.gait.stand`` has it.
+        Of the centre of mass above the feet [m]; by default that of ``rt.gait.stand``.
     apex : float, optional
-        How high swinging feet are lifted [m]; by default the most of a twentieth of that height, a fifth more than an
-        ``apex`` of the phases' clearances, and the rise of the centre of mass in flight.
+        Apex of swinging feet [m]. By default the largest of: a twentieth of that height; 1.2 times an ``apex`` of the
+        phases' clearances; the rise of the centre of mass in flight.
     durations : mapping of int to float
         Guessed durations [s] of phases whose duration is free.
     """
@@ -62,30 +62,30 @@ class InvertedPendulum(InitialGuess):
     durations: Mapping[int, float] = field(default_factory=dict)
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
-        """Guess a phase on its own, as a problem of one phase."""
+        """Return the guess of a problem of this phase alone."""
         return self.prepared(Problem([phase])).of(phase, 0)
 
     def prepared(self, problem: Problem) -> InitialGuess:
-        """Walk through the whole problem.
+        """Compute the schedule, the footholds and the pendulum of the whole problem.
 
         Raises
         ------
         InputError
-            The problem moves no robot with a free root, or nothing in it stands on the ground.
+            The problem moves no robot with a free root, or no phase has contacts with the ground.
         """
         robot = problem.phases[0].robot
         if robot is None or robot.root == "fixed":
-            raise InputError("InvertedPendulum guesses motions of robots with root='floating' or root='planar'.")
+            raise InputError("InvertedPendulum needs a robot with root='floating' or root='planar'; use another guess.")
         schedule = schedule_of(problem, self.durations)
         if not any(contact.anchors for contact in schedule.contacts):
             raise InputError("InvertedPendulum needs contacts with the ground, but no phase has any.")
         stance = BalancedStance(robot, schedule.contacts)
-        return _Walk(Footsteps(problem, schedule, stance, self.height, self.apex))
+        return _ScheduledMotion(Footsteps(problem, schedule, stance, self.height, self.apex))
 
 
 @dataclass(frozen=True, eq=False)
-class _Walk(InitialGuess):
-    """The guess of one problem."""
+class _ScheduledMotion(InitialGuess):
+    """The motion of one problem."""
 
     steps: Footsteps
 
@@ -95,25 +95,25 @@ class _Walk(InitialGuess):
 
     @cached_property
     def _keys(self) -> list[Array]:
-        """Configurations of every phase, (KEYS, nq) each."""
+        """Return the configurations of every phase, (KEYS, nq) each."""
         q, found = self.steps.home, []
         robot = self._stance.robot
         for i in range(len(self.steps.problem.phases)):
             rows = []
             for t in np.linspace(self.steps.schedule.times[i], self.steps.schedule.times[i + 1], KEYS):
                 places, lifts = self.steps.feet(float(t))
-                mass = self.steps.mass(float(t))
+                com = self.steps.com(float(t))
                 if robot.root == "planar":
-                    mass[1] = np.nan
+                    com[1] = np.nan
                 near = np.array(q)
-                near[0] += mass[0] - pin.centerOfMass(robot.model, self._stance.data, q)[0]
-                q = self._stance.reach(near, places, mass, lifts, self.steps.home)
+                near[0] += com[0] - pin.centerOfMass(robot.model, self._stance.data, q)[0]
+                q = self._stance.reach(near, places, com, lifts, self.steps.home)
                 rows.append(q)
             found.append(np.array(rows))
         return found
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
-        """Curves through the configurations of a phase."""
+        """Return splines through the configurations of a phase."""
         keys, robot = self._keys[index], self._stance.robot
         duration = self.steps.schedule.times[index + 1] - self.steps.schedule.times[index]
         pace = duration if duration > 0 else 1.0
@@ -152,7 +152,7 @@ class _Walk(InitialGuess):
         return PhaseGuess(duration, columns(dae.states), columns(dae.algebraic), columns(dae.controls), parameters)
 
     def of_link(self, link: BoundLink, index: int) -> dict[str, float]:
-        """Feet come down softly: impulses upwards, a small part of the weight."""
+        """Return upward impulses, a small part of the weight times one second."""
         weight = pin.computeTotalMass(self._stance.robot.model) * float(
             np.linalg.norm(self._stance.robot.model.gravity.linear)
         )
@@ -161,7 +161,7 @@ class _Walk(InitialGuess):
 
 
 def _loads(stance: BalancedStance, held: Sequence[str], motion: Sequence[Array]) -> dict[str, Array]:
-    """Contact forces and torques by variable name, of a motion q, v, a at some places, (m, ...) each."""
+    """Return contact forces and torques (m,) by variable name, for samples of q, v and a (m, n)."""
     robot = stance.robot
     names = [force.name for contact in stance.contacts if contact.name in held for force in contact.forces]
     rows = [support(stance, held, *row) for row in zip(*motion, strict=True)]

@@ -1,10 +1,10 @@
 """The path of a walking robot's centre of mass: a linear inverted pendulum on its feet, a free fall between them.
 
-While feet stand, x'' = w^2 (x - p) with p the middle of the feet and w^2 = g / h, so that
+On the ground, x'' = w^2 (x - p) with the mean p of the feet and w^2 = g / h, so that
 
     x(t) = p + (x_0 - p) cosh(w t) + (v_0 / w) sinh(w t);
 
-in flight x'' = 0 and z'' = -g. Where it starts follows from how the motion ends: a linear equation.
+in flight x'' = 0 and z'' = -g. The condition on the last state is a linear equation for the first.
 Source: Kajita, Kanehiro, Kaneko, Yokoi and Hirukawa, The 3D linear inverted pendulum mode, IROS 2001.
 """
 
@@ -30,7 +30,7 @@ class Pendulum:
     times : sequence of float
         Ends of the phases [s].
     feet : sequence of float
-        Middle of the standing feet in every phase [m]; NaN in flight.
+        Mean position of the standing feet in every phase [m]; NaN in flight.
     rate : float
         w [1/s].
     """
@@ -40,7 +40,7 @@ class Pendulum:
     rate: float
 
     def _advance(self, phase: int, duration: float) -> tuple[Array, Array]:
-        """Matrix A and vector b with (x, v) after = A (x, v) + b."""
+        """Return A and b of (x, v) -> A (x, v) + b, over a part of a phase."""
         w, p = self.rate, self.feet[phase]
         if np.isnan(p):
             return np.array([[1.0, duration], [0.0, 1.0]]), np.zeros(2)
@@ -55,17 +55,17 @@ class Pendulum:
         return matrix, vector
 
     def repeating(self, sign: float, gain: float) -> Array:
-        """Start (x, v) of the motion that ends at sign (x, v) + (gain, 0)."""
+        """Return the first state (x, v) of the motion whose last is sign (x, v) + (gain, 0)."""
         matrix, vector = self._whole()
         return np.asarray(np.linalg.lstsq(matrix - sign * np.eye(2), np.array([gain, 0.0]) - vector, rcond=1e-9)[0])
 
     def between(self, first: float, last: float) -> Array:
-        """Start (x, v) of the motion from one place to another."""
+        """Return the first state (x, v) of the motion from one position to another."""
         matrix, vector = self._whole()
         return np.array([first, (last - vector[0] - matrix[0, 0] * first) / matrix[0, 1]])
 
     def at(self, start: Array, t: float) -> Array:
-        """State (x, v) at a time [s]."""
+        """Return the state (x, v) at a time [s]."""
         state = np.asarray(start, dtype=float)
         for i, (begin, end) in enumerate(zip(self.times[:-1], self.times[1:], strict=True)):
             last = i == len(self.times) - 2
@@ -79,10 +79,10 @@ class Pendulum:
 def heights(
     times: Sequence[float], levels: Sequence[float], flying: Sequence[bool], gravity: float, repeats: bool
 ) -> Spline:
-    """Height of the centre of mass [m]: ``levels`` where phases meet, a parabola in flight, cubics on the ground.
+    """Return the height of the centre of mass [m]: parabolas in flight, cubics on the ground, ``levels`` between them.
 
-    A cubic leaves the ground as fast as the flight needs, and sinks before it does; where the motion repeats, its start
-    moves as its end does.
+    The slopes of the cubics are the velocities of takeoff and landing. The first and the last slope of a repeating
+    motion are equal.
     """
     t, z = np.asarray(times, dtype=float), np.asarray(levels, dtype=float)
     leave, arrive = np.zeros(len(t)), np.zeros(len(t))

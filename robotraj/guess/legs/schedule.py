@@ -1,4 +1,4 @@
-"""When which foot stands: the contacts of a plan's phases over time, and of the periods before and after it."""
+"""The schedule of contacts: the stances of every foot over time, in a problem and in its neighbouring periods."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ from robotraj.problem.links.periodic import Mirror, Periodic
 
 if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact
+    from robotraj.problem.links.base import Link
     from robotraj.problem.problem import Problem
 
 PERIODS = 2
-"""How many periods before and after the plan are looked at for stances that begin or end outside it."""
+"""Number of periods before and after the problem in which its stances may begin or end."""
 
 
 @dataclass(frozen=True)
-class Stand:
-    """A foot that stands from one time to another [s], infinite where no phase says more."""
+class StanceTime:
+    """Start and end of a stance [s]; infinite if they lie outside a motion that does not repeat."""
 
     foot: str
     start: float
@@ -32,20 +33,20 @@ class Stand:
 
 @dataclass(frozen=True, eq=False)
 class Schedule:
-    """The timetable of a plan.
+    """The contacts of all phases over time.
 
     Attributes
     ----------
     times : tuple of float
-        Where phases begin and end [s], one more than there are phases.
+        Start of every phase and end of the last one [s].
     held : tuple of frozenset of str
-        Contacts of every phase.
+        Names of the contacts of every phase.
     repeat : Mirror, Periodic or None
-        How the plan repeats.
+        Repetition of the motion.
     displacement : dict of str to float
-        What it gains in a period, by state.
+        Displacement in a period, by state.
     contacts : tuple of BoundContact
-        Contacts of all phases, and their partners in the mirror.
+        Contacts of all phases and their mirror images.
     """
 
     times: tuple[float, ...]
@@ -56,13 +57,13 @@ class Schedule:
 
     @property
     def sign(self) -> float:
-        """What becomes of world y from one period to the next."""
+        """Return the factor of world y from one period to the next."""
         return -1.0 if isinstance(self.repeat, Mirror) else 1.0
 
-    def stands(self, foot: str) -> list[Stand]:
-        """Stances of a foot in the order of time, those of the neighbouring periods included."""
+    def stands(self, foot: str) -> list[StanceTime]:
+        """Return the stances of a foot in the order of time, with those of the neighbouring periods."""
         length = self.times[-1]
-        found: list[Stand] = []
+        found: list[StanceTime] = []
         for k in range(-PERIODS, PERIODS + 1) if self.repeat is not None else (0,):
             name = self.partner(foot) if k % 2 else foot
             for held, start, end in zip(self.held, self.times[:-1], self.times[1:], strict=True):
@@ -72,23 +73,24 @@ class Schedule:
                 if found and abs(found[-1].end - start) < 1e-9:
                     found[-1] = replace(found[-1], end=end)
                 else:
-                    found.append(Stand(foot, start, end))
+                    found.append(StanceTime(foot, start, end))
         if self.repeat is not None:
             return found
-        # Without repetition nothing is known outside the plan: what stands at its ends stood, and stays.
+        # Without repetition, a stance at an end of the motion has no limit there.
         return [
-            Stand(foot, -np.inf if s.start == 0.0 else s.start, np.inf if s.end == length else s.end) for s in found
+            StanceTime(foot, -np.inf if s.start == 0.0 else s.start, np.inf if s.end == length else s.end)
+            for s in found
         ]
 
     def partner(self, foot: str) -> str:
-        """Name the foot on the other side, the same one without a mirror."""
+        """Return the mirror image of a foot, or the foot itself if the motion is not mirrored."""
         if not isinstance(self.repeat, Mirror):
             return foot
         return {**self.repeat.partners, **{b: a for a, b in self.repeat.partners.items()}}.get(foot, foot)
 
 
 def schedule_of(problem: Problem, durations: Mapping[int, float] | None = None) -> Schedule:
-    """Read the timetable of a problem whose phases follow one another."""
+    """Return the schedule of a problem whose phases follow one another."""
     lengths = [guessed_duration(phase, (durations or {}).get(i)) for i, phase in enumerate(problem.phases)]
     repeat = next((r for r in map(_repeat_of, problem.links) if r is not None), None)
     names = [state.name for state in problem.phases[0].body.states]
@@ -107,12 +109,12 @@ def schedule_of(problem: Problem, durations: Mapping[int, float] | None = None) 
     )
 
 
-def _repeat_of(link: Any) -> Mirror | Periodic | None:
+def _repeat_of(link: Link) -> Mirror | Periodic | None:
     return link if isinstance(link, Mirror | Periodic) else getattr(link, "repeat", None)
 
 
 def _contacts(problem: Problem, repeat: Mirror | Periodic | None) -> tuple[BoundContact, ...]:
-    """Contacts of all phases by name, with those that the mirror makes of them."""
+    """Return the contacts of all phases and their mirror images."""
     every: dict[str, BoundContact] = {}
     for phase in problem.phases:
         for contact in phase.bound_contacts:

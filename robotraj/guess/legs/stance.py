@@ -1,4 +1,4 @@
-"""Configurations of a robot that stands: inverse kinematics to feet, centre of mass and an upright root."""
+"""Standing configurations: inverse kinematics of feet, centre of mass and an upright root."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.holding import anchors
@@ -25,22 +25,25 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FOOT, MASS, TILT, JOINT = 100.0, 10.0, 3.0, 0.3
-"""Weights of a metre's (radian's) error of feet, centre of mass, root and joints: each gives way to those before."""
+"""Weights of the errors of feet, centre of mass [1/m], root attitude and joints [1/rad], in order of priority."""
 STEPS = 60
-CLOSE = 1e-10
+"""Largest number of damped steps."""
+TOLERANCE = 1e-10
+"""Norm of the feet's error [m, rad] at which Newton's method stops."""
 REPEATS = 5
+"""Repetitions with the posture moved to the last answer, for a given height."""
 ROOT_FREEDOMS = {"fixed": 0, "planar": 3, "floating": 6}
 
 
 @dataclass(frozen=True, eq=False)
 class BalancedStance:
-    """A robot and the contacts that its feet make, in numbers.
+    """Numerical functions of a robot and of the contacts of its feet.
 
     Attributes
     ----------
     robot : Robot
     contacts : tuple of BoundContact
-        All feet, on the ground or swinging.
+        Of all feet, standing or swinging.
     """
 
     robot: Robot
@@ -59,7 +62,7 @@ class BalancedStance:
 
     @cached_property
     def _evaluated_places(self) -> tuple[Array, Array, Array, Array, Any]:
-        """Arrays that ``_places`` reads (q, anchors) and writes (rows, transposed Jacobian), and what runs it."""
+        """Return input arrays (q, anchors), output arrays (rows, transposed Jacobian) and evaluator of ``_places``."""
         buffer, run = self._places.buffer()
         q, p = np.zeros(self.robot.nq), np.zeros(len(self._names))
         rows = np.zeros(self._places.numel_out(0))
@@ -73,26 +76,26 @@ class BalancedStance:
 
     @cached_property
     def data(self) -> pin.Data:
-        """What Pinocchio's algorithms write into."""
+        """Return the workspace of Pinocchio's algorithms."""
         return self.robot.model.createData()
 
     @cached_property
     def _efforts(self) -> ca.Function:
-        """J' of all forces, (nv, forces): joint torques of the contacts' forces."""
+        """Return the function from q to J' (nv, forces), which maps contact forces to joint torques."""
         point: Any = symbols_of(InverseDynamics().of(self.robot, None, self.contacts), self._names)
         rows = ca.vertcat(*(row for contact in self.contacts for row in contact.velocity(point)))
         return ca.Function("efforts", [point.q], [ca.jacobian(rows, point.v).T])
 
     def jacobian(self, q: Array) -> Array:
-        """Velocities of all contacts' rows per velocity of the robot, (m, nv)."""
+        """Return the Jacobian of the rows of all contacts with respect to v, (m, nv)."""
         return np.array(self._efforts(q)).T
 
     def locate(self, q: Array) -> dict[str, float]:
-        """Where all contacts stand in configuration q, by anchor."""
+        """Return the anchors of all contacts in configuration q, by name."""
         return {name: value for contact in self.contacts for name, value in contact.locate(self.robot, q).items()}
 
     def columns(self, names: Sequence[str]) -> list[int]:
-        """Places of the rows and forces of the contacts named, among those of all."""
+        """Return the indices of the rows and forces of the named contacts among those of all."""
         ends = np.cumsum([0, *(len(contact.holds) for contact in self.contacts)])
         return [
             j
@@ -102,7 +105,7 @@ class BalancedStance:
         ]
 
     def lifted(self, lifts: Mapping[str, float]) -> Array:
-        """Rows (m,) that feet so high above the ground [m] have, where they would be zero on it."""
+        """Return the rows (m,) of feet at the given heights above the ground [m]; on the ground they are zero."""
         heights = [
             lifts.get(contact.name, 0.0) if row.name.endswith(".z") else 0.0
             for contact in self.contacts
@@ -111,39 +114,39 @@ class BalancedStance:
         return np.array(heights)
 
     def places(self, q: Array, feet: Mapping[str, float]) -> tuple[Array, Array]:
-        """Rows (m,) of all contacts at anchors ``feet``, and their Jacobian (m, nv)."""
+        """Return the rows (m,) of all contacts at anchors ``feet``, and their Jacobian (m, nv)."""
         at, anchored, rows, slope, (run, _) = self._evaluated_places
         at[:], anchored[:] = q, [feet[name] for name in self._names]
         run()
         return rows.copy(), slope.T @ rate_matrix(self.robot.model, q)
 
     def reach(
-        self, near: Array, feet: Mapping[str, float], mass: Any, lifts: Mapping[str, float], posture: Array
+        self, near: Array, feet: Mapping[str, float], com: ArrayLike, lifts: Mapping[str, float], posture: Array
     ) -> Array:
-        """Find the configuration (nq,) nearest to ``near`` with feet, centre of mass and posture as asked for.
+        """Return a configuration (nq,) near ``near`` with given feet, centre of mass and posture.
 
-        Damped least squares on weighted errors, then Newton's method on the feet alone, which thus come first.
-        Sources: Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement, and Control 108 (1986).
+        Damped least squares minimise weighted errors. Newton's method then makes the feet exact.
+        Source: Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement, and Control 108 (1986).
 
         Parameters
         ----------
         near : ndarray (nq,)
         feet : mapping of str to float
             Anchors.
-        mass : sequence of 3 float
-            Centre of mass in the world [m]; NaN for what is left free.
+        com : sequence of 3 float
+            Centre of mass in the world [m]; NaN leaves a coordinate free.
         lifts : mapping of str to float
-            Height of feet above the ground [m] by contact; zero where not named.
+            Height of feet above the ground [m] by contact; others are 0.
         posture : ndarray (nq,)
-            What joints and root tend to.
+            Reference of joints and root.
         """
         robot, raised = self.robot, self.lifted(lifts)
         q, damping = self._inside(near), 1e-6
-        error, slope = self._errors(q, feet, np.asarray(mass, dtype=float), raised, posture)
+        error, slope = self._errors(q, feet, np.asarray(com, dtype=float), raised, posture)
         for _ in range(STEPS):
             step = self._step(q, slope, error, damping)
             trial = self._inside(pin.integrate(robot.model, q, step))
-            after, next_slope = self._errors(trial, feet, np.asarray(mass, dtype=float), raised, posture)
+            after, next_slope = self._errors(trial, feet, np.asarray(com, dtype=float), raised, posture)
             gain = error @ error - after @ after
             if gain > 0:
                 q, error, slope, damping = trial, after, next_slope, max(0.2 * damping, 1e-9)
@@ -156,11 +159,11 @@ class BalancedStance:
         return self.settle(q, feet, raised)
 
     def settle(self, q: Array, feet: Mapping[str, float], raised: Array) -> Array:
-        """Bring the feet to their places by the smallest change of a configuration, where that is possible."""
+        """Move the feet to their anchors by Newton steps of least norm, as far as the error falls."""
         rows, slope = self.places(q, feet)
         for _ in range(20):
             size = np.linalg.norm(rows - raised)
-            if size < CLOSE:
+            if size < TOLERANCE:
                 break
             trial = self._inside(pin.integrate(self.robot.model, q, self._step(q, slope, rows - raised, 1e-12)))
             after, next_slope = self.places(trial, feet)
@@ -170,32 +173,34 @@ class BalancedStance:
         return q
 
     def _step(self, q: Array, slope: Array, error: Array, damping: float) -> Array:
-        """Levenberg and Marquardt's step, joints held that would leave their bounds."""
+        """Return the Levenberg-Marquardt step; joints at bounds that it would leave are held."""
         lower, upper = self._bounds
         n = ROOT_FREEDOMS[self.robot.root]
-        joints, pull = q[len(q) - len(lower) :], -(slope.T @ error)[n:]
+        joints, descent = q[len(q) - len(lower) :], -(slope.T @ error)[n:]
         free = np.ones(self.robot.nv, dtype=bool)
-        free[n:] = ~((joints <= lower + 1e-9) & (pull < 0) | (joints >= upper - 1e-9) & (pull > 0))
+        free[n:] = ~((joints <= lower + 1e-9) & (descent < 0) | (joints >= upper - 1e-9) & (descent > 0))
         held = slope * free
         return np.asarray(-np.linalg.solve(held.T @ held + damping * np.eye(held.shape[1]), held.T @ error))
 
-    def _errors(self, q: Array, feet: Mapping[str, float], mass: Array, raised: Array, posture: Array) -> Any:
+    def _errors(
+        self, q: Array, feet: Mapping[str, float], com: Array, raised: Array, posture: Array
+    ) -> tuple[Array, Array]:
         robot, n = self.robot, ROOT_FREEDOMS[self.robot.root]
         rows, slope = self.places(q, feet)
         jacobian = pin.jacobianCenterOfMass(robot.model, self.data, q)
-        known = np.isfinite(mass)
+        known = np.isfinite(com)
         away = pin.difference(robot.model, posture, q)
         weights = np.full(robot.nv, JOINT)
         weights[:n] = np.where(np.array(robot.units[:n]) == "rad", TILT, 0.0)
         kept = weights > 0
         error = np.concatenate(
-            [FOOT * (rows - raised), MASS * (np.array(self.data.com[0]) - mass)[known], (weights * away)[kept]]
+            [FOOT * (rows - raised), MASS * (np.array(self.data.com[0]) - com)[known], (weights * away)[kept]]
         )
         return error, np.vstack([FOOT * slope, MASS * jacobian[known], np.diag(weights)[kept]])
 
     @cached_property
     def _bounds(self) -> tuple[Array, Array]:
-        """Bounds of the joints."""
+        """Return the bounds of the joints."""
         n = ROOT_FREEDOMS[self.robot.root]
         return self.robot.limits.position_lower[n:], self.robot.limits.position_upper[n:]
 
@@ -207,7 +212,7 @@ class BalancedStance:
 
 
 def upright(robot: Robot, q: Array) -> Array:
-    """Give a configuration with the root's attitude level, heading along world x."""
+    """Return a configuration with a level root that heads along world x."""
     q = np.array(q)
     if robot.root == "floating":
         q[QUATERNION] = (0.0, 0.0, 0.0, 1.0)
@@ -217,10 +222,10 @@ def upright(robot: Robot, q: Array) -> Array:
 
 
 def standing(stance: BalancedStance, height: float | None = None) -> Array:
-    """Give the configuration (nq,) with all feet on the ground below, knees bent, the centre of mass over their middle.
+    """Return the configuration (nq,) with all feet on the ground, bent knees and the centre of mass above the feet.
 
-    The feet stand where the neutral configuration has them. Where its legs are straight, joints at the end of their
-    range bend inwards and the centre of mass sinks by a twentieth of its height, as far as the legs allow.
+    The feet keep their horizontal positions of the neutral configuration. If its legs are straight, joints at their
+    bounds are bent inwards and the centre of mass is lowered by a twentieth of its height, as far as the legs allow.
 
     Parameters
     ----------
@@ -234,7 +239,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     n = ROOT_FREEDOMS[robot.root]
     model, data = robot.model, robot.model.createData()
     if n:
-        # On the ground first: the root moves up or down with all feet.
+        # The root first moves vertically until the feet are on the ground on average.
         rows, _ = stance.places(q, feet)
         up = [j for j, row in enumerate(r for c in stance.contacts for r in c.holds) if row.name.endswith(".z")]
         q[1 if robot.root == "planar" else 2] -= float(np.mean(rows[up]))
@@ -244,25 +249,26 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     straight = bool(np.max(np.abs(slope[up][:, n:]), initial=0.0) < 1e-2 * abs(com[2]))
     lower, upper = stance._bounds
     start = np.array(q)
-    middle = [
-        np.mean([feet[a.name] for c in stance.contacts for a in c.anchors if a.name == f"{c.name}.{axis}"] or [0.0])
-        for axis in "xy"
-    ]
+    anchors_by_axis = (
+        [feet[a.name] for c in stance.contacts for a in c.anchors if a.name == f"{c.name}.{axis}"] for axis in "xy"
+    )
+    middle = [float(np.mean(values or [0.0])) for values in anchors_by_axis]
     ground = float(com[2] - height_above(stance, feet, com))
     target = height if height is not None else (0.95 if straight else 1.0) * (com[2] - ground)
     if straight:
         joints = start[len(start) - len(lower) :]
         joints += np.where(joints - lower < 0.05, 0.6, np.where(upper - joints < 0.05, -0.6, 0.0))
         start = stance._inside(start)
-    found, mass = stance.reach(start, feet, [*middle, ground + target], {}, start if straight else q), ground + target
+    com = np.array([*middle, ground + target])
+    found = stance.reach(start, feet, com, {}, start if straight else q)
     for _ in range(REPEATS if height is not None else 0):
-        # A height that is asked for comes before the posture: joints tend to where they have come.
-        found = stance.reach(found, feet, [*middle, mass], {}, upright(robot, found))
+        # A given height has priority over the posture, so the posture moves to the last answer.
+        found = stance.reach(found, feet, com, {}, upright(robot, found))
     return found
 
 
 def height_above(stance: BalancedStance, feet: Mapping[str, float], com: Array) -> float:
-    """Height of the centre of mass above the middle of the feet [m]."""
+    """Return the height of the centre of mass above the mean of the feet [m]."""
     heights = []
     for contact in stance.contacts:
         ground = contact.contact.ground  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""What holds a moving robot up: contact forces and torques of a motion, by least squares."""
+"""Contact forces and torques that balance a motion, by least squares."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LEVER = 0.05
-"""Metres by which moments weigh less than forces: a foot's moment is a force times a part of its length."""
+"""Length [m] that weighs moments against forces: the order of the lever arm of a force on a sole."""
 SHARE = 0.1
-"""Least share of an even load that a standing foot carries."""
+"""Least normal force of a standing foot, relative to an equally shared weight."""
 INSIDE = 0.7
-"""How much of the cone tangential forces may use."""
+"""Largest tangential force, relative to the friction cone."""
 
 
 def support(stance: BalancedStance, held: Sequence[str], q: Array, v: Array, a: Array) -> tuple[Array, Array]:
-    """Find forces of the standing contacts and torques of the motors, for a motion q, v, a.
+    """Compute contact forces and motor torques of a motion q, v, a.
 
-    Forces balance what has no motor as well as they can, B_0' (RNEA(q, v, a) + d(v) - J' f) = 0 in the least-squares
-    sense with the least norm, then are brought inside their cones; tau follows from the other rows. At rest these are
-    the forces of static equilibrium.
+    The forces solve the equations of the unactuated joints, B_0' (RNEA(q, v, a) + d(v) - J' f) = 0, in the
+    least-squares sense with least norm. They are then projected into their cones. tau follows from the equations of
+    the actuated joints. At rest these are the forces of static equilibrium.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def support(stance: BalancedStance, held: Sequence[str], q: Array, v: Array, a: 
         idle = ~robot.actuation.any(axis=1)
         weights = np.array([1.0 if f.unit == "N" else LEVER for f in _forces(stance, held)])
         balance = jacobian[idle] * weights
-        # A rank of full rows leaves no choice; more feet than that share the load evenly.
+        # With redundant contacts, the least norm shares the load evenly.
         forces = weights * (np.linalg.pinv(balance, rcond=1e-6) @ needed[idle])
         weight = pin.computeTotalMass(model) * float(np.linalg.norm(model.gravity.linear))
         forces = inside(stance, held, forces, SHARE * weight / max(len(held), 1))
@@ -61,7 +61,7 @@ def _forces(stance: BalancedStance, held: Sequence[str]) -> list[Variable]:
 
 
 def inside(stance: BalancedStance, held: Sequence[str], forces: Array, least: float) -> Array:
-    """Bring forces inside their cones: enough upwards, tangential parts and moments no more than that allows."""
+    """Return forces inside their cones: normal forces of at least ``least``, tangential forces and moments reduced."""
     forces, first = np.array(forces), 0
     for contact in stance.contacts:
         if contact.name not in held:

@@ -1,4 +1,4 @@
-"""Where a foot is over time: on the ground, or on an arc from one foothold to the next."""
+"""The motion of a foot: at its footholds, and on arcs between them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.values import dataclass
-from robotraj.guess.legs.schedule import Stand
+from robotraj.guess.legs.schedule import StanceTime
 
 if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact
@@ -16,33 +16,33 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Swing:
-    """A foot's stances and the footholds of each.
+    """The stances of a foot and their footholds.
 
     Attributes
     ----------
-    stands : sequence of Stand
+    stands : sequence of StanceTime
         In the order of time.
-    spots : sequence of mapping of str to float
+    footholds : sequence of mapping of str to float
         Anchors of every stance.
     """
 
-    stands: Sequence[Stand]
-    spots: Sequence[Mapping[str, float]]
+    stands: Sequence[StanceTime]
+    footholds: Sequence[Mapping[str, float]]
 
     def at(self, t: float) -> dict[str, float]:
-        """Anchors at a time [s]; between stances they move without a jerk, from rest to rest."""
+        """Return the anchors at a time [s]; between stances they run on a minimum-jerk motion from rest to rest."""
         before, after, share = self._between(t)
         ease = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
-        first, last = self.spots[before], self.spots[after]
+        first, last = self.footholds[before], self.footholds[after]
         return {name: value + ease * (last[name] - value) for name, value in first.items()}
 
     def lift(self, t: float) -> float:
-        """Height above the ground as a share of the apex: 16 s^2 (1 - s)^2 of the swing."""
+        """Return the height above the ground divided by the apex: 16 s^2 (1 - s)^2, s the fraction of the swing."""
         _, _, share = self._between(t)
         return 16.0 * share**2 * (1.0 - share) ** 2
 
     def _between(self, t: float) -> tuple[int, int, float]:
-        """Stances before and after a time, and the share of the swing between them that is over."""
+        """Return the indices of the stances before and after a time, and the fraction of the swing between them."""
         after = next((i for i, s in enumerate(self.stands) if t <= s.end), len(self.stands) - 1)
         begin = self.stands[after].start
         if t >= begin or after == 0:
@@ -52,10 +52,13 @@ class Swing:
 
 
 def swings(
-    contact: BoundContact, stands: Sequence[Stand], spots: Sequence[Mapping[str, float]], home: Mapping[str, float]
+    contact: BoundContact,
+    stands: Sequence[StanceTime],
+    footholds: Sequence[Mapping[str, float]],
+    home: Mapping[str, float],
 ) -> Swing:
-    """Swing of a foot; one that never stands stays where it is at home."""
+    """Return the motion of a foot; a foot without stances keeps its anchors ``home``."""
     if stands:
-        return Swing(stands, spots)
-    own = {anchor.name: home[anchor.name] for anchor in contact.anchors}
-    return Swing((Stand(contact.name, -np.inf, np.inf),), (own,))
+        return Swing(stands, footholds)
+    kept = {anchor.name: home[anchor.name] for anchor in contact.anchors}
+    return Swing((StanceTime(contact.name, -np.inf, np.inf),), (kept,))
