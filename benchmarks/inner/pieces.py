@@ -16,8 +16,9 @@ import robotraj as rt
 from robotraj.planning.nlp_violations import violations
 from robotraj.solvers.stagewise.reduction import reduce
 from robotraj.transcription.extract import extract
-from robotraj.transcription.interval_limits.added_rows import guarded
-from robotraj.transcription.interval_limits.constraint_generation import Guard, find_bulges, guardable
+from robotraj.transcription.interval_limits.added_rows import with_added_rows
+from robotraj.transcription.interval_limits.constraint_generation import AddedRow
+from robotraj.transcription.interval_limits.interval_violations import state_violations
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.transcribe import transcribe
 
@@ -80,7 +81,7 @@ def transcribing(name: str, intervals: int, engine: rt.engines.Native | None = N
 def assembling(name: str, intervals: int) -> Call:
     known = nlp(name, intervals)
     # A copy has made no functions yet; the stage's derivatives are there.
-    return lambda: guarded(known, [], known.guess).functions
+    return lambda: with_added_rows(known, [], known.guess).functions
 
 
 def reducing(name: str, intervals: int) -> Call:
@@ -135,14 +136,14 @@ def extracting(name: str, intervals: int) -> Call:
 def looking(name: str, intervals: int) -> Call:
     known = nlp(name, intervals)
     (trajectory,) = extract(known, known.guess)
-    return lambda: find_bulges(known.problem.phases[0], 0, trajectory, np.inf)
+    return lambda: state_violations(known.problem.phases[0], 0, trajectory, np.inf)
 
 
-def guarding(name: str, intervals: int) -> Call:
+def adding_rows(name: str, intervals: int) -> Call:
     known = nlp(name, intervals)
-    c, r, *_ = guardable(known.problem.phases[0])[-1]
-    guards = [Guard(0, k, c, r, 0.25) for k in range(0, intervals, 5)]
-    return lambda: guarded(known, guards, known.guess)
+    number = known.problem.phases[0].rows.of_state[-1].number
+    added = [AddedRow(0, k, number, 0.25) for k in range(0, intervals, 5)]
+    return lambda: with_added_rows(known, added, known.guess)
 
 
 ARMS = ("ur5", "panda")
@@ -173,7 +174,7 @@ PIECES = (
         partial(transcribing, "ur5", 50, rt.engines.Native()),
     ),
     Piece("transcription", "functions for IPOPT of ur5, N = 50", partial(assembling, "ur5", 50)),
-    Piece("transcription", "guards of ur5, N = 50", partial(guarding, "ur5", 50)),
+    Piece("transcription", "added rows of ur5, N = 50", partial(adding_rows, "ur5", 50)),
     *(Piece("reduction", f"reduce ur5, N = {n}", partial(reducing, "ur5", n)) for n in (50, 200)),
     Piece("checks", "every row of ur5, N = 50", partial(checking, "ur5", 50)),
     Piece("checks", "polynomials of ur5, N = 50", partial(extracting, "ur5", 50)),

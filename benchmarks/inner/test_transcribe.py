@@ -1,4 +1,4 @@
-"""From a problem on a mesh to an NLP, its functions, its guards."""
+"""From a problem on a mesh to an NLP, its functions, its added rows."""
 
 from __future__ import annotations
 

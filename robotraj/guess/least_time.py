@@ -22,7 +22,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import Where
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -140,11 +139,7 @@ def fastest_line(phase: Phase, first: Array, last: Array) -> Trapezoid | None:
 def _limits(phase: Phase, quantity: str) -> tuple[Array, Array]:
     """Return the bounds (nv,) on v, a or tau of every joint throughout the phase, infinite where there are none."""
     assert phase.robot is not None
-    place = {f"{quantity}.{name}": i for i, name in enumerate(phase.robot.velocity_names)}
-    lower, upper = np.full(len(place), -np.inf), np.full(len(place), np.inf)
-    for constraint in phase.bound_constraints:
-        for row in constraint.rows if constraint.where is Where.THROUGHOUT else ():
-            i = place.get(row.variable or "")
-            if i is not None:
-                lower[i], upper[i] = max(lower[i], row.lower), min(upper[i], row.upper)
+    limits = phase.rows.limits()
+    pairs = [limits.get(f"{quantity}.{name}", (-np.inf, np.inf)) for name in phase.robot.velocity_names]
+    lower, upper = np.reshape(pairs, (-1, 2)).T
     return lower, upper

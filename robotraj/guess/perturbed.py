@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess, PhaseGuess
-from robotraj.problem.constraints.base import Where
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import normalised
 
@@ -146,11 +145,7 @@ def _sines(s: Array, waves: Array, derivative: int) -> Array:
 
 def _bounds(phase: Phase, variables: tuple[Variable, ...]) -> tuple[Array, Array]:
     """Return the bounds of variables throughout the phase."""
-    lower, upper = np.full(len(variables), -np.inf), np.full(len(variables), np.inf)
-    index = {variable.name: i for i, variable in enumerate(variables)}
-    for constraint in phase.bound_constraints:
-        for row in constraint.rows if constraint.where is Where.THROUGHOUT else ():
-            if row.variable in index:
-                i = index[row.variable]
-                lower[i], upper[i] = max(lower[i], row.lower), min(upper[i], row.upper)
+    limits = phase.rows.limits()
+    pairs = [limits.get(variable.name, (-np.inf, np.inf)) for variable in variables]
+    lower, upper = np.reshape(pairs, (-1, 2)).T
     return lower, upper

@@ -43,13 +43,9 @@ class Arc(OneLine):
 
 def control_bounds(phase: Phase) -> tuple[Array, Array]:
     """Lower and upper bounds of the controls held throughout, (nu,) each."""
-    names = [control.name for control in phase.dae.controls]
-    lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
-    for constraint in phase.bound_constraints:
-        for row in constraint.rows:
-            if constraint.where in (Where.THROUGHOUT, Where.AT_NODES) and row.variable in names:
-                i = names.index(row.variable)
-                lower[i], upper[i] = max(lower[i], row.lower), min(upper[i], row.upper)
+    limits = phase.rows.limits(Where.THROUGHOUT, Where.AT_NODES)
+    pairs = [limits.get(control.name, (-np.inf, np.inf)) for control in phase.dae.controls]
+    lower, upper = np.reshape(pairs, (-1, 2)).T
     return lower, upper
 
 

@@ -27,13 +27,14 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns
-from robotraj.problem.constraints.base import AtEnd, AtStart, BoundConstraint, Constraint, Row, Where
+from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, Row, Where
 from robotraj.problem.constraints.bounds import between
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.links.base import BoundLink, Link
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.problem.rows import PhaseRow
 
 Array = NDArray[np.float64]
 
@@ -73,14 +74,14 @@ class EndData(OneLine):
         Fixed states, NaN where free.
     time : float or None
         Fixed end time [s], None where free.
-    constraints : tuple of (bool, BoundConstraint, int, float)
-        Active rows at an end: whether at the end, the constraint, its row, and the value it takes.
+    constraints : tuple of (PhaseRow, float)
+        Active rows at an end, each with the bound that it takes.
     """
 
     start: Array
     end: Array
     time: float | None
-    constraints: tuple[tuple[bool, BoundConstraint, int, float], ...]
+    constraints: tuple[tuple[PhaseRow, float], ...]
 
 
 def end_data(equations: Pontryagin, x0: Array, xf: Array, duration: float) -> EndData:
@@ -95,31 +96,23 @@ def end_data(equations: Pontryagin, x0: Array, xf: Array, duration: float) -> En
     least, most = phase.duration_bounds
     time = next((b for b in (least, most) if abs(duration - b) < ACTIVE * (1.0 + duration)), None)
     active = []
-    for constraint in phase.bound_constraints:
-        if constraint.where not in (Where.START, Where.END):
-            continue
-        at_end = constraint.where is Where.END
-        state, t = (xf, duration) if at_end else (x0, 0.0)
-        values = _end_values(equations, constraint, t, state)
-        for i, (row, value) in enumerate(zip(constraint.rows, values, strict=True)):
-            for bound in {row.lower, row.upper}:
-                if abs(value - bound) < ACTIVE * (1.0 + abs(value)):
-                    active.append((at_end, constraint, i, float(bound)))
+    for row in phase.rows:
+        if row.where in (Where.START, Where.END):
+            state, t = (xf, duration) if row.where is Where.END else (x0, 0.0)
+            found = _end_value(equations, row, t, state)
+            active += [(row, b) for b in {row.lower, row.upper} if abs(found - b) < ACTIVE * (1.0 + abs(found))]
     return EndData(fixed[0], fixed[1], time, tuple(active))
 
 
-def _end_values(equations: Pontryagin, constraint: BoundConstraint, t: float, state: Array) -> Array:
-    dae, names = equations.phase.dae, equations.phase.parameter_names
-    x = ca.SX.sym("x", len(state))
-    z, u = ca.SX.sym("z", len(dae.algebraic)), ca.SX.sym("u", len(dae.controls))
-    point = dae.point(ca.SX(t), x, z, u, ca.SX(ca.DM(equations.parameters)), names)
-    values = ca.vertcat(*as_rows(constraint.expression(point), f"expression of {constraint.name!r}"))
-    if ca.depends_on(values, ca.vertcat(z, u)):
+def _end_value(equations: Pontryagin, row: PhaseRow, t: float, state: Array) -> float:
+    function = equations.phase.rows.function((row,))
+    if any(function.jac_sparsity(0, i).nnz() for i in (2, 3)):
         raise InputError(
-            f"{constraint.name!r} at an end reads accelerations or controls; polish knows end constraints "
+            f"{row.label!r} at an end depends on accelerations or controls; rt.indirect.polish accepts end constraints "
             "on states and time alone. Keep the direct solution."
         )
-    return np.array(ca.Function("ends", [x], [values])(state)).ravel()
+    free = (np.zeros(function.size1_in(i)) for i in (2, 3))
+    return float(function(t, state, *free, equations.parameters))
 
 
 def boundary_value_problem(equations: Pontryagin, arcs: Sequence[Arc], ends: EndData) -> Problem:
@@ -218,9 +211,9 @@ def _active_rows(equations: Pontryagin, ends: EndData, symbols: dict[str, ca.SX]
     dae, names = equations.phase.dae, equations.phase.parameter_names
     p = ca.SX(ca.DM(equations.parameters))
     rows = []
-    for at_end, constraint, index, bound in ends.constraints:
-        t, x = (symbols["tf"], symbols["xf"]) if at_end else (symbols["t0"], symbols["x0"])
+    for row, bound in ends.constraints:
+        t, x = (symbols["tf"], symbols["xf"]) if row.where is Where.END else (symbols["t0"], symbols["x0"])
         z, u = ca.SX.zeros(len(dae.algebraic)), ca.SX.zeros(len(dae.controls))
         point = dae.point(t, x, z, u, p, names)
-        rows.append(as_rows(constraint.expression(point), f"expression of {constraint.name!r}")[index] - bound)
+        rows.append(equations.phase.rows.values((row,), point)[0] - bound)
     return ca.vertcat(*rows) if rows else ca.SX(0, 1)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.dynamics.rows import as_rows
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.costate_trajectory import PhaseCostates
 from robotraj.indirect.polished import Polished
 from robotraj.indirect.pontryagin import Pontryagin
-from robotraj.problem.constraints.base import Row, Where
 from robotraj.problem.phase import Phase
-from robotraj.solution.costates.hamiltonian import Hamiltonian
+from robotraj.problem.rows import PhaseRow
 
 Array = NDArray[np.float64]
 
@@ -135,18 +132,8 @@ class HeldRow(OneLine):
     phase: Phase
     parameters: Array
 
-    def __call__(self, t: Array, x: Array, z: Array, u: Array) -> list[tuple[Row, Array]]:
+    def __call__(self, t: Array, x: Array, z: Array, u: Array) -> list[tuple[PhaseRow, Array]]:
         """Pairs of rows and their values (m,) at times (m,), states (m, nx), z and u."""
-        symbols = Hamiltonian.of(self.phase).symbols
-        arguments = [symbols[name] for name in ("t", "x", "z", "u", "p")]
-        time, state, algebraic, control, p = arguments
-        point = self.phase.dae.point(time, state, algebraic, control, p, self.phase.parameter_names)
-        m = len(t)
-        numbers = [t[None, :], x.T, z.T, u.T, np.tile(self.parameters[:, None], (1, m))]
-        found: list[tuple[Row, Array]] = []
-        for constraint in self.phase.bound_constraints:
-            if constraint.where is Where.THROUGHOUT:
-                rows = ca.vertcat(*as_rows(constraint.expression(point), f"expression of {constraint.name!r}"))
-                function = ca.Function("rows", arguments, [ca.densify(rows)])
-                found += zip(constraint.rows, np.array(function.map(m)(*numbers)).reshape(-1, m), strict=True)
-        return found
+        table = self.phase.rows
+        values = table.sample(table.throughout, t, x, z, u, self.parameters)
+        return list(zip(table.throughout, values.T, strict=True))

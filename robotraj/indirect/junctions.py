@@ -23,7 +23,7 @@ from robotraj._util.errors import InputError, require_solution
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess, PhaseGuess
-from robotraj.problem.constraints.base import AtEnd, AtStart, Row, Where
+from robotraj.problem.constraints.base import AtEnd, AtStart, Row
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.links.linkage import Linkage
@@ -148,7 +148,7 @@ def _refuse_what_cannot_be_shared(phase: Phase) -> None:
     what = None
     if phase.parameter_names and not np.array_equal(*phase.parameter_bounds):
         what = "parameters that are unknown"
-    if any(constraint.where is Where.INTEGRAL for constraint in phase.bound_constraints):
+    if phase.rows.integrals:
         what = "an integral constraint"
     terms = phase.objective.terms if phase.objective else ()
     if any(isinstance(term, EndCost) and not isinstance(term, Duration) for _, term in terms):
@@ -176,12 +176,9 @@ def _stretches(part: PhaseSolution) -> list[BoundArc]:
 
 def _state_bounds(phase: Phase) -> list[tuple[int, float, Row]]:
     """Index of the state, bound and row of every finite bound that holds throughout."""
-    names = [state.name for state in phase.dae.states]
     return [
-        (names.index(row.variable), bound, row)
-        for constraint in phase.bound_constraints
-        for row in constraint.rows
-        if constraint.where is Where.THROUGHOUT and row.variable in names
+        (state, bound, row)
+        for row, state in phase.rows.bounds_of(phase.dae.states)
         for bound in (row.lower, row.upper)
         if np.isfinite(bound)
     ]

@@ -24,10 +24,11 @@ from robotraj.indirect.checks import TOUCHED, HeldRow
 from robotraj.indirect.costate_trajectory import PhaseCostates, costates
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.indirect.report import ConditionsReport, NecessaryCondition
+from robotraj.problem.rows import Kind
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
-    from robotraj.solution.solution import Solution
+from robotraj.solution.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -207,11 +208,11 @@ class _Along:
         size = self._size() + SMALL
         path = 0
         for row, value in HeldRow(self.phase, parameters)(at["t"], at["x"], at["z"], at["u"]):
-            if row.variable is None:
+            if row.kind is not Kind.BOUND:
                 multiplier = at["eta"][:, path]
                 path += 1
             else:
-                multiplier = names[row.variable]
+                multiplier = names[str(row.variable)]
             below, above = value - row.lower, row.upper - value
             slack = np.where(multiplier > 0, above, below)
             # Nothing bounds this side: any multiplier is wrong, weighed by the value itself.

@@ -26,6 +26,7 @@ from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.expressions import Lagrange
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.problem.rows import evaluated
 from robotraj.robot.chart import way
 from robotraj.robot.limits import Limits
 from robotraj.solution.phase_solution import PhaseSolution
@@ -160,6 +161,6 @@ def _reads_torques(constraint: Constraint, phase: Phase) -> bool:
     assert phase.robot is not None
     dynamics = InverseDynamics().of(phase.robot)
     point = symbols_of(dynamics, phase.parameter_names)
-    values = constraint.bind(dynamics, phase.parameter_names).expression(point)
+    values = evaluated(constraint.bind(dynamics, phase.parameter_names), point)
     torques = ca.vertcat(*point.u.values())
     return bool(torques.numel() and ca.depends_on(ca.vertcat(*values), torques))

@@ -62,7 +62,7 @@ def adapt(
     mesh = settings.mesh
     meshes: list[Mesh] = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     steps: list[MeshStep] = []
-    # Below 1e-7 a guard would chase the solver's own round-off.
+    # Below 1e-7 an added row would chase the solver's own round-off.
     limits = replace(limits, tolerance=min(limits.tolerance, max(1e-7, 0.1 * tolerance)))
     total: dict[str, float] = {}
     known: InitialGuess | Solution | None = guess

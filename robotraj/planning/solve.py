@@ -27,16 +27,15 @@ from robotraj.solution.violation import Side, Violation
 from robotraj.solvers.base import LateMultipliers, Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.status import Status
-from robotraj.transcription.collocation.index_reduction import equations_of, held_throughout
+from robotraj.transcription.collocation.index_reduction import equations_of
 from robotraj.transcription.collocation.unwrap_angles import unwound
 from robotraj.transcription.extract import extract
-from robotraj.transcription.interval_limits.added_rows import guarded
-from robotraj.transcription.interval_limits.constraint_generation import (
-    Bulge,
-    Guard,
-    find_bulges,
-    find_control_bulges,
-    guardable,
+from robotraj.transcription.interval_limits.added_rows import with_added_rows
+from robotraj.transcription.interval_limits.constraint_generation import AddedRow, rows_against
+from robotraj.transcription.interval_limits.interval_violations import (
+    IntervalViolation,
+    state_violations,
+    variable_violations,
 )
 from robotraj.transcription.interval_limits.margins import Margins, with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
@@ -68,7 +67,7 @@ def solve(
     Where a row on states turns out broken between collocation points, it is imposed there too, as
     ``interval_limits`` says,
     and the problem solved again, from the last answer; only if ``hold``, where given, says of the first answer that
-    it is worth it. A guess brings its guards along, on the intervals that its mesh has as well, unless
+    it is worth it. A guess brings its added rows along, on the intervals that its mesh has as well, unless
     ``interval_limits`` has
     no rounds: then nothing is imposed. Where the problem with further rows cannot be solved, the solution without them
     stays, and ``interval_limits`` lists what is broken.
@@ -82,13 +81,13 @@ def solve(
     nlp = _again(problem, mesh, guess, engine, interval_limits) or transcribe(
         problem, mesh, as_guess(guess), engine, interval_limits
     )
-    guards, same = _known_guards(problem, mesh, guess) if interval_limits.rounds else ([], False)
+    added, same = _known_rows(problem, mesh, guess) if interval_limits.rounds else ([], False)
     nlp = with_margins(nlp, margins or {})
     plain = nlp
-    if guards:
-        nlp = guarded(nlp, guards, nlp.guess)
-    multipliers = _multipliers(guess, nlp, True) if guards and same else _multipliers(guess, plain, False)
-    if guards and not same and multipliers is not None:
+    if added:
+        nlp = with_added_rows(nlp, added, nlp.guess)
+    multipliers = _multipliers(guess, nlp, True) if added and same else _multipliers(guess, plain, False)
+    if added and not same and multipliers is not None:
         multipliers = _lengthened(multipliers, nlp)
     solution, w = _solve(nlp, guess, multipliers, solver, progress, began)
     try:
@@ -114,43 +113,48 @@ def solve(
             solution = restarted(solution, nlp, guess, once_more, settings.restarts, coarsely)
             if solution.success:
                 return solution
-        bulges = _bulges(solution, interval_limits.tolerance)
+        found = _state_violations(solution, interval_limits.tolerance)
         moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
         for _ in range(interval_limits.rounds if hold is None or hold(solution) else 0):
-            held, rows_held = set(guards), {_row_of(guard) for guard in guards if not _is_equation(problem, guard)}
-            broken = (bulge for bulge in bulges if not _is_kept_to(nlp, bulge.guard))
-            wanted = (guard for bulge in broken for guard in bulge.guards(_row_of(bulge.guard) in rows_held))
-            new = list(dict.fromkeys(guard for guard in wanted if guard not in held))
+            known = set(added)
+            limited = {(each.phase, each.interval, each.row) for each in added if not _is_equality(problem, each)}
+            wanted = (
+                each
+                for v in found
+                if not _is_reduced(nlp, v)
+                for each in rows_against(v, (v.phase, v.interval, v.row.number) in limited)
+            )
+            new = list(dict.fromkeys(each for each in wanted if each not in known))
             if not new or not solution.success:
                 break
             began = time.perf_counter()
             if moving:
                 # Knots start again from where the mesh has them: moved ones hold on to the arcs they came to stand on.
                 nlp = transcribe(problem, mesh, as_guess(solution), engine, interval_limits)
-                nlp = guarded(nlp, [*guards, *new], nlp.guess)
+                nlp = with_added_rows(nlp, [*added, *new], nlp.guess)
             else:
-                nlp = guarded(nlp, new, w)
+                nlp = with_added_rows(nlp, new, w)
             again, w = _solve(nlp, solution, _multipliers(solution, nlp, True), solver, progress, began)
             times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
             failed = not again.success and again.status is not Status.INTERRUPTED
             solution = replace(solution if failed else again, times=times, iterations=iterations)
             if failed:
                 break
-            guards += new
-            bulges = _bulges(solution, interval_limits.tolerance)
-        of_controls = [
-            bulge
+            added += new
+            found = _state_violations(solution, interval_limits.tolerance)
+        of_variables = [
+            violation
             for i, part in enumerate(solution.phases)
-            for bulge in find_control_bulges(part.phase, i, part.trajectory, part.torques)
+            for violation in variable_violations(part.phase, i, part.trajectory, part.torques)
         ]
         left, controls = (
-            tuple(sorted((_violation(solution, bulge) for bulge in found), key=lambda v: -v.relative))
-            for found in (bulges, of_controls)
+            tuple(sorted((_reported(solution, each) for each in group), key=lambda v: -v.relative))
+            for group in (found, of_variables)
         )
     except KeyboardInterrupt:
         # Ctrl-C where no solver waits for it: what the last one found stays.
-        return replace(solution, status=Status.INTERRUPTED, guards=tuple(guards))
-    return replace(solution, guards=tuple(guards), interval_violations=left, control_interval_violations=controls)
+        return replace(solution, status=Status.INTERRUPTED, added_rows=tuple(added))
+    return replace(solution, added_rows=tuple(added), interval_violations=left, control_interval_violations=controls)
 
 
 def _never(solution: Solution) -> bool:
@@ -164,78 +168,75 @@ def _again(
     engine: Engine | None,
     interval_limits: ConstraintGeneration,
 ) -> Nlp | None:
-    """Take over the NLP of an earlier solution of a problem like this one without guards, or of earlier starts."""
+    """Take over the NLP of an earlier solution of a problem like this one without added rows, or of earlier starts."""
     if isinstance(guess, Start):
         return guess.shared.transcribed(problem, mesh, guess, engine, interval_limits)
-    if not isinstance(guess, Solution) or guess.guards or guess.multipliers is None or guess.multipliers.origin is None:
+    if (
+        not isinstance(guess, Solution)
+        or guess.added_rows
+        or guess.multipliers is None
+        or guess.multipliers.origin is None
+    ):
         return None
     origin = guess.multipliers.origin
     return transcribed_again(origin.nlp, problem, mesh, engine, interval_limits, origin.w)
 
 
-def _bulges(solution: Solution, allowed: float) -> list[Bulge]:
-    """Rows on states that are broken between the collocation points."""
+def _state_violations(solution: Solution, allowed: float) -> list[IntervalViolation]:
+    """Find rows of the state that are violated between the collocation points."""
     return [
-        bulge
+        violation
         for i, part in enumerate(solution.phases)
-        for bulge in find_bulges(part.phase, i, part.trajectory, allowed)
+        for violation in state_violations(part.phase, i, part.trajectory, allowed)
     ]
 
 
-def _row_of(guard: Guard) -> tuple[int, int, int, int]:
-    return guard.phase, guard.interval, guard.constraint, guard.row
+def _is_equality(problem: Problem, added: AddedRow) -> bool:
+    """Whether a row is an equality: several more of it on an interval leave a motion no choice there."""
+    return problem.phases[added.phase].rows.rows[added.row].is_equality
 
 
-def _is_equation(problem: Problem, guard: Guard) -> bool:
-    """Whether a row is an equation: more of it between the points soon leaves a motion nothing to choose."""
-    row = problem.phases[guard.phase].bound_constraints[guard.constraint].rows[guard.row]
-    return row.lower == row.upper
-
-
-def _is_kept_to(nlp: Nlp, guard: Guard) -> bool:
-    """Whether a row is an equation that is held with its rates: one place more would leave the motion no choice."""
-    phase = nlp.problem.phases[guard.phase]
-    if isinstance(nlp.layouts[guard.phase].scheme, OneStep):
+def _is_reduced(nlp: Nlp, violation: IntervalViolation) -> bool:
+    """Whether a row is an equality that is held with its rates: one place more would leave the motion no choice."""
+    phase = nlp.problem.phases[violation.phase]
+    if isinstance(nlp.layouts[violation.phase].scheme, OneStep):
         return False
-    held = held_throughout(phase)
-    row = phase.bound_constraints[guard.constraint].rows[guard.row]
-    return any(held[e.row][1] is row for e in equations_of(phase))
+    return any(phase.rows.path[equation.row] is violation.row for equation in equations_of(phase))
 
 
-def _violation(solution: Solution, bulge: Bulge) -> Violation:
-    phase = solution.phases[bulge.guard.phase].phase
-    row = phase.bound_constraints[bulge.guard.constraint].rows[bulge.guard.row]
-    limit = row.upper if bulge.upper else row.lower
-    size = 1.0 + max(abs(bound) for bound in (row.lower, row.upper) if np.isfinite(bound))
-    side: Side = "off" if row.lower == row.upper else "over" if bulge.upper else "under"
-    return Violation(phase.name, row.name, row.joint, bulge.time, bulge.amount, row.unit, limit, side, size)
+def _reported(solution: Solution, found: IntervalViolation) -> Violation:
+    row, phase = found.row, solution.phases[found.phase].phase
+    side: Side = "off" if row.is_equality else "over" if found.upper else "under"
+    size = 1.0 + row.size
+    return Violation(phase.name, row.name, row.joint, found.time, found.amount, row.unit, found.limit, side, size)
 
 
-def _known_guards(
+def _known_rows(
     problem: Problem, mesh: Mesh | Sequence[Mesh], guess: InitialGuess | Solution | None
-) -> tuple[list[Guard], bool]:
-    """Guards of an earlier solution, of rows that this problem has as well; and whether they are all on the same mesh.
+) -> tuple[list[AddedRow], bool]:
+    """Rows added for an earlier solution that this problem has as well; and whether all are on the same mesh.
 
-    Where they are not, guards come along on the intervals that begin and end as before, whatever their schemes.
+    On another mesh, rows are taken over on the intervals that begin and end as before, whatever their schemes.
     """
-    if not isinstance(guess, Solution) or not guess.guards or len(guess.phases) != len(problem.phases):
+    if not isinstance(guess, Solution) or not guess.added_rows or len(guess.phases) != len(problem.phases):
         return [], False
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
 
     def rows(phase: Phase) -> list[tuple[str, str | None]]:
-        return [(row.name, row.joint) for bound in phase.bound_constraints for row in bound.rows]
+        return [(row.name, row.joint) for row in phase.rows]
 
     pairs = list(zip(guess.phases, problem.phases, strict=True))
     if not all(rows(part.phase) == rows(phase) for part, phase in pairs):
         return [], False
-    # A row of the same name may be held elsewhere, or read what is not known between the points.
-    held = [{(c, r) for c, r, *_ in guardable(phase)} for phase in problem.phases]
-    guards = [g for g in guess.guards if (g.constraint, g.row) in held[g.phase]]
+    # A row of the same name may hold at another time, or depend on what is not known between the points.
+    held = [{row.number for row in phase.rows.of_state} for phase in problem.phases]
+    added = [each for each in guess.added_rows if each.row in held[each.phase]]
     if all(part.mesh == here for part, here in zip(guess.phases, meshes, strict=True)):
-        return guards, len(guards) == len(guess.guards)
+        return added, len(added) == len(guess.added_rows)
     kept = [_kept_intervals(part.mesh, here) for part, here in zip(guess.phases, meshes, strict=True)]
-    carried = (replace(g, interval=kept[g.phase][g.interval]) for g in guards if g.interval in kept[g.phase])
-    return list(carried), False
+    return [
+        replace(each, interval=kept[each.phase][each.interval]) for each in added if each.interval in kept[each.phase]
+    ], False
 
 
 def _kept_intervals(before: Mesh, after: Mesh) -> dict[int, int]:
@@ -331,8 +332,8 @@ def _broken_by(nlp: Nlp) -> float:
     return float(np.max(np.maximum(nlp.rows.lower - values, values - nlp.rows.upper) * nlp.row_scale, initial=0.0))
 
 
-def _multipliers(guess: Any, nlp: Nlp, guarded: bool) -> Multipliers | None:
-    """Multipliers of an earlier solution of the same NLP, or of one nearby; new guards come last and start at zero.
+def _multipliers(guess: Any, nlp: Nlp, extended: bool) -> Multipliers | None:
+    """Multipliers of an earlier solution of the same NLP, or of one nearby; added rows come last and start at zero.
 
     Far from the earlier problem its multipliers, and the small barrier that belongs to them, cost more than they save.
     """
@@ -343,7 +344,7 @@ def _multipliers(guess: Any, nlp: Nlp, guarded: bool) -> Multipliers | None:
         return None
     known, sizes = guess.multipliers, (len(nlp.rows), len(nlp.variables))
     more = sizes[0] - known.sizes[0], sizes[1] - known.sizes[1]
-    if min(more) >= 0 and (guarded or more == (0, 0)):
+    if min(more) >= 0 and (extended or more == (0, 0)):
         return _lengthened(known, nlp)
     if not same:
         return None

@@ -241,7 +241,7 @@ class Phase(OneLine):
             if mapping:
                 every.append(VariableBounds(kind, mapping))
         every += self.constraints
-        bound = [constraint.bind(self.body, self.parameter_names) for constraint in every]
+        bound = [replace(each.bind(self.body, self.parameter_names), source=each) for each in every]
         bound += [limits for contact in self.bound_contacts for limits in contact_limits(contact)]
         terms = self.objective.terms if self.objective is not None else ()
         # Two terms may need the same slacks; their rows are imposed once.

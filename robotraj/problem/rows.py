@@ -6,11 +6,13 @@ replay read it. The witness does not: it evaluates the definitions of the constr
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import Enum
 from functools import cached_property
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
@@ -18,7 +20,10 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rows import as_rows
-from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.dynamics.variable import Variable
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where
+
+Array = NDArray[np.float64]
 
 
 class Kind(Enum):
@@ -47,12 +52,25 @@ class PhaseRow(Row):
         Number of its constraint in ``RowTable.constraints``.
     entry : int
         Number of the row in its constraint.
+    number : int
+        Number of the row in ``RowTable.rows``.
     """
 
     kind: Kind = Kind.PATH
     where: Where = Where.THROUGHOUT
     constraint: int = 0
     entry: int = 0
+    number: int = 0
+
+    @property
+    def is_equality(self) -> bool:
+        """Whether both bounds are the same number."""
+        return self.lower == self.upper
+
+    @property
+    def size(self) -> float:
+        """Largest absolute value of the finite bounds, in ``unit``; 0 without any."""
+        return max((abs(bound) for bound in (self.lower, self.upper) if np.isfinite(bound)), default=0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,27 +101,86 @@ class RowTable(OneLine):
     @cached_property
     def rows(self) -> tuple[PhaseRow, ...]:
         """All rows."""
-        return tuple(
-            PhaseRow(
-                r.name,
-                r.unit,
-                r.lower,
-                r.upper,
-                r.joint,
-                r.variable,
-                _kind(r, constraint.where),
-                constraint.where,
-                c,
-                i,
-            )
-            for c, constraint in enumerate(self.constraints)
-            for i, r in enumerate(constraint.rows)
-        )
+        found: list[PhaseRow] = []
+        for c, constraint in enumerate(self.constraints):
+            for i, r in enumerate(constraint.rows):
+                row = (r.name, r.unit, r.lower, r.upper, r.joint, r.variable)
+                found.append(PhaseRow(*row, _kind(r, constraint.where), constraint.where, c, i, len(found)))
+        return tuple(found)
 
     @cached_property
     def bounds(self) -> tuple[PhaseRow, ...]:
         """Rows of single variables of the dynamics, whenever they hold."""
         return self._of(Kind.BOUND)
+
+    @cached_property
+    def path(self) -> tuple[PhaseRow, ...]:
+        """Rows of expressions that the transcription imposes at every collocation point."""
+        return self._of(Kind.PATH)
+
+    @cached_property
+    def integrals(self) -> tuple[PhaseRow, ...]:
+        """Rows of integrals over the phase."""
+        return self._of(Kind.INTEGRAL)
+
+    @cached_property
+    def throughout(self) -> tuple[PhaseRow, ...]:
+        """Rows that hold at every time: bounds of variables and rows of expressions."""
+        return tuple(row for row in self.rows if row.where is Where.THROUGHOUT)
+
+    @cached_property
+    def of_state(self) -> tuple[PhaseRow, ...]:
+        """Rows that hold at every time and depend on t, x and p alone: bounds of states, and state path rows."""
+        states = {state.name for state in self.dae.states}
+        point = self.point
+        # By forward dynamics a robot's accelerations are expressions, not variables: its algebraic variables are none.
+        z = (point.z[variable.name] for variable in self.body.algebraic)
+        inner = ca.vertcat(ca.SX(0, 1), *z, *point.u.values())
+
+        def reads_state(row: PhaseRow) -> bool:
+            if row.kind is Kind.BOUND:
+                return row.variable in states
+            return not ca.depends_on(self.expressions((row,))[0], inner)
+
+        return tuple(row for row in self.throughout if reads_state(row))
+
+    @cached_property
+    def of_inputs(self) -> tuple[PhaseRow, ...]:
+        """Path rows that hold at every time and depend on controls or algebraic variables."""
+        known = {row.number for row in self.of_state}
+        return tuple(row for row in self.path if row.where is Where.THROUGHOUT and row.number not in known)
+
+    def at(self, end: Where) -> tuple[PhaseRow, ...]:
+        """Return the rows of expressions that hold at one end, ``Where.START`` or ``Where.END``, alone."""
+        return tuple(row for row in self._of(Kind.END) if row.where is end)
+
+    def of(self, constraint: Constraint) -> tuple[PhaseRow, ...]:
+        """Return the rows of a constraint that the phase was given."""
+        return tuple(row for row in self.rows if self.constraints[row.constraint].source is constraint)
+
+    def bounds_of(self, variables: Iterable[Variable]) -> list[tuple[PhaseRow, int]]:
+        """Return the bounds of variables that hold at every time, each with the index of its variable."""
+        index = {variable.name: i for i, variable in enumerate(variables)}
+        return [
+            (row, index[str(row.variable)])
+            for row in self.bounds
+            if row.where is Where.THROUGHOUT and row.variable in index
+        ]
+
+    def limits(self, *where: Where) -> Mapping[str, tuple[float, float]]:
+        """Return the tightest bounds of each bounded variable, by its name.
+
+        Parameters
+        ----------
+        *where : Where
+            When the bounds hold; ``Where.THROUGHOUT`` by default.
+        """
+        found: dict[str, tuple[float, float]] = {}
+        for row in self.bounds:
+            if row.where in (where or (Where.THROUGHOUT,)):
+                low, high = found.get(str(row.variable), (-np.inf, np.inf))
+                found[str(row.variable)] = max(low, row.lower), min(high, row.upper)
+        return found
 
     def _of(self, kind: Kind) -> tuple[PhaseRow, ...]:
         return tuple(row for row in self.rows if row.kind is kind)
@@ -118,14 +195,85 @@ class RowTable(OneLine):
         """
         known: dict[int, list[ca.SX]] = {}
         for c in dict.fromkeys(row.constraint for row in rows):
-            constraint = self.constraints[c]
-            known[c] = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
-            if len(known[c]) != len(constraint.rows):
-                raise InputError(
-                    f"Phase {self.phase!r}: the expression of {constraint.name!r} returns {len(known[c])} values for "
-                    f"its {len(constraint.rows)} rows; it must return one for each row."
-                )
+            known[c] = self._values_of(c, point)
         return [known[row.constraint][row.entry] for row in rows]
+
+    def column(self, rows: Sequence[PhaseRow], point: Point) -> ca.SX:
+        """Evaluate rows on a point of symbols as a column, which may be empty."""
+        return ca.vertcat(ca.SX(0, 1), *self.values(rows, point))
+
+    def function(self, rows: Sequence[PhaseRow]) -> ca.Function:
+        """Return the function (t, x, z, u, p) -> values (rows,); it is made once."""
+        key = tuple(row.number for row in rows)
+        if key not in self._functions:
+            column = ca.vertcat(ca.SX(0, 1), *self.expressions(rows))
+            self._functions[key] = ca.Function("rows", list(self.symbols), [ca.densify(column)])
+        return self._functions[key]
+
+    def sample(self, rows: Sequence[PhaseRow], t: Array, x: Array, z: Array, u: Array, p: Array) -> Array:
+        """Evaluate rows at times.
+
+        Parameters
+        ----------
+        rows : sequence of PhaseRow
+        t : ndarray (m,)
+            [s].
+        x, z, u : ndarray (m, n)
+            States, algebraic variables and controls of ``dae``.
+        p : ndarray (np,)
+            Parameters.
+
+        Returns
+        -------
+        ndarray (m, rows)
+        """
+        m = len(t)
+        columns = (np.reshape(each, (m, -1)).T for each in (t, x, z, u))
+        found = self.function(rows).map(m)(*columns, np.tile(np.reshape(p, (-1, 1)), (1, m)))
+        return np.array(found).reshape(len(rows), m).T
+
+    @cached_property
+    def symbols(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
+        """Symbols of the table: columns t, x, z, u, p."""
+        dae = self.dae
+        sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(self.parameters))
+        t, x, z, u, p = (ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True))
+        return t, x, z, u, p
+
+    @cached_property
+    def point(self) -> Point:
+        """The point of ``symbols``."""
+        return self.dae.point(*self.symbols, self.parameters)
+
+    @cached_property
+    def _known(self) -> dict[int, list[ca.SX]]:
+        """Expressions in ``symbols``, by constraint."""
+        return {}
+
+    @cached_property
+    def _functions(self) -> dict[tuple[int, ...], ca.Function]:
+        return {}
+
+    def expressions(self, rows: Sequence[PhaseRow]) -> list[ca.SX]:
+        """Return the expressions of rows in ``symbols``; each constraint is evaluated once."""
+        for c in {row.constraint for row in rows} - self._known.keys():
+            self._known[c] = self._values_of(c, self.point)
+        return [self._known[row.constraint][row.entry] for row in rows]
+
+    def _values_of(self, constraint: int, point: Point) -> list[ca.SX]:
+        bound = self.constraints[constraint]
+        values = evaluated(bound, point)
+        if len(values) != len(bound.rows):
+            raise InputError(
+                f"Phase {self.phase!r}: the expression of {bound.name!r} returns {len(values)} values for "
+                f"its {len(bound.rows)} rows; it must return one for each row."
+            )
+        return values
+
+
+def evaluated(constraint: BoundConstraint, point: Point) -> list[ca.SX]:
+    """Evaluate the expression of a constraint on a point of symbols, as a list of scalars."""
+    return as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
 
 
 def _kind(row: Row, where: Where) -> Kind:

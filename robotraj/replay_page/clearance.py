@@ -37,11 +37,11 @@ def _curves(passage: Passage, constraint: GroundClearance) -> list[dict[str, Any
     """Write one curve per place; where several heights are asked for, the highest counts."""
     planned, phase = passage.planned, passage.phase
     body, names = phase.body, phase.parameter_names
-    bound = constraint.bind(body, names)
+    held = phase.rows.of(constraint)
     spots = spots_of(constraint.frames, phase.robot)
     point = symbols_of(body, names)
     ground = as_ground(constraint.ground)
-    values = ca.vertcat(*bound.expression(point))
+    values = phase.rows.column(held, point)
     places = ca.vertcat(*(ca.vertcat(*spot.position(point)) for spot in spots))
     variables = [point.t, *(ca.vertcat(*group.values()) for group in (point.x, point.z, point.u, point.p))]
     evaluate = ca.Function("clearance", variables, [values, places])
@@ -60,9 +60,9 @@ def _curves(passage: Passage, constraint: GroundClearance) -> list[dict[str, Any
     found = []
     for k, spot in enumerate(spots):
         x, y, z = xyz[3 * k : 3 * k + 3]
-        mine = [i for i, row in enumerate(bound.rows) if row.joint == spot.label]
+        mine = [i for i, row in enumerate(held) if row.joint == spot.label]
         # A row's value less its bound is how far the place is above the height asked for.
-        spare = np.min([rows[i] - bound.rows[i].lower for i in mine], axis=0)
+        spare = np.min([rows[i] - held[i].lower for i in mine], axis=0)
         below = np.asarray(ground.height(x, y), dtype=float)
         asked = passage.points(np.column_stack([x, y, z - spare]))
         floor = passage.points(np.column_stack([x, y, below]))

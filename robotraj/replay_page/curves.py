@@ -150,14 +150,7 @@ def _sample(passage: Passage, wanted: float) -> tuple[Array, list[Any]]:
 
 def _limits(passage: Passage) -> dict[str, tuple[float, float]]:
     """Bounds by variable name, from the rows that hold throughout the phase, as they are in the period."""
-    limits: dict[str, tuple[float, float]] = {}
-    for bound in passage.phase.bound_constraints:
-        if bound.where.value != "throughout":
-            continue
-        for row in bound.rows:
-            if row.variable is not None:
-                low, high = limits.get(row.variable, (-np.inf, np.inf))
-                limits[row.variable] = (max(low, float(row.lower)), min(high, float(row.upper)))
+    limits: dict[str, tuple[float, float]] = dict(passage.phase.rows.limits())
     robot = passage.phase.robot
     if passage.period == 0 or robot is None:
         return limits

@@ -15,14 +15,12 @@ from numpy.typing import NDArray
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Variable
-from robotraj.problem.constraints.base import Where
 from robotraj.solution.columns import values_of, variables_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from robotraj.problem.phase import Phase
     from robotraj.solution.phase_solution import PhaseSolution
     from robotraj.solution.planned import Planned
 
@@ -197,7 +195,7 @@ def _limits(axes: Axes, traces: Sequence[_Trace], shown: Sequence[Variable], col
     drawn: list[float] = []
     away: set[float] = set()
     for trace in traces:
-        bounds = _bounds(trace.part.phase)
+        bounds = trace.part.phase.rows.limits()
         used = [bounds[v.name] for v in shown if v.name in bounds]
         common = len(set(used)) == 1 and len(shown) > 1
         for variable in shown:
@@ -217,17 +215,6 @@ def _limits(axes: Axes, traces: Sequence[_Trace], shown: Sequence[Variable], col
     axes.set_ylim(bottom - margin, top + margin * (1.0 if len(traces) == 1 else 1.8))
     if away:
         axes.set_title(f"limits out of view: {_listed(away)}", loc="right", fontsize=7, color=QUIET)
-
-
-def _bounds(phase: Phase) -> dict[str, tuple[float, float]]:
-    """Tightest bounds of each variable that hold throughout the phase."""
-    bounds: dict[str, tuple[float, float]] = {}
-    for constraint in phase.bound_constraints:
-        for row in constraint.rows if constraint.where is Where.THROUGHOUT else ():
-            if row.variable is not None:
-                low, high = bounds.get(row.variable, (-np.inf, np.inf))
-                bounds[row.variable] = (max(low, row.lower), min(high, row.upper))
-    return bounds
 
 
 def _listed(limits: Iterable[float]) -> str:

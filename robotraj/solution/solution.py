@@ -26,7 +26,7 @@ from robotraj.solution.sample import Sample, join
 from robotraj.solution.settings import Settings
 from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
-from robotraj.transcription.interval_limits.constraint_generation import Guard
+from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,7 +66,7 @@ class Solution(OneLine):
         Costates and densities of multipliers, one entry a phase, found when first read; see ``rt.indirect.costates``.
     continuation : tuple of ContinuationRecord
         The stages that led here, when some were asked for.
-    guards : tuple of Guard
+    added_rows : tuple of AddedRow
         Rows that were imposed between collocation points as well.
     interval_violations : tuple of Violation
         Rows on states that are still broken between collocation points, worst first; empty where they all hold there.
@@ -98,7 +98,7 @@ class Solution(OneLine):
     refinement: tuple[MeshStep, ...] = ()
     duals: Sequence[PhaseDuals] = ()
     continuation: tuple[ContinuationRecord, ...] = ()
-    guards: tuple[Guard, ...] = ()
+    added_rows: tuple[AddedRow, ...] = ()
     interval_violations: tuple[Violation, ...] = ()
     conflicts: tuple[Conflict, ...] = ()
     control_interval_violations: tuple[Violation, ...] = ()

@@ -90,7 +90,7 @@ def _alike(before: Phase, now: Phase, layout: PhaseLayout) -> bool:
     """Whether two phases share everything but their ends; ``Phase.with_`` shares what was made of the others."""
     if before is now:
         return not now.dae.invariants
-    same = before.dae is now.dae and before.bound_constraints is now.bound_constraints
+    same = before.dae is now.dae and before.rows is now.rows
     if not same or before.duration_bounds != now.duration_bounds:
         return False
     # Which rows hold an invariant or an equation depends on what the ends fix.

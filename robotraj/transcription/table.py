@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import Row
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -34,6 +35,11 @@ class Entry:
     name: str
     label: str
     unit: str
+
+    @classmethod
+    def of(cls, phase: int, row: Row) -> Entry:
+        """Name a row of a phase."""
+        return cls(phase, row.name, row.joint or "", row.unit)
 
     def __str__(self) -> str:
         return f"{self.name}, {self.label}" if self.label else self.name
@@ -122,6 +128,11 @@ class ScalarTable:
         first = self.count
         self.count += shape[0] * shape[1]
         return np.arange(first, self.count).reshape(shape)
+
+    def impose(self, phase: int, rows: Sequence[Row], fractions: Array) -> Indices:
+        """Add rows of a phase with their bounds at every fraction; return indices (len(fractions), len(rows))."""
+        lower, upper = (np.array([getattr(row, side) for row in rows]) for side in ("lower", "upper"))
+        return self.add([Entry.of(phase, row) for row in rows], fractions, lower, upper)
 
     def numbers(self, entries: Sequence[Entry]) -> Indices:
         """Return the numbers of entries."""

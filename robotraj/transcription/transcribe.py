@@ -195,14 +195,12 @@ def _bounds(phase: Phase, index: int, layout: PhaseLayout, covered: frozenset[st
             bounds.append(ColumnBound(entry, at, float(given.lower[i]), float(given.upper[i])))
     columns = _columns_by_variable(phase, layout)
     held = columns_beside_rows(phase, layout) if covered else {}
-    for constraint in phase.bound_constraints:
-        for row in constraint.rows:
-            if row.variable is None:
-                continue
-            every = (held if is_held(constraint, row, covered) else columns)[row.variable]
-            _require_point(phase, layout, row.variable, constraint.where)
-            chosen = {Where.START: every[:1], Where.END: every[-1:]}.get(constraint.where, every)
-            bounds.append(ColumnBound(Entry(index, row.name, row.joint or "", row.unit), chosen, row.lower, row.upper))
+    for row in phase.rows.bounds:
+        name = str(row.variable)
+        every = (held if is_held(row, covered) else columns)[name]
+        _require_point(phase, layout, name, row.where)
+        chosen = {Where.START: every[:1], Where.END: every[-1:]}.get(row.where, every)
+        bounds.append(ColumnBound(Entry.of(index, row), chosen, row.lower, row.upper))
     return bounds
 
 

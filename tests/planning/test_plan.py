@@ -173,8 +173,8 @@ def test_ctrl_c_between_rounds_keeps_what_the_last_one_found(monkeypatch: pytest
     held = rt.PathConstraint(lambda p: p.x["x"], upper=0.1)
     phase = rt.Phase(BLOCK, 1.0, rt.State([0, 1]), rt.State([0, -1]), rt.Effort(), constraints=[held])
     mesh, interval_limits = rt.Mesh(5, rt.schemes.RadauIIA(3)), rt.interval_limits.ConstraintGeneration(1e-5)
-    assert rt.plan(phase, mesh, interval_limits=interval_limits).guards
-    monkeypatch.setattr(solving, "guarded", pressed)
+    assert rt.plan(phase, mesh, interval_limits=interval_limits).added_rows
+    monkeypatch.setattr(solving, "with_added_rows", pressed)
     solution = rt.plan(phase, mesh, interval_limits=interval_limits, check=False)
     assert solution.status is rt.solvers.Status.INTERRUPTED
     assert (

@@ -40,21 +40,21 @@ def below(bound: float) -> rt.PathConstraint:
 )
 def test_rows_of_the_same_name_that_are_held_elsewhere_take_no_guards(other: Callable[[], Any]) -> None:
     known = rt.plan(turning(below(0.1)), RADAU, interval_limits=rt.interval_limits.ConstraintGeneration(1e-5))
-    assert known.guards
+    assert known.added_rows
     warm, cold = (rt.plan(turning(other()), RADAU, guess=guess) for guess in (known, None))
     assert warm.objective == pytest.approx(cold.objective, rel=1e-6)
-    assert not warm.guards
+    assert not warm.added_rows
 
 
 def test_without_rounds_no_row_of_the_guess_is_imposed() -> None:
     known = rt.plan(turning(below(0.1)), RADAU, interval_limits=rt.interval_limits.ConstraintGeneration(1e-5))
-    assert known.guards
+    assert known.added_rows
     for problem in (known.problem, turning(below(0.1))):
         warm, cold = (
             rt.plan(problem, RADAU, guess=g, interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0))
             for g in (known, None)
         )
-        assert not warm.guards
+        assert not warm.added_rows
         assert warm.objective == pytest.approx(cold.objective, rel=1e-8)
         assert warm.interval_violations[0].amount == pytest.approx(cold.interval_violations[0].amount, rel=1e-6)
 
@@ -89,7 +89,7 @@ def test_a_failed_solve_with_further_rows_leaves_the_solution_without(monkeypatc
 
     monkeypatch.setattr(solving, "_solve", failing)
     solution = rt.plan(turning(below(0.1)), RADAU, check=False)
-    assert solution.success and not solution.guards
+    assert solution.success and not solution.added_rows
     assert solution.interval_violations[0].amount > 5e-4
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from enum import Enum
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,12 +11,9 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.problem.rows import RowTable
 from robotraj.robot.load import load
-
-
-class Where(Enum):
-    THROUGHOUT = "throughout"
-    END = "end"
 
 
 @dataclass
@@ -29,6 +25,11 @@ class Phase:
     bound_constraints: Sequence[Any] = ()
     contacts: Sequence[Any] = ()
     bound_contacts: Sequence[Any] = ()
+
+    @property
+    def rows(self) -> RowTable:
+        nothing: Any = None
+        return RowTable(self.name, nothing, nothing, (), tuple(self.bound_constraints))
 
 
 @dataclass
@@ -63,10 +64,10 @@ class Plan:
         return sum(p.duration for p in self.phases)
 
 
-def rows(*limits: tuple[str, float, float], where: Where = Where.THROUGHOUT) -> Any:
+def rows(*limits: tuple[str, float, float], where: Where = Where.THROUGHOUT) -> BoundConstraint:
     """A bound constraint whose rows bound single variables."""
-    named = [SimpleNamespace(variable=name, lower=low, upper=high) for name, low, high in limits]
-    return SimpleNamespace(rows=named, where=where)
+    named = tuple(Row("bound", "", low, high, variable=name) for name, low, high in limits)
+    return BoundConstraint("bounds", named, lambda point: [], where)
 
 
 def _limits(robot: Any) -> list[tuple[str, float, float]]:

@@ -177,7 +177,7 @@ def test_a_tool_keeps_to_a_line_and_upright(ur5: rt.Robot, scheme: Any, interval
     assert solution.iterations < 60
     assert off(ur5, solution) < 5e-4
     assert not solution.violations()
-    assert not solution.guards
+    assert not solution.added_rows
 
 
 def test_between_the_points_it_is_of_the_order_of_the_scheme(ur5: rt.Robot) -> None:
@@ -186,7 +186,7 @@ def test_between_the_points_it_is_of_the_order_of_the_scheme(ur5: rt.Robot) -> N
     assert fine < coarse / 7
     few = rt.plan(phase, rt.Mesh(2), solver=ALONE, progress=False, check=False)
     assert any("frame position" in violation.name for violation in few.interval_violations)
-    assert not few.guards
+    assert not few.added_rows
 
 
 def test_both_solvers_find_one_optimum(ur5: rt.Robot) -> None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import groupby
 
 import casadi as ca
 import numpy as np
@@ -21,15 +22,13 @@ from robotraj._util.errors import RobotrajError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where, symbols_of
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where
 from robotraj.problem.constraints.bounds import between
-from robotraj.problem.constraints.joint_limits import own_limits
-from robotraj.problem.constraints.variable_bounds import VariableBounds
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.expressions import Mayer
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.robot.limits import Limits
+from robotraj.problem.rows import Kind, PhaseRow, RowTable
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
@@ -46,62 +45,47 @@ LONGEST = 30.0
 
 @dataclass(frozen=True)
 class _Stretchable:
-    """One row that may stretch: parameter name, the row, its scale, and the constraint that holds it."""
+    """One row that may stretch: the table that evaluates it, its parameter, and the scale of the stretch."""
 
+    table: RowTable
+    row: PhaseRow
     name: str
-    row: Row
-    scale: float
-    bound: BoundConstraint
-    index: int
+
+    @property
+    def scale(self) -> float:
+        """Size in which a stretch is counted: the larger finite bound, else 1, in the row's unit."""
+        return self.row.size or 1.0
 
 
 @dataclass(frozen=True)
 class _Stretched(Constraint):
-    """A constraint whose inequalities stretch by parameters of the phase."""
+    """A constraint whose inequalities stretch by parameters of the phase: c + w s >= l and c - w s <= u."""
 
-    constraint: Constraint
-    prefix: str
-
-    def stretchable(self, dynamics: Dynamics, parameters: Sequence[str]) -> list[_Stretchable]:
-        """Rows with the parameters that stretch them."""
-        bound = self.constraint.bind(dynamics, parameters)
-        return [
-            _Stretchable(f"{self.prefix}.{i}", row, _scale(row), bound, i)
-            for i, row in enumerate(bound.rows)
-            if bound.where in (Where.THROUGHOUT, Where.START, Where.END)
-        ]
+    stretchable: tuple[_Stretchable, ...]
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
-        """Write c + w s >= l and c - w s <= u for every finite side."""
-        bound = self.constraint.bind(dynamics, parameters)
-        names = {entry.index: entry for entry in self.stretchable(dynamics, parameters)}
-        if not names:
-            return bound
-        rows: list[Row] = []
-        signs: list[tuple[int, float]] = []
-        for i, row in enumerate(bound.rows):
-            for sign, lower, upper in ((1.0, row.lower, np.inf), (-1.0, -np.inf, row.upper)):
-                if np.isfinite(lower) or np.isfinite(upper):
-                    rows.append(replace(row, lower=lower, upper=upper, variable=None))
-                    signs.append((i, sign))
+        """Write one row for every finite side."""
+        sides = [
+            (i, sign, Row(entry.row.name, entry.row.unit, lower, upper, entry.row.joint))
+            for i, entry in enumerate(self.stretchable)
+            for sign, lower, upper in ((1.0, entry.row.lower, np.inf), (-1.0, -np.inf, entry.row.upper))
+            if np.isfinite(lower) or np.isfinite(upper)
+        ]
+        table, rows = self.stretchable[0].table, [entry.row for entry in self.stretchable]
 
         def expression(point: Point) -> list[ca.SX]:
-            values = list(bound.expression(point))
-            return [values[i] + sign * names[i].scale * point.p[names[i].name] for i, sign in signs]
+            values = table.values(rows, point)
+            stretches = [entry.scale * point.p[entry.name] for entry in self.stretchable]
+            return [values[i] + sign * stretches[i] for i, sign, _ in sides]
 
-        return BoundConstraint(bound.name, tuple(rows), expression, bound.where)
+        bound = table.constraints[rows[0].constraint]
+        return BoundConstraint(bound.name, tuple(row for *_, row in sides), expression, bound.where)
 
 
-@dataclass(frozen=True)
-class _LastTime(Constraint):
+def _last_time(longest: float) -> BoundConstraint:
     """End of a motion that begins at 0, t <= longest [s]."""
-
-    longest: float
-
-    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
-        """Write the row."""
-        row = Row("duration", "s", -np.inf, self.longest)
-        return BoundConstraint("duration", (row,), lambda point: [point.t], Where.END)
+    row = Row("duration", "s", -np.inf, longest)
+    return BoundConstraint("duration", (row,), lambda point: [point.t], Where.END)
 
 
 def stretched(problem: Problem, solve: Solve) -> tuple[Solution | None, tuple[Conflict, ...]]:
@@ -146,26 +130,20 @@ def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, l
     phases, stretchable = [], []
     alone = len(problem.phases) == 1
     for i, phase in enumerate(problem.phases):
-        every: list[Constraint] = []
-        if phase.robot is not None and isinstance(phase.limits, Limits):
-            every += own_limits(phase.limits, phase.robot.actuated)
-        for kind, mapping in (
-            ("state", phase.states),
-            ("control", phase.controls),
-            ("algebraic variable", phase.algebraic),
-        ):
-            if mapping:
-                every.append(VariableBounds(kind, mapping))
-        every += phase.constraints
+        # Contacts impose their limits again, and rows that the objective adds go with the objective.
+        given = [bound for bound in phase.rows.constraints if bound.source is not None]
         least, longest = phase.duration_bounds
         duration = phase.duration
         if alone and np.isfinite(longest):
-            every.append(_LastTime(longest))
+            given.append(_last_time(longest))
             duration = (least, LONGEST * longest)
-        wrapped = [_Stretched(constraint, f"stretch.{i}.{k}") for k, constraint in enumerate(every)]
+        table = replace(phase.rows, dae=phase.body, constraints=tuple(given))
         entries = [
-            entry for constraint in wrapped for entry in constraint.stretchable(phase.body, phase.parameter_names)
+            _Stretchable(table, row, f"stretch.{i}.{row.number}") for row in table if row.where is not Where.INTEGRAL
         ]
+        of_each = groupby(entries, lambda entry: entry.row.constraint)
+        wrapped: list[Constraint] = [_Stretched(tuple(group)) for _, group in of_each]
+        wrapped += [bound.source for bound in given if bound.where is Where.INTEGRAL and bound.source is not None]
         names = [entry.name for entry in entries]
         cost: Objective = Mayer(partial(_total, names=names, weights=[weights.get(name, 1.0) for name in names]))
         phases.append(
@@ -189,12 +167,6 @@ def _total(start: Point, end: Point, names: Sequence[str], weights: Sequence[flo
     return ca.sum1(ca.vertcat(0, *(weight * end.p[name] for name, weight in zip(names, weights, strict=True))))
 
 
-def _scale(row: Row) -> float:
-    """Size in which a stretch of the row is counted: its larger finite bound, else 1, in the row's unit."""
-    finite = [abs(bound) for bound in (row.lower, row.upper) if np.isfinite(bound)]
-    return max([*finite, 0.0]) or 1.0
-
-
 def _stretches(found: Solution, stretched: Sequence[Sequence[_Stretchable]]) -> dict[str, float]:
     return {
         entry.name: part.parameters[entry.name]
@@ -207,18 +179,13 @@ def _conflict(found: Solution, index: int, entry: _Stretchable, stretch: float) 
     """Locate a stretched row: where along the motion it is furthest beyond its bounds, and the value it needs there."""
     part = found.phases[index]
     phase: Phase = part.phase
-    names = phase.parameter_names
-    point = symbols_of(phase.body, names)
-    value = ca.SX(entry.bound.expression(point)[entry.index])
-    p = [part.parameters[name] for name in names]
-    symbols = [ca.vertcat(ca.SX(0, 1), *named.values()) for named in (point.x, point.z, point.u, point.p)]
-    function = ca.Function("row", [point.t, *symbols], [value])
+    p = np.array([part.parameters[name] for name in entry.table.parameters])
     times = {Where.START: part.points[:1], Where.END: part.points[-1:]}.get(
-        entry.bound.where, np.unique(np.append(part.points, part.knots))
+        entry.row.where, np.unique(np.append(part.points, part.knots))
     )
     sample = part.at(times)
-    columns = [np.reshape(list(named.values()), (-1, len(times))) for named in (sample.x, sample.z, sample.u)]
-    values = np.array(function(times[None], *columns, np.tile(p, (len(times), 1)).T)).ravel()
+    x, z, u = (np.reshape(list(named.values()), (-1, len(times))).T for named in (sample.x, sample.z, sample.u))
+    values = entry.table.sample((entry.row,), times, x, z, u, p)[:, 0]
     low, high = entry.row.lower - values, values - entry.row.upper
     worst = int(np.argmax(np.maximum(low, high)))
     upper = bool(high[worst] >= low[worst])
@@ -232,7 +199,7 @@ def _conflict(found: Solution, index: int, entry: _Stretchable, stretch: float) 
         bound + amount if upper else bound - amount,
         entry.row.unit,
         stretch,
-        entry.row.label == "duration" or entry.row.variable is not None or entry.row.joint in _joints(phase),
+        entry.row.label == "duration" or entry.row.kind is Kind.BOUND or entry.row.joint in _joints(phase),
     )
 
 

@@ -21,7 +21,7 @@ from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
-from robotraj.transcription.interval_limits.constraint_generation import find_control_bulges
+from robotraj.transcription.interval_limits.interval_violations import variable_violations
 from robotraj.transcription.interval_limits.margins import LimitedInterval, Margins
 from robotraj.transcription.refinement.assess import broken_rows, errors_of
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
@@ -116,10 +116,9 @@ class _Refining:
             if not found.success or not found.control_interval_violations:
                 break
             for i, part in enumerate(found.phases):
-                for bulge in find_control_bulges(part.phase, i, part.trajectory, part.torques):
-                    guard = bulge.guard
-                    place = LimitedInterval(guard.phase, guard.interval, guard.constraint, guard.row)
-                    margins[place] = margins.get(place, 0.0) + MORE * bulge.amount
+                for violation in variable_violations(part.phase, i, part.trajectory, part.torques):
+                    place = LimitedInterval(i, violation.interval, violation.row.number)
+                    margins[place] = margins.get(place, 0.0) + MORE * violation.amount
             again = self._solve(found, nearby, margins)
             if not again.success:
                 break

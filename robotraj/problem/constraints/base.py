@@ -81,12 +81,15 @@ class BoundConstraint(OneLine):
     expression : callable
         ``expression(point)`` gives len(rows) scalars, symbolic or numeric as the point is.
     where : Where
+    source : Constraint or None
+        The constraint of the phase; None for rows that contacts or objectives add.
     """
 
     name: str
     rows: tuple[Row, ...]
     expression: Callable[[Any], Sequence[Any]]
     where: Where = Where.THROUGHOUT
+    source: Constraint | None = None
 
 
 class Constraint(OneLine, ABC):

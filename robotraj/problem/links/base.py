@@ -7,9 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import casadi as ca
+
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own_fields
+from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import Row
 
@@ -73,6 +76,10 @@ class BoundLink(OneLine):
     expression: Callable[[Sequence[Ends], Mapping[str, Any]], Sequence[Any]]
     unknowns: tuple[Variable, ...] = ()
     carries: tuple[Carry, ...] = ()
+
+    def values(self, ends: Sequence[Ends], unknowns: Mapping[str, Any]) -> list[ca.SX]:
+        """Evaluate the expression on ends and unknowns of symbols, as a list of scalars."""
+        return as_rows(self.expression(ends, unknowns), f"expression of {self.name}")
 
 
 class Link(OneLine, ABC):

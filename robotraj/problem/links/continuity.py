@@ -10,7 +10,6 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.variable import Named
 from robotraj.problem.constraints.base import Row, ends_of
 from robotraj.problem.constraints.bounds import as_bounds
@@ -105,7 +104,7 @@ def _times(link: BoundLink, index: int, phases: Sequence[Phase]) -> bool:
         return link.phases[-1] == index
     ends = [Ends(*ends_of(phases[i].dae, phases[i].parameter_names)) for i in link.phases]
     own = Named("unknown of the link", [v.name for v in link.unknowns], ca.SX.sym("own", len(link.unknowns)))
-    y = ca.vertcat(*as_rows(link.expression(ends, own), f"expression of {link.name}"))
+    y = ca.vertcat(*link.values(ends, own))
     here = ends[link.phases.index(index)]
     by_start, by_end = (ca.jacobian(y, point.t) for point in here)
     slopes = ca.horzcat(by_start, by_start + by_end)

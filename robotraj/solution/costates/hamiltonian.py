@@ -20,9 +20,8 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rows import as_rows
-from robotraj.problem.constraints.base import Row, Where
+from robotraj.problem.constraints.base import Row
 from robotraj.problem.phase import Phase
-from robotraj.transcription.collocation.index_reduction import path_constraints, path_rows
 
 Array = NDArray[np.float64]
 
@@ -44,13 +43,12 @@ class Hamiltonian(OneLine):
     @cached_property
     def path(self) -> tuple[Row, ...]:
         """Rows held throughout that are not single variables, in the order of eta."""
-        constraints = path_constraints(self.phase, Where.THROUGHOUT)
-        return tuple(row for constraint in constraints for row in constraint.rows if row.variable is None)
+        return self.phase.rows.path
 
     @cached_property
     def integrals(self) -> tuple[Row, ...]:
         """Rows of integrals over the phase: their multipliers, which are constant, come last in eta."""
-        return tuple(row for constraint in path_constraints(self.phase, Where.INTEGRAL) for row in constraint.rows)
+        return self.phase.rows.integrals
 
     @cached_property
     def symbols(self) -> dict[str, ca.SX]:
@@ -69,8 +67,9 @@ class Hamiltonian(OneLine):
         for weight, term in self.phase.integrals:
             integrand += weight * as_rows(term.rate(point), "integrand")[0]
         rates, residual = self.dae.rates(point), self.dae.residual(point)
-        path = path_rows(path_constraints(self.phase, Where.THROUGHOUT), point)
-        rows = ca.vertcat(path, path_rows(path_constraints(self.phase, Where.INTEGRAL), point))
+        table = self.phase.rows
+        path = table.column(table.path, point)
+        rows = ca.vertcat(path, table.column(table.integrals, point))
         h = integrand + ca.dot(s["costate"], rates) + ca.dot(s["nu"], residual) + ca.dot(s["eta"], rows)
         known = {"rates": rates, "residual": residual, "path": path, "rows": rows, "integrand": integrand}
         return known | {"hamiltonian": h}

@@ -28,16 +28,12 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_terms import contacts_apart
 from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.torques import torques_apart
-from robotraj.problem.constraints.base import Where
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.index_reduction import (
     equations_of,
-    held_throughout,
     hold_equations,
-    path_constraints,
-    path_rows,
     rates_of,
 )
 from robotraj.transcription.collocation.invariants import hold
@@ -166,19 +162,16 @@ def collocate(
     base = np.arange(len(fractions))[:, None] * stage.outputs
     residual = rows.add(entries_of(index, dae.residuals), fractions, 0.0, 0.0)
     scatter.add(residual.ravel(), (base + nx + np.arange(nz)).ravel(), 1.0)
-    kept = [row for _, row in held_throughout(phase)]
+    table = phase.rows
+    kept = table.path
     equations = equations_of(phase)
     plain = sorted(set(range(len(kept))) - {equation.row for equation in equations})
-    entries = [Entry(index, kept[i].name, kept[i].joint or "", kept[i].unit) for i in plain]
-    lower, upper = (np.array([getattr(kept[i], side) for i in plain]) for side in ("lower", "upper"))
-    path = rows.add(entries, fractions, lower, upper)
+    path = rows.impose(index, [kept[i] for i in plain], fractions)
     scatter.add(path.ravel(), (base + nx + nz + np.array(plain, dtype=int)).ravel(), 1.0)
     if equations:
         hold_equations(phase, index, layout, rows, scatter, nx + nz, stage.outputs, carried)
     rated = len(kept) + sum(equation.order - 1 for equation in equations)
-    sums = [r for c in path_constraints(phase, Where.INTEGRAL) for r in c.rows]
-    entries = [Entry(index, r.name, r.joint or "", r.unit) for r in sums]
-    totals = rows.add(entries, np.ones(1), np.array([r.lower for r in sums]), np.array([r.upper for r in sums]))[0]
+    totals = rows.impose(index, table.integrals, np.ones(1))[0]
     for i, total in enumerate(totals):
         scatter.add(np.full(len(weights), total), base[:, 0] + nx + nz + rated + i, weights)
     if held:
@@ -213,8 +206,7 @@ def _make_stage(phase: Phase, scalars: Sequence[Scalar], apart: bool) -> PointFu
     torques, c = torques_apart(point) if apart else None, ca.SX.sym("c", len(dae.invariants))
     contacts = () if torques is None else contacts_apart(phase.body, point, c)
     integrand = weighted_sum([(w, as_rows(term.rate(point), "integrand")[0]) for w, term in phase.integrals])
-    path = path_rows(path_constraints(phase, Where.THROUGHOUT), point)
-    sums = path_rows(path_constraints(phase, Where.INTEGRAL), point)
+    path, sums = (phase.rows.column(rows, point) for rows in (phase.rows.path, phase.rows.integrals))
     # What is empty, the rule for the last three, is not worth a product.
     rates, *more = (s.duration * part if part.numel() else part for part in (dae.rates(point), sums, integrand))
     equations = rates_of(phase, s.t, s.x, s.p)

@@ -27,9 +27,6 @@ from robotraj.transcription.collocation.collocation import (
 )
 from robotraj.transcription.collocation.index_reduction import (
     equations_of,
-    held_throughout,
-    path_constraints,
-    path_rows,
     rate_row,
     settled,
     shares_start,
@@ -86,23 +83,19 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
     """Constraints that hold at the start or at the end alone."""
     blocks = []
     for where, node, fraction in ((Where.START, 0, 0.0), (Where.END, -1, 1.0)):
-        constraints = path_constraints(phase, where)
-        if not constraints:
+        held = phase.rows.at(where)
+        if not held:
             continue
         interval = layout.intervals[node]
         s = point_symbols(phase, phase_scalars(layout))
-        y = path_rows(constraints, phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names))
+        y = phase.rows.column(held, phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names))
         inner = ca.vertcat(s.z, s.u)
         if interval.scheme.nodes[node] != fraction and inner.numel() and ca.depends_on(y, inner):
             raise InputError(
                 f"Phase {phase.name!r}: a constraint at the {where.value} reads accelerations or controls, but "
                 f"{type(interval.scheme).__name__} has no collocation point there; use a Lobatto scheme."
             )
-        kept = [r for c in constraints for r in c.rows if r.variable is None]
-        entries = [Entry(index, r.name, r.joint or "", r.unit) for r in kept]
-        added = rows.add(
-            entries, np.array([fraction]), np.array([r.lower for r in kept]), np.array([r.upper for r in kept])
-        )
+        added = rows.impose(index, held, np.array([fraction]))
         blocks.append(_at_end(layout, node, s, y, added[0]))
     return blocks
 
@@ -145,20 +138,20 @@ def equations_block(
     equations, interval = equations_of(phase), layout.intervals[0]
     if not equations:
         return None
-    s, held = point_symbols(phase, phase_scalars(layout)), held_throughout(phase)
+    s, held = point_symbols(phase, phase_scalars(layout)), phase.rows.path
     values: list[tuple[Row, ca.SX, float]] = []
     if interval.scheme.nodes[0] > 0.0:
         for equation, (at_start, _) in zip(equations, settled(phase, layout), strict=True):
-            row, found = held[equation.row][1], equation.values(s.t, s.x, s.p)
+            imposed, found = held[equation.row], equation.values(s.t, s.x, s.p)
             kept = [] if equation.row in carried else sorted(set(range(equation.order)) - at_start)
-            values += [(rate_row(row, k) if k else row, found[k], 0.0 if k else equation.target) for k in kept]
+            values += [(rate_row(imposed, k) if k else imposed, found[k], 0.0 if k else equation.target) for k in kept]
     elif shares_start(interval.scheme) and not _chooses_rates(phase):
         for equation in equations:
-            row = rate_row(held[equation.row][1], equation.order)
+            row = rate_row(held[equation.row], equation.order)
             values.append((row, equation.chosen(s.t, s.x, s.z, s.u, s.p), 0.0))
     if not values:
         return None
-    entries = [Entry(index, row.name, row.joint or "", row.unit) for row, _, _ in values]
+    entries = [Entry.of(index, row) for row, _, _ in values]
     wanted = np.array([value for _, _, value in values])
     added = rows.add(entries, np.zeros(1), wanted, wanted)[0]
     return _at_end(layout, 0, s, ca.vertcat(*(value for _, value, _ in values)), added)
@@ -186,11 +179,8 @@ def link_block(
     ends = [EndSymbols(phases[i], layouts[i]) for i in link.phases]
     brought = ca.SX.sym("b", len(own))
     known = Named("unknown of the link", [v.name for v in link.unknowns], brought)
-    values: Any = link.expression([Ends(*e.points) for e in ends], known)
-    y = ca.vertcat(*as_rows(values, f"expression of {link.name}"))
-    entries = [Entry(link.phases[0], r.name, r.joint or "", r.unit) for r in link.rows]
-    bounds = np.array([r.lower for r in link.rows]), np.array([r.upper for r in link.rows])
-    added = rows.add(entries, np.array([1.0]), *bounds)
+    y = ca.vertcat(*link.values([Ends(*e.points) for e in ends], known))
+    added = rows.impose(link.phases[0], link.rows, np.array([1.0]))
     return single(
         ca.vertcat(*(e.unknowns for e in ends), brought),
         ca.vertcat(*(e.constants for e in ends)),

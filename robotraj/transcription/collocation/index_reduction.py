@@ -17,15 +17,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.rows import as_rows
-from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.problem.constraints.base import Row, Where
 from robotraj.problem.constraints.bounds import Bounds
+from robotraj.problem.rows import RowTable
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.table import Entry, ScalarTable
 
@@ -77,58 +78,36 @@ class Equation:
 Equations = tuple[Equation, ...]
 
 
-def path_constraints(phase: Phase, where: Where) -> list[BoundConstraint]:
-    """Constraints with rows that are not single variables (those are bounds of the NLP)."""
-    held = (where, Where.AT_NODES) if where is Where.THROUGHOUT else (where,)
-    return [c for c in phase.bound_constraints if c.where in held and any(r.variable is None for r in c.rows)]
-
-
-def path_rows(constraints: list[BoundConstraint], point: object) -> ca.SX:
-    """Values of the rows that are not single variables."""
-    values = []
-    for constraint in constraints:
-        entries = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
-        values += [v for row, v in zip(constraint.rows, entries, strict=True) if row.variable is None]
-    return ca.vertcat(*values) if values else ca.SX(0, 1)
-
-
-def held_throughout(phase: Phase) -> list[tuple[BoundConstraint, Row]]:
-    """Path rows of a phase, in the order of the stage's outputs, each with its constraint."""
-    return [(c, r) for c in path_constraints(phase, Where.THROUGHOUT) for r in c.rows if r.variable is None]
-
-
 def equations_of(phase: Phase) -> Equations:
     """Equations of order 2 and more among the path rows of a phase."""
-    # Kept with the phase, so that ``Phase.with_`` hands it on with all else that does not depend on the ends.
-    if "equations" not in phase.__dict__:
-        phase.__dict__["equations"] = tuple(_find(phase))
-    found: Equations = phase.__dict__["equations"]
-    return found
+    # Phases that differ in their ends alone share one table.
+    if phase.rows not in _EQUATIONS:
+        _EQUATIONS[phase.rows] = tuple(_find(phase.rows))
+    return _EQUATIONS[phase.rows]
 
 
-def _find(phase: Phase) -> list[Equation]:
-    held = held_throughout(phase)
-    candidates = [i for i, (c, r) in enumerate(held) if r.lower == r.upper and c.where is Where.THROUGHOUT]
+_EQUATIONS: WeakKeyDictionary[RowTable, Equations] = WeakKeyDictionary()
+
+
+def _find(table: RowTable) -> list[Equation]:
+    candidates = [i for i, row in enumerate(table.path) if row.lower == row.upper and row.where is Where.THROUGHOUT]
     if not candidates:
         return []
-    dae, names = phase.dae, phase.parameter_names
-    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(names))
-    t, x, z, u, p = (ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True))
-    point = dae.point(t, x, z, u, p, names)
-    values, inner = path_rows(path_constraints(phase, Where.THROUGHOUT), point), ca.vertcat(z, u)
+    t, x, z, u, p = table.symbols
+    inner = ca.vertcat(z, u)
     flow: ca.SX | None = None
     found = []
     for i in candidates:
-        rate = values[i]
+        rate = table.expressions((table.path[i],))[0]
         rates: list[ca.SX] = []
         while len(rates) < HIGHEST and not ca.depends_on(rate, inner) and ca.depends_on(rate, x):
             rates.append(rate)
-            flow = dae.rates(point) if flow is None else flow
+            flow = table.dae.rates(table.point) if flow is None else flow
             rate = ca.mtimes(ca.jacobian(rate, x), flow) + ca.jacobian(rate, t)
         if ca.depends_on(rate, inner) and len(rates) > 1:
             known = ca.Function("values", [t, x, p], [ca.vertcat(*rates)])
             chosen = ca.Function("chosen", [t, x, z, u, p], [rate])
-            found.append(Equation(i, len(rates), known, chosen, held[i][1].lower))
+            found.append(Equation(i, len(rates), known, chosen, table.path[i].lower))
     return found
 
 
@@ -156,10 +135,10 @@ def hold_equations(
     carried : frozenset of int or None
         Path rows that hold at the start of the phase anyway; None where its velocities jump there.
     """
-    held = held_throughout(phase)
+    held = phase.rows.path
     output = first + len(held)
     for equation, (at_start, at_end) in zip(equations_of(phase), settled(phase, layout), strict=True):
-        row = held[equation.row][1]
+        row = held[equation.row]
         places = _places(layout, equation.order, at_end)
         begins = layout.intervals[0].scheme.nodes[0] == 0.0 and not (carried and equation.row in carried)
         start = layout.intervals[0].places[: int(begins)]
@@ -223,8 +202,7 @@ def _hold(
     output: int,
     value: float,
 ) -> None:
-    entry = Entry(index, row.name, row.joint or "", row.unit)
-    added = rows.add([entry], layout.place_fractions[at], value, value)[:, 0]
+    added = rows.add([Entry.of(index, row)], layout.place_fractions[at], value, value)[:, 0]
     scatter.add(added, at * outputs + output, 1.0)
 
 

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.problem.rows import Kind
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.ends import widen
 from robotraj.transcription.extract import extract
-from robotraj.transcription.interval_limits.constraint_generation import Guard, add_guards
+from robotraj.transcription.interval_limits.constraint_generation import AddedRow, add_rows
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scaling import row_scale
 from robotraj.transcription.schemes.onestep import OneStep
@@ -20,37 +21,37 @@ from robotraj.transcription.table import ScalarTable
 Array = NDArray[np.float64]
 
 
-def guarded(nlp: Nlp, guards: Sequence[Guard], w: Array) -> Nlp:
-    """Add guards to an NLP: their rows and states come last, everything else keeps its place, scale and functions.
+def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:
+    """Add rows to an NLP: they and their states come last, everything else keeps its place, scale and functions.
 
     Parameters
     ----------
     nlp : Nlp
-    guards : sequence of Guard
-        Of which ``nlp`` has none yet.
+    added : sequence of AddedRow
+        Rows that ``nlp`` does not have yet.
     w : ndarray (n_w,)
-        Where the solver starts, in physical units; states at guards are read off its polynomials.
+        Where the solver starts, in physical units; states at added rows are those of its polynomials.
     """
     phases, layouts = nlp.problem.phases, nlp.layouts
     columns, rows, linear = ScalarTable.after(nlp.variables), ScalarTable.after(nlp.rows), Triplets()
     points, others = nlp.blocks[: len(phases)], nlp.blocks[len(phases) :]
     scatters = [Triplets() for _ in phases]
     widths = [block.stage.outputs for block in points]
-    more = add_guards(guards, phases, layouts, columns, rows, linear, scatters, widths)
+    more = add_rows(added, phases, layouts, columns, rows, linear, scatters, widths)
     variables, constraints = nlp.variables.joined(columns.finish()), nlp.rows.joined(rows.finish())
     shape = (len(constraints), len(variables))
 
     kept = [widen(block, *shape) for block in points]
     extra = [scatter.matrix(block.scatter.shape) for scatter, block in zip(scatters, kept, strict=True)]
-    added = [widen(block, *shape) for block in more]
-    for block in added:
+    further = [widen(block, *shape) for block in more]
+    for block in further:
         block.stage.as_tapes = nlp.engine.torques_apart
     matrix = linear.matrix(shape)
     scales = dict(zip(nlp.variables.meaning.tolist(), nlp.scale.tolist(), strict=True))
     scale = np.append(nlp.scale, [scales[m] for m in variables.meaning[len(nlp.variables) :].tolist()])
-    start = np.append(w, _states(nlp, guards, w))
+    start = np.append(w, _states(nlp, added, w))
     alone = [replace(block, scatter=own) for block, own in zip(kept, extra, strict=True) if own.nnz]
-    rows_alone = row_scale([*alone, *added], matrix, constraints, scale, start)
+    rows_alone = row_scale([*alone, *further], matrix, constraints, scale, start)
 
     before = nlp.linear.copy()
     before.resize(shape)
@@ -59,7 +60,7 @@ def guarded(nlp: Nlp, guards: Sequence[Guard], w: Array) -> Nlp:
         nlp,
         variables=variables,
         rows=constraints,
-        blocks=(*points, *(widen(block, *shape) for block in others), *added),
+        blocks=(*points, *(widen(block, *shape) for block in others), *further),
         linear=before + matrix,
         scale=scale,
         row_scale=np.append(nlp.row_scale, rows_alone[len(nlp.rows) :]),
@@ -67,15 +68,15 @@ def guarded(nlp: Nlp, guards: Sequence[Guard], w: Array) -> Nlp:
     )
 
 
-def _states(nlp: Nlp, guards: Sequence[Guard], w: Array) -> Array:
-    """States that the guards of path rows add, one after the other."""
+def _states(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Array:
+    """States that path rows add, one after the other."""
     found = [np.empty(0)]
     trajectories = None
-    for guard in guards:
-        row = nlp.problem.phases[guard.phase].bound_constraints[guard.constraint].rows[guard.row]
-        if row.variable is None and not isinstance(nlp.layouts[guard.phase].scheme, OneStep):
+    for each in added:
+        row = nlp.problem.phases[each.phase].rows.rows[each.row]
+        if row.kind is not Kind.BOUND and not isinstance(nlp.layouts[each.phase].scheme, OneStep):
             trajectories = trajectories or extract(nlp, w)
-            x = trajectories[guard.phase].x
-            first, last = x.breaks[guard.interval : guard.interval + 2]
-            found.append(x(first + guard.tau * (last - first), guard.interval))
+            x = trajectories[each.phase].x
+            first, last = x.breaks[each.interval : each.interval + 2]
+            found.append(x(first + each.tau * (last - first), each.interval))
     return np.concatenate(found)

@@ -16,20 +16,23 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, integrals
-from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.problem.constraints.base import Where
+from robotraj.problem.rows import PhaseRow
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import Indices, PhaseLayout, Run
 from robotraj.transcription.schemes.onestep import OneStep
-from robotraj.transcription.table import Entry, ScalarTable
+from robotraj.transcription.table import ScalarTable
 
 if TYPE_CHECKING:
+    from robotraj.dynamics.variable import Variable
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
@@ -53,7 +56,7 @@ def hold_states(
     outputs : int
         Of the phase's stage, whose first ones are T f.
     """
-    for chosen, component in _held(interval_limits, phase, [s.name for s in phase.dae.states]):
+    for chosen, component in _held(interval_limits, phase, phase.dae.states):
         for run in layout.runs:
             weights = state_weights(tuple(run.scheme.nodes.tolist()))
             fractions = (np.arange(len(weights)) + 1) / (len(weights) + 1)
@@ -76,7 +79,7 @@ def hold_controls(
 ) -> None:
     """Add rows on those coefficients of covered controls and algebraic variables that are no values at their sites."""
     for variables, pieces in ((phase.dae.controls, _control_pieces), (phase.dae.algebraic, _algebraic_pieces)):
-        for chosen, component in _held(interval_limits, phase, [variable.name for variable in variables]):
+        for chosen, component in _held(interval_limits, phase, variables):
             for run in layout.runs:
                 for sites, first, last, own in pieces(run):
                     weights, fractions = control_weights(tuple(sites.tolist()))
@@ -161,29 +164,27 @@ def _from_values(degree: int) -> Array:
     return np.asarray(np.linalg.inv(binomials * sites[:, None] ** j * (1.0 - sites[:, None]) ** (degree - j)))
 
 
-def is_held(constraint: BoundConstraint, row: Row, covered: frozenset[str]) -> bool:
+def is_held(row: PhaseRow, covered: frozenset[str]) -> bool:
     """Whether a row is imposed on coefficients: an inequality on a covered variable, throughout the phase."""
     limited = row.lower < row.upper and (np.isfinite(row.lower) or np.isfinite(row.upper))
-    return bool(limited) and constraint.where is Where.THROUGHOUT and row.variable in covered
+    return bool(limited) and row.where is Where.THROUGHOUT and row.variable in covered
 
 
 def _held(
-    interval_limits: ConstraintGeneration, phase: Phase, names: Sequence[str]
-) -> Iterator[tuple[list[Row], Indices]]:
-    """For every constraint its rows on coefficients of the variables named, and which of these they are."""
-    covered = interval_limits.covers(phase) & set(names)
-    for constraint in phase.bound_constraints:
-        chosen = [row for row in constraint.rows if is_held(constraint, row, covered)]
-        if chosen:
-            yield chosen, np.array([names.index(str(row.variable)) for row in chosen])
+    interval_limits: ConstraintGeneration, phase: Phase, variables: Sequence[Variable]
+) -> Iterator[tuple[list[PhaseRow], Indices]]:
+    """For every constraint its rows on coefficients of the variables, and the indices of these."""
+    covered = interval_limits.covers(phase)
+    bounds = [(row, i) for row, i in phase.rows.bounds_of(variables) if is_held(row, covered)]
+    for _, group in groupby(bounds, lambda pair: pair[0].constraint):
+        rows, indices = zip(*group, strict=True)
+        yield list(rows), np.array(indices)
 
 
-def _add(rows: ScalarTable, index: int, chosen: Sequence[Row], run: Run, fractions: Array) -> Indices:
+def _add(rows: ScalarTable, index: int, chosen: Sequence[PhaseRow], run: Run, fractions: Array) -> Indices:
     """Add rows at fractions of every interval of a run, (intervals, fractions, rows)."""
-    entries = [Entry(index, row.name, row.joint or "", row.unit) for row in chosen]
-    lower, upper = (np.array([getattr(row, side) for row in chosen]) for side in ("lower", "upper"))
     at = run.start[:, None] + run.length[:, None] * fractions
-    return rows.add(entries, at.ravel(), lower, upper).reshape(*at.shape, len(chosen))
+    return rows.impose(index, chosen, at.ravel()).reshape(*at.shape, len(chosen))
 
 
 def _algebraic_pieces(run: Run) -> Iterator[tuple[Array, float, float, Indices]]:

@@ -19,11 +19,10 @@ from robotraj.transcription.table import Entry, Scalars
 
 
 class LimitedInterval(NamedTuple):
-    """A row of a phase's constraints on one interval; indices as in ``constraint_generation.Guard``."""
+    """A row of a phase on one interval; indices as in ``constraint_generation.AddedRow``."""
 
     phase: int
     interval: int
-    constraint: int
     row: int
 
 
@@ -40,7 +39,7 @@ def with_margins(nlp: Nlp, margins: Margins) -> Nlp:
     numbers = {entry: number for number, entry in enumerate(loose.entries)}
     for place, amount in margins.items():
         phase, layout = nlp.problem.phases[place.phase], nlp.layouts[place.phase]
-        row = phase.bound_constraints[place.constraint].rows[place.row]
+        row = phase.rows.rows[place.row]
         lower, upper = row.lower + amount, row.upper - amount
         if lower >= upper:
             continue
@@ -48,7 +47,7 @@ def with_margins(nlp: Nlp, margins: Margins) -> Nlp:
         if row.variable in names:
             columns = _controls(layout, place.interval)[:, names.index(str(row.variable))]
             variables.tighten(columns, lower, upper)
-        number = numbers.get(Entry(place.phase, row.name, row.joint or "", row.unit))
+        number = numbers.get(Entry.of(place.phase, row))
         first, last = layout.fractions[place.interval : place.interval + 2]
         inside = (loose.fraction >= first) & (loose.fraction <= last)
         rows.tighten(np.flatnonzero((loose.meaning == number) & inside), lower, upper)

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis
-from robotraj.dynamics.rows import as_rows
-from robotraj.problem.constraints.base import Row, Where
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.interval_limits.constraint_generation import Curve, guardable
+from robotraj.transcription.interval_limits.interval_violations import Curve, input_violations
 from robotraj.transcription.refinement.error import interval_errors
 from robotraj.transcription.refinement.integrals import integral_errors
 from robotraj.transcription.refinement.strategy import Assessment
@@ -23,9 +20,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
-
-SAMPLES = 48
-"""Places looked at inside an interval."""
 
 
 def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool) -> Assessment:
@@ -91,7 +85,7 @@ def _coarse(trajectory: PhaseTrajectory, moving: bool) -> Array:
 
 
 def broken_rows(phase: Phase, trajectory: PhaseTrajectory, torques: Curve | None = None) -> Array:
-    """Look between the nodes at path rows that read more than the state; those of states alone have guards.
+    """Measure between the nodes the path rows that read more than the state; those of states alone are imposed there.
 
     Parameters
     ----------
@@ -103,44 +97,13 @@ def broken_rows(phase: Phase, trajectory: PhaseTrajectory, torques: Curve | None
     Returns
     -------
     ndarray (K,)
-        Largest excess over a bound on every interval, relative to 1 + |bound|; not above 0 where all hold.
+        Largest excess over a bound on every interval, relative to 1 + |bound|; 0 where all rows hold.
     """
-    breaks, count = trajectory.x.breaks, len(trajectory.x.values)
-    guarded = {(constraint, row) for constraint, row, *_ in guardable(phase)}
-    dae = phase.dae
-    sizes = {
-        "t": 1,
-        "x": len(dae.states),
-        "z": len(dae.algebraic),
-        "u": len(dae.controls),
-        "p": len(trajectory.parameters),
-    }
-    t, x, z, u, p = symbols = [ca.SX.sym(name, size) for name, size in sizes.items()]
-    point = dae.point(t, x, z, u, p, phase.parameter_names)
-    rows: list[Row] = []
-    values: list[ca.SX] = []
-    for c, constraint in enumerate(phase.bound_constraints):
-        if constraint.where is Where.THROUGHOUT and any(row.variable is None for row in constraint.rows):
-            entries = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
-            chosen = [r for r, row in enumerate(constraint.rows) if row.variable is None and (c, r) not in guarded]
-            rows += [constraint.rows[r] for r in chosen]
-            values += [entries[r] for r in chosen]
-    if not rows:
-        return np.zeros(count)
-    inner = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    times = (breaks[:-1, None] + np.diff(breaks)[:, None] * inner).ravel()
-    curves = [curve(times).T for curve in (trajectory.x, trajectory.z, trajectory.u)]
-    if torques is not None and dae.controls == phase.body.controls:
-        curves[2] = torques(times).T
-    parameters = np.tile(np.array(list(trajectory.parameters.values()))[:, None], len(times))
-    function = ca.Function("rows", symbols, [ca.densify(ca.vertcat(*values))]).map(len(times))
-    seen = np.array(function(times[None, :], *curves, parameters)).reshape(len(rows), count, SAMPLES)
-    lower, upper = (np.array([getattr(row, side) for row in rows])[:, None, None] for side in ("lower", "upper"))
-    over = np.maximum(
-        (lower - seen) / (1 + np.abs(np.where(np.isfinite(lower), lower, 0.0))),
-        (seen - upper) / (1 + np.abs(np.where(np.isfinite(upper), upper, 0.0))),
-    )
-    return np.asarray(over.max(axis=(0, 2)))
+    excess = np.zeros(len(trajectory.x.values))
+    for violation in input_violations(phase, 0, trajectory, torques):
+        relative = violation.amount / (1.0 + abs(violation.limit))
+        excess[violation.interval] = max(excess[violation.interval], relative)
+    return excess
 
 
 def _decays(trajectory: PhaseTrajectory) -> Array:

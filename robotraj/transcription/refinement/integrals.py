@@ -13,13 +13,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.trajectory import PiecewisePolynomial
-from robotraj.problem.constraints.base import Where
-from robotraj.transcription.collocation.index_reduction import path_constraints, path_rows
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
 
@@ -44,10 +41,10 @@ def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence
         Of its intervals, (K,).
     """
     breaks = trajectory.x.breaks
-    constraints = path_constraints(phase, Where.INTEGRAL)
+    rows = phase.rows.integrals
     collocated = [scheme for scheme in schemes if isinstance(scheme, Collocation)]
     errors = np.zeros(len(breaks) - 1)
-    if not constraints or len(collocated) < len(schemes):
+    if not rows or len(collocated) < len(schemes):
         return errors
     places, weights, owner = [], [], []
     for k, scheme in enumerate(collocated):
@@ -56,8 +53,7 @@ def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence
         weights.append((breaks[k + 1] - breaks[k]) * np.concatenate([scheme.objective_weights, -0.5 * gauss]))
         owner.append(np.full(len(places[-1]), k))
     values = _integrands(phase, trajectory, places)
-    rows = [row for constraint in constraints for row in constraint.rows]
-    bounds = [max((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0) for row in rows]
+    bounds = [row.size for row in rows]
     left = np.zeros((len(errors), len(rows)))
     np.add.at(left, np.concatenate(owner), np.concatenate(weights)[:, None] * values)
     return np.asarray(np.max(np.abs(left) / (1.0 + np.array(bounds)), axis=1))
@@ -65,18 +61,12 @@ def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence
 
 def _integrands(phase: Phase, trajectory: PhaseTrajectory, places: Sequence[Array]) -> Array:
     """Integrands at places of every interval, each on its interval's side of the knots, (m, rows)."""
-    dae, breaks = phase.dae, trajectory.x.breaks
-    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(trajectory.parameters))
-    t, x, z, u, p = symbols = [ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True)]
-    point = dae.point(t, x, z, u, p, phase.parameter_names)
-    rows = path_rows(path_constraints(phase, Where.INTEGRAL), point)
+    breaks = trajectory.x.breaks
     times = [a + (b - a) * tau for a, b, tau in zip(breaks[:-1], breaks[1:], places, strict=True)]
 
     def seen(curve: PiecewisePolynomial) -> Array:
-        return np.vstack([curve(t, k) for k, t in enumerate(times)]).T
+        return np.vstack([curve(t, k) for k, t in enumerate(times)])
 
-    at = np.concatenate(times)
-    parameters = np.tile(np.array(list(trajectory.parameters.values()), dtype=float)[:, None], len(at))
-    function = ca.Function("integrands", symbols, [ca.densify(rows)]).map(len(at))
-    curves = [seen(curve) for curve in (trajectory.x, trajectory.z, trajectory.u)]
-    return np.array(function(at[None, :], *curves, parameters)).T
+    x, z, u = (seen(curve) for curve in (trajectory.x, trajectory.z, trajectory.u))
+    parameters = np.array(list(trajectory.parameters.values()), dtype=float)
+    return phase.rows.sample(phase.rows.integrals, np.concatenate(times), x, z, u, parameters)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from robotraj.problem.phase import Phase
     from robotraj.transcription.extract import PhaseTrajectory
-    from robotraj.transcription.interval_limits.constraint_generation import Curve
+    from robotraj.transcription.interval_limits.interval_violations import Curve
     from robotraj.transcription.schemes.collocation import Scheme
 
 Array = NDArray[np.float64]

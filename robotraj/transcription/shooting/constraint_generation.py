@@ -1,4 +1,4 @@
-"""Guards of one-step schemes: rows on states between knots, on the scheme's own interpolant."""
+"""Constraint generation for one-step schemes: rows of the state between knots, on the scheme's own interpolant."""
 
 from __future__ import annotations
 
@@ -10,38 +10,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, lobatto_sites
-from robotraj.dynamics.rows import as_rows
-from robotraj.problem.constraints.base import BoundConstraint, Row
+from robotraj.problem.rows import PhaseRow
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.shooting.shooting import IntervalSymbols, Rate, interval_columns, interval_constants
-from robotraj.transcription.table import Entry, ScalarTable
+from robotraj.transcription.table import ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
+Added = tuple[int, float, int]
+"""Interval, tau and row number."""
 
 
-def shot_guards(
-    phase: Phase, index: int, layout: PhaseLayout, guards: Sequence[tuple[int, float, int, int]], rows: ScalarTable
-) -> list[Block]:
-    """Hold rows at places of intervals of the mesh, which in single shooting are pieces of one.
+def shot_rows(phase: Phase, index: int, layout: PhaseLayout, added: Sequence[Added], rows: ScalarTable) -> list[Block]:
+    """Impose rows at places of intervals of the mesh, which in single shooting are pieces of one.
 
     Parameters
     ----------
-    guards : sequence of (int, float, int, int)
-        Interval, tau in [0, 1], constraint and row of every guard.
+    added : sequence of (int, float, int)
+        Interval, tau in [0, 1] and row number of every added row.
     """
     scheme = layout.intervals[0].scheme
     assert isinstance(scheme, OneStep)
     single = len(scheme.pieces) > 2
-    pieces = sorted({interval for interval, *_ in guards}) if single else [0]
+    pieces = sorted({interval for interval, *_ in added}) if single else [0]
     return [
-        _block(phase, index, layout, scheme, piece, [g for g in guards if not single or g[0] == piece], rows)
+        _block(phase, index, layout, scheme, piece, [each for each in added if not single or each[0] == piece], rows)
         for piece in pieces
     ]
 
@@ -52,30 +51,29 @@ def _block(
     layout: PhaseLayout,
     scheme: OneStep,
     piece: int,
-    guards: Sequence[tuple[int, float, int, int]],
+    added: Sequence[Added],
     rows: ScalarTable,
 ) -> Block:
-    """All guards of one piece: a stage with tau, the interpolant's weights there and a choice of rows as constants."""
-    kinds = sorted({(c, r) for _, _, c, r in guards})
-    held = [(phase.bound_constraints[c], phase.bound_constraints[c].rows[r]) for c, r in kinds]
+    """All added rows of one piece: a stage with tau, the interpolant's weights and a choice of rows as constants."""
+    kinds = sorted({number for _, _, number in added})
+    held = [phase.rows.rows[number] for number in kinds]
     sites = lobatto_sites(scheme.degree + 1)
     low, high = scheme.pieces[piece], scheme.pieces[piece + 1]
     fractions, columns, constants, scatter = [], [], [], Triplets()
-    for place, (interval, tau, c, r) in enumerate(guards):
+    for place, (interval, tau, number) in enumerate(added):
         k = 0 if len(scheme.pieces) > 2 else interval
-        at, owner, row = low + (high - low) * tau, layout.intervals[k], phase.bound_constraints[c].rows[r]
+        at, owner, row = low + (high - low) * tau, layout.intervals[k], phase.rows.rows[number]
         choice = np.zeros(len(kinds))
-        choice[kinds.index((c, r))] = 1.0
+        choice[kinds.index(number)] = 1.0
         weights = basis(sites, np.array([tau]))[0]
         constants.append(np.concatenate([interval_constants(layout, k), weights, [at], choice]))
         columns.append(interval_columns(layout, k))
         fractions.append(owner.start + owner.length * at)
-        entry = Entry(index, row.name, row.joint or "", row.unit)
-        scatter.add(rows.add([entry], np.array(fractions[-1:]), row.lower, row.upper)[0], np.array([place]), 1.0)
+        scatter.add(rows.impose(index, [row], np.array(fractions[-1:]))[0], np.array([place]), 1.0)
     gather = Triplets()
     gather.add(np.arange(sum(map(len, columns))), np.concatenate(columns), 1.0)
     stage = _stage(phase, layout, scheme, piece, sites, held)
-    count = len(guards)
+    count = len(added)
     return Block(
         stage,
         gather.matrix((stage.inputs * count, int(np.max(columns)) + 1)),
@@ -91,7 +89,7 @@ def _stage(
     scheme: OneStep,
     piece: int,
     sites: Array,
-    held: Sequence[tuple[BoundConstraint, Row]],
+    held: Sequence[PhaseRow],
 ) -> PointFunctions:
     """Evaluate the chosen row at the place that the weights interpolate to."""
     kind: Any = ca.SX if scheme.scalar_graph else ca.MX
@@ -105,21 +103,11 @@ def _stage(
     states = scheme.samples(rate.function, sites)(now, after, known.piece(scheme, piece))[:nx, :]
     state = ca.mtimes(states, more[: len(sites)])
     time = known.base + (known.start + known.length * more[len(sites)]) * known.span
-    values = [_row(phase, *each)(time, state, ca.vertcat(*known.p)) for each in held]
-    value = ca.dot(ca.vertcat(*values), more[len(sites) + 1 :])
+    # Rows of the state do not depend on controls, and explicit dynamics have no algebraic variables.
+    values = phase.rows.function(held)(
+        time, state, ca.DM(0, 1), ca.DM.zeros(len(phase.dae.controls), 1), ca.vertcat(*known.p)
+    )
+    value = ca.dot(values, more[len(sites) + 1 :])
     chosen = ca.Function("chosen", [known.v, known.constants, more], [value])
     v, c = kind.sym("v", known.v.numel()), kind.sym("c", own + more.numel())
     return PointFunctions(v, c, chosen(v, c[:own], c[own:]))
-
-
-def _row(phase: Phase, constraint: BoundConstraint, row: Row) -> ca.Function:
-    """(t, x, p) -> value of a row that reads nothing else."""
-    dae = phase.dae
-    t, x, p = ca.SX.sym("t"), ca.SX.sym("x", len(dae.states)), ca.SX.sym("p", len(phase.parameter_names))
-    unread = ca.SX.nan(len(dae.controls))
-    point = dae.point(t, x, ca.SX(0, 1), unread, p, phase.parameter_names)
-    if row.variable is not None:
-        value = x[[s.name for s in dae.states].index(row.variable)]
-    else:
-        value = as_rows(constraint.expression(point), f"expression of {constraint.name!r}")[constraint.rows.index(row)]
-    return ca.Function("row", [t, x, p], [value])

@@ -62,12 +62,12 @@ def _explicit(phase: Phase, mesh: Mesh) -> Phase:
             f"{name} needs explicit dynamics, but phase {phase.name!r} has the algebraic variables {names}; use a "
             "collocation scheme such as rt.HermiteSimpson()."
         )
-    if any(constraint.where is Where.INTEGRAL for constraint in phase.bound_constraints):
+    if phase.rows.integrals:
         raise InputError(
             f"{name} integrates no constraints, but phase {phase.name!r} bounds an integral; make it a state of the "
             "System, or use a collocation scheme such as rt.HermiteSimpson()."
         )
-    if isinstance(scheme, Shooting) and any(c.where is Where.AT_NODES for c in phase.bound_constraints):
+    if isinstance(scheme, Shooting) and any(row.where is Where.AT_NODES for row in phase.rows):
         raise InputError(
             f"The objective of phase {phase.name!r} has slacks that are held at collocation points, which {name} does "
             "not have; use its smooth form, or a collocation scheme such as rt.HermiteSimpson()."

@@ -10,6 +10,7 @@ more state. Path rows at knots read the knots' own unknowns and are a block of t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -19,12 +20,12 @@ from numpy.typing import NDArray
 from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import as_rows
-from robotraj.problem.constraints.base import Row, Where
+from robotraj.problem.constraints.base import Row
+from robotraj.problem.rows import PhaseRow
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.collocation import gather_points, interval_scalars, point_symbols, tie_intervals
-from robotraj.transcription.collocation.index_reduction import held_throughout, path_constraints, path_rows
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.schemes.mesh import MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
@@ -50,18 +51,16 @@ def shoot(
     added = rows.add(defects, starts + lengths, 0.0, 0.0)
     scatter.add(added.ravel(), (base + np.arange(nx)).ravel(), 1.0)
 
-    def impose(held: list[Row], fractions: Array, outputs: NDArray[np.int_]) -> None:
-        """Hold rows at fractions of every interval; outputs (len(fractions), len(held))."""
-        entries = [Entry(index, r.name, r.joint or "", r.unit) for r in held]
-        times = (starts[:, None] + lengths[:, None] * fractions).ravel()
-        at = rows.add(entries, times, np.array([r.lower for r in held]), np.array([r.upper for r in held]))
+    def impose(held: Sequence[Row], fractions: Array, outputs: NDArray[np.int_]) -> None:
+        """Impose rows at fractions of every interval; outputs (len(fractions), len(held))."""
+        at = rows.impose(index, held, (starts[:, None] + lengths[:, None] * fractions).ravel())
         scatter.add(at.ravel(), (base[:, :, None] + outputs).ravel(), 1.0)
 
-    bounds = _state_bounds(phase)
+    bounds = phase.rows.bounds_of(phase.dae.states)
     which = np.array([state for _, state in bounds], dtype=int)
     states = nx + np.arange(len(inner))[:, None] * nx + which
     impose([row for row, _ in bounds], inner, states)
-    path = [row for _, row in held_throughout(phase)]
+    path = phase.rows.path
     first = nx + len(inner) * nx
     impose(
         path,
@@ -220,12 +219,10 @@ class _Interval:
 
     def _path_function(self) -> ca.Function:
         """(t, x, u, p) -> path rows."""
-        phase = self._phase
-        t, x = ca.SX.sym("t"), ca.SX.sym("x", self.nx)
-        u, p = ca.SX.sym("u", len(phase.dae.controls)), ca.SX.sym("p", len(phase.parameter_names))
-        point = phase.dae.point(t, x, ca.SX(0, 1), u, p, phase.parameter_names)
-        rows = path_rows(path_constraints(phase, Where.THROUGHOUT), point)
-        return ca.Function("path", [t, x, u, p], [ca.densify(rows)])
+        table = self._phase.rows
+        t, x, _, u, p = table.symbols
+        column = ca.vertcat(ca.SX(0, 1), *table.expressions(table.path))
+        return ca.Function("path", [t, x, u, p], [ca.densify(column)])
 
 
 def _entries(vector: Any) -> list[Any]:
@@ -246,29 +243,17 @@ def _inner_states(scheme: OneStep) -> Array:
     return np.array(fractions)
 
 
-def _state_bounds(phase: Phase) -> list[tuple[Row, int]]:
-    """Bounds of states that hold throughout, with the state's index."""
-    names = [s.name for s in phase.dae.states]
-    return [
-        (row, names.index(row.variable))
-        for constraint in phase.bound_constraints
-        for row in constraint.rows
-        if constraint.where is Where.THROUGHOUT and row.variable in names
-    ]
-
-
 def _path_at_knots(
-    phase: Phase, index: int, layout: PhaseLayout, columns: ScalarTable, rows: ScalarTable, path: list[Row]
+    phase: Phase, index: int, layout: PhaseLayout, columns: ScalarTable, rows: ScalarTable, path: Sequence[PhaseRow]
 ) -> list[Block]:
     """Path rows at the knots, on both sides where the control jumps."""
     s = point_symbols(phase, interval_scalars(layout, 0))
     point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
-    stage = PointFunctions(s.unknowns, s.constants, path_rows(path_constraints(phase, Where.THROUGHOUT), point))
+    stage = PointFunctions(s.unknowns, s.constants, phase.rows.column(path, point))
     gather, constants = gather_points(phase, layout)
     owners = [(layout.intervals[k], j) for k, j in layout.place_owner.tolist()]
     fractions = np.array([interval.start + interval.length * j for interval, j in owners])
-    entries = [Entry(index, r.name, r.joint or "", r.unit) for r in path]
-    added = rows.add(entries, fractions, np.array([r.lower for r in path]), np.array([r.upper for r in path]))
+    added = rows.impose(index, path, fractions)
     count = len(owners)
     scatter = Triplets()
     scatter.add(added.ravel(), np.arange(added.size), 1.0)

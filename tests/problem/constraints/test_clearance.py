@@ -221,7 +221,7 @@ def test_a_planned_swing_clears_its_parabola_between_the_points_too(named: bool)
     assert -1e-6 < least(solution, solution.knots) < 2e-3
     assert least(solution, solution.phases[0].points) > -2e-4
     assert least(solution, np.linspace(0, 1, 1001)) > -5e-4
-    assert solution.guards and not solution.interval_violations
+    assert solution.added_rows and not solution.interval_violations
     assert solution.objective > free.objective
 
 

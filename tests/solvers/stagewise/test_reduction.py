@@ -11,8 +11,8 @@ from scipy import sparse
 
 import robotraj as rt
 from robotraj.solvers.stagewise.reduction import NotStagewise, Reduction, reduce
-from robotraj.transcription.interval_limits.added_rows import guarded
-from robotraj.transcription.interval_limits.constraint_generation import Guard
+from robotraj.transcription.interval_limits.added_rows import with_added_rows
+from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 from robotraj.transcription.transcribe import transcribe
 from tests.solvers.stagewise.problems import EVERY
 
@@ -229,7 +229,7 @@ def test_a_guard_of_a_path_row_stays_in_its_interval(mesh: str, duration: float 
     objective = rt.Lagrange(lambda point: point.u["a"] ** 2 + point.u["w"] ** 2)
     plain = transcribe(rt.Problem([rt.Phase(system, duration, *ends, objective, [away])]), MESHES[mesh])
     last = MESHES[mesh].count - 1
-    nlp = guarded(plain, [Guard(0, k, 0, 0, 0.4) for k in range(last + 1)], plain.guess)
+    nlp = with_added_rows(plain, [AddedRow(0, k, 0, 0.4) for k in range(last + 1)], plain.guess)
     reduction, without = reduce(nlp), reduce(plain)
     added = np.arange(len(plain.variables), len(nlp.variables)).reshape(last + 1, 3)
     assert reduction.slots.first[added].tolist() == [[k] * 3 for k in range(last + 1)]

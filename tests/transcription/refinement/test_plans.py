@@ -243,7 +243,7 @@ def test_rows_are_held_between_the_knots_once_a_mesh_is_fine_enough_or_no_better
     solve = adaptive.solve
     monkeypatch.setattr(adaptive, "solve", watched)
     solution = rt.plan(s_curve(), tolerance=1e-6, solver=solver)
-    held = [bool(each.guards) for each in solved]
+    held = [bool(each.added_rows) for each in solved]
     assert not held[0] and held[-1]
     assert held == sorted(held), "held from one mesh on"
     errors = [step.error for step in solution.refinement[: held.index(True)]]
@@ -259,7 +259,7 @@ def test_rows_are_held_between_the_knots_where_the_tolerance_is_not_reached(
     monkeypatch.setattr(adaptive, most, {"MOST_MESHES": 2, "MOST_INTERVALS": 60}[most])
     solution = rt.plan(s_curve(), tolerance=1e-6, check=False)
     assert solution.status is rt.solvers.Status.TOLERANCE_NOT_REACHED
-    assert solution.guards and not solution.interval_violations
+    assert solution.added_rows and not solution.interval_violations
     assert [step.intervals for step in solution.refinement] == [20, solution.phases[0].mesh.count]
 
 
@@ -269,7 +269,7 @@ def test_guards_come_along_on_the_intervals_that_a_mesh_keeps(solver: rt.Interio
     before = rt.plan(
         phase, rt.Mesh(12, scheme), solver=solver, interval_limits=rt.interval_limits.ConstraintGeneration(1e-5)
     )
-    first = min(guard.interval for guard in before.guards)
+    first = min(each.interval for each in before.added_rows)
     assert first < 11
     knots = np.linspace(0, 1, 13)
     # The last interval is cut, and another one before the first guard: that one's number grows by one.
@@ -278,11 +278,11 @@ def test_guards_come_along_on_the_intervals_that_a_mesh_keeps(solver: rt.Interio
     # Nothing is broken by 100: no guard joins those that come along.
     alone = rt.interval_limits.ConstraintGeneration(100)
     after = rt.plan(phase, mesh, before, solver, interval_limits=alone, check=False)
-    kept = [guard for guard in before.guards if guard.interval not in ({0, 11} if first > 0 else {11})]
-    moved = [guard.interval + (first > 0) for guard in kept]
-    assert kept and [guard.interval for guard in after.guards] == moved
-    assert [(g.constraint, g.row, g.tau) for g in after.guards] == [(g.constraint, g.row, g.tau) for g in kept]
-    assert after.success and not rt.plan(phase, mesh, solver=solver, interval_limits=alone).guards
+    kept = [each for each in before.added_rows if each.interval not in ({0, 11} if first > 0 else {11})]
+    moved = [each.interval + (first > 0) for each in kept]
+    assert kept and [each.interval for each in after.added_rows] == moved
+    assert [(each.row, each.tau) for each in after.added_rows] == [(each.row, each.tau) for each in kept]
+    assert after.success and not rt.plan(phase, mesh, solver=solver, interval_limits=alone).added_rows
 
 
 @pytest.mark.parametrize(

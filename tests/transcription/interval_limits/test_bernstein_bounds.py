@@ -79,7 +79,7 @@ def largest_excess(solution: rt.Solution, names: Sequence[str] = ("u",)) -> floa
     rng = np.random.default_rng(5)
     worst = -np.inf
     for part in solution.phases:
-        rows = {r.variable: r for c in part.phase.bound_constraints for r in c.rows}
+        rows = {row.variable: row for row in part.phase.rows}
         which = [i for i, control in enumerate(part.phase.dae.controls) if control.name in rows]
         limits = [rows[part.phase.dae.controls[i].name] for i in which]
         knots = part.trajectory.u.breaks

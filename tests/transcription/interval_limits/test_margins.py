@@ -25,12 +25,7 @@ def pushed() -> rt.Phase:
 
 def test_a_control_keeps_a_margin_on_its_interval_alone() -> None:
     phase = pushed()
-    place = next(
-        LimitedInterval(0, 2, c, r)
-        for c, constraint in enumerate(phase.bound_constraints)
-        for r, row in enumerate(constraint.rows)
-        if row.variable == "u"
-    )
+    place = next(LimitedInterval(0, 2, row.number) for row in phase.rows if row.variable == "u")
     limits = rt.interval_limits.BernsteinBounds(controls=True)
     given = {"mesh": rt.Mesh(8), "solver": rt.Ipopt(), "interval_limits": limits}
     problem = rt.Problem([phase])
@@ -46,14 +41,9 @@ def test_margins_do_not_add_up_and_share_the_functions() -> None:
     limits = rt.interval_limits.BernsteinBounds(controls=True)
     nlp = transcribe(problem, rt.Mesh(4), interval_limits=limits)
     phase = problem.phases[0]
-    c, r = next(
-        (c, r)
-        for c, constraint in enumerate(phase.bound_constraints)
-        for r, row in enumerate(constraint.rows)
-        if row.variable == "u"
-    )
-    once = with_margins(nlp, {LimitedInterval(0, 1, c, r): 0.1})
-    twice = with_margins(once, {LimitedInterval(0, 1, c, r): 0.1})
+    number = next(row.number for row in phase.rows if row.variable == "u")
+    once = with_margins(nlp, {LimitedInterval(0, 1, number): 0.1})
+    twice = with_margins(once, {LimitedInterval(0, 1, number): 0.1})
     assert np.array_equal(once.rows.upper, twice.rows.upper)
     assert np.array_equal(once.variables.upper, twice.variables.upper)
     assert once.rows.upper.tolist() != nlp.rows.upper.tolist()

@@ -8,13 +8,20 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.problem.rows import Kind
 from robotraj.transcription.extract import extract
-from robotraj.transcription.interval_limits.added_rows import guarded
-from robotraj.transcription.interval_limits.constraint_generation import Guard, guardable
+from robotraj.transcription.interval_limits.added_rows import with_added_rows
+from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 
 
 def tip(point: Any) -> Any:
     return [point.q[0] ** 2 + point.q[1]]
+
+
+def tip_row(nlp: rt.transcription.Nlp) -> int:
+    """Number of the one state path row."""
+    (row,) = (row for row in nlp.problem.phases[0].rows.of_state if row.kind is Kind.PATH)
+    return row.number
 
 
 @pytest.fixture(scope="module")
@@ -32,10 +39,10 @@ def nlp() -> rt.transcription.Nlp:
 
 def test_rows_and_states_between_points_come_last_and_read_the_polynomial(nlp: rt.transcription.Nlp) -> None:
     w = nlp.guess + 0.1 * np.random.default_rng(0).normal(size=len(nlp.guess))
-    known = guardable(nlp.problem.phases[0])
-    (variable,) = ((c, r) for c, r, _, row in known if row.variable == "q.slider")
-    (path,) = ((c, r) for c, r, _, row in known if row.variable is None)
-    more = guarded(nlp, [Guard(0, 2, *variable, 0.3), Guard(0, 1, *path, 0.7)], w)
+    known = nlp.problem.phases[0].rows.of_state
+    (variable,) = (row.number for row in known if row.variable == "q.slider")
+    path = tip_row(nlp)
+    more = with_added_rows(nlp, [AddedRow(0, 2, variable, 0.3), AddedRow(0, 1, path, 0.7)], w)
 
     x = extract(nlp, w)[0].x
     first, second = (x.breaks[k] + tau * (x.breaks[k + 1] - x.breaks[k]) for k, tau in ((2, 0.3), (1, 0.7)))
@@ -52,9 +59,9 @@ def test_rows_and_states_between_points_come_last_and_read_the_polynomial(nlp: r
     assert np.array_equal(more.scale[n:], more.scale[nlp.layouts[0].knots[0]])
 
 
-def test_derivatives_with_guards_are_those_of_finite_differences(nlp: rt.transcription.Nlp) -> None:
-    (path,) = ((c, r) for c, r, _, row in guardable(nlp.problem.phases[0]) if row.variable is None)
-    more = guarded(nlp, [Guard(0, 1, *path, 0.7)], nlp.guess)
+def test_derivatives_with_added_rows_are_those_of_finite_differences(nlp: rt.transcription.Nlp) -> None:
+    path = tip_row(nlp)
+    more = with_added_rows(nlp, [AddedRow(0, 1, path, 0.7)], nlp.guess)
     w = more.guess + 0.1 * np.random.default_rng(1).normal(size=len(more.guess))
     along = np.random.default_rng(2).normal(size=len(w))
     step = 1e-6
@@ -64,10 +71,9 @@ def test_derivatives_with_guards_are_those_of_finite_differences(nlp: rt.transcr
 
 def test_a_row_at_many_places_is_one_block(nlp: rt.transcription.Nlp) -> None:
     """A block for each would be differentiated, compiled and called one by one."""
-    known = guardable(nlp.problem.phases[0])
-    (path,) = ((c, r) for c, r, _, row in known if row.variable is None)
+    path = tip_row(nlp)
     places = [(0, 0.2), (1, 0.7), (3, 0.4), (3, 0.9)]
-    more = guarded(nlp, [Guard(0, k, *path, tau) for k, tau in places], nlp.guess)
+    more = with_added_rows(nlp, [AddedRow(0, k, path, tau) for k, tau in places], nlp.guess)
     assert [block.count for block in more.blocks[len(nlp.blocks) :]] == [len(places)]
 
     w = more.guess + 0.1 * np.random.default_rng(1).normal(size=len(more.guess))

@@ -1,0 +1,250 @@
+"""Rows that a solution violates between its collocation points.
+
+Limits are imposed at collocation points, and between these a polynomial may exceed them. Every row is read at dense
+places of every interval; a parabola through three neighbouring places locates a peak between them. Three groups of rows
+differ in what they read and in how much is allowed:
+
+- rows of the state: the polynomials of the state;
+- bounds of controls, accelerations and other algebraic variables: the variable itself;
+- path rows that depend on controls or algebraic variables: all polynomials.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.problem.rows import PhaseRow, RowTable
+from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.interval_limits.methods import limited_algebraic
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.variable import Variable
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+PLACES = np.linspace(0.0, 1.0, 49)
+"""Places of an interval that are read, its ends among them: Radau's schemes have no point at the start, Gauss's none
+at either end."""
+INNER_PLACES = (np.arange(48) + 0.5) / 48
+"""Places for rows of controls, which may jump at the ends."""
+SHARE = 1e-2
+"""Share of its limit by which a control may exceed it between collocation points before that is reported."""
+EXACT_SHARE = 1e-3
+"""The same for torques of exact motions, which are known at any time."""
+
+
+class Curve(Protocol):
+    """A vector-valued function of time on intervals, such as a ``PiecewisePolynomial``."""
+
+    @property
+    def breaks(self) -> Array:
+        """Ends of the intervals [s], (K + 1,)."""
+        ...
+
+    def __call__(self, t: Array, interval: Indices | None = None) -> Array:
+        """Evaluate at times (m,), each on its own interval where these are given, (m, n)."""
+        ...
+
+    def inside(self, tau: Array) -> Array:
+        """Evaluate every interval at the same places tau in [0, 1], (m,) -> (K, m, n)."""
+        ...
+
+
+@dataclass(frozen=True)
+class IntervalViolation:
+    """A row that a solution violates between collocation points: its worst place on one interval.
+
+    Attributes
+    ----------
+    phase, interval : int
+        Indices.
+    row : PhaseRow
+    tau : float
+        Where on the interval, in [0, 1].
+    time : float
+        [s].
+    amount : float
+        How far the value is beyond the bound, in the row's SI unit.
+    upper : bool
+        Whether the upper bound is violated.
+    """
+
+    phase: int
+    interval: int
+    row: PhaseRow
+    tau: float
+    time: float
+    amount: float
+    upper: bool
+
+    @property
+    def limit(self) -> float:
+        """The violated bound, in the row's SI unit."""
+        return self.row.upper if self.upper else self.row.lower
+
+
+def state_violations(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float) -> list[IntervalViolation]:
+    """Find rows of the state, in every interval, that are violated by more than ``allowed`` [SI unit]."""
+    rows = phase.rows.of_state
+    return _violations(
+        index, rows, _Expressions(phase.rows, rows, trajectory, None), PLACES, np.full(len(rows), allowed)
+    )
+
+
+def variable_violations(
+    phase: Phase, index: int, trajectory: PhaseTrajectory, torques: Curve | None = None
+) -> list[IntervalViolation]:
+    """Find bounds on controls and accelerations, in every interval, that are exceeded by more than a share of them.
+
+    Parameters
+    ----------
+    phase : Phase
+    index : int
+        Of the phase.
+    trajectory : PhaseTrajectory
+    torques : Curve, optional
+        Torques of the robot at any time, where they are known better than from their polynomials; their limits may be
+        exceeded by ``EXACT_SHARE``, all others by ``SHARE``.
+    """
+    curves: list[tuple[Sequence[Variable], Curve, float]] = [(limited_algebraic(phase), trajectory.z, SHARE)]
+    if torques is not None:
+        curves.append((phase.body.controls, torques, EXACT_SHARE))
+    if torques is None or phase.dae.controls != phase.body.controls:
+        curves.append((phase.dae.controls, trajectory.u, SHARE))
+    found = []
+    for variables, curve, share in curves:
+        bounds = phase.rows.bounds_of(variables)
+        rows, columns = [row for row, _ in bounds], [column for _, column in bounds]
+        allowed = share * np.array([row.size for row in rows])
+        found += _violations(index, rows, _Columns(curve, columns), PLACES, allowed)
+    return found
+
+
+def input_violations(
+    phase: Phase, index: int, trajectory: PhaseTrajectory, torques: Curve | None = None
+) -> list[IntervalViolation]:
+    """Find path rows that depend on controls or algebraic variables and are violated, in every interval.
+
+    Parameters
+    ----------
+    phase, index, trajectory, torques
+        See ``variable_violations``.
+    """
+    rows = phase.rows.of_inputs
+    controls = torques if torques is not None and phase.dae.controls == phase.body.controls else trajectory.u
+    reader = _Expressions(phase.rows, rows, trajectory, controls)
+    return _violations(index, rows, reader, INNER_PLACES, np.zeros(len(rows)))
+
+
+class _Reader(Protocol):
+    """Values of rows along a trajectory."""
+
+    @property
+    def breaks(self) -> Array: ...
+
+    def grid(self, tau: Array) -> Array:
+        """Evaluate at places of every interval, (m,) -> (K, m, rows)."""
+        ...
+
+    def at(self, times: Array, intervals: Indices) -> Array:
+        """Evaluate at times (m,), each on its own interval, (m, rows)."""
+        ...
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """Rows that are entries of one curve."""
+
+    curve: Curve
+    columns: Sequence[int]
+
+    @property
+    def breaks(self) -> Array:
+        return self.curve.breaks
+
+    def grid(self, tau: Array) -> Array:
+        return self.curve.inside(tau)[..., self.columns]
+
+    def at(self, times: Array, intervals: Indices) -> Array:
+        return self.curve(times, intervals)[:, self.columns]
+
+
+@dataclass(frozen=True)
+class _Expressions:
+    """Rows that are expressions of a trajectory; without ``controls`` of its states alone."""
+
+    table: RowTable
+    rows: Sequence[PhaseRow]
+    trajectory: PhaseTrajectory
+    controls: Curve | None
+
+    @property
+    def breaks(self) -> Array:
+        return self.trajectory.x.breaks
+
+    def grid(self, tau: Array) -> Array:
+        times = self.breaks[:-1, None] + np.diff(self.breaks)[:, None] * tau
+        x = self.trajectory.x.inside(tau).reshape(times.size, -1)
+        if self.controls is None:
+            return self._sample(times.ravel(), x).reshape(*times.shape, -1)
+        z, u = (curve.inside(tau).reshape(times.size, -1) for curve in (self.trajectory.z, self.controls))
+        return self._sample(times.ravel(), x, z, u).reshape(*times.shape, -1)
+
+    def at(self, times: Array, intervals: Indices) -> Array:
+        x = self.trajectory.x(times, intervals)
+        if self.controls is None:
+            return self._sample(times, x)
+        return self._sample(times, x, self.trajectory.z(times, intervals), self.controls(times, intervals))
+
+    def _sample(self, times: Array, x: Array, z: Array | None = None, u: Array | None = None) -> Array:
+        dae, parameters = self.table.dae, np.array(list(self.trajectory.parameters.values()))
+        z = np.zeros((len(times), len(dae.algebraic))) if z is None else z
+        u = np.zeros((len(times), len(dae.controls))) if u is None else u
+        return self.table.sample(self.rows, times, x, z, u, parameters)
+
+
+def _violations(
+    phase: int, rows: Sequence[PhaseRow], reader: _Reader, places: Array, allowed: Array
+) -> list[IntervalViolation]:
+    """Find the worst place of every row on every interval where it exceeds a bound by more than is allowed (rows,)."""
+    if not rows:
+        return []
+    lower, upper = (np.array([getattr(row, side) for row in rows]) for side in ("lower", "upper"))
+
+    starts, lengths = reader.breaks[:-1], np.diff(reader.breaks)
+    values = reader.grid(places)
+    seen = np.maximum(lower - values, values - upper)
+    worst = seen.argmax(axis=1)
+    extreme = np.take_along_axis(values, worst[:, None], axis=1)[:, 0]
+    above = extreme - upper >= lower - extreme
+    amount, place = np.take_along_axis(seen, worst[:, None], axis=1)[:, 0], places[worst]
+    inner = np.clip(worst, 1, len(places) - 2)
+    before, here, after = (np.take_along_axis(seen, (inner + i)[:, None], axis=1)[:, 0] for i in (-1, 0, 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bend = before - 2 * here + after
+        aside = 0.5 * (before - after) / bend
+        peak = here - 0.25 * (before - after) * aside
+        high = (bend < 0) & (np.abs(aside) <= 1) & (peak > np.maximum(amount, allowed))
+    k, r = np.nonzero(high)
+    if k.size:
+        tau = places[inner[k, r]] + aside[k, r] * (places[1] - places[0])
+        exact = reader.at(starts[k] + lengths[k] * tau, k)[np.arange(k.size), r]
+        exact = np.maximum(lower[r] - exact, exact - upper[r])
+        better = exact > amount[k, r]
+        k, r = k[better], r[better]
+        amount[k, r], place[k, r] = exact[better], tau[better]
+    # A knot is counted once, as the start of the interval on its right.
+    amount[:-1][place[:-1] == 1.0] = -np.inf
+    times = starts[:, None] + lengths[:, None] * place
+    found = []
+    for interval, row in np.argwhere(amount > allowed).tolist():
+        tau, time, by = (float(each[interval, row]) for each in (place, times, amount))
+        found.append(IntervalViolation(phase, interval, rows[row], tau, time, by, bool(above[interval, row])))
+    return found
