@@ -53,14 +53,14 @@ class Stepped(NamedTuple):
     step: float
 
 
-class Reference:
+class StatePolynomial:
     """The polynomial p(t) through planned states of a span.
 
     Parameters
     ----------
     span : Span
     states : ndarray (POINTS, n)
-        At ``Reference.times(span)``.
+        At ``StatePolynomial.times(span)``.
     """
 
     def __init__(self, span: Span, states: Array) -> None:
@@ -82,12 +82,12 @@ class Reference:
 _FROM_VALUES = np.linalg.inv(chebyshev.chebvander(chebyshev.chebpts2(POINTS), POINTS - 1))
 
 
-def references(driven: Driven, spans: Sequence[Span]) -> list[Reference]:
+def references(driven: Driven, spans: Sequence[Span]) -> list[StatePolynomial]:
     """Sample the planned states of several spans in one call."""
-    times = np.array([Reference.times(span) for span in spans])
+    times = np.array([StatePolynomial.times(span) for span in spans])
     intervals = np.repeat([span.interval for span in spans], POINTS)
     states = driven.states(times.ravel(), intervals).reshape(*times.shape, -1)
-    return [Reference(span, values) for span, values in zip(spans, states, strict=True)]
+    return [StatePolynomial(span, values) for span, values in zip(spans, states, strict=True)]
 
 
 def sampled(driven: Driven, spans: Sequence[Span]) -> list[Array]:
@@ -97,7 +97,14 @@ def sampled(driven: Driven, spans: Sequence[Span]) -> list[Array]:
 
 
 def pass_stiffly(
-    driven: Driven, x: Array, span: Span, reference: Reference, given: Array, step: float, rtol: float, atol: float
+    driven: Driven,
+    x: Array,
+    span: Span,
+    reference: StatePolynomial,
+    given: Array,
+    step: float,
+    rtol: float,
+    atol: float,
 ) -> Stepped:
     """Pass a span in adaptive steps.
 
@@ -142,7 +149,7 @@ def take_step(
     step: float,
     at: Array,
     plan: Array,
-    reference: Reference,
+    reference: StatePolynomial,
     rtol: float,
     atol: float,
 ) -> tuple[Array, float]:
