@@ -45,20 +45,32 @@ def variable_scale(variables: Scalars, guess: Array) -> Array:
     return np.where(size > 0, np.clip(size, LEAST, GREATEST), 1.0)[meaning]
 
 
-def fill_unknown(
-    scale: Array, blocks: Sequence[Block], linear: csr_array, variables: Scalars, rows: Scalars, guess: Array
+def rescale_controls(
+    scale: Array,
+    blocks: Sequence[Block],
+    linear: csr_array,
+    variables: Scalars,
+    rows: Scalars,
+    guess: Array,
+    controls: NDArray[np.int_],
 ) -> Array:
-    """Rescale variables whose size neither bounds nor guess tell, where SI units are far from it, (n_w,).
+    """Rescale controls whose size neither bounds nor guess tell, where SI units are far from it, (n_w,).
 
-    Such a variable gets the size at which its terms are as large as the others in some kind of row:
+    Such a control gets the size at which its terms are as large as the others in some kind of row:
 
         s_j = 1 / max_i (n_i J_ij / r_i),    r_i = max_k J_ik s_k over the variables k of known size,
 
-    where J_ij is the largest |dg/dw| of row kind i by variable j at the guess. n_i is the number of rows of a kind of
+    where J_ij is the largest |dg/dw| of row kind i by control j at the guess. n_i is the number of rows of a kind of
     defect, since a control acts over the whole phase, and 1 for other kinds. A torque that moves 1e-4 kg or 1e8 kg is
     scaled so. A size within ``PLAIN`` of the SI unit leaves the scale as it is.
+
+    Parameters
+    ----------
+    controls : ndarray of int
+        Columns of the controls.
     """
-    unknown = np.flatnonzero(~_sized(variables, guess))
+    unsized = np.flatnonzero(~_sized(variables, guess))
+    unknown = np.intersect1d(unsized, variables.meaning[controls])
     if not unknown.size:
         return scale
 
@@ -71,7 +83,7 @@ def fill_unknown(
 
     defects = np.array([entry.name == "defect" for entry in rows.entries], dtype=bool)
     count = np.where(defects, np.bincount(rows.meaning, minlength=len(defects)), 1)
-    others = largest(np.where(np.isin(variables.meaning, unknown), 0.0, scale))
+    others = largest(np.where(np.isin(variables.meaning, unsized), 0.0, scale))
     out = scale.copy()
     for kind in unknown:
         own = count * largest(np.where(variables.meaning == kind, 1.0, 0.0))

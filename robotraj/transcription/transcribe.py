@@ -37,7 +37,7 @@ from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.numbering import lay_out
-from robotraj.transcription.scaling import fill_unknown, row_scale, variable_scale
+from robotraj.transcription.scaling import rescale_controls, row_scale, variable_scale
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.table import ColumnBound, Entry, Scalars, ScalarTable
@@ -122,7 +122,9 @@ def transcribe(
         block.stage.as_tapes = engine.torques_apart
     matrix = linear.matrix(shape)
     start = start_of(problem, layouts, unknowns, variables, guess or default_guess(problem))
-    scale = fill_unknown(variable_scale(variables, start), every, matrix, variables, constraints, start)
+    scale = variable_scale(variables, start)
+    controls = np.concatenate([run.controls.ravel() for layout in layouts for run in layout.runs])
+    scale = rescale_controls(scale, every, matrix, variables, constraints, start, controls)
     return Nlp(
         problem,
         layouts,
