@@ -107,7 +107,7 @@ def curves(course: Unrolled) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        ``title``, ``symbol``, ``series`` (label, unit) and ``pieces``, one for each phase: ``t`` (m,) [s],
+        ``title``, ``symbol``, ``series`` (label, unit, variable) and ``pieces``, one for each phase: ``t`` (m,) [s],
         ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
     """
     drawn: dict[str, dict[str, Any]] = {}
@@ -121,7 +121,7 @@ def curves(course: Unrolled) -> list[dict[str, Any]]:
         limits = _limits(passage)
         times, samples = _sample(passage, min(SAMPLES, ALL_SAMPLES / number))
         for panel in panels:
-            labels = [{"label": s.label, "unit": s.unit} for s in panel.series]
+            labels = [{"label": s.label, "unit": s.unit, "variable": s.variable} for s in panel.series]
             chart = drawn.setdefault(
                 panel.title, {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []}
             )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import gzip
+import hashlib
 import html
 import json
 from importlib import resources
@@ -12,17 +13,37 @@ from typing import Any
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
-SCRIPTS = ("view.js", "contacts.js", "bars.js", "charts.js", "page.js")
+SCRIPTS = ("view.js", "contacts.js", "bars.js", "charts.js", "proof.js", "page.js")
+
+POLICY = (
+    "default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:; "
+    "connect-src data: blob:; base-uri 'none'; form-action 'none'"
+)
+"""Content-security policy: the scripts of the page itself, by hash, and nothing from anywhere else.
+
+Styles are inline, since the viewer writes some; without other sources they cannot load anything. The viewer reads its
+own meshes and textures as ``data:`` and ``blob:`` URLs.
+"""
 
 
 @dataclass(frozen=True)
 class Heading(OneLine):
-    """What the top of the page says; ``facts`` are (label, value), ``good`` colours the status."""
+    """The top of the page.
+
+    Attributes
+    ----------
+    title, subtitle : str
+    status : str
+    colour : str
+        Class of the status in the style sheet: ``"good"``, ``"unproved"`` or ``"bad"``.
+    facts : tuple of (str, str)
+        Labels and values.
+    """
 
     title: str
     subtitle: str
     status: str
-    good: bool
+    colour: str
     facts: tuple[tuple[str, str], ...]
 
 
@@ -38,20 +59,23 @@ def page(heading: Heading, description: dict[str, Any], commands: bytes | None) 
         meshcat commands from ``RecordingWindow.packed``; None leaves out the 3D view and meshcat's viewer.
     """
     text = json.dumps(description, separators=(",", ":"), allow_nan=False).encode()
+    viewer = _inline(_meshcat("dist/main.min.js")) if commands is not None else ""
+    script = _inline("\n".join(_own(name) for name in SCRIPTS))
     fields = {
         "title": html.escape(f"{heading.title} · {heading.subtitle}" if heading.subtitle else heading.title),
         "heading": html.escape(heading.title),
         "subtitle": html.escape(heading.subtitle),
         "status": html.escape(heading.status),
-        "status_class": "good" if heading.good else "bad",
+        "status_class": heading.colour,
         "facts": "".join(
             f"<div><dt>{html.escape(label)}</dt><dd>{html.escape(value)}</dd></div>" for label, value in heading.facts
         ),
         "layout": "with-view" if commands is not None else "curves-only",
         "style": _own("page.css"),
         "licences": html.escape(_licences()) if commands is not None else "",
-        "viewer": _inline(_meshcat("dist/main.min.js")) if commands is not None else "",
-        "script": _inline("\n".join(_own(name) for name in SCRIPTS)),
+        "policy": POLICY.format(hashes=" ".join(map(_hash, (viewer, script)))),
+        "viewer": viewer,
+        "script": script,
         "data": _base64(gzip.compress(text, 9, mtime=0)),
         "commands": _base64(commands) if commands is not None else "",
     }
@@ -79,6 +103,11 @@ def _licences() -> str:
 def _inline(script: str) -> str:
     """Keep a script from ending its own element early."""
     return script.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+
+
+def _hash(script: str) -> str:
+    """Source expression that allows one inline script."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}'"
 
 
 def _base64(data: bytes) -> str:

@@ -18,6 +18,7 @@ from robotraj.replay_page.contacts import held
 from robotraj.replay_page.curves import curves
 from robotraj.replay_page.footholds import contact_names
 from robotraj.replay_page.page import Heading, page
+from robotraj.replay_page.verdict import proof_data, verdict
 from robotraj.robot.root import root_of
 from robotraj.solution.gait_cycles import Unrolled, unrolled
 from robotraj.solution.solution import Solution
@@ -118,7 +119,16 @@ def page_of(
         scene = scene_of(robot, course, fps, names)
     description = {
         "speed": speed,
-        "phases": [{"name": p.name, "start": float(p.t0), "end": float(p.t0 + p.duration)} for p in course.phases],
+        "phases": [
+            {
+                "name": p.name,
+                "start": float(p.t0),
+                "end": float(p.t0 + p.duration),
+                "knots": np.round(p.knots, 6).tolist(),
+            }
+            for p in course.phases
+        ],
+        "proof": proof_data(solution),
         "charts": curves(course),
         "held": held(course) if robot is not None else [],
         "impacts": sorted({impact.t for impact in course.impacts}),
@@ -189,7 +199,6 @@ def _heading(course: Unrolled, robot: Any, title: str | None) -> Heading:
     facts = [("Duration", f"{solution.duration:.4g} s"), ("Objective", f"{solution.objective:.6g}")]
     if course.periods > 1:
         facts[0] = ("Duration", f"{course.periods} × {course.period:.4g} s")
-    if getattr(solution, "iterations", None) is not None:
-        facts.append(("Iterations", str(solution.iterations)))
-    status = str(getattr(solution.status, "value", solution.status))
-    return Heading(title or _name(first), shown, status, bool(solution.success), tuple(facts))
+    facts.append(("Iterations", str(solution.iterations)))
+    judged = verdict(solution)
+    return Heading(title or _name(first), shown, judged.text, judged.colour, tuple(facts))

@@ -41,6 +41,10 @@ class PhaseSolution:
     intervals: int = 20
 
     @property
+    def points(self) -> np.ndarray:
+        return self.knots
+
+    @property
     def knots(self) -> np.ndarray:
         return self.t0 + np.linspace(0.0, self.duration, self.intervals + 1)
 
@@ -55,9 +59,21 @@ class PhaseSolution:
 class Plan:
     phases: tuple[PhaseSolution, ...]
     success: bool = True
-    status: str = "solved"
+    status: Any = rt.solvers.Status.SOLVED
     objective: float = 12.345678
     iterations: int = 21
+    problem: str = "the problem"
+    message: str = ""
+    proof: Any = None
+    settings: Any = None
+    times: dict[str, float] = field(default_factory=dict)
+    refinement: Sequence[Any] = ()
+    continuation: Sequence[Any] = ()
+    conflicts: Sequence[Any] = ()
+    violation_list: Sequence[Any] = ()
+    interval_violations: Sequence[Any] = ()
+    control_interval_violations: Sequence[Any] = ()
+    seconds: float = 0.0
 
     @property
     def duration(self) -> float:

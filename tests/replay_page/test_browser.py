@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,9 +10,11 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
+import robotraj as rt
 from robotraj.replay_page.contacts import contact_scene
 from robotraj.replay_page.write import replay
 from robotraj.solution.gait_cycles import unrolled
+from robotraj.solution.violation import Violation
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -296,4 +299,60 @@ def test_the_camera_follows_on_demand_and_far_limits_wait(walk, browser, tmp_pat
     assert [button.get_attribute("aria-pressed") for button in buttons.all()] == ["false", "false", "true", "true"]
     buttons.first.click()
     assert buttons.first.get_attribute("aria-pressed") == "true"
+    browser.check(path)
+
+
+def test_the_proof_is_shown_and_a_violated_row_leads_to_its_time(browser, tmp_path):
+    arm = rt.load("two_link_arm")
+    phase = rt.Phase(arm, 4.0, rt.State(q=0, v=0), rt.State(q=[1, 0.5], v=0), rt.Effort(), name="reach")
+    row = Violation("reach", "effort limit", "elbow", 0.4, 2.5, "N m", 1.0, "over")
+    path = replay(replace(rt.plan(phase, mesh=rt.Mesh(6)), violation_list=(row,)), tmp_path / "page.html")
+    page = browser.open(path)
+    assert page.locator("#proof .figure.bad").inner_text() == "violated rows 1"
+    page.locator("#proof summary").click()
+    page.locator("#proof li button").first.click()
+    assert page.evaluate("() => robotraj.time()") == pytest.approx(0.4)
+    browser.check(path)
+
+
+def test_the_policy_blocks_every_source_but_the_page(block_plan, browser, tmp_path):
+    page = browser.open(replay(block_plan, tmp_path / "block.html"))
+    tries = """async () => {
+      const blocked = [];
+      document.addEventListener("securitypolicyviolation", (event) => blocked.push(event.effectiveDirective));
+      document.head.append(Object.assign(document.createElement("script"), { textContent: "window.ran = true" }));
+      document.body.append(Object.assign(new Image(), { src: "https://example.org/a.png" }));
+      await fetch("https://example.org/").catch(() => null);
+      setTimeout("window.ran = true");
+      await new Promise((done) => setTimeout(done, 200));
+      return [blocked.sort(), window.ran === undefined];
+    }"""
+    blocked, safe = page.evaluate(tries)
+    assert safe, blocked
+    assert {"script-src", "connect-src", "img-src", "script-src-elem"} <= set(blocked)
+
+
+def test_names_of_javascript_objects_are_names_like_others(browser, tmp_path):
+    names = ["__proto__", "constructor", "toString"]
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    visual = '<visual><geometry><box size="0.1 0.1 1"/></geometry></visual>'
+    links = "".join(f'<link name="{k}">{inertial}{visual}</link>' for k in range(4))
+    joints = "".join(
+        f'<joint name="{name}" type="revolute"><parent link="{k}"/><child link="{k + 1}"/><origin xyz="0 0 1"/>'
+        '<axis xyz="0 1 0"/><limit lower="-3" upper="3" velocity="9" effort="99"/></joint>'
+        for k, name in enumerate(names)
+    )
+    urdf = tmp_path / "names.urdf"
+    urdf.write_text(f'<robot name="names">{links}{joints}</robot>')
+    robot = rt.load(urdf)
+    phase = rt.Phase(robot, 2.0, rt.State(q=0, v=0), rt.State(q=0.5, v=0), rt.Effort())
+    path = replay(rt.plan(phase, mesh=rt.Mesh(6), check=False), tmp_path / "page.html")
+    page = browser.open(path)
+    page.evaluate("() => robotraj.seek(2)")
+    poses = page.evaluate("() => JSON.parse(JSON.stringify(Object.entries(robotraj.poses())))")
+    assert [name for name, _ in poses] == names
+    placement = placed(robot, np.full(3, 0.5))
+    for joint, (_, pose) in enumerate(poses, 1):
+        np.testing.assert_allclose(pose["position"], placement.oMi[joint].translation, atol=1e-3)
+    assert page.locator("#legend tbody tr").count() == 3
     browser.check(path)

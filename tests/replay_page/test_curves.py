@@ -14,7 +14,10 @@ def test_a_jump_at_a_knot_shows_both_sides(block_plan):
     piece = controls["pieces"][0]
     at_knot = [u for t, u in zip(piece["t"], piece["y"][0], strict=True) if t == 1.0]
     assert at_knot == [1.0, -1.0]
-    assert states["series"] == [{"label": "x", "unit": "m"}, {"label": "v", "unit": "m/s"}]
+    assert states["series"] == [
+        {"label": "x", "unit": "m", "variable": "x"},
+        {"label": "v", "unit": "m/s", "variable": "v"},
+    ]
     assert states["pieces"][0]["y"][0][-1] == pytest.approx(1.0)
 
 

@@ -34,9 +34,10 @@ def swing_up():
 def test_a_planned_swing_up_shows_its_motion_limits_and_ground(swing_up, tmp_path):
     path = replay(swing_up, tmp_path / "cartpole.html")
     text, data = path.read_text(), data_of(path)
-    assert '<dd class="status good">solved</dd>' in text
+    assert '<dd class="status unproved">solved; nothing was proved</dd>' in text
     assert "<h1>cartpole</h1>" in text
-    assert data["phases"] == [{"name": "swing up", "start": 0.0, "end": 2.0}]
+    knots = [round(0.2 * k, 6) for k in range(11)]
+    assert data["phases"] == [{"name": "swing up", "start": 0.0, "end": 2.0, "knots": knots}]
     assert data["scene"]["ground"] == {"level": -1.0, "surface": False}
     position, _, force = data["charts"]
     assert (position["pieces"][0]["lower"][0], position["pieces"][0]["upper"][0]) == (-2.0, 2.0)
@@ -80,6 +81,9 @@ def test_a_planned_system_has_curves_with_its_bounds(tmp_path):
     )
     solution = rt.plan(phase, mesh=rt.Mesh(10, rt.HermiteSimpson()))
     states, controls = data_of(replay(solution, tmp_path / "block.html"))["charts"]
-    assert states["series"] == [{"label": "x", "unit": "m"}, {"label": "v", "unit": "m/s"}]
+    assert states["series"] == [
+        {"label": "x", "unit": "m", "variable": "x"},
+        {"label": "v", "unit": "m/s", "variable": "v"},
+    ]
     assert (states["pieces"][0]["lower"], states["pieces"][0]["upper"]) == ([None, -3.0], [None, 3.0])
     assert (controls["pieces"][0]["lower"], controls["pieces"][0]["upper"]) == ([-1.0], [1.0])

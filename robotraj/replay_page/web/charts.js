@@ -40,8 +40,8 @@ function valueAt(chart, series, t) {
 }
 
 class Chart {
-  constructor(host, data, { phases, impacts }, state, onSeek) {
-    Object.assign(this, { data, phases, impacts, state, fit: false });
+  constructor(host, data, { phases, impacts, proof }, state, onSeek) {
+    Object.assign(this, { data, phases, impacts, violations: proof.violations, state, fit: false });
     // Limits far away would leave the curves no room: then they are shown on demand. Curves that are zero need none.
     const all = this.range();
     this.fit = true;
@@ -150,8 +150,10 @@ class Chart {
     pen.clip();
     this.drawLimits(pen);
     this.drawCurves(pen);
+    this.drawViolations(pen);
     pen.restore();
     this.drawImpacts(pen, frame);
+    this.drawKnots(pen, frame);
     this.setTime(this.time ?? this.start);
   }
 
@@ -164,6 +166,36 @@ class Chart {
       pen.fillRect(a, frame.y1, b - a, frame.y0 - frame.y1);
     });
     pen.globalAlpha = 1;
+  }
+
+  // Knots of the mesh as ticks on the time axis, as long as they can be told apart.
+  drawKnots(pen, frame) {
+    pen.strokeStyle = "#8894a2";
+    pen.lineWidth = 1;
+    for (const { knots } of this.phases) {
+      if (knots.length * 3 > this.x(knots[knots.length - 1]) - this.x(knots[0])) continue;
+      for (const t of knots) {
+        pen.beginPath();
+        pen.moveTo(this.x(t), frame.y0);
+        pen.lineTo(this.x(t), frame.y0 - 4);
+        pen.stroke();
+      }
+    }
+  }
+
+  // Violated rows: a red ring on the curve of the variable that a row bounds.
+  drawViolations(pen) {
+    pen.strokeStyle = "#c8201a";
+    pen.lineWidth = 2;
+    for (const { t, variable } of this.violations) {
+      const series = this.data.series.findIndex((s) => s.variable === variable);
+      if (series < 0 || !this.shown(series) || t === null) continue;
+      const value = valueAt(this.data, series, t);
+      if (value === null) continue;
+      pen.beginPath();
+      pen.arc(this.x(t), this.y(value), 5, 0, 2 * Math.PI);
+      pen.stroke();
+    }
   }
 
   // Impacts as dotted lines.

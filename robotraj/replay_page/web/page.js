@@ -43,6 +43,7 @@ class Player {
     const joints = labels.filter((label) => !this.data.colors[label]);
     joints.sort((a, b) => this.data.hidden.includes(a) - this.data.hidden.includes(b));
     for (const label of labels) state.colors.set(label, this.data.colors[label] || free[joints.indexOf(label) % free.length]);
+    new Proof(byId("proof"), this.data.proof, (t) => (this.play(false), this.seek(t)));
     this.bars = new Bars(byId("bars"), this.data, hold, (t) => this.seek(t));
     const host = byId("charts");
     this.charts = this.data.charts.map((chart) => new Chart(host, chart, this.data, state, (t) => this.seek(t)));

@@ -12,7 +12,7 @@ class View {
     this.replayCommands(packets);
     // An action follows seek() only once it was played; the page keeps its own clock.
     for (const action of this.viewer.animator.actions) action.play();
-    this.joints = {};
+    this.joints = Object.create(null);
     for (const [name, path] of Object.entries(scene.joints)) this.joints[name] = this.viewer.scene_tree.find(path).object;
     this.past = scene.traces.map((trace) => this.viewer.scene_tree.find([...trace.path, "<object>"]).object);
     for (const trace of scene.traces) {
@@ -224,7 +224,7 @@ class View {
     const T = MeshCat.THREE;
     this.viewer.scene.updateMatrixWorld(true);
     const back = this.viewer.scene.matrixWorld.clone().invert();
-    const result = {};
+    const result = Object.create(null);
     for (const [name, node] of Object.entries(this.joints)) {
       const [p, q, s] = [new T.Vector3(), new T.Quaternion(), new T.Vector3()];
       back.clone().multiply(node.matrixWorld).decompose(p, q, s);

@@ -1,0 +1,179 @@
+"""The proof on the page: the verdict, its figures, the violated rows, the meshes and the convergence."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from robotraj._util.printing import OneLine
+from robotraj.solvers.status import Status
+
+if TYPE_CHECKING:
+    from robotraj.solution.phase_solution import PhaseSolution
+    from robotraj.solution.solution import Solution
+    from robotraj.solution.violation import Violation
+
+Colour = Literal["good", "unproved", "bad"]
+"""Green for a proved plan, amber for a motion that was not proved, red for no motion."""
+
+Data = dict[str, object]
+"""Values that survive JSON."""
+
+LISTED = 40
+"""Largest number of violated rows on the page."""
+
+UNPROVED = (Status.NOT_PROVED, Status.TOLERANCE_NOT_REACHED)
+"""Results that satisfy the rows of their mesh, but not the goals between its points."""
+
+
+@dataclass(frozen=True)
+class Verdict(OneLine):
+    """What the page claims about a plan.
+
+    Attributes
+    ----------
+    colour : Colour
+    text : str
+        ``"proved"``, ``"solved; nothing was proved"``, ``"infeasible"`` ...
+    """
+
+    colour: Colour
+    text: str
+
+
+@dataclass(frozen=True)
+class Figure(OneLine):
+    """One measure beside its goal.
+
+    Attributes
+    ----------
+    name : str
+    value : float or None
+        None where it is infinite or not a number.
+    goal : float or None
+        The largest value that is accepted; None where there is no goal.
+    colour : Colour
+    """
+
+    name: str
+    value: float | None
+    goal: float | None
+    colour: Colour
+
+
+def verdict(solution: Solution) -> Verdict:
+    """Return the verdict: a plan is green only where its proof holds."""
+    if solution.status in UNPROVED:
+        return Verdict("unproved", solution.status.value)
+    if not solution.success:
+        return Verdict("bad", solution.status.value)
+    if solution.proof is None:
+        return Verdict("unproved", "solved; nothing was proved")
+    if solution.proof.holds:
+        return Verdict("good", "proved")
+    known = solution.proof.motion_holds
+    return Verdict("unproved", "motion proved, objective not settled" if known else "solved, not proved")
+
+
+def figures(solution: Solution) -> list[Figure]:
+    """List the measures of the proof, or of the rows where nothing was proved."""
+    proof = solution.proof
+    found = []
+    if proof is not None:
+        measures = (
+            ("error of the motion", proof.error, proof.goals.error),
+            ("excess over limits", proof.excess, proof.goals.excess),
+            ("error of the objective's integral", proof.quadrature, proof.goals.objective),
+            ("objective still to gain", proof.unsettled, proof.goals.objective),
+        )
+        found += [Figure(name, _number(v), goal, "good" if v <= goal else "unproved") for name, v, goal in measures]
+    elif solution.refinement:
+        found.append(Figure("error between knots", _number(solution.refinement[-1].error), None, "unproved"))
+    rows, between = len(solution.violation_list), _between(solution)
+    found.append(Figure("violated rows", rows, None, "bad" if rows else "good" if proof is not None else "unproved"))
+    if proof is None:
+        found.append(Figure("limits exceeded between points", len(between), None, "unproved"))
+    return found
+
+
+def proof_data(solution: Solution) -> Data:
+    """Return the page's data on the proof.
+
+    Returns
+    -------
+    dict
+        ``figures``, ``violations`` (text, time, phase, variable), ``meshes``, ``stages``, ``times`` [s], ``problem``,
+        ``settings``, ``message`` and ``conflicts``.
+    """
+    return {
+        "figures": [asdict(figure) for figure in figures(solution)],
+        "violations": [_violation(solution, v) for v in _worst_of_each_row(solution)[:LISTED]],
+        "meshes": [{name: _number(value) for name, value in asdict(step).items()} for step in solution.refinement]
+        or _given_mesh(solution),
+        "goal": None if solution.proof is None else solution.proof.goals.error,
+        "stages": [
+            f"{stage.name}: {stage.status.value}, {stage.iterations} iterations" for stage in solution.continuation
+        ],
+        "times": {name: round(seconds, 4) for name, seconds in solution.times.items()},
+        "message": solution.message,
+        "conflicts": [str(conflict) for conflict in solution.conflicts],
+        "problem": str(solution.problem),
+        "settings": "" if solution.settings is None else str(solution.settings),
+    }
+
+
+def _given_mesh(solution: Solution) -> list[Data]:
+    """Describe the only mesh of a plan that was not refined; its error was not estimated."""
+    return [
+        {
+            "intervals": sum(len(part.knots) - 1 for part in solution.phases),
+            "points": sum(len(part.points) for part in solution.phases),
+            "error": None,
+            "objective": _number(solution.objective),
+            "iterations": solution.iterations,
+            "seconds": round(solution.seconds, 4),
+        }
+    ]
+
+
+def _worst_of_each_row(solution: Solution) -> list[Violation]:
+    """Return the largest violation of each row, largest first."""
+    ranked = sorted((*solution.violation_list, *_between(solution)), key=lambda violation: -violation.relative)
+    found: dict[tuple[str, str], Violation] = {}
+    for violation in ranked:
+        found.setdefault((violation.phase, violation.label), violation)
+    return list(found.values())
+
+
+def _between(solution: Solution) -> tuple[Violation, ...]:
+    return (*solution.interval_violations, *solution.control_interval_violations)
+
+
+def _violation(solution: Solution, violation: Violation) -> Data:
+    """Describe a violated row, with the variable whose curve it is marked on."""
+    named = [part for part in solution.phases if part.phase.name == violation.phase]
+    # Phases may share a name: the violation belongs to the one that runs at its time.
+    inside = [part for part in named if part.t0 <= violation.time <= part.t0 + part.duration]
+    variables = [_variable(part, violation) for part in (inside or named)[:1]]
+    return {
+        "text": str(violation),
+        "t": _number(violation.time),
+        "phase": violation.phase,
+        "variable": variables[0] if variables else None,
+    }
+
+
+def _variable(part: PhaseSolution, violation: Violation) -> str | None:
+    """Return the variable that a violated row bounds, or the state of a violated defect; None for other rows."""
+    for row in part.phase.rows:
+        if row.name == violation.name and row.joint == violation.joint and row.variable is not None:
+            return row.variable
+    states = [state.name for state in part.phase.dae.states]
+    return violation.joint if violation.joint in states else None
+
+
+def _number(value: float) -> float | None:
+    """JSON has no infinite numbers."""
+    return float(f"{value:.6g}") if np.isfinite(value) else None
