@@ -45,8 +45,14 @@ _KINDS = {
 _CHAINS = {"JointModelSphericalZYX": (5, 4, 3), "JointModelTranslation": (0, 1, 2)}
 
 
-def tree_of(model: pin.Model) -> Tree:
-    """Copy the numbers of a model.
+def graphs_of(model: pin.Model, parametric: bool) -> Graphs:
+    """Build the graphs of a model.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+    parametric : bool
+        Whether inertias and translations are symbols (``SymbolicModel``).
 
     Raises
     ------
@@ -60,7 +66,7 @@ def tree_of(model: pin.Model) -> Tree:
         _add_parts(tree, model.names[i], model.joints[i], pin.SE3.Identity(), neutral)
     for frame in model.frames:
         tree.add_frame(frame.parentJoint, _placement(frame.placement))
-    return tree
+    return Graphs(tree, parametric)
 
 
 def _add_parts(tree: Tree, name: str, joint: pin.JointModel, placement: pin.SE3, neutral: _Numbers) -> None:

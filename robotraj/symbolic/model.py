@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -11,7 +11,10 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
-from robotraj.symbolic.joint_tree import Graphs, tree_of
+from robotraj.symbolic.joint_tree import graphs_of
+
+if TYPE_CHECKING:
+    from robotraj.symbolic._graphs import Graphs
 
 LOCAL_WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
@@ -20,7 +23,7 @@ LOCAL_WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 def _compiled_model(text: str, parametric: bool) -> Graphs:
     model = pin.Model()
     model.loadFromString(text)
-    return Graphs(tree_of(model), parametric)
+    return graphs_of(model, parametric)
 
 
 @lru_cache(maxsize=512)

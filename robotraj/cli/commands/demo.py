@@ -28,25 +28,23 @@ def demo(
 ) -> None:
     """Plan a built-in demo, prove it and write its replay as HTML into the current directory.
 
-    Without a name, list the demos and plan the first one of them that swings up, cartpole.
+    Without a name, list the demos and plan the swing-up of the cart-pole.
     """
     entry = demo_named(DEFAULT if name is None else name)
     if name is None or only_list:
-        rows = [(known.name, known.shows, known.page) for known in DEMOS.values()]
-        say_table(f"{len(rows)} demos: robotraj demo NAME", ("name", "what it shows", "page"), rows, "what it shows")
+        heads = ("name", "what it shows", "example")
+        rows = [(known.name, known.shows, known.example[:2]) for known in DEMOS.values()]
+        say_table(f"{len(rows)} demos: robotraj demo NAME writes NAME.html", heads, rows, "what it shows")
     if only_list:
         return
     from robotraj._util.paths import output_path
     from robotraj.cli.conclude import Files, conclude
-    from robotraj.guess.base import InitialGuess
-    from robotraj.planning.plan import plan
-    from robotraj.solution.solution import Solution
 
     target = html or output_path(Path(entry.page), (".html",), "the demo's page")
     say(f"{entry.name}: {entry.shows}\n")
     chosen = entry.make()
     say(f"{chosen.problem}\n")
-    known: InitialGuess | Solution | None = chosen.guess
-    for mesh in chosen.meshes:
-        known = solution = plan(chosen.problem, mesh, known, tolerance=chosen.tolerance)
+    solution = chosen.plan()
+    if chosen.analysis is not None:
+        say(f"{chosen.analysis(solution)}\n")
     conclude(solution, Files(target, save, plot, chosen.periods))

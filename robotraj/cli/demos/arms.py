@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 from robotraj.cli.demos.demo import Demo
+from robotraj.dynamics.design.length import LinkLength
+from robotraj.dynamics.design.mass import BodyMass
+from robotraj.guess.keyframes import Keyframes
+from robotraj.problem.constraints.base import AtEnd, AtStart
+from robotraj.problem.constraints.bounds import between
 from robotraj.problem.constraints.clearance import GroundClearance
+from robotraj.problem.constraints.frame_pose import FramePosition
+from robotraj.problem.constraints.path import PathConstraint
+from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.effort import Effort
 from robotraj.problem.phase import Phase
 from robotraj.problem.state import State
 from robotraj.robot.load import load
+from robotraj.transcription.interval_limits.methods import BernsteinBounds
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -24,3 +33,53 @@ def ur5() -> Demo:
         name="pick to place",
     )
     return Demo(move, (Mesh(50, HermiteSimpson()),))
+
+
+def design() -> Demo:
+    """Plan an arm and its motion together: the lengths of its links, the mass of its upper arm, and the torques."""
+    arm = load("two_link_arm")
+    rod = PathConstraint(lambda point: point.p["mass"] - point.p["upper"], 0, 0, name="rod of 1 kg/m", unit="kg")
+    carry = Phase(
+        arm,
+        duration=1.5,
+        start=State(v=0),
+        end=State(v=0),
+        objective=Effort(),
+        constraints=[
+            AtStart(FramePosition("tip", {"x": 1.1, "y": -0.5})),
+            AtEnd(FramePosition("tip", {"x": 0.6, "y": 1.2})),
+            AtStart(rod),
+        ],
+        limits=arm.limits.with_(effort=20.0, velocity=10.0),
+        parameters={"upper": between(0.3, 1.5), "mass": between(0.3, 1.5), "fore": between(0.3, 1.5)},
+        design={
+            "upper": LinkLength("shoulder", along=(1, 0, 0)),
+            "mass": BodyMass("upper_arm"),
+            "fore": LinkLength("elbow"),
+        },
+        name="carry",
+    )
+    bent = Keyframes([0, 1], [State(q=[0.5, -1.8], v=0), State(q=[1.9, -1.7], v=0)])
+    return Demo(carry, (Mesh(60),), bent)
+
+
+def tool_on_a_line() -> Demo:
+    """Draw a straight line in minimum time with the tool pointing down."""
+    down = PathConstraint(lambda point: point.frame("tool0").rotation[:2, 2], 0, 0, name="tool points down")
+    draw = Phase(
+        load("ur5"),
+        duration=(0.2, 3.0),
+        start=State(v=0),
+        end=State(v=0),
+        objective=Duration(),
+        constraints=[
+            FramePosition("tool0", {"x": 0.45, "z": 0.1}),
+            down,
+            AtStart(FramePosition("tool0", {"y": 0.3})),
+            AtEnd(FramePosition("tool0", {"y": -0.3})),
+        ],
+        name="a line in least time",
+    )
+    about = [State(q=[pan, -1.2, 1.6, -2.0, -1.57, 0.0]) for pan in (0.3, -0.8)]
+    everywhere = BernsteinBounds(controls=True)
+    return Demo(draw, (Mesh(40),), Keyframes([0, 1], about), options={"interval_limits": everywhere})

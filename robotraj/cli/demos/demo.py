@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import field
+from typing import Any
+
 from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
+from robotraj.planning.many.multistart import multistart
+from robotraj.planning.plan import plan
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.solution.solution import Solution
 from robotraj.transcription.schemes.mesh import Mesh
 
 
@@ -24,6 +31,12 @@ class Demo:
         Relative error between knots to which the last mesh is refined; None keeps the mesh.
     periods : int
         How often the page shows a gait that closes on itself.
+    starts : int
+        Random initial guesses; the best solution is kept. 0 for the one guess.
+    options : mapping
+        Further arguments of ``rt.plan``.
+    analysis : callable or None
+        Takes the solution and returns what is printed below it.
     """
 
     problem: Phase | Problem
@@ -31,3 +44,15 @@ class Demo:
     guess: InitialGuess | None = None
     tolerance: float | None = None
     periods: int = 1
+    starts: int = 0
+    options: Mapping[str, Any] = field(default_factory=dict)
+    analysis: Callable[[Solution], object] | None = None
+
+    def plan(self) -> Solution:
+        """Plan on one mesh after the other."""
+        if self.starts:
+            return multistart(self.problem, starts=self.starts, seed=0, mesh=self.meshes[-1], **self.options).best
+        known: InitialGuess | Solution | None = self.guess
+        for mesh in self.meshes:
+            known = solution = plan(self.problem, mesh, known, tolerance=self.tolerance, **self.options)
+        return solution

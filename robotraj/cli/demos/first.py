@@ -6,11 +6,14 @@ import numpy as np
 
 from robotraj.cli.demos.demo import Demo
 from robotraj.guess.keyframes import Keyframes
+from robotraj.indirect.necessary_conditions import conditions
+from robotraj.indirect.polishing import polish
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.effort import Effort
 from robotraj.problem.phase import Phase
 from robotraj.problem.state import State
 from robotraj.robot.load import load
+from robotraj.solution.solution import Solution
 from robotraj.transcription.schemes.control import ConstantControl, LinearControl
 from robotraj.transcription.schemes.lobatto import FifthDegree, HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
@@ -56,6 +59,20 @@ def cartpole() -> Demo:
         name="swing-up",
     )
     return Demo(swing_up, (Mesh(40, FifthDegree()),))
+
+
+def multistart() -> Demo:
+    """Plan the cart-pole from 20 random guesses and keep the best of the local optima."""
+    return Demo(cartpole().problem, (Mesh(40),), starts=20)
+
+
+def costates() -> Demo:
+    """Check Pontryagin's conditions of the block's motion in minimum time, and polish it to round-off."""
+
+    def analysis(solution: Solution) -> str:
+        return f"{conditions(solution)}\n\n{polish(solution)}"
+
+    return Demo(block().problem, (Mesh(10),), tolerance=1e-6, analysis=analysis)
 
 
 def acrobot() -> Demo:

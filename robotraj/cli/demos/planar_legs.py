@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj.cli.demos.demo import Demo
+from robotraj.dynamics.contacts.implicit import ImplicitContact
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.slope import Slope
 from robotraj.dynamics.terrain.steps import Steps
 from robotraj.gait import GaitTerms, Support, run, sequence, stand, walk
+from robotraj.planning.continuation import tightening
 from robotraj.problem.constraints.base import AtEnd
 from robotraj.problem.constraints.bounds import between
 from robotraj.problem.constraints.path import PathConstraint
@@ -22,9 +24,11 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.robot.load import load
+from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.schemes.control import LinearControl
 from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.schemes.radau import RadauIIA
 
 DESCENT = 0.0525
 """Angle [rad] of the slope that the compass walks down."""
@@ -53,6 +57,27 @@ def compass_walker() -> Demo:
     mirror = Mirror(legs, displacement={"q.root_x": between(0.3, 0.8), "q.root_z": None})
     gait = Problem([step], [Touchdown(0, 0, repeat=mirror)])
     return Demo(gait, (Mesh(8, LobattoIIIA(4)),), tolerance=1e-6, periods=6)
+
+
+def hopper() -> Demo:
+    """Hop half a metre forward; the solver finds when the foot stands, slips or flies.
+
+    The plan is not proved: an impact lasts one interval in it, which the simulation of a short part does not reproduce.
+    """
+    still = {"root_z": 0.5, "root_pitch": 0.0, "hip": 0.0, "leg": 0.5}
+    hop = Phase(
+        load("hopper", root="planar"),
+        duration=1.0,
+        contacts=[ImplicitContact("foot", friction=0.8, relaxation=1e-4)],
+        start=State(q=still | {"root_x": 0.0}, v=0),
+        end=State(q=still | {"root_x": 0.5}, v=0),
+        objective=Effort({"hip": 1.0, "leg": 0.01}),
+        name="hop",
+    )
+    # The first guess is a straight line without contacts: a large barrier keeps the first steps away from bounds.
+    options = {"solver": Ipopt(initial_barrier=0.1), "continuation": tightening(hop, [1.0, 0.1, 1e-2, 1e-3])}
+    # An impact is a force that lasts one interval: every interval has one collocation point, at its end.
+    return Demo(hop, (Mesh(40, RadauIIA(1)),), options=options)
 
 
 def five_link_walking() -> Demo:
