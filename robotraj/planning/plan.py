@@ -111,11 +111,12 @@ def plan(
     setting          where                                              choice
     ===============  =================================================  ==============================================
     tolerance        otherwise                                          None
-    goals            no mesh, a motor at every joint                    Goals()
+    goals            no mesh                                            Goals()
                      otherwise                                          None
-    mesh             goals                                              Mesh of 16 intervals, HermiteSimpson()
-                     tolerance                                          Mesh of 20 intervals, RadauIIA()
-                     otherwise                                          Mesh of 40 intervals, HermiteSimpson()
+    mesh             goals, a motor at every joint                      Mesh of 16 intervals, HermiteSimpson()
+                     goals, contacts                                    Mesh of 6 intervals, HermiteSimpson()
+                     goals                                              Mesh of 20 intervals, HermiteSimpson()
+                     otherwise                                          Mesh of 20 intervals, RadauIIA()
     solver           engine=Compiled()                                  Ipopt()
                      shooting or moving knots                           Ipopt()
                      contacts, closed loops, corners in the objective   Ipopt()
@@ -132,7 +133,9 @@ def plan(
                      tolerance, solver by stages                        BernsteinBounds(controls=True, states=False)
                      robots, solver by stages                           BernsteinBounds()
                      otherwise                                          ConstraintGeneration()
-    refinement       tolerance                                          SplitOrRaise()
+    refinement       goals, a motor at every joint                      Equidistribute(second=3.0)
+                     goals                                              Equidistribute()
+                     tolerance                                          SplitOrRaise()
                      otherwise                                          None
     restarts         contacts                                           Restarts(count=0)
                      otherwise                                          Restarts()

@@ -34,6 +34,8 @@ from robotraj.transcription.nlp import Nlp
 LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
 """Ends from which another beginning may lead away."""
 
+WHENCE = ", from a "
+"""What separates the message of a solver from the beginning that led to its solution."""
 
 Solve = Callable[[Problem, InitialGuess | Solution | None], Solution]
 """(problem, guess) -> Solution, on the same mesh."""
@@ -87,7 +89,7 @@ def restarted(
         if attempt.status is Status.INTERRUPTED:
             return replace(failed, status=Status.INTERRUPTED, times=spent, iterations=iterations)
         if attempt.success and whence:
-            return replace(attempt, message=f"{attempt.message}, {whence}", times=spent, iterations=iterations)
+            return replace(attempt, message=attempt.message + WHENCE + whence, times=spent, iterations=iterations)
     return replace(failed, times=spent, iterations=iterations)
 
 
@@ -108,9 +110,9 @@ def _from_elsewhere(
         return
     for seed in seeds:
         found = solve(problem, Perturbed(default_guess(problem), (seed,)))
-        yield found, "from a variation of the default guess, which led nowhere"
+        yield found, "variation of the default guess, which led nowhere"
     if motion is not None and not conflicts:
-        yield solve(problem, motion), "from a motion that meets every row on a coarse mesh"
+        yield solve(problem, motion), "motion that meets every row on a coarse mesh"
 
 
 def _from_longer(
@@ -146,7 +148,7 @@ def _whence(nlp: Nlp, free: list[bool], durations: tuple[float, ...], found: Sol
     chosen = [i for i, is_free in enumerate(free) if is_free]
     seconds = " and ".join(f"{durations[i]:.3g} s" for i in chosen)
     short = sum(found.phases[i].duration - _duration(nlp, i, 1.0) for i in chosen) > 0
-    return f"from a motion of {seconds}: the guess {'was too short' if short else 'led nowhere'}"
+    return f"motion of {seconds}: the guess {'was too short' if short else 'led nowhere'}"
 
 
 def _duration(nlp: Nlp, index: int, times: float) -> float:

@@ -18,7 +18,7 @@ from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.native.engines.native import Native
 from robotraj.planning import conditions as when
 from robotraj.planning.conditions import Case, Condition
-from robotraj.planning.proving.first_mesh import COARSE, graded
+from robotraj.planning.proving.first_mesh import COARSE, STEP, SYSTEM, graded
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts as Restarts
@@ -27,6 +27,7 @@ from robotraj.solvers.base import Solver
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
+from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.refinement.orders import SplitOrRaise
 from robotraj.transcription.refinement.strategy import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
@@ -68,11 +69,12 @@ def _rule(setting: str, *conditions_choice_reason: Any) -> Rule:
 
 RULES: tuple[Rule, ...] = (
     _rule("tolerance", when.ALWAYS, None, "none given"),
-    _rule("goals", when.OPEN_MESH, when.EXACT, Goals(), "inverse dynamics leaves limits and costs to measure"),
-    _rule("goals", when.ALWAYS, None, "a mesh or a tolerance is given, or the robot lacks motors"),
-    _rule("mesh", when.PROVED, graded(COARSE), "a coarse mesh finds the course of the motion"),
-    _rule("mesh", when.TOLERANCE, Mesh(20, RadauIIA(3)), "a coarse mesh that refinement starts from"),
-    _rule("mesh", when.ALWAYS, Mesh(), "accurate enough to look at a motion"),
+    _rule("goals", when.OPEN_MESH, Goals(), "a plan is proved between its points where no mesh is given"),
+    _rule("goals", when.ALWAYS, None, "a mesh or a tolerance is given"),
+    _rule("mesh", when.PROVED, when.EXACT, graded(COARSE), "a coarse mesh finds the course of the motion"),
+    _rule("mesh", when.PROVED, when.CONTACTS, Mesh(STEP), "a coarse mesh finds the course of a step"),
+    _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh finds the course of the motion"),
+    _rule("mesh", when.ALWAYS, Mesh(20, RadauIIA(3)), "a coarse mesh that refinement starts from"),
     _rule("solver", when.COMPILED, Ipopt(), "the engine keeps the functions that IPOPT calls"),
     _rule("solver", when.NO_STAGES, Ipopt(), "shooting and moving knots have no form in stages"),
     _rule("solver", when.AUGMENTED, Ipopt(), "the other solver stalls more often with contacts and corners"),
@@ -124,6 +126,8 @@ RULES: tuple[Rule, ...] = (
         ConstraintGeneration(),
         "rows are imposed only where a solution violates them, so the optimum stays",
     ),
+    _rule("refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective is left to settle"),
+    _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme leads straight to the mesh needed"),
     _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),
     _rule("refinement", when.ALWAYS, None, "no tolerance, so the mesh stays"),
     _rule("restarts", when.CONTACTS, Restarts(0), "other beginnings seldom help with contacts, and take long"),
@@ -168,8 +172,11 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
             case = Case(problem, values)
             rule = next(rule for rule in RULES if rule.setting == name and rule.holds(case))
             values[name], reasons[name] = rule.choice, rule.reason
-    if values["refinement"] is not None and values["tolerance"] is None:
-        raise InputError("refinement= chooses how meshes are refined until a tolerance holds; give tolerance= as well.")
+    if values["refinement"] is not None and values["tolerance"] is None and values["goals"] is None:
+        raise InputError(
+            "refinement= chooses how meshes are refined, but a mesh given alone stays as it is; "
+            "give tolerance= or goals= as well."
+        )
     return Settings(**values, reasons={name: reasons[name] for name in SETTINGS})
 
 

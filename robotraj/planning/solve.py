@@ -40,6 +40,7 @@ from robotraj.transcription.interval_limits.interval_violations import (
 from robotraj.transcription.interval_limits.margins import Margins, with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.refinement.path_violations import row_size
 from robotraj.transcription.reuse import transcribed_again
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
@@ -207,8 +208,9 @@ def _is_reduced(nlp: Nlp, violation: IntervalViolation) -> bool:
 def _reported(solution: Solution, found: IntervalViolation) -> Violation:
     row, phase = found.row, solution.phases[found.phase].phase
     side: Side = "off" if row.is_equality else "over" if found.upper else "under"
-    size = 1.0 + row.size
-    return Violation(phase.name, row.name, row.joint, found.time, found.amount, row.unit, found.limit, side, size)
+    return Violation(
+        phase.name, row.name, row.joint, found.time, found.amount, row.unit, found.limit, side, row_size(row)
+    )
 
 
 def _known_rows(

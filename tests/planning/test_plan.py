@@ -46,7 +46,7 @@ def cartpole() -> rt.Phase:
 
 
 def test_a_good_plan_is_solved_and_breaks_nothing() -> None:
-    solution = rt.plan(move(), solver=rt.Ipopt())
+    solution = rt.plan(move(), rt.Mesh(), solver=rt.Ipopt())
     assert solution.success and solution.status is rt.solvers.Status.SOLVED
     assert solution.violations() == ()
     assert solution.duration == solution.objective == pytest.approx(2 * np.sqrt(10), abs=1e-5)
@@ -105,7 +105,7 @@ def test_the_time_limit_keeps_the_iterate() -> None:
 
 def test_a_failed_plan_can_be_continued() -> None:
     stopped = rt.plan(cartpole(), solver=rt.Ipopt(max_iterations=8), check=False)
-    assert rt.plan(cartpole(), guess=stopped).objective == pytest.approx(58.8076, abs=1e-4)
+    assert rt.plan(cartpole(), rt.Mesh(), guess=stopped).objective == pytest.approx(58.8076, abs=1e-4)
 
 
 def test_an_expression_that_gives_nan_is_reported_as_such() -> None:
@@ -188,7 +188,7 @@ def test_ctrl_c_between_rounds_keeps_what_the_last_one_found(monkeypatch: pytest
 )
 def test_ctrl_c_between_stages_keeps_what_the_last_one_found(second: list[rt.planning.ContinuationStep]) -> None:
     first = rt.planning.ContinuationStep(mesh=rt.Mesh(10), solver=rt.Ipopt())
-    solution = rt.plan(cartpole(), solver=Pressed(), continuation=[first, *second], check=False)
+    solution = rt.plan(cartpole(), rt.Mesh(), solver=Pressed(), continuation=[first, *second], check=False)
     assert solution.status is rt.solvers.Status.INTERRUPTED
     assert [record.status for record in solution.continuation] == [rt.solvers.Status.SOLVED]
     assert solution.objective == rt.plan(cartpole(), rt.Mesh(10), solver=rt.Ipopt()).objective

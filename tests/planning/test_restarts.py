@@ -28,7 +28,7 @@ def oscillator(start: float, duration: Any = (0.1, 40.0), **changes: Any) -> rt.
 @pytest.mark.parametrize("solver", [rt.InteriorPoint(), rt.Ipopt()], ids=["interior point", "ipopt"])
 def test_the_bang_bang_oscillator(halves: int, solver: rt.solvers.Solver) -> None:
     # From 2 m, m a whole number, half circles about -1 and 1 lead home: m pi seconds.
-    solution = rt.plan(oscillator(2.0 * halves), solver=solver)
+    solution = rt.plan(oscillator(2.0 * halves), rt.Mesh(), solver=solver)
     assert solution.duration == pytest.approx(halves * np.pi, rel=1e-2)
 
 
@@ -39,25 +39,35 @@ def test_refined_from_there() -> None:
     assert rt.validate(solution).passed
 
 
-def test_the_triple_integrator() -> None:
+def triple_integrator() -> rt.Phase:
     states = ["a", "b", "c"]
     system = rt.System(states, ["u"], lambda point: [point.x["b"], point.x["c"], point.u["u"]])
     start, end = rt.State([5, 1, -1]), rt.State([0, 0, 0])
-    solution = rt.plan(rt.Phase(system, (0.1, 50), start, end, rt.Duration(), controls=FORCE))
+    return rt.Phase(system, (0.1, 50), start, end, rt.Duration(), controls=FORCE)
+
+
+def test_the_triple_integrator() -> None:
+    solution = rt.plan(triple_integrator(), rt.Mesh())
     assert solution.duration == pytest.approx(5.540681, abs=1e-4)
     assert "the guess was too short" in solution.message
 
 
 def test_what_it_took_is_counted() -> None:
-    solution = rt.plan(oscillator(5.0))
-    again = rt.plan(solution.problem, guess=solution)
+    solution = rt.plan(oscillator(5.0), rt.Mesh())
+    again = rt.plan(solution.problem, rt.Mesh(), guess=solution)
     assert "from a motion of" in solution.message and "from a motion of" not in again.message
     assert solution.iterations > 3 * again.iterations
 
 
+def test_a_plan_on_several_meshes_names_the_beginning_that_led_to_it() -> None:
+    solution = rt.plan(triple_integrator())
+    assert solution.proof is not None and solution.proof.holds
+    assert len(solution.refinement) > 1 and "the guess was too short" in solution.message
+
+
 def test_an_earlier_solution_that_leads_nowhere_is_left() -> None:
-    near = rt.plan(oscillator(2.0))
-    far = rt.plan(near.problem.with_(start=rt.State([5, 0])), guess=near)
+    near = rt.plan(oscillator(2.0), rt.Mesh())
+    far = rt.plan(near.problem.with_(start=rt.State([5, 0])), rt.Mesh(), guess=near)
     assert far.duration == pytest.approx(7.93741, abs=5e-3)
 
 
@@ -94,9 +104,9 @@ def too_far() -> rt.Phase:
 
 def test_what_was_tried_in_vain_is_counted() -> None:
     problem = Problem([too_far()])
-    given = {"solver": rt.Ipopt(), "restarts": rt.planning.Restarts(0)}
+    given = {"mesh": rt.Mesh(), "solver": rt.Ipopt(), "restarts": rt.planning.Restarts(0)}
     once = solve(problem, None, resolve(problem, given))
-    solution = rt.plan(too_far(), solver=rt.Ipopt(), check=False)
+    solution = rt.plan(too_far(), rt.Mesh(), solver=rt.Ipopt(), check=False)
     assert solution.status is once.status is Status.INFEASIBLE
     # Motions of three and nine times 0.55 s, no longer than 3 s, and two variations.
     assert solution.iterations > 3 * once.iterations and solution.times["solve"] > 2 * once.times["solve"]
@@ -104,7 +114,7 @@ def test_what_was_tried_in_vain_is_counted() -> None:
 
 
 def test_a_guess_that_was_long_enough_is_not_called_short() -> None:
-    solution = rt.plan(oscillator(5.0), guess=rt.guess.StraightLine(30.0))
+    solution = rt.plan(oscillator(5.0), rt.Mesh(), guess=rt.guess.StraightLine(30.0))
     assert solution.duration < 8.0 and solution.message.endswith("from a motion of 40 s: the guess led nowhere")
 
 

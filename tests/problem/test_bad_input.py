@@ -653,8 +653,8 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         rt.InputError,
         ["refinement=", "rt.refinement.SplitOrRaise()", "3"],
     ),
-    "refinement without a tolerance": (
-        lambda: rt.plan(block(), refinement=rt.refinement.SplitOrRaise()),
+    "refinement of a mesh given alone": (
+        lambda: rt.plan(block(), rt.Mesh(5), refinement=rt.refinement.SplitOrRaise()),
         rt.InputError,
         ["refinement=", "tolerance="],
     ),

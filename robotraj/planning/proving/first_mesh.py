@@ -9,8 +9,10 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 COARSE = 16
 """Intervals of the first mesh: it finds the course of the motion, and what a finer one gains is measured against it."""
-FINE = 48
-"""Intervals of the second mesh."""
+SYSTEM = 20
+"""The same for systems and robots without a motor at every joint."""
+STEP = 6
+"""The same for every phase with contacts, most of which are short."""
 CROWDING = 0.8
 """How far the knots are drawn to the ends, from 0 for equal intervals to 1."""
 

@@ -1,21 +1,19 @@
 """Plan until the plan is proved: solve, measure between the points, and go straight to what is missing.
 
-A first, coarse mesh finds the course of the motion, a second one its optimum. What the second gained tells by the
-order of the scheme what a third would. Limits of torques that the motion exceeds between the points are lowered there
-by the excess, on the same mesh.
+A first, coarse mesh finds the course of the motion, a second one its optimum. The order of the scheme predicts from the
+errors of the intervals, and from what the objective changed by, which mesh is needed. Limits of torques that an exact
+motion exceeds between the points are lowered there by the excess, on the same mesh.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from robotraj.guess.base import InitialGuess
-from robotraj.planning.proving.first_mesh import FINE, graded
+from robotraj.planning.proving.measures import Measured, measured
+from robotraj.planning.restarts import WHENCE
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
-from robotraj.solution.proof import Proof
 from robotraj.solution.records import MeshStep, added_times
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
@@ -23,8 +21,7 @@ from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.interval_violations import variable_violations
 from robotraj.transcription.interval_limits.margins import LimitedInterval, Margins
-from robotraj.transcription.refinement.assess import broken_rows, errors_of
-from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
+from robotraj.transcription.refinement.equidistribution import Equidistribute, evenly_finer
 from robotraj.transcription.schemes.mesh import Mesh
 
 MOST_MESHES = 4
@@ -33,16 +30,12 @@ PATIENCE = 200
 """Iterations of a solve that may improve an objective and nothing else."""
 MOST_MARGINS = 4
 """Times that limits are lowered on one mesh."""
-FINEST = 160
-"""Intervals of a phase beyond which a mesh is not refined."""
-LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
-"""How many times as many intervals the next mesh has."""
-ORDER = 2.0
-"""Power of the number of intervals by which the objective nears its optimum where limits are active."""
+LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
+"""Ends of a solve after which no other mesh is tried."""
+SECOND = 1.5
+"""Growth from a first mesh that could not be solved to the second one."""
 MORE = 1.1
 """Margins are this many times the excess: what they change moves the motion, and its excess with it."""
-SMALL = 1e-2
-"""Objectives below this settle to the goal times this, not to the goal times themselves."""
 
 
 def prove(
@@ -69,8 +62,10 @@ class _Refining:
         self.steps: list[MeshStep] = []
         self.times: dict[str, float] = {}
         self.iterations = 0
-        self.known: tuple[int, float] | None = None
-        """Intervals and true objective of the mesh before."""
+        self.whence = ""
+        """The beginning that led to a solution, where the guess did not."""
+        self.measures: Measured | None = None
+        """Of the best solution so far."""
 
     def plan(self, guess: InitialGuess | Solution | None) -> Solution:
         """Solve on one mesh after the other."""
@@ -88,13 +83,25 @@ class _Refining:
                 return self._concluded(replace(self.best or last, status=Status.INTERRUPTED))
             if last.success:
                 self.best = last = self._measured(last)
-            elif not first:
+            elif not first or last.status in LIMITS_OF_THE_USER:
                 break
-            count = max(mesh.count for mesh in meshes)
-            if count >= FINEST or (not first and last.proof is not None and last.proof.holds):
+            if not first and last.proof is not None and last.proof.holds:
                 break
-            meshes = (graded(max(FINE, count) if first else self._next(count)),) * len(meshes)
+            finer = self._finer(meshes, first)
+            if finer == meshes:
+                break
+            meshes = finer
         return self._concluded(self.best or last)
+
+    def _finer(self, meshes: tuple[Mesh, ...], first: bool) -> tuple[Mesh, ...]:
+        """Return the next meshes: of the same knots, more closely, where there is nothing to measure."""
+        refinement = self.settings.refinement
+        assert refinement is not None
+        second = refinement.second if isinstance(refinement, Equidistribute) else SECOND
+        if self.best is None or self.measures is None:
+            return tuple(evenly_finer(mesh, second) for mesh in meshes)
+        growth = max(second if first else 1.0, self.measures.growth)
+        return self.measures.next_meshes(self.best.phases, refinement, growth)
 
     def _on(self, meshes: tuple[Mesh, ...], start: InitialGuess | Solution | None, first: bool) -> Solution:
         """Solve on meshes; where torques exceed their limits between the points, lower the limits there.
@@ -108,7 +115,8 @@ class _Refining:
             # The motion is known by now, and only its objective is left to settle.
             settings = replace(settings, solver=settings.solver.at_most(PATIENCE), restarts=Restarts(0))
         if first:
-            return self._solve(start, replace(settings, restarts=Restarts(0)), {})
+            plain = replace(settings.interval_limits, rounds=0)
+            return self._solve(start, replace(settings, restarts=Restarts(0), interval_limits=plain), {})
         found = self._solve(start, settings, {})
         nearby = replace(settings, solver=settings.solver.from_nearby(), restarts=Restarts(0))
         margins: dict[LimitedInterval, float] = {}
@@ -129,46 +137,33 @@ class _Refining:
         found = solve(self.problem, start, settings, self.progress, margins=margins)
         self.times = added_times(self.times, found.times)
         self.iterations += found.iterations
+        _, _, whence = found.message.partition(WHENCE)
+        self.whence = whence or self.whence
         return found
 
     def _measured(self, solution: Solution) -> Solution:
         """Measure between the points, and what a finer mesh may gain."""
-        parts = solution.phases
-        count = max(part.mesh.count for part in parts)
-        left = [quadrature_errors(p.phase, p.trajectory, p.mesh.schemes, p.torques) for p in parts]
-        true = solution.objective - float(sum(errors.sum() for errors in left))
-        size = max(abs(true), SMALL)
-        unsettled = np.inf
-        if self.known is not None:
-            before, objective = self.known
-            unsettled = abs(objective - true) / size / ((count / before) ** ORDER - 1.0)
-        self.known = count, true
-        broken = [v.relative for v in (*solution.interval_violations, *solution.control_interval_violations)]
-        broken += [float(broken_rows(p.phase, p.trajectory, p.torques).max()) for p in parts]
-        proof = Proof(
-            max(float(errors_of(p.phase, p.trajectory, p.mesh).max()) for p in parts),
-            max(0.0, *broken),
-            abs(solution.objective - true) / size,
-            unsettled,
-            self.goals,
-        )
+        self.measures = measured(solution, self.measures, self.goals)
+        proof, parts = self.measures.proof, solution.phases
         points = sum(len(part.points) for part in parts)
         intervals = sum(part.mesh.count for part in parts)
         step = MeshStep(intervals, points, proof.error, solution.objective, solution.iterations, solution.seconds)
         self.steps.append(step)
         return replace(solution, proof=proof)
 
-    def _next(self, count: int) -> int:
-        """Intervals with which the objective should be settled."""
-        proof = self.best.proof if self.best is not None else None
-        left = np.inf if proof is None else max(proof.quadrature, proof.unsettled) / self.goals.objective
-        growth = np.clip(MORE * left ** (1.0 / ORDER), LEAST_GROWTH, MOST_GROWTH) if np.isfinite(left) else LEAST_GROWTH
-        return min(FINEST, int(np.ceil(growth * count)))
-
     def _concluded(self, solution: Solution) -> Solution:
         """Say how the whole plan ended: a motion beyond its limits is no success, an early optimum is one."""
         status = solution.status
         if status is Status.SOLVED and (solution.proof is None or not solution.proof.motion_holds):
             status = Status.NOT_PROVED
-        history = tuple(self.steps)
-        return replace(solution, status=status, refinement=history, times=self.times, iterations=self.iterations)
+        message = solution.message
+        if self.whence and WHENCE not in message:
+            message += WHENCE + self.whence
+        return replace(
+            solution,
+            status=status,
+            message=message,
+            refinement=tuple(self.steps),
+            times=self.times,
+            iterations=self.iterations,
+        )

@@ -1,6 +1,7 @@
 """Refinement: the error between knots, and the next mesh."""
 
 from .assess import assess, errors_of
+from .equidistribution import Equidistribute
 from .error import interval_errors, state_errors
 from .integrals import integral_errors
 from .orders import RaiseOrder, SplitOrRaise
@@ -8,6 +9,7 @@ from .strategy import Assessment, Refinement, SplitAndMerge
 
 __all__ = [
     "Assessment",
+    "Equidistribute",
     "RaiseOrder",
     "Refinement",
     "SplitAndMerge",

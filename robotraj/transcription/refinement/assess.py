@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from robotraj._util.polynomials import basis
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.interval_limits.interval_violations import Curve, input_violations
 from robotraj.transcription.refinement.error import interval_errors
 from robotraj.transcription.refinement.integrals import integral_errors
+from robotraj.transcription.refinement.path_violations import broken_rows
 from robotraj.transcription.refinement.strategy import Assessment
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
@@ -82,28 +82,6 @@ def _coarse(trajectory: PhaseTrajectory, moving: bool) -> Array:
             carried = basis(sites[here], tau)[0] @ values[here]
             missed[there] = max(missed[there], np.max(np.abs(carried - own[there]) / span))
     return np.asarray(lengths * missed**2)
-
-
-def broken_rows(phase: Phase, trajectory: PhaseTrajectory, torques: Curve | None = None) -> Array:
-    """Measure between the nodes the path rows that read more than the state; those of states alone are imposed there.
-
-    Parameters
-    ----------
-    phase : Phase
-    trajectory : PhaseTrajectory
-    torques : Curve, optional
-        Torques at any time, where they are known better than from their polynomials.
-
-    Returns
-    -------
-    ndarray (K,)
-        Largest excess over a bound on every interval, relative to 1 + |bound|; 0 where all rows hold.
-    """
-    excess = np.zeros(len(trajectory.x.values))
-    for violation in input_violations(phase, 0, trajectory, torques):
-        relative = violation.amount / (1.0 + abs(violation.limit))
-        excess[violation.interval] = max(excess[violation.interval], relative)
-    return excess
 
 
 def _decays(trajectory: PhaseTrajectory) -> Array:

@@ -47,6 +47,8 @@ class Assessment:
         What the controls' shape may cost: duration of the interval times the square of how far a neighbour's control,
         carried on, would miss its own. Read where the control is no part of the residual: of one-step schemes, and of
         collocation with constants or lines for controls.
+    growth : float
+        Least factor by which the number of intervals grows, so that the objective settles.
     """
 
     errors: Array
@@ -55,6 +57,7 @@ class Assessment:
     broken: Array
     settled: bool
     coarse: Array
+    growth: float = 1.0
 
 
 class Refinement(OneLine, ABC):
@@ -129,7 +132,7 @@ class SplitAndMerge(Refinement):
         """Parts that an interval of this error should be cut into."""
         if error <= tolerance:
             return 1
-        return int(np.clip(np.ceil((2 * error / tolerance) ** (1 / _exponent(scheme))), 2, self.most))
+        return int(np.clip(np.ceil((2 * error / tolerance) ** (1 / error_order(scheme))), 2, self.most))
 
     def _mergeable(
         self, parts: NDArray[np.int_], assessment: Assessment, schemes: tuple[Scheme, ...], k: int, tolerance: float
@@ -139,7 +142,7 @@ class SplitAndMerge(Refinement):
             return False
         if isinstance(schemes[k], OneStep) or _coarsely_controlled(schemes[k]):
             return False
-        merged = assessment.errors[k : k + 2].max() * 2.0 ** _exponent(schemes[k])
+        merged = assessment.errors[k : k + 2].max() * 2.0 ** error_order(schemes[k])
         return bool(merged < 0.01 * tolerance and assessment.jumps[k : k + 2].max() < 0.1 * self.jump)
 
 
@@ -174,8 +177,8 @@ def _tightened(scheme: Scheme, tolerance: float) -> Scheme:
     return replace(scheme, integrator=replace(scheme.integrator, tolerance=asked))
 
 
-def _exponent(scheme: Scheme) -> int:
-    """Power of the interval's length with which the residual's integral falls."""
+def error_order(scheme: Scheme) -> int:
+    """Return the power of an interval's length with which the integral of its residual falls."""
     if isinstance(scheme, Shooting):
         # Cubic pieces, one for each substep; adaptive integrators stand for one polynomial of their degree.
         return 4 if scheme.order else scheme.degree + 1

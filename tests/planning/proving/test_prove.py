@@ -57,3 +57,56 @@ def test_graded_meshes_are_symmetric_and_crowd_at_both_ends() -> None:
     lengths = np.diff(graded(16).knots)
     assert lengths == pytest.approx(lengths[::-1], rel=1e-9)
     assert lengths[0] < 0.5 * lengths[8]
+
+
+def cartpole(effort: float = np.inf) -> rt.Phase:
+    robot = rt.load("cartpole")
+    start, end = rt.State(q=[0, 0], v=0), rt.State(q=[1, np.pi], v=0)
+    return rt.Phase(robot, 2.0, start, end, rt.Effort(), limits=robot.limits.with_(effort=effort))
+
+
+@pytest.mark.parametrize(("effort", "optimum"), [(np.inf, 58.80767), (12.0, None)])
+def test_a_robot_with_too_few_motors_is_proved(effort: float, optimum: float | None) -> None:
+    solution = rt.plan(cartpole(effort))
+    assert solution.success and solution.proof is not None and solution.proof.holds
+    assert 0.0 < solution.proof.error <= 1e-4
+    assert len(solution.refinement) <= 4
+    if optimum is not None:
+        assert solution.objective == pytest.approx(optimum, rel=1e-3)
+    assert np.abs(solution.at(np.linspace(0, 2, 5001)).tau).max() <= effort * (1 + 1e-3)
+    assert rt.validate(solution).passed
+
+
+def test_a_system_is_proved_and_its_switching_force_keeps_its_limit() -> None:
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    push = rt.Phase(
+        block, (0.1, 20), rt.State([0, 0]), rt.State([10, 0]), rt.Duration(), controls={"u": rt.between(-1, 1)}
+    )
+    solution = rt.plan(push)
+    assert solution.proof is not None and solution.proof.holds and solution.success
+    assert solution.duration == pytest.approx(2 * np.sqrt(10), rel=1e-3)
+    assert np.abs(solution.at(np.linspace(0, solution.duration, 5001)).u["u"]).max() <= 1 + 1e-3
+
+
+def test_phases_in_a_row_are_proved_together() -> None:
+    there = cartpole(20.0).with_(name="there")
+    on = there.with_(name="on", start=None, end=rt.State(q=[0, np.pi], v=0), duration=1.5)
+    solution = rt.plan(rt.Problem([there, on], [rt.Continuity(0, 1)]))
+    assert solution.proof is not None and solution.proof.holds
+    assert rt.validate(solution).passed
+
+
+def test_a_step_is_proved() -> None:
+    robot = rt.load("five_link", root="planar")
+    foot = rt.PointContact("left_foot", friction=0.6)
+    solution = rt.plan(rt.gait.walk(robot, step_length=0.5, duration=0.7, contact=foot, clearance=0.05))
+    assert solution.proof is not None and solution.proof.holds
+    assert rt.validate(solution).passed
+
+
+def test_a_goal_that_no_mesh_reaches_is_not_proved_and_the_plan_is_kept() -> None:
+    with pytest.raises(rt.NoSolutionFound, match="error of the motion") as caught:
+        rt.plan(cartpole(), goals=rt.solution.Goals(error=1e-14))
+    kept = caught.value.solution
+    assert kept.status is rt.solvers.Status.NOT_PROVED and kept.proof is not None
+    assert "allowed 1e-14" in str(kept) and kept.objective == pytest.approx(58.80767, rel=1e-3)

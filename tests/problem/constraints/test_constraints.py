@@ -86,8 +86,8 @@ def test_clearance_keeps_the_tip_above_a_slope_and_a_bump() -> None:
             return min(float(p[2] - height(p[0], p[1])) for p in poses)
 
         # The way below the shoulder, which only the ground forbids, is one of several optima; IPOPT takes it.
-        assert least(rt.plan(free, solver=rt.Ipopt())) < 0.0
-        assert least(rt.plan(held, solver=rt.Ipopt())) >= 0.05 - 1e-6
+        assert least(rt.plan(free, rt.Mesh(), solver=rt.Ipopt())) < 0.0
+        assert least(rt.plan(held, rt.Mesh(), solver=rt.Ipopt())) >= 0.05 - 1e-6
 
 
 def test_frame_position_holds_at_the_end_alone() -> None:

@@ -1,0 +1,95 @@
+"""Measures of a plan between its collocation points, and the next meshes that follow from them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.proof import Goals, Proof
+from robotraj.solution.solution import Solution
+from robotraj.transcription.refinement.assess import errors_of
+from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
+from robotraj.transcription.refinement.path_violations import broken_rows
+from robotraj.transcription.refinement.strategy import Assessment, Refinement
+from robotraj.transcription.schemes.mesh import Mesh
+
+Array = NDArray[np.float64]
+
+ORDER = 2.0
+"""Power of the number of intervals by which the objective nears its optimum where limits are active."""
+SMALL = 1e-2
+"""Objectives below this settle to the goal times this, not to the goal times themselves."""
+LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
+"""How many times as many intervals the next mesh has, for the sake of the objective."""
+SAFETY = 1.1
+"""Factor on the growth that the order of the objective predicts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """A proof with what the next mesh needs of it.
+
+    Attributes
+    ----------
+    proof : Proof
+    objective : float
+        Value of the objective along the motion, its integrals by Gauss's rule.
+    intervals : int
+        Of the phase with most intervals.
+    errors, broken : tuple of ndarray
+        For each phase: relative error and relative violation of path rows of every interval, (K,).
+    """
+
+    proof: Proof
+    objective: float
+    intervals: int
+    errors: tuple[Array, ...]
+    broken: tuple[Array, ...]
+
+    def next_meshes(self, parts: Sequence[PhaseSolution], refinement: Refinement, growth: float) -> tuple[Mesh, ...]:
+        """Refine the mesh of every phase so that the goals should hold, by at least ``growth``."""
+        seen = zip(parts, self.errors, self.broken, strict=True)
+        return tuple(
+            refinement.refine(part.mesh, _assessment(errors, broken, growth), self.proof.goals.error)
+            for part, errors, broken in seen
+        )
+
+    @property
+    def growth(self) -> float:
+        """Factor by which the number of intervals must grow for the objective to settle; 1 where it has settled."""
+        proof = self.proof
+        left = max(proof.quadrature, proof.unsettled) / proof.goals.objective
+        if left <= 1.0:
+            return 1.0
+        if not np.isfinite(left):
+            return LEAST_GROWTH
+        return float(np.clip(SAFETY * left ** (1.0 / ORDER), LEAST_GROWTH, MOST_GROWTH))
+
+
+def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measured:
+    """Measure a solution between its collocation points, and its objective against that of the mesh before."""
+    parts = solution.phases
+    count = max(part.mesh.count for part in parts)
+    left = [quadrature_errors(p.phase, p.trajectory, p.mesh.schemes, p.torques) for p in parts]
+    true = solution.objective - float(sum(errors.sum() for errors in left))
+    size = max(abs(true), SMALL)
+    unsettled = np.inf
+    if before is not None and count > before.intervals:
+        gained = abs(before.objective - true) / size
+        unsettled = gained / ((count / before.intervals) ** ORDER - 1.0)
+    errors = tuple(errors_of(p.phase, p.trajectory, p.mesh) for p in parts)
+    broken = tuple(broken_rows(p.phase, p.trajectory, p.torques) for p in parts)
+    excess = [v.relative for v in (*solution.interval_violations, *solution.control_interval_violations)]
+    excess += [float(rows.max()) for rows in broken]
+    quadrature = abs(solution.objective - true) / size
+    proof = Proof(max(float(e.max()) for e in errors), max(0.0, *excess), quadrature, unsettled, goals)
+    return Measured(proof, true, count, errors, broken)
+
+
+def _assessment(errors: Array, broken: Array, growth: float) -> Assessment:
+    nothing = np.zeros(len(errors))
+    return Assessment(errors, nothing, nothing, broken, True, nothing, growth)

@@ -1,0 +1,102 @@
+"""Refinement by equidistribution: from the order of the scheme straight to the mesh that is needed.
+
+The residual of s-point collocation on an interval of length h falls about as h^(s + 1). An interval of error e needs
+
+    n = (e / (SAFETY tolerance))^(1 / (s + 1))
+
+parts. The sum of n over an interval's length is a density of knots; the next mesh has equal shares of it.
+Source: de Boor, Good approximation by splines with variable knots II, Lecture Notes in Mathematics 363 (1974).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.transcription.refinement.strategy import Assessment, Refinement, error_order
+from robotraj.transcription.schemes.collocation import Scheme
+from robotraj.transcription.schemes.mesh import Mesh
+
+Array = NDArray[np.float64]
+
+SAFETY = 0.5
+"""Share of the tolerance that the next mesh should reach."""
+LEAST_GROWTH = 1.1
+"""Growth of every mesh: on almost as many intervals no change of the objective could be judged."""
+HALVED = 2.0
+"""Parts of an interval on which a path row is violated between the collocation points."""
+
+
+@dataclass(frozen=True)
+class Equidistribute(Refinement):
+    """Place the knots so that every interval has the same share of the error.
+
+    Parameters
+    ----------
+    most : float
+        Largest number of parts of an interval at once: errors of coarse meshes do not follow their order.
+    second : float
+        Least growth from the first mesh to the second: what the objective changes by tells whether it has settled.
+    finest : int
+        Largest number of intervals of a phase.
+    path : float
+        Relative violation of a path row between the collocation points beyond which an interval is halved.
+
+    Raises
+    ------
+    InputError
+        ``most`` is below 2, ``second`` not above 1, or ``finest`` below 1.
+    """
+
+    most: float = 4.0
+    second: float = 1.5
+    finest: int = 160
+    path: float = 1e-3
+
+    def __post_init__(self) -> None:
+        if self.most < 2:
+            raise InputError(f"Equidistribute(most) must be at least 2, got {self.most}.")
+        if self.second <= 1:
+            raise InputError(f"Equidistribute(second) must be above 1, got {self.second}.")
+        if self.finest < 1:
+            raise InputError(f"Equidistribute(finest) must be at least 1, got {self.finest}.")
+
+    def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
+        """Return a mesh that has ``assessment.growth`` times as many intervals everywhere, and more where errors are.
+
+        The same mesh is returned where nothing is to be gained.
+        """
+        orders = np.array([error_order(scheme) for scheme in mesh.schemes], dtype=float)
+        parts = (assessment.errors / (SAFETY * tolerance)) ** (1.0 / orders)
+        parts = np.where(assessment.errors > tolerance, np.maximum(parts, 1.0), 1.0)
+        parts = np.maximum(parts, np.where(assessment.broken > self.path, HALVED, 1.0))
+        parts = np.clip(parts, assessment.growth, self.most)
+        if parts.max() <= 1.0:
+            return mesh
+        count = min(self.finest, int(np.ceil(max(parts.sum(), LEAST_GROWTH * mesh.count) - 1e-9)))
+        if count <= mesh.count:
+            return mesh
+        return _with_density(mesh, parts, count)
+
+
+def evenly_finer(mesh: Mesh, growth: float) -> Mesh:
+    """Return a mesh with ``growth`` times as many intervals everywhere."""
+    return _with_density(mesh, np.ones(mesh.count), int(np.ceil(growth * mesh.count - 1e-9)))
+
+
+def _with_density(mesh: Mesh, parts: Array, count: int) -> Mesh:
+    """Place ``count`` intervals with equal shares of the density that has ``parts`` in every interval."""
+    shares = np.append(0.0, np.cumsum(parts)) / float(parts.sum())
+    knots = np.interp(np.linspace(0.0, 1.0, count + 1), shares, np.array(mesh.knots))
+    knots[0], knots[-1] = 0.0, 1.0
+    return Mesh(tuple(knots.tolist()), _schemes(mesh, knots))
+
+
+def _schemes(mesh: Mesh, knots: Array) -> Scheme | tuple[Scheme, ...]:
+    """Give every interval the scheme that the old mesh has at its middle."""
+    if len(mesh.given) == 1:
+        return mesh.given[0]
+    owners = np.searchsorted(mesh.knots, 0.5 * (knots[:-1] + knots[1:]), side="right") - 1
+    return tuple(mesh.schemes[owner] for owner in owners)

@@ -1,0 +1,55 @@
+"""Knots placed by the order of the scheme: every interval of the next mesh has the same share of the error."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.transcription.refinement.equidistribution import evenly_finer
+from robotraj.transcription.refinement.strategy import Assessment
+
+TOLERANCE = 1e-4
+
+
+def seen(errors: list[float], broken: float = 0.0, growth: float = 1.0) -> Assessment:
+    nothing = np.zeros(len(errors))
+    return Assessment(TOLERANCE * np.array(errors), nothing, nothing, nothing + broken, True, nothing, growth)
+
+
+def test_intervals_within_the_tolerance_stay_and_others_are_cut_by_the_order_of_the_scheme() -> None:
+    """Three points: the error falls as h^4, and half of the tolerance is aimed at: 2 * 8 = 16 asks for 2 parts."""
+    mesh = rt.Mesh(4)
+    refined = rt.refinement.Equidistribute().refine(mesh, seen([0.1, 8, 8, 0.1]), TOLERANCE)
+    assert refined.knots == pytest.approx([0, 1 / 4, 3 / 8, 1 / 2, 5 / 8, 3 / 4, 1])
+    assert refined.given == mesh.given
+
+
+def test_a_mesh_that_holds_stays() -> None:
+    mesh = rt.Mesh(4)
+    assert rt.refinement.Equidistribute().refine(mesh, seen([0.9, 0.1, 0.5, 1.0]), TOLERANCE) == mesh
+
+
+@pytest.mark.parametrize(("assessment", "count"), [(seen([0.0] * 4, growth=1.5), 6), (seen([0.0] * 4, broken=1.0), 8)])
+def test_objectives_and_path_rows_ask_for_more_intervals(assessment: Assessment, count: int) -> None:
+    refined = rt.refinement.Equidistribute().refine(rt.Mesh(4), assessment, TOLERANCE)
+    assert refined.knots == pytest.approx(np.linspace(0, 1, count + 1))
+
+
+def test_no_mesh_is_finer_than_the_finest_nor_cut_into_more_parts_than_most() -> None:
+    large = seen([1e9] * 4)
+    assert rt.refinement.Equidistribute(most=3).refine(rt.Mesh(4), large, TOLERANCE).count == 12
+    assert rt.refinement.Equidistribute(finest=7).refine(rt.Mesh(4), large, TOLERANCE).count == 7
+    assert rt.refinement.Equidistribute(finest=4).refine(rt.Mesh(4), large, TOLERANCE) == rt.Mesh(4)
+
+
+def test_intervals_keep_the_scheme_of_their_place() -> None:
+    mixed = rt.Mesh(2, [rt.HermiteSimpson(), rt.schemes.RadauIIA(2)])
+    finer = evenly_finer(mixed, 2.0)
+    assert finer.schemes == (rt.HermiteSimpson(),) * 2 + (rt.schemes.RadauIIA(2),) * 2
+
+
+@pytest.mark.parametrize("wrong", [{"most": 1.5}, {"second": 1.0}, {"finest": 0}])
+def test_what_refines_nothing_is_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(rt.InputError, match=next(iter(wrong))):
+        rt.refinement.Equidistribute(**wrong)

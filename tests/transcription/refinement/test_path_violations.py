@@ -1,0 +1,44 @@
+"""Path rows between the collocation points, relative to what they are measured by."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.problem.constraints.base import Row
+from robotraj.transcription.refinement.path_violations import SAMPLES, broken_rows, row_size
+
+
+@pytest.mark.parametrize(
+    ("bounds", "size"), [((-100.0, 100.0), 100.0), ((0.0, np.inf), 1.0), ((-np.inf, 50.0), 50.0), ((3.0, 3.0), 3.0)]
+)
+def test_a_row_is_measured_by_half_its_range_or_its_bound(bounds: tuple[float, float], size: float) -> None:
+    assert row_size(Row("torque", "N m", *bounds)) == size
+
+
+def test_power_between_the_points_is_seen() -> None:
+    """On two intervals a power limit holds at the points alone."""
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    power = rt.PathConstraint(lambda point: point.x["v"] * point.u["u"], upper=20.0, name="power", unit="W")
+    phase = rt.Phase(block, 2.0, rt.State([0, 0]), rt.State([10, 0]), rt.Effort(), constraints=[power])
+    part = rt.plan(phase, rt.Mesh(2)).phases[0]
+    times = np.linspace(0, 2, 4001)
+    sample = part.at(times)
+    most = float(np.max(sample.x["v"] * sample.u["u"]))
+    assert most > 20.1
+    assert broken_rows(phase, part.trajectory).max() == pytest.approx((most - 20) / 20, rel=1e-2)
+
+
+def test_forces_of_contacts_are_measured_by_the_weight() -> None:
+    robot = rt.load("five_link", root="planar")
+    foot = rt.PointContact("left_foot", friction=2.0)
+    step = rt.gait.walk(robot, step_length=0.5, duration=0.7, contact=foot, clearance=0.1, upright=None)
+    solution = rt.plan(step, rt.Mesh(8))
+    part = solution.phases[0]
+    lightest = rt.PointContact("left_foot", friction=2.0, normal_force=(300.0, np.inf))
+    asked = part.phase.with_(contacts=[lightest])
+    # The places that are looked at: a knot holds anyway.
+    places = np.linspace(0, part.duration, 8 * SAMPLES + 1)[1:] - 0.5 * part.duration / (8 * SAMPLES)
+    least = min(part.at(places).forces["left_foot"][:, 2])
+    assert broken_rows(asked, part.trajectory).max() == pytest.approx((300 - least) / (9.81 * robot.mass), rel=1e-6)
