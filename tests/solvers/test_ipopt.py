@@ -36,7 +36,9 @@ def test_own_options_win_over_the_fields() -> None:
 
 @pytest.mark.parametrize("barrier", ["monotone", "adaptive"])
 def test_both_barriers_find_the_minimum_time(barrier: str) -> None:
-    assert rt.plan(MOVE, rt.Mesh(), solver=rt.Ipopt(barrier=barrier)).objective == pytest.approx(2 * np.sqrt(10), rel=1e-6)
+    assert rt.plan(MOVE, rt.Mesh(), solver=rt.Ipopt(barrier=barrier)).objective == pytest.approx(
+        2 * np.sqrt(10), rel=1e-6
+    )
 
 
 def test_progress_tells_every_iteration_in_order() -> None:
