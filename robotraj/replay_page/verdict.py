@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from robotraj._util.printing import OneLine
-from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
     from robotraj.solution.phase_solution import PhaseSolution
@@ -24,8 +23,8 @@ Data = dict[str, object]
 LISTED = 40
 """Largest number of violated rows on the page."""
 
-UNPROVED = (Status.NOT_PROVED, Status.TOLERANCE_NOT_REACHED)
-"""Results that satisfy the rows of their mesh, but not the goals between its points."""
+UNPROVED = ("NOT_PROVED", "TOLERANCE_NOT_REACHED")
+"""Names of statuses: the plan satisfies the rows of their mesh, but not the goals between its points."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ class Figure(OneLine):
 
 def verdict(solution: Solution) -> Verdict:
     """Return the verdict: a plan is green only where its proof holds."""
-    if solution.status in UNPROVED:
+    if solution.status.name in UNPROVED:
         return Verdict("unproved", solution.status.value)
     if not solution.success:
         return Verdict("bad", solution.status.value)

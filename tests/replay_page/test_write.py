@@ -77,7 +77,11 @@ def test_the_same_solution_gives_the_same_page(ur5, wave_plan, tmp_path):
 
 
 def test_the_heading_says_what_was_solved_and_how(ur5, wave_plan, tmp_path):
-    plan = replace(wave_plan(ur5, 2.5, phases=2), success=False, status=SimpleNamespace(value="iteration <limit>"))
+    plan = replace(
+        wave_plan(ur5, 2.5, phases=2),
+        success=False,
+        status=SimpleNamespace(name="ITERATION_LIMIT", value="iteration <limit>"),
+    )
     path = replay(plan, tmp_path / "page.html", title="Pick & place <1>")
     text = path.read_text()
     assert "<h1>Pick &amp; place &lt;1&gt;</h1>" in text
