@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, cast
@@ -14,7 +15,8 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.checks import check_ground_repeats, check_kinds, number
 from robotraj.gait.feet import FootKind, feet_of, stands
-from robotraj.gait.mirroring import mirror
+from robotraj.gait.mirror_inertia import IMBALANCE, imbalance
+from robotraj.gait.mirroring import mirror_by_geometry
 from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
 from robotraj.problem.links.linkage import Linkage
 from robotraj.problem.links.periodic import Mirror, Periodic
@@ -34,12 +36,12 @@ def repeated(
     """Close a gait on its mirror image, or write its other half and close it as it is; ``parts`` are the shares."""
     check_kinds(repeat, terms.upright)
     terms = replace(terms, contact=grounded(terms.contact, terms.ground))
+    if repeat is None:
+        repeat = _symmetric_repeat(robot)
     if isinstance(repeat, Periodic):
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
         moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
         return _in_shares(sequence(robot, [*phases, *other], terms, moved, passes=sides), [*parts, *parts])
-    if repeat is None:
-        repeat = mirror(robot)
     both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
     for foot in sides:
         if both.get(foot, foot) != sides[foot]:
@@ -48,6 +50,21 @@ def repeated(
                 "rt.gait.mirror(robot, partners=...)."
             )
     return _in_shares(sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground)), parts)
+
+
+def _symmetric_repeat(robot: Robot) -> Mirror | Periodic:
+    """Return the mirror of a robot, or ``Periodic`` with a warning where its inertia is not symmetric."""
+    found = mirror_by_geometry(robot)
+    off = imbalance(robot, found)
+    if off <= IMBALANCE:
+        return found
+    warnings.warn(
+        f"The inertia of {robot.name!r} is not symmetric (moments differ by {100 * off:.2g} % of weight times size). "
+        "Hence both halves of the gait are planned, with rt.Periodic. repeat=rt.gait.mirror(robot, imbalance=0.2) "
+        "plans one half.",
+        stacklevel=4,
+    )
+    return Periodic()
 
 
 def _in_shares(problem: Problem, parts: Sequence[float]) -> Problem:

@@ -1,16 +1,18 @@
-"""The mirror image of a robot about its x-z plane, found by names and checked by geometry."""
+"""The mirror image of a robot about its x-z plane, found by names and checked by geometry and inertia."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.gait.mirror_inertia import IMBALANCE
+from robotraj.gait.mirror_inertia import imbalance as imbalance_of
 from robotraj.gait.sides import other_side
+from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.links.periodic import Mirror
 from robotraj.robot.robot import Robot
 
@@ -18,7 +20,7 @@ Array = NDArray[np.float64]
 
 REFLECTION = np.array([1.0, -1.0, 1.0])
 AXIAL = -REFLECTION
-"""Axes of rotation are mirrored like angular velocities."""
+"""Factors of rotation axes, which are mirrored like angular velocities."""
 ROOT = {
     "fixed": (),
     "planar": (),
@@ -26,46 +28,73 @@ ROOT = {
 }
 """Names of the root's entries of q and v that change sign."""
 SAMPLES = 8
+"""Number of seeded random configurations in which positions are compared."""
 
 
 def mirror(
     robot: Robot,
-    displacement: Mapping[str, Any] | None = None,
+    displacement: Mapping[str, float | Between | None] | None = None,
     partners: Mapping[str, str] | None = None,
     tolerance: float = 1e-3,
+    imbalance: float = IMBALANCE,
 ) -> Mirror:
-    """Swap left and right: the ``rt.Mirror`` of a robot that is its own image about the plane y = 0.
+    """Return the ``rt.Mirror`` that swaps left and right, for a robot that is its own image about the plane y = 0.
 
-    Joints and frames change places by their names (``left_``/``right_``, ``FL``/``FR``, ``l_``/``r_`` ...); those
-    without another side are their own partners. A joint's sign is that of its axis: with q = 0 everywhere, an axis
+    Joints and frames are paired by their names (``left_``/``right_``, ``FL``/``FR``, ``l_``/``r_`` ...). Those without
+    another side are their own partners. The sign of a joint is that of its axis: where all joints are zero, an axis
     a = (a_x, a_y, a_z) of rotation has the image (-a_x, a_y, -a_z), one of translation (a_x, -a_y, a_z), and the
-    partner's axis is that or its opposite. A floating root keeps x, z and pitch and negates y, roll and yaw: of its
-    states q.root_y, q.root_qx, q.root_qz, v.root_vy, v.root_wx and v.root_wz. Then every joint is looked at in seeded
-    random configurations: in the mirrored configuration its partner must stand at (x, -y, z). Of the frames those pairs
-    are kept that stand so too; cameras and fingers often do not. A planar robot moves in the mirror's plane.
+    partner's axis is the image or its opposite. A floating root keeps x, z and pitch and negates y, roll and yaw: the
+    states q.root_y, q.root_qx, q.root_qz, v.root_vy, v.root_wx and v.root_wz.
+
+    Geometry and inertia are then compared in seeded random configurations. In the mirrored configuration the partner of
+    every joint must be at (x, -y, z), and the moment of gravity about the root must be the mirrored one. Pairs of
+    frames that are not images, such as cameras, are dropped. A planar robot moves in the plane of the mirror.
 
     Parameters
     ----------
     robot : Robot
     displacement : mapping, optional
-        What the motion gains until it repeats, ``{"q.root_x": 0.3}``; see ``rt.Mirror``.
+        Displacement in a period, ``{"q.root_x": 0.3}``; see ``rt.Mirror``.
     partners : mapping of str to str, optional
-        Pairs of joints and frames whose names follow none of the rules.
+        Pairs of joints and frames that the names do not show.
     tolerance : float
-        How far [m] a partner may stand from the image; robots as drawn are symmetric to a fraction of a millimetre.
+        Largest distance [m] of a partner from the image; symmetric robots have a fraction of a millimetre.
+    imbalance : float
+        Largest difference of the root's moment, relative to weight times size. A mirrored half of a gait violates the
+        equations of motion of the root by as much.
 
     Raises
     ------
     InputError
-        The robot is not its own mirror image; the joint, or the frame of ``partners``, and how far it is off, are
-        named.
+        The robot is not its own mirror image. The message names the joint, or the frame of ``partners``, and its
+        distance from the image; or the difference of the moments.
     """
+    found = mirror_by_geometry(robot, displacement, partners, tolerance)
+    off = imbalance_of(robot, found)
+    if off > imbalance:
+        raise InputError(
+            f"The inertia of {robot.name!r} is not symmetric: in a mirrored configuration the moment of gravity about "
+            f"the root differs by {100 * off:.2g} % of weight times size, beyond {100 * imbalance:.2g} %. Plan both "
+            "halves with repeat=rt.Periodic(), or raise imbalance=."
+        )
+    return found
+
+
+def mirror_by_geometry(
+    robot: Robot,
+    displacement: Mapping[str, float | Between | None] | None = None,
+    partners: Mapping[str, str] | None = None,
+    tolerance: float = 1e-3,
+) -> Mirror:
+    """Return the mirror of a robot without comparing its inertia; parameters and errors are those of ``mirror``."""
     given = dict(partners or {})
     given |= {b: a for a, b in given.items()}
     joints, frames = robot.joint_names, robot.frame_names
     for name in given:
         if name not in joints and name not in frames:
-            raise InputError(f"mirror(partners=...): {robot.name!r} has no joint or frame named {name!r}.")
+            raise InputError(
+                f"mirror(partners=...): {robot.name!r} has no joint or frame named {name!r}; correct the name."
+            )
     partner = {name: given.get(name, other_side(name, joints)) for name in joints}
     signs = _signs(robot, partner)
     sides = {name: given.get(name, other_side(name, frames)) for name in frames}
@@ -73,9 +102,9 @@ def mirror(
     for who, gap in off.items():
         if gap > tolerance and (who in partner or who in given):
             raise InputError(
-                f"{'Joint' if who in partner else 'Frame'} {who!r} of {robot.name!r} stands {gap:.2g} m from its "
-                "mirror image: left and right of the robot differ. Name partners= where the names mislead, allow "
-                "for it with tolerance=, or repeat with rt.Periodic."
+                f"{'Joint' if who in partner else 'Frame'} {who!r} of {robot.name!r} is {gap:.2g} m from its "
+                "mirror image: left and right of the robot differ. Name partners= where the names mislead, raise "
+                "tolerance=, or plan both halves with rt.Periodic."
             )
     sides = {name: other for name, other in sides.items() if off.get(name, 0.0) <= tolerance}
     own = set(ROOT[robot.root]) | {name for name, sign in signs.items() if sign < 0}
@@ -86,7 +115,7 @@ def mirror(
 
 
 def _signs(robot: Robot, partner: Mapping[str, str]) -> dict[str, float]:
-    """Sign of every joint but the root's, from the axes where all joints are at zero."""
+    """Return the sign of every joint but the root, from the axes where all joints are zero."""
     model, data = robot.model, robot.model.createData()
     pin.computeJointJacobians(model, data, pin.neutral(model))
     signs = {}
@@ -111,7 +140,7 @@ def _signs(robot: Robot, partner: Mapping[str, str]) -> dict[str, float]:
 def _gaps(
     robot: Robot, partner: Mapping[str, str], signs: Mapping[str, float], sides: Mapping[str, str]
 ) -> dict[str, float]:
-    """How far [m] joints and frames stand from their images, at most, in random configurations."""
+    """Return the largest distances [m] of joints and frames from their images in random configurations."""
     model, names = robot.model, robot.position_names
     rng = np.random.default_rng(0)
     at = {name: i for i, name in enumerate(names)}

@@ -5,22 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.guess.legs.stance import ROOT_FREEDOMS
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.effort import Effort
+from robotraj.problem.objectives.expressions import Lagrange
 from robotraj.problem.objectives.tracking import Tracking
 from robotraj.robot.robot import Robot
 
 SHARE = 0.2
-"""Torque [as a share of weight times height of the centre of mass] that a radian away from the posture costs."""
+"""Torque, as a share of weight times height of the centre of mass, that costs as much as 1 rad from the posture."""
+CALM = 2e-3
+"""Weight of accelerations relative to that of angles, times (h / g)^2."""
 
 
 @dataclass(frozen=True)
-class Still:
+class FixedPosture:
     """The reference of ``rt.objectives.Tracking`` that does not move.
 
     Attributes
@@ -31,22 +36,47 @@ class Still:
     q: tuple[float, ...]
 
     def __call__(self, t: Any) -> Mapping[str, Any]:
-        """Give q at any time."""
+        """Return q at any time."""
         return {"q": self.q}
 
 
-def gait_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
-    """Effort; in space also the distance of the joints from how the robot stands.
+@dataclass(frozen=True)
+class SquaredAccelerations:
+    """Sum of the squared accelerations of the joints at a point [rad^2/s^4].
 
-    The integral of  sum tau^2 + (0.2 m g h)^2 sum (q_j - q_j,standing)^2,  h the height of the centre of mass. Legs of
-    which many postures carry the robot need the second term: without it the least torque is that of legs stretched
-    out, however far apart, where the equations are singular. Planar robots have the first alone.
+    Attributes
+    ----------
+    first : int
+        Index in v of the first joint behind the root.
+    """
+
+    first: int
+
+    def __call__(self, point: Any) -> Any:
+        """Evaluate the sum."""
+        return ca.sumsqr(point.a[self.first :])
+
+
+def gait_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
+    """Return effort; in space also the distance of the joints from the posture, and their accelerations.
+
+    The integral of  sum tau^2 + (0.2 m g h)^2 [sum (q_j - q_j,standing)^2 + 0.002 (h / g)^2 sum a_j^2],  h the height
+    of the centre of mass. Without the second term the least torque of redundant legs is that of stretched ones, far
+    apart, where the equations are singular. Without the third, humanoids chatter between the collocation points.
+    Planar robots have the first term alone.
+
+    Parameters
+    ----------
+    robot : Robot
+    standing : ndarray (nq,)
+        The posture, as ``rt.gait.stand`` returns it.
     """
     if robot.root == "planar":
         return Effort()
-    data = robot.model.createData()
-    feet_below = float(pin.centerOfMass(robot.model, data, standing)[2])
-    weight = pin.computeTotalMass(robot.model) * float(np.linalg.norm(robot.model.gravity.linear))
-    worth = (SHARE * weight * abs(feet_below)) ** 2
+    height = abs(float(pin.centerOfMass(robot.model, robot.model.createData(), standing)[2]))
+    gravity = float(np.linalg.norm(robot.model.gravity.linear))
+    worth = (SHARE * pin.computeTotalMass(robot.model) * gravity * height) ** 2
     joints = {name: 1.0 for name in robot.joint_names if name in robot.position_names}
-    return Effort() + worth * Tracking(Still(tuple(float(v) for v in standing)), q=joints)
+    posture = Tracking(FixedPosture(tuple(float(v) for v in standing)), q=joints)
+    calm = Lagrange(SquaredAccelerations(ROOT_FREEDOMS[robot.root]))
+    return Effort() + worth * posture + worth * CALM * (height / gravity) ** 2 * calm

@@ -8,7 +8,7 @@ import pytest
 
 import robotraj as rt
 from robotraj import gait
-from robotraj.gait.posture import Still
+from robotraj.gait.posture import FixedPosture
 
 FEET = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
 
@@ -67,7 +67,7 @@ def test_what_cannot_crawl_is_refused(dog: rt.Robot) -> None:
 
 @pytest.mark.slow
 def test_solo_crawls_from_its_own_guess(dog: rt.Robot) -> None:
-    still = Still(tuple(gait.stand(dog).tolist()))
+    still = FixedPosture(tuple(gait.stand(dog).tolist()))
     posture = rt.objectives.Tracking(still, q=dict.fromkeys(dog.joint_names[-dog.nu :], 1.0))
     problem = gait.crawl(
         dog, step_length=0.05, duration=0.5, full_support=0.1, clearance=0.03, objective=0.1 * rt.Effort() + posture

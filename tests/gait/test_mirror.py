@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.gait.mirror_inertia import imbalance
 from robotraj.gait.mirroring import REFLECTION, mirror
 from robotraj.gait.sides import other_side
 
@@ -52,7 +55,7 @@ def test_names_change_sides(name: str, other: str) -> None:
 @pytest.mark.parametrize("name", FEET)
 def test_feet_of_the_image_stand_at_the_image_of_the_feet(name: str) -> None:
     robot = rt.load(name, root="floating")
-    repeat = mirror(robot)
+    repeat = mirror(robot, imbalance=1.0)
     rng = np.random.default_rng(1)
     q = np.array(robot.neutral)
     q[:3] = rng.normal(size=3)
@@ -85,6 +88,36 @@ def test_a_planar_robot_only_swaps() -> None:
 def test_an_arm_is_not_its_own_image() -> None:
     with pytest.raises(rt.InputError, match="'shoulder_lift_joint'.*from its mirror image"):
         mirror(rt.load("ur5"))
+
+
+@pytest.mark.parametrize("name", ["hyq", "a1", "go1", "b1"])
+def test_robots_of_unequal_sides_repeat_without_a_mirror(name: str) -> None:
+    robot = rt.load(name, root="floating")
+    with pytest.raises(rt.InputError, match="inertia of .* is not symmetric.*repeat=rt.Periodic"):
+        mirror(robot)
+    with pytest.warns(UserWarning, match="both halves of the gait are planned, with rt.Periodic"):
+        problem = rt.gait.trot(robot, step_length=0.1, duration=0.3)
+    assert len(problem.phases) == 2
+    assert isinstance(problem.links[-1].repeat, rt.Periodic)
+
+
+@pytest.mark.parametrize("name", ["solo12", "bolt", "anymal", "go2", "talos_legs", "laikago"])
+def test_robots_of_equal_sides_are_mirrored(name: str) -> None:
+    robot = rt.load(name, root="floating")
+    assert imbalance(robot, mirror(robot)) < 8e-3
+
+
+def test_a_heavier_leg_is_an_imbalance() -> None:
+    robot = rt.load("go2", root="floating")
+    model = pin.Model(robot.model)
+    leg = model.getJointId("FL_thigh_joint")
+    model.inertias[leg] = pin.Inertia(
+        model.inertias[leg].mass + 0.5, model.inertias[leg].lever, model.inertias[leg].inertia
+    )
+    heavier = replace(robot, model=model)
+    assert imbalance(robot, mirror(robot)) < 1e-12
+    with pytest.raises(rt.InputError, match="is not symmetric"):
+        mirror(heavier)
 
 
 def test_partners_that_are_no_image_are_refused_by_name() -> None:
