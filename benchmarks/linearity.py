@@ -1,7 +1,7 @@
 """Cost per iteration against the number of intervals, and the straight line nearest to it.
 
-Kelly's cart-pole by IPOPT on 50 to 800 intervals, ten iterations each, and task T4 (ur5) by fatrop on 25 to 1,600, to
-its end, over its iterations: all of a plan but the imports, in a fresh process, as the peers' tables count it; the
+Kelly's cart-pole by IPOPT on 50 to 800 intervals, ten iterations each, and task T4 (ur5) by `rt.InteriorPoint` on 25 to
+1,600, to its end, over its iterations: all of a plan but the imports, in a fresh process, as in the peers' tables; the
 iterations alone, of a program that is there; and with the set-up of the stages, in a process that has planned before.
 Hermite-Simpson. Processor time, the least of several runs taken in turn, so that other work on the machine counts
 little. Run with ``python benchmarks/linearity.py``.
@@ -126,7 +126,7 @@ def by_stages() -> None:
             solved = time.process_time()
             whole[run, i] = (solved - began) / outcome.iterations
             iterate[run, i] = min(iterations(solver, nlp, 2))
-    report("ur5, an iteration of fatrop", ARM, iterate.min(axis=0))
+    report("ur5, an iteration of rt.InteriorPoint", ARM, iterate.min(axis=0))
     report("ur5, set-up of the stages included, over the iterations", ARM, whole.min(axis=0))
 
 

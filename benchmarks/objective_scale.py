@@ -1,4 +1,4 @@
-"""Iterations of fatrop with and without the scale of the objective: `python benchmarks/objective_scale.py`.
+"""Iterations of `rt.InteriorPoint` with and without the scale of the objective: `python benchmarks/objective_scale.py`.
 
 Arms by effort, in 1.15, 1.5 and 3 times the least time of each motion, between random positions (seeded), on equal
 intervals of Hermite-Simpson, one thread, nothing to fall back on; then task T4 on finer and finer meshes, and its

@@ -1,7 +1,7 @@
 """How far an iteration is from what one core could do: `python benchmarks/roofline.py`.
 
-Arithmetic of an iteration of fatrop, per stage with n_x states, n_u controls, n_g path equalities and n_h inequalities,
-n = n_u + n_x (Vanroye et al., FATROP, IROS 2023; a multiplication and an addition count as two):
+Arithmetic of an iteration of `rt.InteriorPoint`, per stage with n_x states, n_u controls, n_g path equalities and
+n_h inequalities, n = n_u + n_x (Vanroye et al., FATROP, IROS 2023; a multiplication and an addition count as two):
 
     inequalities n_h n^2,  P [B A] 2 n_x^2 n,  [B A]' P [B A] n_x n^2,  equalities 2 n_g n^2,
     Cholesky n_u^3 / 3,  its two products n_u^2 n_x + n_u n_x^2
@@ -83,7 +83,7 @@ def iterations(solver: rt.InteriorPoint, nlp: rt.transcription.Nlp, runs: int) -
     reduction = reduce(nlp)
     program = native_program(reduction.program, nlp.engine, threads=1)
     start, lower, upper = reduction.start(nlp.guess), reduction.program.lower, reduction.program.upper
-    scale = of_program(program, start, reduction.program, solver.initial_barrier)
+    scale = of_program(program, start, reduction.program, solver.initial_barrier, nlp)
     options = solver._options(FACTORS[0], solver.max_iterations, None)
     for _ in range(runs):
         began = time.process_time()

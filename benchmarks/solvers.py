@@ -1,7 +1,7 @@
-"""IPOPT and fatrop on every case and on the examples' first problems: `python benchmarks/solvers.py`.
+"""IPOPT and rt.InteriorPoint on every case and on the examples' first problems: `python benchmarks/solvers.py`.
 
 Each problem is planned twice, once with each solver, from the same guess, with the same mesh or tolerance and
-`interval_limits=rt.interval_limits.ConstraintGeneration()`; fatrop has nothing to fall back on. Prints and
+`interval_limits=rt.interval_limits.ConstraintGeneration()`; the latter has nothing to fall back on. Prints and
 writes solvers.md: which of them solved, which
 found the better optimum, and their processor seconds. Swing-ups of the acrobot, whose optima lie close together, are
 planned on several meshes in several durations as well.
@@ -46,9 +46,10 @@ DURATIONS, INTERVALS = (1.6, 1.8, 2.0, 2.2, 2.5, 3.0), (25, 30, 40, 50, 60)
 """Of the acrobot's swing-ups."""
 EQUAL = 1e-5
 """Objectives that differ by no more than this share are the same optimum."""
+OWN = "InteriorPoint"
 SOLVERS: dict[str, Solver] = {
     "IPOPT": rt.Ipopt(time_limit=LIMIT),
-    "fatrop": rt.InteriorPoint(time_limit=LIMIT, threads=1, fallback=None),
+    OWN: rt.InteriorPoint(time_limit=LIMIT, threads=1, fallback=None),
 }
 
 
@@ -132,12 +133,12 @@ class Line:
     @property
     def better(self) -> str:
         """Who solved it, or solved it to the lower optimum: a solver's name, "same" or "none"."""
-        ipopt, fatrop = (self.runs[name].objective for name in SOLVERS)
-        if not np.isfinite([ipopt, fatrop]).any():
+        ipopt, own = (self.runs[name].objective for name in SOLVERS)
+        if not np.isfinite([ipopt, own]).any():
             return "none"
-        if abs(ipopt - fatrop) <= EQUAL * (1 + min(abs(ipopt), abs(fatrop))):
+        if abs(ipopt - own) <= EQUAL * (1 + min(abs(ipopt), abs(own))):
             return "same"
-        return "IPOPT" if ipopt < fatrop else "fatrop"
+        return "IPOPT" if ipopt < own else OWN
 
 
 class _Planned(Exception):
@@ -273,8 +274,8 @@ def cells(line: Line) -> str:
 def counts(lines: list[Line]) -> list[str]:
     """Count, by kind of problem, who solved what and at which price."""
     rows = [
-        "| kind | problems | IPOPT solved | fatrop solved | IPOPT better | fatrop better "
-        "| fatrop's seconds over IPOPT's, median |",
+        f"| kind | problems | IPOPT solved | {OWN} solved | IPOPT better | {OWN} better "
+        f"| {OWN}'s seconds over IPOPT's, median |",
         "|---|---|---|---|---|---|---|",
     ]
     for kind in [*sorted({line.task.kind for line in lines}), "all"]:
@@ -282,10 +283,10 @@ def counts(lines: list[Line]) -> list[str]:
         solved = [sum(np.isfinite(line.runs[name].objective) for line in mine) for name in SOLVERS]
         better = Counter(line.better for line in mine)
         both = [line for line in mine if all(np.isfinite(each.objective) for each in line.runs.values())]
-        ratios = [line.runs["fatrop"].seconds / max(line.runs["IPOPT"].seconds, 1e-3) for line in both]
+        ratios = [line.runs[OWN].seconds / max(line.runs["IPOPT"].seconds, 1e-3) for line in both]
         ratio = f"{np.median(ratios):.2f}" if ratios else ""
         rows.append(
-            f"| {kind} | {len(mine)} | {solved[0]} | {solved[1]} | {better['IPOPT']} | {better['fatrop']} | {ratio} |"
+            f"| {kind} | {len(mine)} | {solved[0]} | {solved[1]} | {better['IPOPT']} | {better[OWN]} | {ratio} |"
         )
     return rows
 
@@ -329,7 +330,7 @@ def swings() -> list[str]:
     spans = f"{DURATIONS[0]} to {DURATIONS[-1]} s on {INTERVALS[0]} to {INTERVALS[-1]} intervals"
     return [
         f"Acrobot, {len(lines)} swing-ups from the straight line ({spans}): both find the same optimum "
-        f"{better['same']} times, fatrop a better one {better['fatrop']} times and IPOPT {better['IPOPT']} times, in "
+        f"{better['same']} times, InteriorPoint a better one {better[OWN]} times and IPOPT {better['IPOPT']} times, in "
         f"{iterations[1]} and {iterations[0]} iterations."
     ]
 
@@ -338,11 +339,11 @@ def write(lines: list[Line], more: list[str]) -> None:
     """Write the tables beside this file."""
     head = " | ".join(f"{name} | iterations | processor [s]" for name in SOLVERS)
     text = [
-        "# IPOPT and fatrop",
+        "# IPOPT and rt.InteriorPoint",
         "",
         f"`python benchmarks/solvers.py`, {datetime.date.today().isoformat()}. The same guess, mesh or tolerance "
         f"({TOLERANCE:g}) and `interval_limits=rt.interval_limits.ConstraintGeneration()` for both, each with "
-        f"its own engine, one thread, fatrop without "
+        f"its own engine, one thread, {OWN} without "
         f"anything to fall back on, {LIMIT:.0f} s a mesh. Processor seconds inside the solver, set-up included. "
         f"*uniform*: {UNIFORM.count} intervals of Hermite-Simpson; examples: their first plan, where it has at "
         f"most {LARGEST} variables. Objectives within {EQUAL:g} are the same optimum.",

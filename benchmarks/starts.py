@@ -52,9 +52,9 @@ def main() -> None:
     lines = [
         "# Many starts",
         "",
-        f"`python benchmarks/starts.py`: `rt.multistart` with its own spread, {STARTS} starts of fatrop in one process "
-        "on one thread; lowest objective after so many starts, distinct optima, starts without a solution, processor "
-        "seconds of all starts with reading and transcribing. Start 1 is the straight line.",
+        f"`python benchmarks/starts.py`: `rt.multistart` with its own spread, {STARTS} starts of `rt.InteriorPoint` in "
+        "one process on one thread; lowest objective after so many starts, distinct optima, starts without a solution, "
+        "processor seconds of all starts with reading and transcribing. Start 1 is the straight line.",
         "",
     ]
     for key in ("T3", "T2"):

@@ -8,9 +8,9 @@ from typing import Any
 
 from figures import of
 
-PLAIN = ("robotraj", "robotraj-ipopt", "robotraj-fatrop", "robotraj-hull")
+PLAIN = ("robotraj", "robotraj-ipopt", "robotraj-interior-point", "robotraj-bernstein")
 """No compiler, an empty cache."""
-WARM = ("robotraj-compiled", "robotraj-hull-compiled")
+WARM = ("robotraj-compiled", "robotraj-bernstein-compiled")
 STARTS = ("robotraj-starts", "robotraj-starts-20")
 """The lowest of many optima."""
 PEERS = ("opti", "drake-ipopt", "drake-snopt", "crocoddyl", "dymos", "opty", "opty-compiled")

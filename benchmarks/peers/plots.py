@@ -21,10 +21,10 @@ matplotlib.rcParams["svg.fonttype"] = "none"  # text stays text: a quarter of th
 COLOURS = {
     "robotraj": "#084594",
     "robotraj-compiled": "#4292c6",
-    "robotraj-fatrop": "#2171b5",
-    "robotraj-hull-compiled": "#016c59",
+    "robotraj-interior-point": "#2171b5",
+    "robotraj-bernstein-compiled": "#016c59",
     "robotraj-ipopt": "#6baed6",
-    "robotraj-hull": "#41b6c4",
+    "robotraj-bernstein": "#41b6c4",
     "robotraj-ends": "#00441b",
     "robotraj-starts": "#54278f",
     "robotraj-starts-20": "#807dba",

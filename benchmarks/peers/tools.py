@@ -48,7 +48,7 @@ ONE = "not run: one start reaches the best known"
 
 
 def _several(starts: int) -> Tool:
-    tool = _robotraj(f", fatrop, {starts} starts", PEERS_STARTS=str(starts))
+    tool = _robotraj(f", interior point, {starts} starts", PEERS_STARTS=str(starts))
     return replace(tool, cannot={"T1": ONE, "T4": ONE, "T5": ONE})
 
 
@@ -58,14 +58,20 @@ TOOLS: dict[str, Tool] = {
     "robotraj": _robotraj(""),
     "robotraj-compiled": _robotraj(", compiled", True, PEERS_ENGINE="Compiled"),
     "robotraj-ipopt": _robotraj(", IPOPT, virtual machine", PEERS_SOLVER="Ipopt", PEERS_ENGINE="VirtualMachine"),
-    "robotraj-fatrop": _robotraj(
-        ", fatrop", PEERS_SOLVER="InteriorPoint", PEERS_ENGINE="Native", PEERS_INTERVAL_LIMITS="ConstraintGeneration"
+    "robotraj-interior-point": _robotraj(
+        ", interior point",
+        PEERS_SOLVER="InteriorPoint",
+        PEERS_ENGINE="Native",
+        PEERS_INTERVAL_LIMITS="ConstraintGeneration",
     ),
-    "robotraj-hull": _robotraj(
-        ", fatrop, hull", PEERS_SOLVER="InteriorPoint", PEERS_ENGINE="Native", PEERS_INTERVAL_LIMITS="BernsteinBounds"
+    "robotraj-bernstein": _robotraj(
+        ", interior point, Bernstein bounds",
+        PEERS_SOLVER="InteriorPoint",
+        PEERS_ENGINE="Native",
+        PEERS_INTERVAL_LIMITS="BernsteinBounds",
     ),
-    "robotraj-hull-compiled": _robotraj(
-        ", fatrop, hull, compiled",
+    "robotraj-bernstein-compiled": _robotraj(
+        ", interior point, Bernstein bounds, compiled",
         True,
         PEERS_SOLVER="InteriorPoint",
         PEERS_ENGINE="Compiled",
@@ -75,7 +81,7 @@ TOOLS: dict[str, Tool] = {
     "robotraj-starts-20": _several(20),
     "robotraj-ends": replace(
         _robotraj(
-            ", fatrop, hull, twice as many intervals at Chebyshev knots",
+            ", interior point, Bernstein bounds, twice as many intervals at Chebyshev knots",
             PEERS_SOLVER="InteriorPoint",
             PEERS_ENGINE="Native",
             PEERS_INTERVAL_LIMITS="BernsteinBounds",

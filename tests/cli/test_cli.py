@@ -26,7 +26,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 PARTS = ("combinations", "functions", "linear", "steps")
-"""What fatrop, which plans arms, says of its seconds."""
+"""Parts of the processor time that the interior-point method, the default for arms, reports."""
 
 
 def run(*arguments: Any) -> Result:

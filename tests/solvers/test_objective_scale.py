@@ -8,7 +8,7 @@ import pytest
 import robotraj as rt
 from robotraj.solvers.objective_scale import FINE, LEAST, SHARE, objective_scale
 
-FATROP = rt.InteriorPoint(fallback=None, threads=1)
+SOLVER = rt.InteriorPoint(fallback=None, threads=1)
 START, GOAL = [-1.1, -1.8, 1.6, -1.2, -1.57, 0.0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2]
 
 
@@ -37,7 +37,7 @@ def test_only_objectives_of_fine_meshes_are_enlarged() -> None:
 @pytest.mark.parametrize("weight", [10.0, 1e3])
 def test_an_objective_in_larger_units_takes_the_same_iterations_to_the_same_motion(weight: float) -> None:
     one, other = (
-        rt.plan(reach(each), rt.Mesh(20), solver=FATROP, check=False, progress=False) for each in (2.0, 2.0 * weight)
+        rt.plan(reach(each), rt.Mesh(20), solver=SOLVER, check=False, progress=False) for each in (2.0, 2.0 * weight)
     )
     assert other.success
     assert other.iterations == pytest.approx(one.iterations, abs=2)
@@ -49,7 +49,7 @@ def test_an_objective_in_larger_units_takes_the_same_iterations_to_the_same_moti
 
 def test_iterations_hardly_grow_with_the_mesh() -> None:
     counts = [
-        rt.plan(reach(), rt.Mesh(n), solver=FATROP, check=False, progress=False).iterations for n in (25, 100, 400)
+        rt.plan(reach(), rt.Mesh(n), solver=SOLVER, check=False, progress=False).iterations for n in (25, 100, 400)
     ]
     assert max(counts) <= 1.3 * min(counts), counts
 
@@ -57,8 +57,8 @@ def test_iterations_hardly_grow_with_the_mesh() -> None:
 def test_a_solve_starts_from_multipliers_of_another_scale() -> None:
     """Multipliers are of the objective as it is: a second solve from the first one's end has next to nothing to do."""
     problem = reach(50.0)
-    cold = rt.plan(problem, rt.Mesh(20), solver=FATROP, check=False, progress=False)
-    warm = rt.plan(problem, rt.Mesh(20), guess=cold, solver=FATROP, check=False, progress=False)
+    cold = rt.plan(problem, rt.Mesh(20), solver=SOLVER, check=False, progress=False)
+    warm = rt.plan(problem, rt.Mesh(20), guess=cold, solver=SOLVER, check=False, progress=False)
     assert warm.iterations < cold.iterations / 2
     assert warm.objective == pytest.approx(cold.objective, rel=1e-7)
 
@@ -66,7 +66,7 @@ def test_a_solve_starts_from_multipliers_of_another_scale() -> None:
 def test_a_scale_that_is_given_is_taken_and_nonsense_refused() -> None:
     plain = rt.InteriorPoint(fallback=None, threads=1, objective_scale=1.0)
     chosen, given = (
-        rt.plan(reach(1e3), rt.Mesh(20), solver=solver, check=False, progress=False) for solver in (FATROP, plain)
+        rt.plan(reach(1e3), rt.Mesh(20), solver=solver, check=False, progress=False) for solver in (SOLVER, plain)
     )
     assert given.iterations > 1.5 * chosen.iterations
     assert given.objective == pytest.approx(chosen.objective, rel=1e-7)

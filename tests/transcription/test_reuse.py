@@ -13,7 +13,7 @@ from robotraj.solvers.base import Origin
 from tests.solvers.stagewise.problems import GOAL, START, arm, pendulum, step, two_phases
 
 MESH = rt.Mesh(12)
-FATROP = {"solver": rt.InteriorPoint(), "interval_limits": rt.interval_limits.BernsteinBounds(), "progress": False}
+OPTIONS = {"solver": rt.InteriorPoint(), "interval_limits": rt.interval_limits.BernsteinBounds(), "progress": False}
 """Guards are rows of one solution; without them a plan takes over the whole NLP."""
 OTHER = rt.State(q=np.add(GOAL, [-0.1, 0.05, 0.0, 0.1, 0.0, -0.2]), v=0)
 
@@ -27,7 +27,7 @@ def origin(solution: rt.Solution) -> Origin:
 @pytest.mark.parametrize("solver", [rt.InteriorPoint(), rt.Ipopt()])
 def test_a_plan_with_another_goal_is_that_of_a_fresh_one(solver: rt.InteriorPoint | rt.Ipopt) -> None:
     problem = arm()
-    options = FATROP | {"solver": solver}
+    options = OPTIONS | {"solver": solver}
     first = rt.plan(problem, MESH, **options)
     again = rt.plan(problem.with_(end=OTHER), MESH, guess=first, **options)
     fresh = rt.plan(rt.Problem([rt.Phase(**{**vars_of(problem), "end": OTHER})]), MESH, **options)
@@ -44,10 +44,10 @@ def vars_of(problem: rt.Problem) -> dict[str, object]:
 
 def test_the_solver_keeps_its_compiled_program() -> None:
     problem = arm()
-    first = rt.plan(problem, MESH, **FATROP)
-    again = rt.plan(problem.with_(end=OTHER), MESH, guess=first, **FATROP)
+    first = rt.plan(problem, MESH, **OPTIONS)
+    again = rt.plan(problem.with_(end=OTHER), MESH, guess=first, **OPTIONS)
     assert origin(again).compiled.native is origin(first).compiled.native  # type: ignore[attr-defined]
-    third = rt.plan(problem.with_(start=rt.State(q=np.add(START, 0.1), v=0)), MESH, guess=again, **FATROP)
+    third = rt.plan(problem.with_(start=rt.State(q=np.add(START, 0.1), v=0)), MESH, guess=again, **OPTIONS)
     assert third.success
     assert origin(third).compiled.native is origin(first).compiled.native  # type: ignore[attr-defined]
     # What an earlier solution says does not change when its program solves another problem.
@@ -56,7 +56,7 @@ def test_the_solver_keeps_its_compiled_program() -> None:
 
 
 def test_what_the_first_plan_prepared_is_not_counted_again() -> None:
-    options = FATROP | {"solver": rt.Ipopt()}
+    options = OPTIONS | {"solver": rt.Ipopt()}
     first = rt.plan(arm(), MESH, **options)
     again = rt.plan(first.problem.with_(end=OTHER), MESH, guess=first, **options)
     assert origin(again).nlp.blocks is origin(first).nlp.blocks
@@ -67,8 +67,8 @@ def test_what_the_first_plan_prepared_is_not_counted_again() -> None:
 
 def test_the_same_problem_again_takes_fewer_iterations() -> None:
     problem = arm()
-    first = rt.plan(problem, MESH, **FATROP)
-    again = rt.plan(problem.with_(), MESH, guess=first, **FATROP)
+    first = rt.plan(problem, MESH, **OPTIONS)
+    again = rt.plan(problem.with_(), MESH, guess=first, **OPTIONS)
     assert again.iterations < first.iterations
     assert again.objective == pytest.approx(first.objective, rel=1e-9)
 
@@ -76,8 +76,8 @@ def test_the_same_problem_again_takes_fewer_iterations() -> None:
 @pytest.mark.parametrize("change", ["mesh", "duration", "objective", "interval_limits"])
 def test_what_differs_in_more_is_transcribed_anew(change: str) -> None:
     problem = arm()
-    first = rt.plan(problem, MESH, **FATROP)
-    other, mesh, options = problem, MESH, FATROP
+    first = rt.plan(problem, MESH, **OPTIONS)
+    other, mesh, options = problem, MESH, OPTIONS
     if change == "mesh":
         mesh = rt.Mesh(10)
     elif change == "duration":
@@ -85,7 +85,7 @@ def test_what_differs_in_more_is_transcribed_anew(change: str) -> None:
     elif change == "objective":
         other = problem.with_(objective=rt.Effort() + rt.Lagrange(lambda p: p.v[0] ** 2))
     else:
-        options = FATROP | {"interval_limits": rt.interval_limits.ConstraintGeneration(rounds=0)}
+        options = OPTIONS | {"interval_limits": rt.interval_limits.ConstraintGeneration(rounds=0)}
     again = rt.plan(other, mesh, guess=first, **options)
     fresh = rt.plan(other, mesh, **options)
     assert origin(again).nlp.blocks is not origin(first).nlp.blocks
@@ -136,13 +136,13 @@ def test_a_loop_may_write_to_its_arrays() -> None:
             start=rt.State(q=q, v=0), objective=rt.Effort(weights), constraints=[rt.constraints.JointPosition(bounds)]
         )
     )
-    first = rt.plan(phase, MESH, **FATROP)
+    first = rt.plan(phase, MESH, **OPTIONS)
     q += 0.1
     weights *= 2
     bounds["elbow_joint"] = rt.between(0, 1)
     for other in (phase.with_(end=rt.State(q=GOAL, v=0)), phase.with_(duration=1.0)):
         assert other.start_bounds.lower[:6].tolist() == START
-        again = rt.plan(other, MESH, guess=first, **FATROP)
+        again = rt.plan(other, MESH, guess=first, **OPTIONS)
         assert again.objective == pytest.approx(first.objective, rel=1e-8)
     (kept,) = first.problem.phases
     np.testing.assert_array_equal(kept.start.q, START)  # type: ignore[union-attr]

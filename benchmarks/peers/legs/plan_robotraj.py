@@ -165,8 +165,8 @@ ENGINES = {
     "native": ("Ipopt", "Native"),
     "machine": ("Ipopt", "VirtualMachine"),
     "compiled": ("Ipopt", "Compiled"),
-    "fatrop": ("InteriorPoint", "Native"),
-    "fatrop-compiled": ("InteriorPoint", "Compiled"),
+    "interior-point": ("InteriorPoint", "Native"),
+    "interior-point-compiled": ("InteriorPoint", "Compiled"),
 }
 """Names of the solver and of what evaluates the point functions."""
 

@@ -11,9 +11,9 @@ from walks import WALKS
 NAMES = {
     "crocoddyl": "Crocoddyl 3.2.1", "robotraj": "robotraj", "robotraj compiled": "robotraj, "
     "`engine=rt.engines.Compiled()`",
-    "robotraj fatrop": "robotraj, fatrop",
+    "robotraj interior point": "robotraj, interior point",
     "robotraj periodic": "robotraj, one step that repeats",
-    "robotraj periodic fatrop": "robotraj, fatrop, one step that repeats",
+    "robotraj periodic interior point": "robotraj, interior point, one step that repeats",
 }  # fmt: skip
 
 

@@ -32,9 +32,9 @@ TOOLS: dict[str, tuple[str, str | None, tuple[str, ...]]] = {
     "crocoddyl": ("plan_crocoddyl.py", "crocoddyl", ()),
     "robotraj": ("plan_robotraj.py", None, ("rest", "native")),
     "robotraj compiled": ("plan_robotraj.py", None, ("rest", "compiled")),
-    "robotraj fatrop": ("plan_robotraj.py", None, ("rest", "fatrop")),
+    "robotraj interior point": ("plan_robotraj.py", None, ("rest", "interior-point")),
     "robotraj periodic": ("plan_robotraj.py", None, ("periodic", "native")),
-    "robotraj periodic fatrop": ("plan_robotraj.py", None, ("periodic", "fatrop")),
+    "robotraj periodic interior point": ("plan_robotraj.py", None, ("periodic", "interior-point")),
 }
 
 

@@ -1,0 +1,54 @@
+"""Every name of robotraj that an example, a benchmark or a code block of the documents uses exists."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+import robotraj as rt
+
+ROOT = Path(__file__).parents[1]
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+SCRIPTS = [*sorted((ROOT / "examples").glob("*.py")), *sorted((ROOT / "benchmarks").rglob("*.py"))]
+DOCUMENTS = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "robots").glob("*.md"))]
+
+
+def names(code: str) -> set[str]:
+    """Dotted names that begin with ``rt.``: rt.schemes.LobattoIIIA, not rt.schemes alone."""
+    inner, found = set(), set()
+    for node in ast.walk(ast.parse(code)):
+        parts, at = [], node
+        while isinstance(at, ast.Attribute):
+            parts.append(at.attr)
+            at = at.value
+        if parts and isinstance(at, ast.Name) and at.id == "rt":
+            found.add(".".join(reversed(parts)))
+            inner.add(".".join(reversed(parts[1:])))
+    return found - inner
+
+
+def check(code: str) -> None:
+    for name in sorted(names(code)):
+        found: object = rt
+        for part in name.split("."):
+            assert hasattr(found, part), f"rt.{name} does not exist"
+            found = getattr(found, part)
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_names_in_scripts_exist(script: Path) -> None:
+    check(script.read_text())
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.stem)
+def test_names_in_code_blocks_exist(document: Path) -> None:
+    for block in BLOCK.findall(document.read_text()):
+        check(block)
+
+
+def test_a_missing_name_is_found() -> None:
+    with pytest.raises(AssertionError, match=r"rt\.schemes\.Simpson does not exist"):
+        check("import robotraj as rt\nrt.plan(rt.Mesh(4, rt.schemes.Simpson()))")
