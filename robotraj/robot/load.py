@@ -6,6 +6,8 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import pinocchio as pin
+
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.assembly import assemble
 from robotraj.robot.loading.source import describe
@@ -13,9 +15,10 @@ from robotraj.robot.robot import Robot
 
 
 def load(
-    source: Any,
+    source: str | os.PathLike[str] | pin.Model | pin.RobotWrapper,
     *,
     package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
+    trust_paths: bool = False,
     actuated: Iterable[str] | None = None,
     locked: Mapping[str, float] | None = None,
     root: str = "fixed",
@@ -29,7 +32,10 @@ def load(
         A name (``catalogue()`` lists them; robotraj's own win over example-robot-data's), the path of a URDF
         file, or a model, which is copied and never written to.
     package_dirs : path or sequence of paths
-        Folders to find meshes in, before the URDF's own, those above it and ROS's package paths.
+        Folders that are searched for meshes before the URDF's own.
+    trust_paths : bool
+        Read meshes from any path that the URDF names, and search the folders above the URDF and ROS's package paths.
+        Default: meshes in ``package_dirs`` and the URDF's own folder only. Robots of the catalogue are trusted.
     actuated : iterable of str, optional
         Joints with a motor. Default: those the catalogue knows (acrobot: the elbow; cartpole: the slider),
         else all.
@@ -51,8 +57,15 @@ def load(
     Raises
     ------
     InputError
-        An unknown name, an unreadable file, joints with more than one degree of freedom, names that the root
-        would share with joints or links, nothing left to move, impossible limits.
+        An unknown name, an unreadable file, a URDF that is no tree or too large, numbers in it that are missing, NaN
+        or infinite, moving bodies with an indefinite inertia, joints with more than one degree of freedom, names that
+        the root would share with joints or links, nothing left to move, impossible limits.
+
+    Warns
+    -----
+    UserWarning
+        The URDF has inertias that no rigid body has, joints that move no mass, axes that are no unit vectors, or limits
+        that no motor has. ``robot.notes`` and ``robotraj show`` list them.
 
     Notes
     -----
@@ -61,4 +74,4 @@ def load(
     to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
     limits.
     """
-    return Robot(**assemble(describe(source, package_dirs), actuated, locked, limits, root))
+    return Robot(**assemble(describe(source, package_dirs, trust_paths), actuated, locked, limits, root))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -13,6 +14,7 @@ import pinocchio as pin
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
+from robotraj.robot.loading.inertia import weightless_joints
 from robotraj.robot.loading.mimic import lock_mimics
 from robotraj.robot.loading.notes import (
     dissipation_note,
@@ -21,6 +23,7 @@ from robotraj.robot.loading.notes import (
     mimic_note,
     neutral_note,
     twin_note,
+    weightless_note,
 )
 from robotraj.robot.loading.rotor import with_rotors
 from robotraj.robot.loading.source import Description
@@ -76,8 +79,13 @@ def assemble(
     kept = np.append(q[:start], [value for joint, value in zip(names, q[start:], strict=True) if joint not in held])
     _check_dissipation(model, own.joints)
     motors = _actuated(actuated, about.actuated, own.joints[own.free :])
+    findings = (*about.findings, *filter(None, [weightless_note(weightless_joints(model))]))
+    warned = () if about.known else (*findings, *wanted.complaints(motors))
+    if warned:
+        warnings.warn(f"{about.name!r}: {' '.join(warned)}", stacklevel=3)
     friction = np.array(model.upperDryFrictionLimit)
     notes = (
+        *findings,
         mimic_note(about.mimics, held, locked or {}),
         twin_note(twins),
         armature_note,

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Protocol
 from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
 import numpy.typing as npt
@@ -19,12 +20,19 @@ import pinocchio as pin
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.robot.loading.packages import find_mesh, search_folders
+from robotraj.robot.loading.packages import find_mesh, is_inside, search_folders
 from robotraj.robot.loading.urdf import read_xml
 
 Array = npt.NDArray[np.float64]
 
 TAGS = {pin.GeometryType.VISUAL: "visual", pin.GeometryType.COLLISION: "collision"}
+
+MISSING = "not found and skipped: {}. Name the folder above the package with package_dirs=."
+OUTSIDE = (
+    "outside the URDF's folder and package_dirs and skipped: {}. Name their folder with package_dirs=, or load with "
+    "trust_paths=True."
+)
+UNREADABLE = "not readable and skipped: {}. Export them again as STL, OBJ or COLLADA."
 
 
 class Geometry(Protocol):
@@ -43,37 +51,65 @@ class UrdfGeometry(OneLine):
     urdf : Path
         The file.
     package_dirs : tuple of str
-        Folders given by the caller to look for meshes in, before those found automatically.
+        Folders given by the caller, which are searched for meshes before the URDF's own.
+    trust_paths : bool
+        Whether meshes anywhere else are read.
     """
 
     urdf: Path
     package_dirs: tuple[str | os.PathLike[str], ...] = ()
+    trust_paths: bool = False
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
-        """Read the shapes of one kind; leave out meshes that are not there, with a warning."""
+        """Return the shapes of one kind; meshes that cannot be read are skipped with a warning."""
         root = read_xml(self.urdf)
-        folders = list(search_folders(self.urdf, self.package_dirs))
-        missing: list[str] = []
-        for link in root.findall("link"):
-            for shape in list(link.findall(TAGS[kind])):
-                mesh = shape.find("geometry/mesh")
-                if mesh is None:
-                    continue
-                address = mesh.get("filename", "")
-                found = find_mesh(address, self.urdf, folders)
-                if found is None:
-                    missing.append(f"{address} (link {link.get('name')})")
+        folders = search_folders(self.urdf, self.package_dirs, self.trust_paths)
+        faults: dict[str, list[str]] = {}
+        for link, shape, mesh in list(_meshes(root, kind)):
+            address = mesh.get("filename", "")
+            found = find_mesh(address, self.urdf, folders)
+            if found is not None and (self.trust_paths or is_inside(found, folders)):
+                mesh.set("filename", str(found))
+            else:
+                fault = MISSING if found is None else OUTSIDE
+                faults.setdefault(fault, []).append(f"{address} (link {link.get('name')})")
+                link.remove(shape)
+        try:
+            shapes = _built(model, root, kind)
+        except (ValueError, RuntimeError):
+            for link, shape, mesh in list(_meshes(root, kind)):
+                if not _is_readable(mesh.get("filename", "")):
+                    faults.setdefault(UNREADABLE, []).append(f"{mesh.get('filename')} (link {link.get('name')})")
                     link.remove(shape)
-                else:
-                    mesh.set("filename", str(found))
-        if missing:
+            shapes = _built(model, root, kind)
+        for fault, addresses in faults.items():
             warnings.warn(
-                f"{self.urdf.name}: {len(missing)} {TAGS[kind]} mesh(es) not found and left out: "
-                f"{', '.join(missing)}. "
-                "Name the folder above the package with package_dirs=.",
+                f"{self.urdf.name}: {len(addresses)} {TAGS[kind]} mesh(es) {fault.format(', '.join(addresses))}",
                 stacklevel=3,
             )
-        return pin.buildGeomFromUrdfString(model, ElementTree.tostring(root, encoding="unicode"), kind)
+        return shapes
+
+
+def _meshes(root: Element, kind: pin.GeometryType) -> Iterator[tuple[Element, Element, Element]]:
+    """Yield each link, its shape of the kind and the shape's mesh."""
+    for link in root.findall("link"):
+        for shape in link.findall(TAGS[kind]):
+            mesh = shape.find("geometry/mesh")
+            if mesh is not None:
+                yield link, shape, mesh
+
+
+def _built(model: pin.Model, root: Element, kind: pin.GeometryType) -> pin.GeometryModel:
+    return pin.buildGeomFromUrdfString(model, ElementTree.tostring(root, encoding="unicode"), kind)
+
+
+def _is_readable(path: str) -> bool:
+    """Whether Pinocchio's reader accepts a mesh file."""
+    try:
+        pin.hppfcl.MeshLoader().load(path, np.ones(3))
+    except (ValueError, RuntimeError):
+        return False
+    return True
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,16 @@ def mimic_note(mimics: Sequence[Mimic], held: Mapping[str, float], asked: Mappin
     )
 
 
+def weightless_note(joints: Sequence[str]) -> str:
+    """Name the joints that move neither mass nor inertia."""
+    if not joints:
+        return ""
+    return (
+        f"No mass moves with {', '.join(map(repr, joints))}, so the mass matrix is singular. Give the links an "
+        "<inertial>, or lock the joints with locked={joint: value}."
+    )
+
+
 def twin_note(names: Sequence[str]) -> str:
     """Say which joint frames were renamed because a link has the same name."""
     if not names:

@@ -3,30 +3,34 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 
-def search_folders(urdf: Path, package_dirs: Sequence[str | os.PathLike[str]] = ()) -> Iterator[Path]:
-    """Yield the folders to look in: the caller's, the URDF's and those above it, then ROS's package paths."""
-    for given in package_dirs:
-        yield Path(given).expanduser()
+def search_folders(urdf: Path, package_dirs: Sequence[str | os.PathLike[str]] = (), trust: bool = False) -> list[Path]:
+    """Return the folders to search: the caller's and the URDF's.
+
+    Where paths are trusted, the folders above the URDF's and ROS's package paths follow.
+    """
     folder = urdf.resolve().parent
-    yield folder
-    yield from folder.parents
-    for entry in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
-        if entry:
-            yield Path(entry)
-    for entry in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-        if entry:
-            yield Path(entry) / "share"
+    own = [*(Path(given).expanduser() for given in package_dirs), folder]
+    if not trust:
+        return own
+    ros = [Path(entry) for entry in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if entry]
+    ament = [Path(entry) / "share" for entry in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if entry]
+    return [*own, *folder.parents, *ros, *ament]
+
+
+def is_inside(path: Path, folders: Sequence[Path]) -> bool:
+    """Whether a file, its symbolic links followed, lies in one of the folders."""
+    place = path.resolve()
+    return any(place.is_relative_to(folder.resolve()) for folder in folders)
 
 
 def find_mesh(address: str, urdf: Path, folders: Sequence[Path]) -> Path | None:
-    """Resolve one mesh address to an existing file, or None.
+    """Return the existing file of a mesh address, or None.
 
-    ``package://name/rest`` is ``folder/name/rest``; where the folder itself is the package (its own name, or
-    its package.xml, is all that ``name`` stands for), ``folder/rest`` is taken too.
+    ``package://name/rest`` is ``folder/name/rest``. It is ``folder/rest`` where the folder itself is the package.
     """
     scheme, separator, rest = address.partition("://")
     if not separator:

@@ -14,9 +14,12 @@ from robotraj._util.values import dataclass
 from robotraj.robot.known_robots.catalogue import find
 from robotraj.robot.known_robots.entry import KnownRobot
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
+from robotraj.robot.loading.inertia import check_bodies
 from robotraj.robot.loading.mimic import Mimic, read_mimics
 from robotraj.robot.loading.surgery import names_of
 from robotraj.robot.loading.urdf import read_model, read_xml
+from robotraj.robot.loading.urdf_numbers import check_numbers
+from robotraj.robot.loading.urdf_structure import check_structure
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,10 @@ class Description:
         The frame whose path is worth drawing.
     origin : str
         Where it comes from, for people.
+    findings : tuple of str
+        Numbers of the URDF that can be read but not be right, one sentence each.
+    known : bool
+        Whether the catalogue lists it. Its findings are notes without a warning.
     """
 
     name: str
@@ -54,9 +61,15 @@ class Description:
     actuated: tuple[str, ...] | None = None
     moving: tuple[str, ...] = ()
     end_effector: str | None = None
+    findings: tuple[str, ...] = ()
+    known: bool = False
 
 
-def describe(source: Any, package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> Description:
+def describe(
+    source: str | os.PathLike[str] | pin.Model | pin.RobotWrapper,
+    package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    trust_paths: bool = False,
+) -> Description:
     """Read the source.
 
     Raises
@@ -71,9 +84,9 @@ def describe(source: Any, package_dirs: str | os.PathLike[str] | Sequence[str | 
         return _wrapper(source)
     if isinstance(source, os.PathLike) or (isinstance(source, str) and _is_path(source)):
         path = Path(source).expanduser()
-        return _from_urdf(KnownRobot("", "", str(path), path), folders)
+        return _from_urdf(KnownRobot("", "", str(path), path), folders, trust_paths)
     if isinstance(source, str):
-        return _from_urdf(find(source), folders)
+        return _from_urdf(find(source), folders, trust_paths=True)
     raise InputError(
         "rt.load takes a robot's name, the path of a URDF file, a pin.Model or a pin.RobotWrapper; "
         f"got {type(source).__name__}."
@@ -91,17 +104,23 @@ def _wrapper(wrapper: Any) -> Description:
     return Description(wrapper.model.name or "robot", wrapper.model, (shapes[0], shapes[1]), "a RobotWrapper")
 
 
-def _from_urdf(entry: KnownRobot, folders: tuple[str | os.PathLike[str], ...]) -> Description:
+def _from_urdf(entry: KnownRobot, folders: tuple[str | os.PathLike[str], ...], trust_paths: bool) -> Description:
     root = read_xml(entry.urdf)
+    file = repr(str(entry.urdf))
+    check_structure(file, root)
+    findings = check_numbers(file, root)
     model = read_model(entry.urdf)
+    check_bodies(file, model)
     return Description(
         entry.name or model.name or entry.urdf.stem,
         model,
-        UrdfGeometry(entry.urdf, folders),
+        UrdfGeometry(entry.urdf, folders, trust_paths),
         entry.source,
         read_mimics(root, names_of(model)[1:]),
         entry.srdf,
         entry.actuated,
         entry.moving,
         entry.end_effector,
+        findings,
+        bool(entry.name),
     )

@@ -63,26 +63,63 @@ def test_a_bare_model_has_no_shapes():
     assert robot.visual_model.ngeoms == robot.collision_model.ngeoms == 0
 
 
-@pytest.mark.parametrize(
-    "address",
-    [
-        "package://my_robot/meshes/part.obj",
-        "../meshes/part.obj",
-        "meshes/part.obj",
-        "{absolute}",
-        "file://{absolute}",
-    ],
-)
-def test_meshes_are_found_around_the_urdf(tmp_path, urdf, address):
-    package = tmp_path / "my_robot"
-    for place in (package / "meshes", package / "urdf" / "meshes"):
-        place.mkdir(parents=True)
-        (place / "part.obj").write_text(TETRAHEDRON, encoding="utf-8")
-    written = MESH.format(address.format(absolute=package / "meshes" / "part.obj"))
-    path = shutil.move(urdf.chain(SLIDER, shapes=written), package / "urdf" / "robot.urdf")
+AROUND = ["package://my_robot/meshes/part.obj", "../meshes/part.obj", "{absolute}", "file://{absolute}"]
+
+
+@pytest.fixture
+def package(tmp_path, urdf):
+    """Return a function that writes a package whose URDF in a folder of its own names a mesh."""
+
+    def write(address):
+        folder = tmp_path / "my_robot"
+        for place in (folder / "meshes", folder / "urdf" / "meshes"):
+            place.mkdir(parents=True)
+        for place in (folder / "meshes" / "part.obj", folder / "urdf" / "meshes" / "inside.obj"):
+            place.write_text(TETRAHEDRON, encoding="utf-8")
+        shapes = MESH.format(address.format(absolute=folder / "meshes" / "part.obj"))
+        return shutil.move(urdf.chain(SLIDER, shapes=shapes), folder / "urdf" / "robot.urdf")
+
+    return write
+
+
+@pytest.mark.parametrize("address", [*AROUND, "meshes/inside.obj"])
+def test_trusted_paths_are_read_wherever_they_lead(package, address):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        assert rt.load(package(address), trust_paths=True).visual_model.ngeoms == 2
+
+
+@pytest.mark.parametrize("address", AROUND)
+def test_meshes_outside_the_folder_are_not_read_unless_it_is_named(package, address):
+    path = package(address)
+    with pytest.warns(UserWarning, match=r"skipped: .*part.obj \(link base\).*package_dirs"):
+        assert rt.load(path).visual_model.ngeoms == 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert rt.load(path, package_dirs=path.parents[2]).visual_model.ngeoms == 2
+
+
+def test_meshes_in_the_folder_are_read(package):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert rt.load(package("meshes/inside.obj")).visual_model.ngeoms == 2
+
+
+def test_a_link_out_of_the_folder_is_not_followed(package):
+    path = package("meshes/link.obj")
+    (path.parent / "meshes" / "link.obj").symlink_to(path.parents[1] / "meshes" / "part.obj")
+    with pytest.warns(UserWarning, match="outside the URDF's folder.*trust_paths=True"):
+        assert rt.load(path).visual_model.ngeoms == 0
+    assert rt.load(path, trust_paths=True).visual_model.ngeoms == 2
+
+
+def test_an_unreadable_mesh_is_named_and_the_other_shapes_stay(urdf):
+    (urdf.folder / "damaged.stl").write_bytes(b"no triangles" * 20)
+    (urdf.folder / "sound.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    path = urdf.chain(SLIDER, shapes=MESH.format("damaged.stl") + MESH.format("sound.obj"))
+    with pytest.warns(UserWarning, match=r"not readable and skipped: .*damaged.stl \(link base\)") as caught:
         assert rt.load(path).visual_model.ngeoms == 2
+    assert len(caught) == 1
 
 
 def test_package_dirs_and_ros_paths_are_searched(tmp_path, urdf, monkeypatch):
@@ -92,11 +129,11 @@ def test_package_dirs_and_ros_paths_are_searched(tmp_path, urdf, monkeypatch):
     for given in (tmp_path / "elsewhere", str(tmp_path / "elsewhere"), [tmp_path, tmp_path / "elsewhere"]):
         assert rt.load(path, package_dirs=given).visual_model.ngeoms == 2
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{tmp_path / 'elsewhere'}")
-    assert rt.load(path).visual_model.ngeoms == 2
+    assert rt.load(path, trust_paths=True).visual_model.ngeoms == 2
     monkeypatch.delenv("ROS_PACKAGE_PATH")
     (tmp_path / "elsewhere").rename(tmp_path / "share")
     monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
-    assert rt.load(path).visual_model.ngeoms == 2
+    assert rt.load(path, trust_paths=True).visual_model.ngeoms == 2
 
 
 def test_a_missing_mesh_is_named_and_the_other_shapes_stay(urdf):

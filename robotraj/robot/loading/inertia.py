@@ -1,0 +1,77 @@
+"""Which rotational inertias a rigid body can have: no negative moment, none larger than the sum of the others.
+
+Source: Traversaro, Brossette, Escande and Nori, Identification of fully physical consistent inertial parameters (2016).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+
+NEGATIVE = 1e-6
+"""Negative moments up to this part of the largest one are taken for rounding."""
+TRIANGLE = 1e-2
+"""Largest part by which a moment may exceed the sum of the two others, for files with few digits."""
+ROUNDING = 1e-9
+"""Moments below this times the mass [m^2] are taken for zero: a radius of gyration of 0.03 mm."""
+
+
+def principal_moments(inertia: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the eigenvalues (3,) of an inertia about the centre of mass, in ascending order [kg m^2]."""
+    return np.asarray(np.linalg.eigvalsh(inertia))
+
+
+def is_indefinite(moments: NDArray[np.float64], mass: float) -> bool:
+    """Whether a principal moment is negative by more than rounding."""
+    return bool(moments[0] < -NEGATIVE * np.abs(moments).max() - ROUNDING * mass)
+
+
+def triangle_fault(moments: NDArray[np.float64], mass: float) -> str:
+    """Describe principal moments of no rigid body; empty where they are possible.
+
+    Parameters
+    ----------
+    moments : (3,) array
+        Principal moments in ascending order [kg m^2].
+    mass : float
+        Mass [kg], which scales the tolerance.
+    """
+    values = ", ".join(f"{moment:.4g}" for moment in moments)
+    if is_indefinite(moments, mass):
+        return f"the principal moments of inertia {values} kg m^2, one of them negative"
+    if moments[0] + moments[1] < (1.0 - TRIANGLE) * moments[2] - ROUNDING * mass:
+        return f"the principal moments of inertia {values} kg m^2, the last larger than the sum of the others"
+    return ""
+
+
+def check_bodies(name: str, model: pin.Model) -> None:
+    """Refuse moving bodies, links joined by fixed joints together, with an indefinite inertia.
+
+    Raises
+    ------
+    InputError
+        Names the joints that move them: the mass matrix could lose its positive definiteness.
+    """
+    faults = [
+        f"{model.names[i]!r} ({triangle_fault(moments, body.mass)})"
+        for i, body in enumerate(list(model.inertias)[1:], start=1)
+        if is_indefinite(moments := principal_moments(np.array(body.inertia)), body.mass)
+    ]
+    if faults:
+        raise InputError(
+            f"{name}: bodies with impossible inertias are moved by joint {'; '.join(faults)}. Correct the URDF."
+        )
+
+
+def weightless_joints(model: pin.Model) -> tuple[str, ...]:
+    """Return the joints behind which there is neither mass nor inertia, and which have no armature."""
+    carried = [body.mass + float(np.abs(body.inertia).sum()) for body in list(model.inertias)]
+    parents = list(model.parents)
+    for i in range(model.njoints - 1, 0, -1):
+        carried[parents[i]] += carried[i]
+    joints = enumerate(model.joints.tolist()[1:], start=1)
+    armature = np.array(model.armature)
+    return tuple(model.names[i] for i, joint in joints if carried[i] == 0 and not armature[joint.idx_v])

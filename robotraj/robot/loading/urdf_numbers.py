@@ -1,0 +1,145 @@
+"""Checks of a URDF's numbers: origins, axes, limits, masses and inertias.
+
+Numbers that cannot be read are refused: the parser behind Pinocchio replaces them by 0. Numbers that can be read but
+not be right are findings, which ``rt.load`` warns of and ``robotraj show`` lists.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj.robot.loading.inertia import principal_moments, triangle_fault
+from robotraj.robot.loading.urdf_structure import SHOWN
+
+JOINT_TYPES = {"revolute", "continuous", "prismatic", "floating", "planar", "fixed"}
+MOVING = {"revolute", "continuous", "prismatic"}
+"""Those along or about one axis."""
+JOINT_NUMBERS = ("limit", "dynamics", "mimic")
+"""Tags of a joint whose attributes are numbers, but for the name of the leader."""
+INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+UNIT_AXIS = 1e-2
+"""Largest distance from 1 of an axis' length that is no finding."""
+SPEEDS = (1e-6, 1e6)
+"""Velocity [rad/s, m/s] and effort [N m, N] limits outside are findings; 0 and no limit are reported elsewhere."""
+UNLIMITED = 1e20
+"""Limits above mean that there is none."""
+
+
+def check_numbers(file: str, root: Element) -> tuple[str, ...]:
+    """Refuse what is no number and return findings, one sentence each.
+
+    Parameters
+    ----------
+    file : str
+        The file's name for messages.
+    root : Element
+        The ``<robot>`` element, whose structure has been checked.
+
+    Raises
+    ------
+    InputError
+        Lists every link and joint whose numbers are missing, unparsable, NaN or infinite, with negative masses and
+        unknown joint types among them.
+    """
+    faults = [fault for joint in root.findall("joint") for fault in _joint_faults(joint)]
+    faults += [fault for link in root.findall("link") for fault in _link_faults(link)]
+    if faults:
+        more = f" And {len(faults) - SHOWN} more." if len(faults) > SHOWN else ""
+        raise InputError(f"{file}: {'; '.join(faults[:SHOWN])}.{more}")
+    joints = (finding for joint in root.findall("joint") for finding in _joint_findings(joint))
+    links = (finding for link in root.findall("link") for finding in _link_findings(link))
+    return (*joints, *links)
+
+
+def _joint_faults(joint: Element) -> Iterator[str]:
+    name, kind = joint.get("name"), joint.get("type")
+    if kind not in JOINT_TYPES:
+        yield f"joint {name!r} has type {kind!r}; a URDF knows {', '.join(sorted(JOINT_TYPES))}"
+    yield from _origin_faults(joint, f"joint {name!r}")
+    if joint.find("limit") is None and kind in ("revolute", "prismatic"):
+        yield f"the {kind} joint {name!r} has no <limit>; give its effort and velocity"
+    axis = joint.find("axis")
+    if axis is not None and kind in MOVING and not any(numbers(axis.get("xyz", ""), 3) or ()):
+        yield f"joint {name!r} has the axis {axis.get('xyz')!r}; give three numbers, not all zero"
+    for field in JOINT_NUMBERS:
+        element = joint.find(field)
+        for key, text in {} if element is None else element.attrib.items():
+            if key != "joint" and not (_is_limit(text) if field == "limit" else numbers(text, 1)):
+                yield f"joint {name!r} has <{field} {key}={text!r}>, which is no number"
+
+
+def _link_faults(link: Element) -> Iterator[str]:
+    name = link.get("name")
+    yield from _origin_faults(link, f"link {name!r}")
+    inertial = link.find("inertial")
+    if inertial is None:
+        return
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    text = "" if mass is None else mass.get("value", "")
+    value = numbers(text, 1)
+    if value is None or value[0] < 0:
+        yield f"link {name!r} has the mass {text!r}; give kilograms, 0 or more"
+    if inertia is None:
+        yield f"link {name!r} has an <inertial> without <inertia>; give its six numbers"
+        return
+    for key in INERTIA:
+        entry = inertia.get(key, "")
+        if numbers(entry, 1) is None:
+            yield f"link {name!r} has the inertia {key}={entry!r}; give a finite number [kg m^2]"
+
+
+def _origin_faults(owner: Element, what: str) -> Iterator[str]:
+    """Yield the origins of a joint or link, of its inertia and of its shapes that are no three numbers."""
+    for origin in owner.iter("origin"):
+        for key, text in origin.attrib.items():
+            if key in ("xyz", "rpy") and numbers(text, 3) is None:
+                yield f"{what} has an origin with {key}={text!r}; give three finite numbers"
+
+
+def _joint_findings(joint: Element) -> Iterator[str]:
+    name, axis, limit = joint.get("name"), joint.find("axis"), joint.find("limit")
+    if joint.get("type") not in MOVING:
+        return
+    if axis is not None:
+        length = math.hypot(*(numbers(axis.get("xyz", ""), 3) or ()))
+        if abs(length - 1.0) > UNIT_AXIS:
+            yield f"Joint {name!r} has an axis of length {length:.4g}; its direction is used. Scale it to length 1."
+    for key in ("velocity", "effort") if limit is not None else ():
+        size = float(limit.get(key, "0") if limit is not None else "0")
+        if size and size < UNLIMITED and not SPEEDS[0] <= size <= SPEEDS[1]:
+            yield f"Joint {name!r} has the {key} limit {size:g}, no motor's. Correct it with limits={{{key!r}: ...}}."
+
+
+def _link_findings(link: Element) -> Iterator[str]:
+    inertia, mass = link.find("inertial/inertia"), link.find("inertial/mass")
+    if inertia is None or mass is None:
+        return
+    ixx, ixy, ixz, iyy, iyz, izz = (float(inertia.get(key, "0")) for key in INERTIA)
+    matrix = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+    fault = triangle_fault(principal_moments(matrix), float(mass.get("value", "0")))
+    if fault:
+        yield f"Link {link.get('name')!r} has {fault}. No rigid body has such an inertia: correct the URDF."
+
+
+def numbers(text: str, count: int) -> tuple[float, ...] | None:
+    """Return the finite numbers of an attribute, or None where there are not ``count`` of them."""
+    try:
+        values = tuple(float(part) for part in text.split())
+    except ValueError:
+        return None
+    # float() takes underscores between digits, which no parser of URDFs does.
+    readable = len(values) == count and all(map(math.isfinite, values)) and "_" not in text
+    return values if readable else None
+
+
+def _is_limit(text: str) -> bool:
+    """Whether a text is a number; limits may be infinite."""
+    try:
+        return not math.isnan(float(text)) and "_" not in text
+    except ValueError:
+        return False

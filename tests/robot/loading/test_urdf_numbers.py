@@ -1,0 +1,91 @@
+"""Numbers of a URDF that cannot be read are refused by name; those that cannot be right are warned of."""
+
+from __future__ import annotations
+
+import re
+import warnings
+
+import pytest
+
+import robotraj as rt
+
+ARM = (
+    '<robot name="arm"><link name="base"/><link name="upper"><inertial><origin xyz="0 0 -0.3" rpy="0 0 0"/>'
+    '<mass value="2"/><inertia ixx="0.2" iyy="0.3" izz="0.25" ixy="0" ixz="0" iyz="0"/></inertial>'
+    '<visual><origin xyz="0 0 0.5"/><geometry><box size="1 1 1"/></geometry></visual></link>'
+    '<joint name="elbow" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 1" rpy="0 0 0"/>'
+    '<axis xyz="0 1 0"/><limit lower="-1" upper="2" velocity="3" effort="4"/><dynamics damping="0.1"/></joint></robot>'
+)
+NO_NUMBERS = ["nan", "inf", "-inf", "1e999", "", "one", "1_0", "0x1"]
+
+REFUSED = {
+    "origin of a joint": ('xyz="0 0 1"', 'xyz="0 0 {}"', "joint 'elbow' has an origin with xyz="),
+    "angles of a joint": ('xyz="0 0 1" rpy="0 0 0"', 'rpy="0 {} 0"', "joint 'elbow' has an origin with rpy="),
+    "origin of an inertia": ('xyz="0 0 -0.3"', 'xyz="{} 0 0"', "link 'upper' has an origin with xyz="),
+    "origin of a shape": ('xyz="0 0 0.5"', 'xyz="{} 0 0"', "link 'upper' has an origin with xyz="),
+    "moment of inertia": ('ixx="0.2"', 'ixx="{}"', "link 'upper' has the inertia ixx="),
+    "product of inertia": ('iyz="0"', 'iyz="{}"', "link 'upper' has the inertia iyz="),
+    "mass": ('value="2"', 'value="{}"', "link 'upper' has the mass"),
+    "axis": ('xyz="0 1 0"', 'xyz="0 {} 0"', "joint 'elbow' has the axis"),
+    "damping": ('damping="0.1"', 'damping="{}"', "joint 'elbow' has <dynamics damping="),
+}
+
+
+@pytest.mark.parametrize("text", NO_NUMBERS)
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_no_finite_number_is_refused_by_name(case, text, urdf):
+    old, new, part = REFUSED[case]
+    assert old in ARM
+    with pytest.raises(rt.InputError, match=part):
+        rt.load(urdf.text(ARM.replace(old, new.format(text))))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "part"),
+    [
+        (' ixx="0.2"', "", "link 'upper' has the inertia ixx=''"),
+        ('<mass value="2"/>', "", "link 'upper' has the mass ''"),
+        ('xyz="0 0 1"', 'xyz="0 1"', "joint 'elbow' has an origin with xyz='0 1'"),
+        ('xyz="0 0 1"', 'xyz="0 0 0 1"', "joint 'elbow' has an origin with xyz='0 0 0 1'"),
+        ('lower="-1"', 'lower="nan"', "joint 'elbow' has <limit lower='nan'>"),
+    ],
+)
+def test_missing_and_surplus_numbers_are_refused_by_name(old, new, part, urdf):
+    assert old in ARM
+    with pytest.raises(rt.InputError, match=part):
+        rt.load(urdf.text(ARM.replace(old, new)))
+
+
+def test_all_faults_are_in_one_message(urdf):
+    text = ARM.replace('ixx="0.2"', 'ixx="nan"').replace('xyz="0 0 1"', 'xyz="0 0 inf"')
+    with pytest.raises(rt.InputError, match=r"joint 'elbow'.*; link 'upper'"):
+        rt.load(urdf.text(text))
+
+
+WARNED = {
+    "triangle inequality": ('iyy="0.3"', 'iyy="0.9"', "Link 'upper' has the principal moments.*sum of the others"),
+    "long axis": ('<axis xyz="0 1 0"', '<axis xyz="0 3 0"', "Joint 'elbow' has an axis of length 3"),
+    "tiny axis": ('<axis xyz="0 1 0"', '<axis xyz="0 1e-5 0"', "Joint 'elbow' has an axis of length 1e-05"),
+    "huge effort": ('effort="4"', 'effort="1e9"', r"Joint 'elbow' has the effort limit 1e\+09"),
+    "tiny velocity": ('velocity="3"', 'velocity="1e-9"', "Joint 'elbow' has the velocity limit 1e-09"),
+    "no effort": ('effort="4"', 'effort="0"', "effort limit 0 locks it"),
+    "negative velocity": ('velocity="3"', 'velocity="-3"', "Joint 'elbow' has the velocity limit -3"),
+    "inverted positions": ('lower="-1"', 'lower="5"', r"position limits \[5, 2\] are inverted"),
+    "no mass": (ARM[ARM.index("<inertial>") : ARM.index("<visual>")], "", "No mass moves with 'elbow'"),
+}
+
+
+@pytest.mark.parametrize("case", WARNED)
+def test_what_cannot_be_right_is_warned_of_and_printed(case, urdf):
+    old, new, part = WARNED[case]
+    assert old in ARM
+    with pytest.warns(UserWarning, match=part) as caught:
+        robot = rt.load(urdf.text(ARM.replace(old, new)))
+    assert [warning.filename for warning in caught] == [__file__]
+    assert re.search(part, " ".join(str(robot).split()))
+
+
+def test_a_sound_arm_loads_without_a_warning(urdf):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rt.load(urdf.text(ARM))
