@@ -1,12 +1,12 @@
-"""Motions that obey their equations everywhere, not at collocation points alone.
+"""Motions that satisfy their equations at all times, not at collocation points alone.
 
-A robot with a motor at every joint can follow any motion q(t): inverse dynamics gives the torques that it takes,
+A robot with a motor at every joint can follow any motion q(t). Inverse dynamics gives the torques,
 
     tau(t) = RNEA(q(t), v(t), a(t)) + d(v(t)),    qdot = v,    vdot = a.
 
-Collocation gives a polynomial v(t) of degree s whose rate is a(t). Its integral is q(t): at the knots it is what was
-collocated, where the quadrature of the scheme is exact for degree s. No equation is left that could err between the
-points, whatever the friction; what is left to look at are limits and costs of tau(t).
+Collocation gives a polynomial v(t) of degree s whose rate is a(t). Its integral q(t) equals the collocated positions at
+the knots if the quadrature of the scheme is exact for degree s. All equations then hold between the points, with any
+friction. Limits and costs of tau(t) remain to be measured.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-12
-"""Error of a quadrature of degree s that counts as none."""
+"""Error of a quadrature below which it counts as exact."""
 
 
 def is_exact(phase: Phase, schemes: Sequence[Scheme]) -> bool:
     """Whether the plan of a phase is a motion whose torques follow from inverse dynamics at any time.
 
-    It is for a robot with a fixed root, a motor at every joint, no contacts and torques that are no states. The control
-    must have the scheme's own shape. The scheme must integrate polynomials of its state's degree exactly, which the
-    trapezoidal rule does not.
+    The robot has a fixed root, a motor at every joint, no contacts, and torques that are not states. The control is the
+    scheme's own polynomial. The scheme integrates polynomials of its state's degree exactly, unlike the trapezoidal
+    rule.
     """
     body = phase.body
     if not isinstance(body, InverseRigidBody) or body.contacts or body.invariants:
@@ -44,25 +44,26 @@ def is_exact(phase: Phase, schemes: Sequence[Scheme]) -> bool:
     if robot.root != "fixed" or not robot.nq == robot.nv == robot.nu:
         return False
     if {f"tau.{joint}" for joint in robot.actuated} & {state.name for state in phase.dae.states}:
-        return False  # The objective made states of the torques: they are continuous, and so they are planned.
+        return False  # The objective made the torques states, which are planned as continuous functions.
     return all(_integrates_its_state(scheme) for scheme in dict.fromkeys(schemes))
 
 
 def with_integrated_speeds(values: Array, lengths: Array, joints: int) -> tuple[Array, Array]:
-    """Replace the positions of intervals by the integral of their speeds.
+    """Replace the positions of intervals by the integrals of their speeds.
 
     Parameters
     ----------
     values : ndarray (K, s + 1, nx)
-        Of the state at Lobatto's sites; positions come first, then speeds.
+        Values of the state at Lobatto sites; positions come first, then speeds.
     lengths : ndarray (K,)
-        Of the intervals [s].
+        Lengths of the intervals [s].
     joints : int
+        Number of positions.
 
     Returns
     -------
     tuple of ndarray
-        Sites (s + 2,) of a polynomial of one degree more, and the values there (K, s + 2, nx).
+        Sites (s + 2,) of polynomials of one degree more, and the values there (K, s + 2, nx).
     """
     sites, finer = lobatto_sites(values.shape[1]), lobatto_sites(values.shape[1] + 1)
     raised = basis(sites, finer) @ values

@@ -1,4 +1,4 @@
-"""From a decision vector to the polynomials that were collocated."""
+"""The collocated polynomials of a decision vector."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class PhaseTrajectory(OneLine):
     t0, duration : float
         [s].
     x, z, u : PiecewisePolynomial
-        Where the motion is exact (``exact_motion``), positions are integrals of the speeds.
+        State, algebraic variables and controls. Positions of exact motions (``exact_motion``) are integrals of speeds.
     points : ndarray
         Collocation times [s], ascending.
     parameters : dict of str to float
@@ -43,14 +43,22 @@ class PhaseTrajectory(OneLine):
 
 
 def extract(nlp: Nlp, w: Array, outputs: Sequence[Array] | None = None) -> tuple[PhaseTrajectory, ...]:
-    """Read every phase's polynomials out of a decision vector in physical units, whose ``outputs`` may be known."""
+    """Return the polynomials of every phase for a decision vector in physical units.
+
+    Parameters
+    ----------
+    nlp : Nlp
+    w : ndarray (n_w,)
+    outputs : sequence of ndarray, optional
+        ``nlp.outputs(w)``, if already evaluated.
+    """
     blocks = nlp.blocks[: len(nlp.layouts)]
     every = [block.outputs(w) for block in blocks] if outputs is None else outputs[: len(blocks)]
     return tuple(_phase(nlp, i, w, own) for i, own in enumerate(every))
 
 
 def correction_basis(nodes: Array, tau: Array) -> Array:
-    """Polynomials of the corrections: 0 at the left knot, and each 1 at its own node above it; (len(tau), r)."""
+    """Return the polynomials of the corrections: 0 at the left knot, each 1 at its node above it; (len(tau), r)."""
     inner = nodes[nodes > 0.0]
     return basis(np.concatenate([[0.0], inner]), tau)[:, 1:]
 
@@ -107,6 +115,6 @@ def _phase(nlp: Nlp, index: int, w: Array, outputs: Array) -> PhaseTrajectory:
 
 
 def _ascending(times: Array) -> Array:
-    """Sort times and keep each once; np.unique would import numpy.ma."""
+    """Sort times and remove repeated ones; np.unique would import numpy.ma."""
     times = np.sort(times)
     return times[np.append(True, np.diff(times) > 0.0)]

@@ -1,16 +1,17 @@
-"""Where the unknowns of a phase stand in the decision vector; ``numbering`` puts them there."""
+"""Layout of a phase: the columns of its unknowns in the decision vector, which ``numbering`` assigns."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.table import Entry
 
@@ -29,13 +30,13 @@ class Scalar:
     value: float = 0.0
 
     def of(self, w: Array) -> float:
-        """Value for a decision vector w in physical units."""
+        """Return the value for a decision vector w in physical units."""
         return self.value if self.column is None else float(w[self.column])
 
 
 @dataclass(frozen=True)
 class Clock:
-    """How an interval reads time: t = base + (start + length c) span, for c in [0, 1].
+    """Time on an interval: t = base + (start + length c) span, for c in [0, 1].
 
     On a fixed mesh base and span are those of the phase, on a moving mesh they are the interval's own unknowns.
     """
@@ -46,7 +47,7 @@ class Clock:
     length: float
 
     def ends(self, w: Array) -> tuple[float, float]:
-        """First and last time of the interval for a decision vector w [s]."""
+        """Return the first and the last time of the interval for a decision vector w [s]."""
         first = self.base.of(w) + self.start * self.span.of(w)
         return first, first + self.length * self.span.of(w)
 
@@ -70,12 +71,12 @@ class IntervalLayout:
     controls : Indices (m, nu)
         Columns of u at each control site.
     places : Indices (s,)
-        The evaluation of the stage function that serves each node.
+        Number of the evaluation of the stage function at each node.
     corrections : Indices (r, ni)
-        Columns of the corrections that hold the invariants, at the r nodes above 0; each is read at its node's place.
+        Columns of the corrections that hold the invariants, at the r nodes above 0; each belongs to its node's place.
     """
 
-    scheme: Any
+    scheme: Scheme
     start: float
     length: float
     clock: Clock
@@ -92,7 +93,7 @@ class IntervalLayout:
 class Run:
     """Neighbouring intervals of one scheme, with their columns as arrays (n, ...) like those of ``IntervalLayout``."""
 
-    scheme: Any
+    scheme: Scheme
     which: Indices
     start: Array
     length: Array
@@ -107,17 +108,18 @@ class Run:
 
     @property
     def columns(self) -> tuple[Indices, ...]:
-        """Everything that ``IntervalLayout`` has a row of, in its order."""
+        """Arrays of the columns, in the order of the fields of ``IntervalLayout``."""
         return self.states, self.left, self.right, self.algebraic, self.controls, self.places, self.corrections
 
     def joined(self, other: Run) -> Run:
-        """Put the run of the same scheme that follows behind this one."""
-        pairs = zip(self._arrays, other._arrays, strict=True)
-        return Run(self.scheme, *(np.concatenate(pair) for pair in pairs))
-
-    @property
-    def _arrays(self) -> tuple[Any, ...]:
-        return self.which, self.start, self.length, self.clock_length, *self.columns
+        """Return this run and the next one of the same scheme as one run."""
+        which = np.concatenate([self.which, other.which])
+        times = (
+            np.concatenate([getattr(run, name) for run in (self, other)])
+            for name in ("start", "length", "clock_length")
+        )
+        columns = (np.concatenate(pair) for pair in zip(self.columns, other.columns, strict=True))
+        return Run(self.scheme, which, *times, *columns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,13 +129,13 @@ class PhaseLayout(OneLine):
     Attributes
     ----------
     knots : Indices (K + 1, nx)
-        In single shooting, whose phase is one interval, those of both ends.
+        Columns of the state at the knots; in single shooting, whose phase is one interval, at both ends.
     runs : tuple of Run
-        The intervals, those of one scheme that follow each other together.
+        Neighbouring intervals of one scheme.
     t0, duration : Scalar
     parameters : tuple of Scalar
     place_owner : Indices (places, 2)
-        For every evaluation of the stage function, an interval and a node that use it.
+        An interval and a node for every evaluation of the stage function.
     own_clocks : Indices (K, 2) or None
         Columns of the start and the length of every interval, on a moving mesh.
     """
@@ -148,7 +150,7 @@ class PhaseLayout(OneLine):
     own_clocks: Indices | None
 
     @property
-    def scheme(self) -> Any:
+    def scheme(self) -> Scheme:
         """The scheme of the first interval."""
         return self.runs[0].scheme
 
@@ -173,7 +175,7 @@ class PhaseLayout(OneLine):
         )
 
     def clock(self, interval: int) -> Clock:
-        """Give how an interval reads time."""
+        """Return the clock of an interval."""
         if self.own_clocks is not None:
             base, span = self.own_clocks[interval].tolist()
             return Clock(Scalar(base), Scalar(span), 0.0, 1.0)
@@ -183,7 +185,7 @@ class PhaseLayout(OneLine):
 
     @cached_property
     def place_fractions(self) -> Array:
-        """Where in the phase every evaluation of the stage function stands; on a moving mesh, before it moves."""
+        """Fraction of the phase of every evaluation of the stage function; on a moving mesh, before it moves."""
         which, node = self.place_owner.T
         out = np.empty(len(which))
         for run in self.runs:
@@ -194,11 +196,11 @@ class PhaseLayout(OneLine):
 
     @property
     def fractions(self) -> Array:
-        """Fractions of the phase where ``knots`` stand: those of the mesh, and in single shooting both ends."""
+        """Fractions of the phase of ``knots``: those of the mesh, in single shooting both ends."""
         return np.concatenate([*(run.start for run in self.runs), [1.0]])
 
     def breaks(self, w: Array) -> Array:
-        """Give the times of the knots for a decision vector w [s], (K + 1,)."""
+        """Return the times of the knots for a decision vector w [s], (K + 1,)."""
         t0, duration = self.t0.of(w), self.duration.of(w)
         if not isinstance(self.mesh, MovingMesh):
             return np.asarray(t0 + duration * self.mesh.knots)
@@ -207,5 +209,5 @@ class PhaseLayout(OneLine):
 
 
 def entries_of(phase: int, variables: Sequence[Variable]) -> list[Entry]:
-    """Entries of the NLP for named variables."""
+    """Return the entries of named variables."""
     return [Entry(phase, v.quantity, v.label, v.unit) for v in variables]

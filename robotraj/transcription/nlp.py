@@ -1,9 +1,9 @@
-"""The nonlinear program: inspectable, named, scaled.
+"""The nonlinear program: named, scaled, open to inspection.
 
     minimise f(w)  subject to  lower <= g(w) <= upper,  lower <= w <= upper
 
-Public vectors are in physical units; ``functions`` work on the scaled vector w / scale and give scaled rows g *
-row_scale.
+Public vectors are in physical units. ``functions`` take the scaled vector w / scale and return the scaled rows
+g * row_scale.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 OBJECTIVE_SIZES = 1e-2, 1e5
-"""Least and greatest size of the objective that a solver sees. Its tolerance of 1e-8 is absolute."""
+"""Least and greatest size of the objective of a solver, whose tolerance of 1e-8 is absolute."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +47,9 @@ class Nlp(OneLine):
     ----------
     problem : Problem
     layouts : tuple of PhaseLayout
-        Where each phase's unknowns stand.
+        Columns of each phase's unknowns.
     link_columns : tuple of ndarray of int
-        Where the unknowns of each link stand.
+        Columns of each link's unknowns.
     variables, rows : Scalars
         Meaning, time and bounds of the columns and of the rows.
     blocks : tuple of Block
@@ -59,15 +59,15 @@ class Nlp(OneLine):
     scale, row_scale : ndarray (n_w,), (n_g,)
         w = scale * w_scaled, g_scaled = row_scale * g.
     guess : ndarray (n_w,)
-        Where the solver starts.
+        Start of the solver.
     free : Scalars
         The columns without the bounds of the phases.
     engine : Engine
         Evaluates the blocks' functions.
     interval_limits : ConstraintGeneration
-        What holds rows on states between the collocation points.
+        How limits hold between the collocation points.
     loose_rows : Scalars or None
-        The rows without margins, where ``rows`` have some.
+        The rows without margins, if ``rows`` have margins.
     """
 
     problem: Problem
@@ -87,34 +87,34 @@ class Nlp(OneLine):
 
     @cached_property
     def functions(self) -> Functions:
-        """Objective, rows and their derivatives in scaled variables, as a solver takes them."""
+        """Objective, rows and their derivatives in scaled variables."""
         blocks = [block.scaled(self.scale, self.row_scale) for block in self.blocks]
         return assemble(blocks, scaled(self.linear, self.row_scale, self.scale), self.engine)
 
     @property
     def compiling(self) -> float:
-        """Seconds that the engine took to prepare ``functions``, 0 while nobody has asked for them."""
+        """Seconds that the engine took to prepare ``functions``, 0 before they are used."""
         return self.functions.preparing if "functions" in self.__dict__ else 0.0
 
     @property
     def point_functions(self) -> list[StageMapped]:
-        """Every stage function that ``functions`` call, and at how many places."""
+        """Every stage function that ``functions`` call, with its number of places."""
         return point_functions(self.blocks)
 
     def outputs(self, w: Array) -> tuple[Array, ...]:
-        """Give the outputs of every block at w, (n_y, E) each, which the values below are made of."""
+        """Return the outputs of every block at w, (n_y, E) each; the methods below accept them."""
         return tuple(block.outputs(w) for block in self.blocks)
 
     def objective(self, w: Array, outputs: Sequence[Array] | None = None) -> float:
-        """Objective at w, in physical units."""
+        """Return the objective at w, in physical units."""
         every = self.outputs(w) if outputs is None else outputs
         return sum(block.objective(own) for block, own in zip(self.blocks, every, strict=True))
 
     def objective_scale(self, start: float) -> float:
-        """Return the factor that brings the objective to a size at which a solver's tolerance means digits of it.
+        """Return the factor that scales the objective so that a solver's absolute tolerance is relative to it.
 
-        The size is the objective at the guess; where that is below the least size, as it is for efforts that start from
-        zero, the objective one unit of every scaled variable away. The factor is 1 inside ``OBJECTIVE_SIZES``.
+        The size is the objective at the guess. Where that is below the least size, as for efforts that start from zero,
+        it is the objective one unit of every scaled variable away. The factor is 1 inside ``OBJECTIVE_SIZES``.
 
         Parameters
         ----------
@@ -130,25 +130,25 @@ class Nlp(OneLine):
         return float(np.clip(size, least, greatest) / size) if np.isfinite(size) and size > 0.0 else 1.0
 
     def values(self, w: Array, outputs: Sequence[Array] | None = None) -> Array:
-        """Rows g at w, in physical units, (n_g,)."""
+        """Return the rows g at w, in physical units, (n_g,)."""
         values = np.asarray(self.linear @ w)
         for block, own in zip(self.blocks, self.outputs(w) if outputs is None else outputs, strict=True):
             values += block.rows(own)
         return values
 
     def gradient(self, w: Array) -> Array:
-        """Gradient of the objective, (n_w,)."""
+        """Return the gradient of the objective, (n_w,)."""
         return np.array(self.functions.gradient(w / self.scale, [])[1]).ravel() / self.scale
 
     def jacobian(self, w: Array) -> sparse.csc_array:
-        """Exact dg/dw, sparse (n_g, n_w)."""
+        """Return the exact dg/dw, sparse (n_g, n_w)."""
         from scipy import sparse
 
         scaled = self.functions.jacobian(w / self.scale, [])[1].sparse()
         return sparse.csc_array(sparse.diags_array(1 / self.row_scale) @ scaled @ sparse.diags_array(1 / self.scale))
 
     def hessian(self, w: Array, multipliers: Array, objective_weight: float = 1.0) -> sparse.csc_array:
-        """Exact Hessian of objective_weight f + multipliers' g, sparse symmetric (n_w, n_w)."""
+        """Return the exact Hessian of objective_weight f + multipliers' g, sparse symmetric (n_w, n_w)."""
         from scipy import sparse
 
         scaled = self.functions.hessian(w / self.scale, [], objective_weight, multipliers / self.row_scale).sparse()
@@ -156,7 +156,7 @@ class Nlp(OneLine):
         return sparse.csc_array(upper + sparse.triu(upper, 1).T)
 
     def times(self, scalars: Scalars, w: Array) -> Array:
-        """Time of every column or row [s]."""
+        """Return the time of every column or row [s]."""
         phase = np.array([entry.phase for entry in scalars.entries], dtype=int)[scalars.meaning]
         times = np.empty(len(scalars))
         for i, layout in enumerate(self.layouts):
@@ -165,9 +165,9 @@ class Nlp(OneLine):
         return times
 
     def names(self, scalars: Scalars) -> list[str]:
-        """Names of columns or rows: phase, meaning, joint and time at the guess."""
+        """Return the names of columns or rows: phase, meaning, joint and time at the guess."""
         times = self.times(scalars, self.guess)
-        phases: Sequence[Any] = self.problem.phases
+        phases = self.problem.phases
         labels = [f"{phases[e.phase].name}: {e}" for e in scalars.entries]
         return [f"{labels[m]}, t = {t:.4g} s" for m, t in zip(scalars.meaning, times, strict=True)]
 

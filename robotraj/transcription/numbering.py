@@ -1,20 +1,21 @@
-"""A column of the decision vector for every unknown of a phase.
+"""Numbering of the unknowns of a phase: a column of the decision vector for each.
 
 States stand at knots and at the inner nodes of each interval, algebraic variables at nodes, controls at the control's
-sites. Where the schemes on both sides of a knot have a node (or a control site) there, the neighbours share the value.
+sites. Where the schemes on both sides of a knot have a node or a control site there, the neighbours share the value.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import accumulate, groupby
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.transcription.layout import Array, Indices, PhaseLayout, Run, Scalar, entries_of
+from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.table import Entry, ScalarTable
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLayout:
-    """Add the columns of a phase to the table, ordered by time, and say where they are."""
+    """Add the columns of a phase to the table, ordered by time, and return their layout."""
     dae = phase.dae
     t0 = _scalar(table, Entry(index, "start time", "", "s"), *((0.0, 0.0) if index == 0 else (0.0, np.inf)))
     duration = _scalar(table, Entry(index, "duration", "", "s"), *phase.duration_bounds)
@@ -37,7 +38,7 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     lengths = mesh.lengths
     if whole is not None:
         schemes, breaks, lengths = (whole,), np.array([0.0, 1.0]), np.ones(1)
-    _check_holds(phase, schemes)
+    _check_invariants(phase, schemes)
     knots = [table.add(entries_of(index, dae.states), breaks[:1])]
     x, z, u = (table.numbers(entries_of(index, group)) for group in (dae.states, dae.algebraic, dae.controls))
     invariants = table.numbers([Entry(index, "correction", v.label, v.unit) for v in dae.invariants])
@@ -49,8 +50,8 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     for which, scheme, join in _joins(schemes, own_clocks is not None, bool(len(u))):
         nodes, sites = scheme.nodes, scheme.control_sites
         inner = np.flatnonzero((nodes > 0.0) & (nodes < 1.0))
-        # What an interval of the run adds, in this order: controls, algebraic variables, inner states, the knot on its
-        # right, corrections; each with where it stands in the interval.
+        # Columns that an interval of the run adds: controls, algebraic variables, inner states, the state at its right
+        # knot, corrections; each with its place in the interval.
         parts = [
             (u, sites[join.control :]),
             (z, nodes[join.place :]),
@@ -96,8 +97,8 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     return PhaseLayout(mesh, np.concatenate(knots), tuple(runs), t0, duration, parameters, owned, own_clocks)
 
 
-def _joins(schemes: Sequence[Any], moving: bool, controlled: bool) -> Iterator[tuple[Indices, Any, _Join]]:
-    """Neighbouring intervals of one scheme that share the same with those on their left."""
+def _joins(schemes: Sequence[Scheme], moving: bool, controlled: bool) -> Iterator[tuple[Indices, Scheme, _Join]]:
+    """Yield neighbouring intervals of one scheme, the scheme, and what each interval shares with its left neighbour."""
     first, before = 0, None
     for scheme, group in groupby(schemes):
         last = first + len(list(group))
@@ -115,29 +116,29 @@ def _joins(schemes: Sequence[Any], moving: bool, controlled: bool) -> Iterator[t
 
 @dataclass(frozen=True)
 class _Join:
-    """What an interval shares with the one on its left: 1 where the first control, or the first place, is theirs."""
+    """Values shared with the interval on the left: 1 where the first control, or the first place, is shared."""
 
     control: int
     place: int
 
     @classmethod
-    def of(cls, here: Any, before: Any, controlled: bool) -> _Join:
+    def of(cls, here: Scheme, before: Scheme, controlled: bool) -> _Join:
         control = here.control_sites[0] == 0.0 and before.control_sites[-1] == 1.0
-        # A control that jumps at the knot gives the knot two accelerations: it is evaluated on both sides.
+        # A control that jumps at a knot causes two accelerations there: the knot is evaluated on both sides.
         place = here.nodes[0] == 0.0 and before.nodes[-1] == 1.0 and (control or not controlled)
         return cls(int(control), int(place))
 
 
-def _check_holds(phase: Phase, schemes: Sequence[Any]) -> None:
-    """Refuse schemes that have no collocation point at the end of an interval, where invariants must hold."""
+def _check_invariants(phase: Phase, schemes: Sequence[Scheme]) -> None:
+    """Refuse schemes without a collocation point at the end of an interval, where invariants must hold."""
     if not phase.dae.invariants:
         return
     for scheme in schemes:
         if isinstance(scheme, OneStep) or scheme.nodes[-1] != 1.0:
             names = ", ".join(dict.fromkeys(v.label for v in phase.dae.invariants))
             raise InputError(
-                f"Phase {phase.name!r} holds {names} at its knots, but {type(scheme).__name__} collocates nothing "
-                "there; use a Lobatto or Radau scheme such as rt.HermiteSimpson() or rt.schemes.RadauIIA(3)."
+                f"Phase {phase.name!r} holds {names} at its knots, but {type(scheme).__name__} has no collocation "
+                "point there; use a Lobatto or Radau scheme such as rt.HermiteSimpson() or rt.schemes.RadauIIA(3)."
             )
 
 
@@ -156,5 +157,5 @@ def _scalar(table: ScalarTable, entry: Entry, low: float, high: float) -> Scalar
 
 
 def _chain(first: Indices, fresh: Indices) -> Indices:
-    """Put before each interval's columns (n, m, .) the last of the interval before it, ``first`` before all."""
+    """Prepend to the columns (n, m, .) of each interval the last ones of the interval before it, or ``first``."""
     return np.concatenate([np.concatenate([first[None], fresh[:-1, -1]])[:, None], fresh], axis=1)

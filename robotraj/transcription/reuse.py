@@ -1,4 +1,4 @@
-"""A transcription taken over: by a problem that differs in its ends alone, or by another guess."""
+"""Reuse of a transcription for a problem that differs in its ends alone, or for another guess."""
 
 from __future__ import annotations
 
@@ -34,22 +34,22 @@ def transcribed_again(
     interval_limits: ConstraintGeneration,
     w: Array,
 ) -> Nlp | None:
-    """Put another problem's ends into an NLP: only bounds and the start of the solver change.
+    """Return an NLP with the ends of another problem: bounds and the start of the solver change.
 
     Parameters
     ----------
     nlp : Nlp
-        Of a problem that ``problem.with_(start=..., end=...)`` was made from, or the same one.
+        NLP of a problem whose phases differ from those of ``problem`` by ``with_(start=..., end=...)`` at most.
     problem : Problem
-    mesh, engine, between
-        As for ``transcribe``.
+    mesh, engine, interval_limits
+        See ``transcribe``.
     w : ndarray (n_w,)
-        Where the solver starts.
+        Start of the solver, in physical units.
 
     Returns
     -------
     Nlp or None
-        With the blocks, scales and functions of ``nlp``; None where more than the ends is different.
+        With the blocks, scales and functions of ``nlp``; None where more than the ends differs.
     """
     before = nlp.problem
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
@@ -74,24 +74,24 @@ def transcribed_again(
 
 
 def started_at(nlp: Nlp, guess: InitialGuess) -> Nlp:
-    """Start an NLP at another guess; blocks, scales and functions are those of ``nlp``."""
+    """Return the NLP with another start; blocks, scales and functions are those of ``nlp``."""
     start = start_of(nlp.problem, nlp.layouts, nlp.link_columns, nlp.variables, guess)
     return _with_functions(replace(nlp, guess=start), nlp)
 
 
 def _with_functions(again: Nlp, nlp: Nlp) -> Nlp:
-    """Hand on the functions that were assembled, which a copy is without; preparing them was the first plan's work."""
+    """Copy the assembled functions, whose preparation was counted in the first plan."""
     if "functions" in nlp.__dict__:
         again.__dict__["functions"] = replace(nlp.functions, preparing=0.0)
     return again
 
 
 def _alike(before: Phase, now: Phase, layout: PhaseLayout) -> bool:
-    """Whether two phases share everything but their ends; ``Phase.with_`` shares what was made of the others."""
+    """Whether two phases share everything but their ends, as ``Phase.with_`` returns them."""
     if before is now:
         return not now.dae.invariants
     same = before.dae is now.dae and before.rows is now.rows
     if not same or before.duration_bounds != now.duration_bounds:
         return False
-    # Which rows hold an invariant or an equation depends on what the ends fix.
+    # The ends decide which rows hold an invariant or an equality with its rates.
     return not now.dae.invariants and settled(before, layout) == settled(now, layout)

@@ -1,12 +1,12 @@
 """Automatic scaling: unknowns of order one, rows with gradients of order one.
 
-A variable is scaled by its bounds where both are finite, else by the guess; all its instances share the scale. What
-joints and contacts have of one unit, in all phases, share what the guess says too: an acceleration that is nearly zero
-in the guess need not stay small, and units of very different size, a thousandth of a radian beside hundreds, cost legs
-twice the iterations. What the guess leaves at zero keeps SI units.
-Durations are scaled by the guess alone: bounds such as 0 to 200 s say little about a motion of 6 s, and a unit that
-large lets the first steps shrink the duration to nothing. A row is scaled by the largest gradient, in scaled
-variables, of its kind at the guess. Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
+A variable is scaled by its bounds if both are finite, else by the guess; all its instances share the scale. Variables
+of joints and contacts with the same quantity and unit, in all phases, share the scale of the guess: an acceleration
+that is nearly zero in the guess need not stay small. Scales of very different size double the iterations of legged
+problems. Variables that are zero in the guess keep SI units.
+Durations are scaled by the guess alone. Bounds such as 0 to 200 s are no measure of a motion of 6 s, and in so large
+a unit the first steps shrink the duration to zero. A row is scaled by the largest gradient, in scaled variables, of its
+kind at the guess. Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ LEAST, GREATEST = 1e-3, 1e4
 PLAIN = 1e2
 """Sizes from 1 / PLAIN to PLAIN SI units count as one unit."""
 ALIKE = frozenset({"position", "velocity", "acceleration", "jerk", "effort", "contact force", "contact moment"})
-"""Quantities whose variables of one unit share the scale that the guess gives."""
+"""Quantities whose variables of one unit share the scale of the guess."""
 
 
 def variable_scale(variables: Scalars, guess: Array) -> Array:
-    """Scale of every column, (n_w,)."""
+    """Return the scale of every column, (n_w,)."""
     meaning, low, high = variables.meaning, variables.lower, variables.upper
     count = len(variables.entries)
     both = np.isfinite(low) & np.isfinite(high) & (high > low)
@@ -54,7 +54,7 @@ def rescale_controls(
     guess: Array,
     controls: NDArray[np.int_],
 ) -> Array:
-    """Rescale controls whose size neither bounds nor guess tell, where SI units are far from it, (n_w,).
+    """Rescale controls without bounds that are zero in the guess, if their size is far from one SI unit, (n_w,).
 
     Such a control gets the size at which its terms are as large as the others in some kind of row:
 
@@ -103,7 +103,7 @@ def _sized(variables: Scalars, guess: Array) -> NDArray[np.bool_]:
 
 
 def _shared(entries: Sequence[Entry], sizes: Array) -> Array:
-    """Largest size among the entries that are alike, for each entry that the guess does not leave at zero."""
+    """Return for each entry that is not zero in the guess the largest size among entries of its quantity and unit."""
     families: dict[tuple[str, str], list[int]] = {}
     for i, entry in enumerate(entries):
         if sizes[i] > 0 and entry.name in ALIKE and entry.unit:
@@ -115,7 +115,7 @@ def _shared(entries: Sequence[Entry], sizes: Array) -> Array:
 
 
 def row_scale(blocks: Sequence[Block], linear: csr_array, rows: Scalars, scale: Array, guess: Array) -> Array:
-    """Scale of every row, (n_g,), for blocks and a linear part in physical units."""
+    """Return the scale of every row, (n_g,), for blocks and a linear part in physical units."""
     magnitudes = row_magnitudes(blocks, linear, scale, guess)
     largest = np.zeros(len(rows.entries))
     np.maximum.at(largest, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
@@ -123,9 +123,9 @@ def row_scale(blocks: Sequence[Block], linear: csr_array, rows: Scalars, scale: 
 
 
 def row_magnitudes(blocks: Sequence[Block], linear: csr_array, scale: Array, w: Array) -> Array:
-    """Largest absolute term of every row of the Jacobian by w / scale at w, (n_g,).
+    """Return the largest absolute term of every row of the Jacobian by w / scale at w, (n_g,).
 
-    A term is a product S J G of one entry each; where several fall on one entry of the Jacobian they are not added.
+    A term is a product of one entry of S, J and G each. Terms of the same entry of the Jacobian are not added.
     """
     largest = _largest(linear, np.abs(linear.data) * scale[linear.indices])
     for block in blocks:
@@ -140,7 +140,7 @@ def row_magnitudes(blocks: Sequence[Block], linear: csr_array, scale: Array, w: 
         reach = reach.reshape(block.count, stage.inputs)[read][:, columns]
         places, constants = block.places(w)[:, read], block.constants[:, read]
         nonzeros = stage.evaluate("jacobian", places, constants).T
-        # A guess where an expression is not defined gives NaN here; scaling leaves such rows as they are.
+        # Expressions that are not defined at the guess are NaN; their rows are not scaled.
         with np.errstate(invalid="ignore"):
             terms = np.where(reach > 0.0, np.abs(nonzeros) * reach, 0.0)
             outputs = np.zeros((block.count, stage.outputs))
@@ -154,7 +154,7 @@ def row_magnitudes(blocks: Sequence[Block], linear: csr_array, scale: Array, w: 
 
 
 def _largest(matrix: csr_array, values: Array) -> Array:
-    """Largest of the values in every row, 0 in empty ones; ``values`` stand where the nonzeros of the matrix do."""
+    """Return the largest value of every row, 0 of empty ones; ``values`` replace the nonzeros of the matrix."""
     largest = np.zeros(matrix.shape[0])
     filled = np.diff(matrix.indptr) > 0
     if values.size:

@@ -1,4 +1,4 @@
-"""Plots of the sparsity of an Nlp."""
+"""Plot of the sparsity of an NLP."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ Indices = NDArray[np.int_]
 
 @dataclass(frozen=True)
 class Entry:
-    """What a column or a row of the NLP is.
+    """Meaning of a column or a row of the NLP.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class Entry:
     name : str
         ``"effort limit"``, ``"defect"``, ``"torque balance"`` ...
     label : str
-        The joint, frame, state or parameter it is about, ``""`` if none.
+        The joint, frame, state or parameter that it concerns, ``""`` if none.
     unit : str
     """
 
@@ -38,7 +38,7 @@ class Entry:
 
     @classmethod
     def of(cls, phase: int, row: Row) -> Entry:
-        """Name a row of a phase."""
+        """Return the meaning of a row of a phase."""
         return cls(phase, row.name, row.joint or "", row.unit)
 
     def __str__(self) -> str:
@@ -56,10 +56,10 @@ class Scalars(OneLine):
     meaning : ndarray of int (n,)
         Index into ``entries``.
     fraction : ndarray (n,)
-        Where in its phase, 0 at the start and 1 at the end.
+        Place in the phase, 0 at the start and 1 at the end.
     lower, upper : ndarray (n,)
     lower_meaning, upper_meaning : ndarray of int (n,)
-        The entry that set each bound, for reports.
+        Index of the entry that set each bound, for reports.
     """
 
     entries: tuple[Entry, ...]
@@ -74,14 +74,13 @@ class Scalars(OneLine):
         return len(self.meaning)
 
     def bounded(self, bounds: Sequence[ColumnBound]) -> Scalars:
-        """Tighten the bounds; where two contradict each other by round-off, those that come first win."""
+        """Tighten the bounds; where two contradict each other by round-off, the first one holds."""
         entries = {entry: i for i, entry in enumerate(self.entries)}
         lower, upper = self.lower.copy(), self.upper.copy()
         lower_meaning, upper_meaning = self.lower_meaning.copy(), self.upper_meaning.copy()
         for bound in bounds:
             number = entries.setdefault(bound.entry, len(entries))
-            # Ends come first. Where one lies outside a limit by round-off, the phase let it through: the limit
-            # gives way.
+            # Ends come first. A phase accepts an end that lies outside a limit by round-off; the end holds then.
             tighter = bound.columns[bound.lower > lower[bound.columns]]
             lower[tighter], lower_meaning[tighter] = np.minimum(bound.lower, upper[tighter]), number
             tighter = bound.columns[bound.upper < upper[bound.columns]]
@@ -91,14 +90,14 @@ class Scalars(OneLine):
         return Scalars(tuple(entries), self.meaning, self.fraction, lower, upper, lower_meaning, upper_meaning)
 
     def joined(self, more: Scalars) -> Scalars:
-        """Put those of a table that went on ``ScalarTable.after`` these behind them."""
+        """Append the scalars of a table that was started by ``ScalarTable.after`` these."""
         parts = ("meaning", "fraction", "lower", "upper", "lower_meaning", "upper_meaning")
         return Scalars(more.entries, *(np.append(getattr(self, part), getattr(more, part)) for part in parts))
 
 
 @dataclass
 class ScalarTable:
-    """Scalars while they are being written down."""
+    """Columns or rows while they are added."""
 
     _entries: dict[Entry, int] = field(default_factory=dict)
     _meaning: list[Indices] = field(default_factory=list)
@@ -109,7 +108,7 @@ class ScalarTable:
 
     @classmethod
     def after(cls, known: Scalars) -> ScalarTable:
-        """Go on counting where a finished table ended."""
+        """Return a table whose numbers continue those of a finished one."""
         return cls({entry: i for i, entry in enumerate(known.entries)}, count=len(known))
 
     def entry(self, entry: Entry) -> int:
@@ -149,7 +148,7 @@ class ScalarTable:
         return np.arange(first, self.count).reshape(fractions.shape)
 
     def finish(self) -> Scalars:
-        """Freeze the table."""
+        """Return the scalars as an immutable value."""
         meaning: Indices = np.concatenate([np.empty(0, dtype=int), *self._meaning])
         fraction: Array = np.concatenate([np.empty(0), *self._fraction])
         lower: Array = np.concatenate([np.empty(0), *self._lower])
@@ -161,7 +160,7 @@ class ScalarTable:
 
 @dataclass(frozen=True)
 class ColumnBound:
-    """A bound on columns and the entry it comes from."""
+    """A bound on columns, and the entry that sets it."""
 
     entry: Entry
     columns: Indices

@@ -40,6 +40,7 @@ from robotraj.transcription.collocation.invariants import hold
 from robotraj.transcription.interval_limits.bernstein_bounds import hold_states
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
+from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.mesh import MovingMesh
 from robotraj.transcription.table import Entry, ScalarTable
 
@@ -137,6 +138,7 @@ def collocate(
     component = np.arange(nx)
     for run in layout.runs:
         scheme, nodes = run.scheme, run.scheme.nodes
+        assert isinstance(scheme, Collocation)
         above = nodes > 0.0
         targets, coefficients = run.states[:, above], scheme.matrix[above]
         reached = run.start[:, None] + run.length[:, None] * nodes[above]

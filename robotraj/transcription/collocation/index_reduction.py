@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from robotraj.problem.links.base import BoundLink
     from robotraj.problem.phase import Phase
     from robotraj.transcription.layout import PhaseLayout
-    from robotraj.transcription.schemes.collocation import Collocation
+    from robotraj.transcription.schemes.collocation import Scheme
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -181,12 +181,12 @@ def _places(layout: PhaseLayout, order: int, settled: frozenset[int]) -> list[In
     return [np.array(each, dtype=int) for each in at]
 
 
-def _choices(scheme: Collocation) -> int:
+def _choices(scheme: Scheme) -> int:
     """How many times in an interval something new is chosen, those shared with the interval before left out."""
     return min(int(np.sum(scheme.nodes > 0.0)), len(scheme.control_sites) - int(shares_start(scheme)))
 
 
-def shares_start(scheme: Collocation) -> bool:
+def shares_start(scheme: Scheme) -> bool:
     """Whether what is chosen at the start of an interval is what was chosen at the end of the one before."""
     return len(scheme.control_sites) > 1 and bool(scheme.control_sites[0] == 0.0)
 
