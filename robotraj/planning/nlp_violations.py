@@ -1,4 +1,4 @@
-"""The rows and bounds of the NLP, evaluated again outside the solver, and those that are violated."""
+"""Violations of rows and bounds of the NLP, evaluated outside the solver, and of rows between collocation points."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.solution.violation import Violation, violated
+from robotraj.problem.problem import Problem
+from robotraj.solution.violation import Side, Violation, violated
+from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
 from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.refinement.path_violations import row_size
 from robotraj.transcription.table import Scalars
 
 Array = NDArray[np.float64]
@@ -30,6 +33,17 @@ def violations(nlp: Nlp, w: Array, tolerance: float, outputs: Sequence[Array] | 
     found = _broken(nlp, nlp.rows, nlp.values(w, outputs), nlp.row_scale, w, tolerance)
     found += _broken(nlp, nlp.variables, w, 1.0 / nlp.scale, w, tolerance)
     return tuple(sorted(found, key=lambda violation: -violation.relative))
+
+
+def between_points(problem: Problem, found: Sequence[IntervalViolation]) -> tuple[Violation, ...]:
+    """Return the violations of rows between the collocation points, the largest relative to its row first."""
+    listed = []
+    for each in found:
+        row = each.row
+        side: Side = "off" if row.is_equality else "over" if each.upper else "under"
+        measured = (each.time, each.amount, row.unit, each.limit, side, row_size(row))
+        listed.append(Violation(problem.phases[each.phase].name, row.name, row.joint, *measured))
+    return tuple(sorted(listed, key=lambda violation: -violation.relative))
 
 
 def _broken(nlp: Nlp, scalars: Scalars, values: Array, factor: Array, w: Array, tolerance: float) -> list[Violation]:

@@ -14,7 +14,7 @@ from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.planning.many.starts import Start
-from robotraj.planning.nlp_violations import violations
+from robotraj.planning.nlp_violations import between_points, violations
 from robotraj.planning.restarts import restarted
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -23,15 +23,13 @@ from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.records import added_times
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
-from robotraj.solution.violation import Side, Violation
 from robotraj.solvers.base import LateMultipliers, Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.status import Status
-from robotraj.transcription.collocation.index_reduction import equations_of
 from robotraj.transcription.collocation.unwrap_angles import unwound
 from robotraj.transcription.extract import extract
-from robotraj.transcription.interval_limits.added_rows import with_added_rows
-from robotraj.transcription.interval_limits.constraint_generation import AddedRow, rows_against
+from robotraj.transcription.interval_limits.added_rows import rows_to_add, with_added_rows
+from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 from robotraj.transcription.interval_limits.interval_violations import (
     IntervalViolation,
     state_violations,
@@ -40,11 +38,9 @@ from robotraj.transcription.interval_limits.interval_violations import (
 from robotraj.transcription.interval_limits.margins import Margins, with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.refinement.path_violations import row_size
 from robotraj.transcription.reuse import transcribed_again
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
-from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.transcribe import transcribe
 
 COARSE = 15
@@ -117,15 +113,7 @@ def solve(
         found = _state_violations(solution, interval_limits.tolerance)
         moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
         for _ in range(interval_limits.rounds if hold is None or hold(solution) else 0):
-            known = set(added)
-            limited = {(each.phase, each.interval, each.row) for each in added if not _is_equality(problem, each)}
-            wanted = (
-                each
-                for v in found
-                if not _is_reduced(nlp, v)
-                for each in rows_against(v, (v.phase, v.interval, v.row.number) in limited)
-            )
-            new = list(dict.fromkeys(each for each in wanted if each not in known))
+            new = rows_to_add(nlp, found, added)
             if not new or not solution.success:
                 break
             began = time.perf_counter()
@@ -148,10 +136,7 @@ def solve(
             for i, part in enumerate(solution.phases)
             for violation in variable_violations(part.phase, i, part.trajectory, part.torques)
         ]
-        left, controls = (
-            tuple(sorted((_reported(solution, each) for each in group), key=lambda v: -v.relative))
-            for group in (found, of_variables)
-        )
+        left, controls = (between_points(problem, group) for group in (found, of_variables))
     except KeyboardInterrupt:
         # Ctrl-C where no solver waits for it: what the last one found stays.
         return replace(solution, status=Status.INTERRUPTED, added_rows=tuple(added))
@@ -190,27 +175,6 @@ def _state_violations(solution: Solution, allowed: float) -> list[IntervalViolat
         for i, part in enumerate(solution.phases)
         for violation in state_violations(part.phase, i, part.trajectory, allowed)
     ]
-
-
-def _is_equality(problem: Problem, added: AddedRow) -> bool:
-    """Whether a row is an equality: several more of it on an interval leave a motion no choice there."""
-    return problem.phases[added.phase].rows.rows[added.row].is_equality
-
-
-def _is_reduced(nlp: Nlp, violation: IntervalViolation) -> bool:
-    """Whether a row is an equality that is held with its rates: one place more would leave the motion no choice."""
-    phase = nlp.problem.phases[violation.phase]
-    if isinstance(nlp.layouts[violation.phase].scheme, OneStep):
-        return False
-    return any(phase.rows.path[equation.row] is violation.row for equation in equations_of(phase))
-
-
-def _reported(solution: Solution, found: IntervalViolation) -> Violation:
-    row, phase = found.row, solution.phases[found.phase].phase
-    side: Side = "off" if row.is_equality else "over" if found.upper else "under"
-    return Violation(
-        phase.name, row.name, row.joint, found.time, found.amount, row.unit, found.limit, side, row_size(row)
-    )
 
 
 def _known_rows(

@@ -119,6 +119,11 @@ class RowTable(OneLine):
         return self._of(Kind.PATH)
 
     @cached_property
+    def path_equalities(self) -> tuple[int, ...]:
+        """Indices in ``path`` of the equalities that hold at every time."""
+        return tuple(i for i, row in enumerate(self.path) if row.is_equality and row.where is Where.THROUGHOUT)
+
+    @cached_property
     def integrals(self) -> tuple[PhaseRow, ...]:
         """Rows of integrals over the phase."""
         return self._of(Kind.INTEGRAL)

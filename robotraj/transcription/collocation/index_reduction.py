@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import Row, Where
+from robotraj.problem.constraints.base import Row
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.rows import RowTable
 from robotraj.transcription.assembly.triplets import Triplets
@@ -90,14 +90,13 @@ _EQUATIONS: WeakKeyDictionary[RowTable, Equations] = WeakKeyDictionary()
 
 
 def _find(table: RowTable) -> list[Equation]:
-    candidates = [i for i, row in enumerate(table.path) if row.lower == row.upper and row.where is Where.THROUGHOUT]
-    if not candidates:
+    if not table.path_equalities:
         return []
     t, x, z, u, p = table.symbols
     inner = ca.vertcat(z, u)
     flow: ca.SX | None = None
     found = []
-    for i in candidates:
+    for i in table.path_equalities:
         rate = table.expressions((table.path[i],))[0]
         rates: list[ca.SX] = []
         while len(rates) < HIGHEST and not ca.depends_on(rate, inner) and ca.depends_on(rate, x):

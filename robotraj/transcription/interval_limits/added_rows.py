@@ -1,4 +1,4 @@
-"""An NLP with further rows between collocation points, made from the one without them."""
+"""Rows added between the collocation points: which ones violations call for, and the NLP that has them."""
 
 from __future__ import annotations
 
@@ -11,14 +11,49 @@ from numpy.typing import NDArray
 from robotraj.problem.rows import Kind
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.ends import widen
+from robotraj.transcription.collocation.index_reduction import equations_of
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow, add_rows
+from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scaling import row_scale
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.table import ScalarTable
 
 Array = NDArray[np.float64]
+
+
+SPREAD = 0.5 * (1.0 - np.cos(np.pi * (np.arange(6) + 0.5) / 6))
+"""Places of an interval at which a row is imposed where one place was not enough."""
+
+
+def rows_to_add(nlp: Nlp, found: Sequence[IntervalViolation], added: Sequence[AddedRow]) -> list[AddedRow]:
+    """Return the rows to impose against violations between the collocation points, without those already added.
+
+    A row is imposed at its worst place. An inequality that was added on the interval before is imposed at Chebyshev
+    points of the whole interval too; with several equalities on an interval, a motion has no choice left. Equalities
+    that are held with their rates are not added for the same reason.
+    """
+    table = [phase.rows for phase in nlp.problem.phases]
+    inequalities = {
+        (each.phase, each.interval, each.row) for each in added if not table[each.phase].rows[each.row].is_equality
+    }
+    wanted: dict[AddedRow, None] = {}
+    for violation in found:
+        if _is_held_with_rates(nlp, violation):
+            continue
+        place = violation.phase, violation.interval, violation.row.number
+        further = SPREAD.tolist() if place in inequalities else []
+        wanted |= dict.fromkeys(AddedRow(*place, tau) for tau in (violation.tau, *further))
+    known = set(added)
+    return [each for each in wanted if each not in known]
+
+
+def _is_held_with_rates(nlp: Nlp, violation: IntervalViolation) -> bool:
+    phase = nlp.problem.phases[violation.phase]
+    if isinstance(nlp.layouts[violation.phase].scheme, OneStep):
+        return False
+    return any(phase.rows.path[equation.row] is violation.row for equation in equations_of(phase))
 
 
 def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:

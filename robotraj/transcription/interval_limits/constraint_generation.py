@@ -22,16 +22,12 @@ from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.collocation import interval_scalars, point_symbols
 from robotraj.transcription.collocation.ends import repeated
 from robotraj.transcription.extract import correction_basis
-from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.table import Entry, Indices, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-
-SPREAD = 0.5 * (1.0 - np.cos(np.pi * (np.arange(6) + 0.5) / 6))
-"""Places of an interval at which a row is imposed where one place was not enough."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +47,6 @@ class AddedRow:
     interval: int
     row: int
     tau: float
-
-
-def rows_against(violation: IntervalViolation, again: bool) -> list[AddedRow]:
-    """Return the rows to add: one at the worst place, and with ``again`` at Chebyshev points of the whole interval."""
-    places = [violation.tau, *(SPREAD.tolist() if again else ())]
-    return [AddedRow(violation.phase, violation.interval, violation.row.number, tau) for tau in places]
 
 
 def add_rows(

@@ -6,7 +6,7 @@ differ in what they read and in how much is allowed:
 
 - rows of the state: the polynomials of the state;
 - bounds of controls, accelerations and other algebraic variables: the variable itself;
-- path rows that depend on controls or algebraic variables: all polynomials.
+- path rows that depend on controls or algebraic variables, and bounds of contact forces: all polynomials.
 """
 
 from __future__ import annotations
@@ -130,14 +130,15 @@ def variable_violations(
 def input_violations(
     phase: Phase, index: int, trajectory: PhaseTrajectory, torques: Curve | None = None
 ) -> list[IntervalViolation]:
-    """Find path rows that depend on controls or algebraic variables and are violated, in every interval.
+    """Find violated path rows of controls or algebraic variables, and bounds of contact forces, in every interval.
 
     Parameters
     ----------
     phase, index, trajectory, torques
         See ``variable_violations``.
     """
-    rows = phase.rows.of_inputs
+    forces = (force for contact in phase.bound_contacts for force in contact.forces)
+    rows = (*phase.rows.of_inputs, *(row for row, _ in phase.rows.bounds_of(forces)))
     controls = torques if torques is not None and phase.dae.controls == phase.body.controls else trajectory.u
     reader = _Expressions(phase.rows, rows, trajectory, controls)
     return _violations(index, rows, reader, INNER_PLACES, np.zeros(len(rows)))

@@ -13,15 +13,13 @@ from numpy.typing import NDArray
 from robotraj.problem.constraints.base import Row
 from robotraj.problem.rows import PhaseRow
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.interval_limits.interval_violations import Curve
+from robotraj.transcription.interval_limits.interval_violations import Curve, input_violations
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
 
-SAMPLES = 48
-"""Places inside an interval at which rows are evaluated."""
 GRAVITY = 9.81
 """Standard acceleration of free fall [m/s^2], for the weight of a robot."""
 FORCE_POWERS = {"N": 1, "N m": 1, "N^2": 2}
@@ -49,28 +47,14 @@ def broken_rows(phase: Phase, trajectory: PhaseTrajectory, torques: Curve | None
     Returns
     -------
     ndarray (K,)
-        Largest violation on every interval, relative to ``row_size``, of contacts to the weight of the robot; 0 or
-        less where all rows hold.
+        Largest violation on every interval, relative to ``row_size``, of contacts to the weight of the robot; 0 where
+        all rows hold.
     """
-    breaks, count = trajectory.x.breaks, len(trajectory.x.values)
-    rows = (*phase.rows.of_inputs, *_bounds_of_forces(phase))
-    if not rows:
-        return np.zeros(count)
-    inner = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    times = (breaks[:-1, None] + np.diff(breaks)[:, None] * inner).ravel()
-    exact = torques is not None and phase.dae.controls == phase.body.controls
-    controls = torques if torques is not None and exact else trajectory.u
-    x, z, u = (curve.inside(inner).reshape(len(times), -1) for curve in (trajectory.x, trajectory.z, controls))
-    values = phase.rows.sample(rows, times, x, z, u, np.array(list(trajectory.parameters.values()), dtype=float))
-    lower, upper, sizes = (
-        np.array(each) for each in zip(*((row.lower, row.upper, _size(phase, row)) for row in rows), strict=True)
-    )
-    over = np.maximum(lower - values, values - upper) / sizes
-    return np.asarray(over.reshape(count, -1).max(axis=1))
-
-
-def _bounds_of_forces(phase: Phase) -> list[PhaseRow]:
-    return [row for row, _ in phase.rows.bounds_of(force for c in phase.bound_contacts for force in c.forces)]
+    excess = np.zeros(len(trajectory.x.values))
+    for violation in input_violations(phase, 0, trajectory, torques):
+        relative = violation.amount / _size(phase, violation.row)
+        excess[violation.interval] = max(excess[violation.interval], relative)
+    return excess
 
 
 def _size(phase: Phase, row: PhaseRow) -> float:

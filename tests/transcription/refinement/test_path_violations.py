@@ -7,7 +7,8 @@ import pytest
 
 import robotraj as rt
 from robotraj.problem.constraints.base import Row
-from robotraj.transcription.refinement.path_violations import SAMPLES, broken_rows, row_size
+from robotraj.transcription.interval_limits.interval_violations import INNER_PLACES
+from robotraj.transcription.refinement.path_violations import broken_rows, row_size
 
 
 @pytest.mark.parametrize(
@@ -38,7 +39,7 @@ def test_forces_of_contacts_are_measured_by_the_weight() -> None:
     part = solution.phases[0]
     lightest = rt.PointContact("left_foot", friction=2.0, normal_force=(300.0, np.inf))
     asked = part.phase.with_(contacts=[lightest])
-    # The places that are looked at: a knot holds anyway.
-    places = np.linspace(0, part.duration, 8 * SAMPLES + 1)[1:] - 0.5 * part.duration / (8 * SAMPLES)
-    least = min(part.at(places).forces["left_foot"][:, 2])
+    # Between the first and the last place of an interval that are read: a knot holds anyway.
+    inside = np.linspace(INNER_PLACES[0], INNER_PLACES[-1], 2001)
+    least = min(part.at((np.arange(8)[:, None] + inside).ravel() * part.duration / 8).forces["left_foot"][:, 2])
     assert broken_rows(asked, part.trajectory).max() == pytest.approx((300 - least) / (9.81 * robot.mass), rel=1e-6)
