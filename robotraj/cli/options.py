@@ -51,7 +51,7 @@ PlotOption = Annotated[
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 TimeLimitOption = Annotated[
-    float, typer.Option("--time-limit", min=0.001, help="Seconds after which a solve stops, not solved.")
+    float, typer.Option("--time-limit", min=0.001, help="Processor seconds after which the plan stops.")
 ]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE.npz", help="A file that solution.save wrote.")]
 RobotArgument = Annotated[

@@ -169,16 +169,17 @@ def run_steps(
             )
     # A stage that cannot be posed is told before any is solved.
     posed = [stage.of(problem) for stage in continuation]
+    solution: Solution | None = None
     records: list[ContinuationRecord] = []
     for i, (stage, easier) in enumerate(zip(continuation, posed, strict=True)):
         try:
             own = replace(settings, mesh=stage.mesh or settings.mesh, solver=stage.solver or settings.solver)
             solution = solve(easier, guess, own, progress)
         except KeyboardInterrupt:
-            found = found_by(records, guess)
+            found = found_by(records, guess) or solution
             if found is None:
                 raise
-            return guess, tuple(records), found
+            return guess, tuple(records), replace(found, status=Status.INTERRUPTED)
         records.append(
             ContinuationRecord(
                 stage.name or f"stage {i + 1}",

@@ -10,6 +10,7 @@ from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.continuation import ContinuationStep, found_by, run_steps
+from robotraj.planning.deadline import Deadline
 from robotraj.planning.diagnosis.ends import unheld_ends
 from robotraj.planning.progress import watching
 from robotraj.planning.proving.prove import prove
@@ -23,6 +24,8 @@ from robotraj.solution.records import ContinuationRecord
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Solver
+from robotraj.solvers.checks import above_zero
+from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.strategy import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
@@ -42,6 +45,7 @@ def plan(
     restarts: Restarts | None = None,
     goals: Goals | None = None,
     settings: Settings | None = None,
+    time_limit: float | None = None,
     check: bool = True,
     progress: bool | None = None,
 ) -> Solution:
@@ -87,6 +91,10 @@ def plan(
     settings : Settings, optional
         ``solution.settings`` of an earlier plan: nothing is left open then. With the same problem, guess and
         continuation the plan is repeated bit for bit. Other options replace single settings.
+    time_limit : float, optional
+        Processor time [s] of the whole plan: building, solves on all meshes, other beginnings and diagnosis. The best
+        solution so far is returned; its status is ``Status.TIME_LIMIT`` unless it is a proved motion. Building one
+        program is not interrupted.
     check : bool
         Raise where no solution was found; else return it with its status.
     progress : bool, optional
@@ -158,13 +166,18 @@ def plan(
         "restarts": restarts,
     }
     settings = resolve(problem, given, settings)
+    if time_limit is not None:
+        above_zero("time_limit", time_limit, "s")
     find = prove if settings.goals is not None else solve if settings.tolerance is None else adapt
     records: tuple[ContinuationRecord, ...] = ()
-    with watching(settings.solver, progress) as show:
+    with watching(settings.solver, progress) as shown:
+        show = shown if time_limit is None else Deadline(time_limit, shown)
         if continuation:
             guess, records, interrupted = run_steps(problem, continuation, guess, settings, show)
         else:
             interrupted = None
+        if isinstance(show, Deadline):
+            show.begin()
         try:
             solution = interrupted or find(problem, guess, settings, show)
         except KeyboardInterrupt:
@@ -172,6 +185,8 @@ def plan(
             if found is None:
                 raise
             solution = found
+    if isinstance(show, Deadline) and show.reached:
+        solution = _out_of_time(solution, show.seconds)
     solution = replace(solution, continuation=records, settings=settings)
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)
@@ -179,3 +194,11 @@ def plan(
         causes = "".join(f"\na likely cause: {cause}" for cause in unheld_ends(problem))
         raise NoSolutionFound(f"{names} {verb} not solved.\n{solution}{causes}", solution)
     return solution
+
+
+def _out_of_time(solution: Solution, seconds: float) -> Solution:
+    """Give the status of a plan that its time limit ended: a motion that was proved by then is a success."""
+    proved = solution.proof is not None and solution.proof.motion_holds
+    status = Status.SOLVED if proved else Status.TIME_LIMIT
+    message = f"{solution.message}; the time limit of {seconds:g} s was reached"
+    return replace(solution, status=status, message=message)

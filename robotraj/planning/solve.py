@@ -13,6 +13,7 @@ import numpy as np
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine, VirtualMachine
+from robotraj.planning.deadline import Deadline
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points, violations
 from robotraj.planning.restarts import restarted
@@ -72,6 +73,8 @@ def solve(
     Where the problem cannot be solved from its guess, ``settings.restarts`` solve it from elsewhere: see
     ``robotraj.planning.restarts``. With ``margins``, limits are lower on some intervals.
     """
+    if isinstance(progress, Deadline):
+        progress.before_solve()
     began = time.perf_counter()
     mesh, solver, engine = settings.mesh, settings.solver, settings.engine
     interval_limits = settings.interval_limits

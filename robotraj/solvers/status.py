@@ -38,7 +38,7 @@ _REMEDIES = {
     Status.INFEASIBLE: "The rows contradict each other from here. Look at violations(): allow more time, relax the "
     "rows it names, or start from another guess.",
     Status.ITERATION_LIMIT: "Raise the solver's max_iterations, or continue from here with guess=solution.",
-    Status.TIME_LIMIT: "Raise the solver's time_limit, or continue from here with guess=solution.",
+    Status.TIME_LIMIT: "Raise time_limit, or continue from here with guess=solution.",
     Status.INTERRUPTED: "Continue from here with guess=solution.",
     Status.STALLED: "No further progress was possible. Start from another guess or a coarser mesh, or bound what "
     "runs off.",

@@ -63,14 +63,10 @@ def plan_motion(
 
     Problems of your own are Python scripts: write one with rt.Phase and rt.plan, and run it with python.
     """
-    from dataclasses import replace
-
     from robotraj.cli.arguments import configuration_of, limits_of, rest_to_rest
     from robotraj.cli.conclude import Files, conclude, described
     from robotraj.native.engines.compiled import Compiled
     from robotraj.planning.plan import plan
-    from robotraj.planning.settings import resolve
-    from robotraj.problem.problem import Problem
     from robotraj.robot.load import load
     from robotraj.transcription.schemes.control import LinearControl, PolynomialControl
     from robotraj.transcription.schemes.lobatto import HermiteSimpson
@@ -87,18 +83,15 @@ def plan_motion(
     )
     if not as_json:
         say(f"{phase}\n")
-    given: dict[str, object] = {"tolerance": tolerance}
+    mesh = None
     if intervals is not None:
         # Controls of least duration jump: lines keep their limits between the points, parabolas would not.
         control = LinearControl() if objective is Minimise.duration else PolynomialControl()
-        given["mesh"] = Mesh(intervals, HermiteSimpson(control=control))
-    if compiled:
-        given["engine"] = Compiled()
-    settings = resolve(Problem([phase]), given)
-    settings = replace(settings, solver=settings.solver.within(time_limit))
+        mesh = Mesh(intervals, HermiteSimpson(control=control))
+    engine = Compiled() if compiled else None
     files = Files(html, save, plot)
     try:
-        solution = plan(phase, settings=settings)
+        solution = plan(phase, mesh, tolerance=tolerance, engine=engine, time_limit=time_limit)
     except NoSolutionFound as error:
         written = files.write(error.solution)
         if as_json:

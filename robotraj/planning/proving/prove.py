@@ -71,14 +71,15 @@ class _Refining:
         """Solve on one mesh after the other."""
         mesh = self.settings.mesh
         meshes = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
+        last: Solution | None = None
         for number in range(MOST_MESHES):
             first = number == 0
             try:
                 last = self._on(meshes, self.best or guess, first)
             except KeyboardInterrupt:
-                if self.best is None:
+                if last is None:
                     raise
-                return self._concluded(replace(self.best, status=Status.INTERRUPTED))
+                return self._concluded(replace(self.best or last, status=Status.INTERRUPTED))
             if last.status is Status.INTERRUPTED:
                 return self._concluded(replace(self.best or last, status=Status.INTERRUPTED))
             if last.success:
@@ -91,6 +92,7 @@ class _Refining:
             if finer == meshes:
                 break
             meshes = finer
+        assert last is not None
         return self._concluded(self.best or last)
 
     def _finer(self, meshes: tuple[Mesh, ...], first: bool) -> tuple[Mesh, ...]:

@@ -21,7 +21,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 Array = NDArray[np.float64]
 
-SAFETY = 0.5
+SAFETY = 0.25
 """Share of the tolerance that the next mesh should reach."""
 LEAST_GROWTH = 1.1
 """Growth of every mesh: on almost as many intervals no change of the objective could be judged."""
