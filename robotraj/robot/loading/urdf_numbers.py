@@ -71,6 +71,8 @@ def _joint_faults(joint: Element) -> Iterator[str]:
         for key, text in {} if element is None else element.attrib.items():
             if key != "joint" and not (_is_limit(text) if field == "limit" else numbers(text, 1)):
                 yield f"joint {name!r} has <{field} {key}={text!r}>, which is no number"
+            elif field == "limit" and key in ("velocity", "effort") and float(text) < 0:
+                yield f"joint {name!r} has the {key} limit {text}; give a magnitude, 0 or more"
 
 
 def _link_faults(link: Element) -> Iterator[str]:

@@ -47,6 +47,8 @@ def test_what_is_no_finite_number_is_refused_by_name(case, text, urdf):
         ('<mass value="2"/>', "", "link 'upper' has the mass ''"),
         ('xyz="0 0 1"', 'xyz="0 1"', "joint 'elbow' has an origin with xyz='0 1'"),
         ('xyz="0 0 1"', 'xyz="0 0 0 1"', "joint 'elbow' has an origin with xyz='0 0 0 1'"),
+        ('velocity="3"', 'velocity="-3"', "joint 'elbow' has the velocity limit -3; give a magnitude"),
+        ('effort="4"', 'effort="-4"', "joint 'elbow' has the effort limit -4; give a magnitude"),
         ('lower="-1"', 'lower="nan"', "joint 'elbow' has <limit lower='nan'>"),
     ],
 )
@@ -69,7 +71,6 @@ WARNED = {
     "huge effort": ('effort="4"', 'effort="1e9"', r"Joint 'elbow' has the effort limit 1e\+09"),
     "tiny velocity": ('velocity="3"', 'velocity="1e-9"', "Joint 'elbow' has the velocity limit 1e-09"),
     "no effort": ('effort="4"', 'effort="0"', "effort limit 0 locks it"),
-    "negative velocity": ('velocity="3"', 'velocity="-3"', "Joint 'elbow' has the velocity limit -3"),
     "inverted positions": ('lower="-1"', 'lower="5"', r"position limits \[5, 2\] are inverted"),
     "no mass": (ARM[ARM.index("<inertial>") : ARM.index("<visual>")], "", "No mass moves with 'elbow'"),
 }
