@@ -7,7 +7,7 @@ import time
 from robotraj.solvers.base import Iteration, Progress
 
 
-class OutOfTime(KeyboardInterrupt):
+class TimeLimitReached(KeyboardInterrupt):
     """Raised at the time limit. It ends a plan as Ctrl-C does: what was found so far is kept."""
 
 
@@ -36,7 +36,7 @@ class Deadline:
 
         Raises
         ------
-        OutOfTime
+        TimeLimitReached
         """
         if self._show is not None:
             self._show(iteration)
@@ -51,7 +51,7 @@ class Deadline:
 
         Raises
         ------
-        OutOfTime
+        TimeLimitReached
         """
         if self._begun:
             self._read()
@@ -60,4 +60,4 @@ class Deadline:
     def _read(self) -> None:
         if time.process_time() > self._end:
             self.reached = True
-            raise OutOfTime(f"The time limit of {self.seconds:g} s was reached.")
+            raise TimeLimitReached(f"The time limit of {self.seconds:g} s was reached.")

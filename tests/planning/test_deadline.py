@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.deadline import Deadline, OutOfTime
+from robotraj.planning.deadline import Deadline, TimeLimitReached
 from robotraj.solvers.base import Iteration
 
 
@@ -77,9 +77,9 @@ def test_the_clock_is_read_at_every_iteration() -> None:
     seen: list[Iteration] = []
     deadline = Deadline(1e-9, seen.append)
     deadline.before_solve()
-    with pytest.raises(OutOfTime, match="1e-09 s"):
+    with pytest.raises(TimeLimitReached, match="1e-09 s"):
         deadline(Iteration(0, 0.0, 0.0))
-    with pytest.raises(OutOfTime):
+    with pytest.raises(TimeLimitReached):
         deadline.before_solve()
     assert len(seen) == 1 and deadline.reached
     deadline.begin()
