@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robotraj.witness.checks.residual import Residual
-from robotraj.witness.checks.violations import SOLVER_NOISE
+from robotraj.witness.checks.watch import SOLVER_NOISE
 from robotraj.witness.contacts.complaints import contact_complaints
 from robotraj.witness.figures import Figures, Tolerances
 from robotraj.witness.peak import Peak

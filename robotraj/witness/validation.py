@@ -9,6 +9,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj.witness.checks import energy as energies
+from robotraj.witness.checks.links import link_violations
 from robotraj.witness.checks.residual import Residual, residual_of
 from robotraj.witness.checks.violations import violations_of
 from robotraj.witness.clock import OutOfTime, ProcessorClock
@@ -107,7 +108,9 @@ def validate(
     phases = solution.phases
     robots = [planned for planned in phases if planned.phase.robot is not None]
     broken = within(
-        "limits and constraints", lambda: [v for p in phases for v in violations_of(p, samples, clock)], True
+        "limits and constraints",
+        lambda: [*link_violations(solution), *(v for p in phases for v in violations_of(p, samples, clock))],
+        True,
     )
     locally = within("local error", lambda: local_errors(solution, LOCAL_RTOL, LOCAL_ATOL, clock), local is not None)
     holdings = within("contacts", lambda: [h for p in robots for h in holding_of(p, samples, clock)], True)

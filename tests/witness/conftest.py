@@ -97,6 +97,9 @@ class FakePhase:
     bound_contacts: tuple[Any, ...] = ()
     start_bounds: Any = None
     end_bounds: Any = None
+    duration_bounds: tuple[float, float] = (0.0, INF)
+    parameter_names: tuple[str, ...] = ()
+    parameter_bounds: Any = field(default_factory=lambda: SimpleNamespace(lower=(), upper=()))
 
 
 def limits_of(nv: int, **bounds: Any) -> SimpleNamespace:

@@ -12,7 +12,7 @@ from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.problem.constraints.base import Row
 from robotraj.solution.violation import Violation
-from robotraj.witness.checks.violations import Watch
+from robotraj.witness.checks.watch import Watch
 from robotraj.witness.contacts.stance import Instant, Stance, forces_in
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak

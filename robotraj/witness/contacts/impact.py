@@ -11,7 +11,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.constraints.base import Row
 from robotraj.solution.violation import Violation
-from robotraj.witness.checks.violations import Watch
+from robotraj.witness.checks.watch import Watch
 from robotraj.witness.contacts.constrained import mass_and_bias
 from robotraj.witness.contacts.holding import FORCE_NOISE, part_of, weight_of
 from robotraj.witness.contacts.stance import Instant, Stance

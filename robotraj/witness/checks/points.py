@@ -1,0 +1,81 @@
+"""Points along a plan, in numbers, at which constraints and links are evaluated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import chain
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.dynamics.design.binding import realised
+from robotraj.dynamics.point import Point
+from robotraj.problem.constraints.base import BoundConstraint
+from robotraj.witness.checks.watch import Watch
+from robotraj.witness.numbers import as_numbers
+from robotraj.witness.plants.system_plant import columns
+from robotraj.witness.point import NumericPoint, system_point
+from robotraj.witness.protocols import Array, PhaseSolutionLike
+
+Watched = tuple[BoundConstraint, list[Watch]]
+"""A constraint and the watches of its rows."""
+
+
+def points_of(planned: PhaseSolutionLike, times: Array, interval: int | NDArray[np.int_]) -> Sequence[Point]:
+    """Return the points of a phase at times (m,), each of one interval."""
+    sample, phase = planned.at(times, interval=interval), planned.phase
+    if phase.robot is not None:
+        robot = realised(planned)
+        held = [force.name for contact in phase.bound_contacts for force in contact.forces]
+        return [
+            NumericPoint(
+                robot,
+                t,
+                *(getattr(sample, name)[i] for name in ("q", "v", "a", "tau")),
+                parameters=planned.parameters,
+                forces={name: force[i] for name, force in sample.forces.items()},
+                algebraic={name: sample.z[name][i] for name in held},
+                columns=True,
+            )
+            for i, t in enumerate(times)
+        ]
+    system = phase.system
+    x, z, u = (
+        columns(named, tuple(v.name for v in kind), len(times))
+        for named, kind in (
+            (sample.x, system.states),
+            (sample.z, system.algebraic),
+            (sample.u, system.controls),
+        )
+    )
+    return [system_point(system, t, x[i], z[i], u[i], planned.parameters) for i, t in enumerate(times)]
+
+
+def end_of(planned: PhaseSolutionLike, side: int) -> tuple[Array, Point]:
+    """Return the time (1,) [s] and the point of the start (0) or the end (-1) of a phase."""
+    knots = np.asarray(planned.knots, dtype=float)
+    (point,) = points_of(planned, knots[[side]], 0 if side == 0 else len(knots) - 2)
+    return knots[[side]], point
+
+
+def see(entries: Sequence[Watched], times: Array, points: Sequence[Point]) -> None:
+    """Evaluate constraints at points and add the values to the watches of their rows.
+
+    Raises
+    ------
+    InputError
+        An expression does not return numbers, or not one for each row.
+    """
+    for constraint, watches in entries:
+        what = f"expression of {constraint.name!r}"
+        values = np.array([as_numbers(constraint.expression(point), what) for point in points])
+        if values.shape[1] != len(watches):
+            raise InputError(f"The {what} gave {values.shape[1]} numbers for its {len(watches)} rows.")
+        for column, watch in enumerate(watches):
+            watch.see(times, values[:, column])
+
+
+def all_watches(entries: Sequence[Watched]) -> list[Watch]:
+    """Return the watches of all rows."""
+    return list(chain.from_iterable(watches for _, watches in entries))

@@ -1,0 +1,96 @@
+"""Clearance between the points of a ``GroundClearance``: an edge of the ground may cut into a sole between its corners.
+
+Over a plane the corners of a sole are enough. Over other ground, points on all segments between two corners are
+checked: the straight edge of a step enters a flat sole through its rim.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from itertools import combinations
+from numbers import Real
+from typing import NamedTuple
+
+import numpy as np
+
+from robotraj.dynamics.design.binding import realised
+from robotraj.dynamics.point import Point
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import as_ground
+from robotraj.dynamics.terrain.slope import Slope
+from robotraj.problem.constraints.base import BoundConstraint, Row
+from robotraj.problem.constraints.clearance import GroundClearance
+from robotraj.problem.constraints.clearance_geometry import ClearancePoint, spots_of
+from robotraj.witness.checks.points import points_of
+from robotraj.witness.checks.watch import Watch
+from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.sampling import interval_samples
+
+PLACES = np.linspace(0.0, 1.0, 11)[1:-1]
+"""Points of a segment that are checked, its ends left out: those are rows of the constraint."""
+
+
+class _Segment(NamedTuple):
+    """A segment of a rigid sole or shape, and the ground under it."""
+
+    first: ClearancePoint
+    second: ClearancePoint
+    ground: Ground
+    watch: Watch
+
+
+def sole_watches(
+    planned: PhaseSolutionLike, constraints: Sequence[BoundConstraint], samples: int, clock: Callable[[], None]
+) -> list[Watch]:
+    """Watch the clearance of all segments between points of one sole or shape, where it has a constant height."""
+    segments = [segment for bound in constraints for segment in _segments_of(planned, bound)]
+    if not segments:
+        return []
+    for part in interval_samples(planned, samples):
+        clock()
+        points = points_of(planned, part.times, part.interval)
+        for segment in segments:
+            segment.watch.see(part.times, _least_gap(segment, points))
+    return [segment.watch for segment in segments]
+
+
+def _segments_of(planned: PhaseSolutionLike, bound: BoundConstraint) -> list[_Segment]:
+    source = bound.source
+    if not isinstance(source, GroundClearance) or not isinstance(source.height, Real):
+        return []
+    ground = as_ground(source.ground)
+    if isinstance(ground, Flat | Slope):
+        return []
+    bodies: dict[tuple[str, str], list[ClearancePoint]] = {}
+    for spot in spots_of(source.frames, realised(planned)):
+        # The lowest point of a disc is none of a segment's.
+        if spot.axis is None:
+            bodies.setdefault((spot.frame, _shape_of(spot)), []).append(spot)
+    return [
+        _Segment(first, second, ground, Watch(Row("ground clearance", "m", float(source.height), np.inf, label)))
+        for body in bodies.values()
+        for first, second in combinations(body, 2)
+        for label in [f"{first.label} to {second.label}"]
+    ]
+
+
+def _shape_of(spot: ClearancePoint) -> str:
+    """Return the name of the collision shape of a point, empty for points that the user fixed in a frame."""
+    if spot.label.startswith(spot.frame):
+        return ""
+    return re.sub(r" (corner \d+|lower end|upper end)$", "", spot.label)
+
+
+def _least_gap(segment: _Segment, points: Sequence[Point]) -> Array:
+    """Return the least vertical distance (m,) of a segment from the ground [m] at each of m points."""
+    first, second = (
+        np.array([[float(entry) for entry in spot.position(point)] for point in points])
+        for spot in (segment.first, segment.second)
+    )
+    places = first[:, None, :] + PLACES[None, :, None] * (second - first)[:, None, :]
+    radii = segment.first.radius + PLACES * (segment.second.radius - segment.first.radius)
+    height, slope_x, slope_y = (np.asarray(v) for v in segment.ground.plane(places[..., 0], places[..., 1]))
+    gaps = places[..., 2] - height - radii * np.sqrt(1.0 + slope_x**2 + slope_y**2)
+    return np.asarray(gaps.min(axis=1))

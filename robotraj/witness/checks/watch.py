@@ -1,0 +1,57 @@
+"""A row and its values along a plan."""
+
+from __future__ import annotations
+
+from dataclasses import field
+
+import numpy as np
+
+from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import Row
+from robotraj.solution.violation import Violation, violated
+from robotraj.witness.protocols import Array
+
+SOLVER_NOISE = 1e-6
+"""Amounts below this, relative to max(1, |limit|), are a solver's tolerance and not listed."""
+
+
+@dataclass
+class Watch:
+    """A row and its values at sampled times."""
+
+    row: Row
+    times: list[Array] = field(default_factory=list)
+    values: list[Array] = field(default_factory=list)
+
+    def see(self, times: Array, values: Array) -> None:
+        """Add values (m,) at times (m,)."""
+        self.times.append(times)
+        self.values.append(values)
+
+    @property
+    def nearest(self) -> float:
+        """Time [s] at which the row comes nearest to one of its bounds, or violates it most."""
+        times, excess = np.concatenate(self.times), self._excess
+        return float(times[np.argmax(excess)])
+
+    @property
+    def _excess(self) -> Array:
+        """Distance (m,) of each value beyond its bounds, infinite where it is not a number."""
+        values = np.concatenate(self.values)
+        excess = np.maximum(values - float(self.row.upper), float(self.row.lower) - values)
+        return np.asarray(np.nan_to_num(excess, nan=np.inf))
+
+    def worst(self, phase: str) -> Violation | None:
+        """Return the largest violation, None if the row holds to a solver's tolerance."""
+        row, i = self.row, int(np.argmax(self._excess))
+        value, time = float(np.concatenate(self.values)[i]), float(np.concatenate(self.times)[i])
+        amount, limit, side = violated(value, float(row.lower), float(row.upper))
+        if amount <= SOLVER_NOISE * max(1.0, abs(limit)):
+            return None
+        return Violation(phase, row.name, row.joint, time, amount, row.unit, limit, side, size_of(row, limit))
+
+
+def size_of(row: Row, limit: float) -> float:
+    """Return the size of a row [unit]: half its range where it has two bounds, else max(1, |limit|)."""
+    width = float(row.upper) - float(row.lower)
+    return 0.5 * width if 0.0 < width < np.inf else max(1.0, abs(limit))
