@@ -1,8 +1,8 @@
-"""What gaits ask of their arguments, and of the ground that they repeat on."""
+"""Checks of the arguments of gaits, and of the ground on which they repeat."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,17 +11,29 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.gait.upright import Upright
+from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.robot.robot import Robot
 
+GroundFunction = Callable[[Any, Any], Any]
+"""Height of the ground [m] as a function of x and y [m], numbers or symbols."""
+TimeSpan = float | Sequence[float | None] | Between
+"""A fixed duration [s], or bounds of a free one; None leaves a side open."""
+
 PERIODS = 3
-"""Repetitions that a ground is looked at for."""
-LEVEL_TO = 1e-3
-"""How far the ground of one period may be from that of another [m]."""
+"""Number of periods for which the height of the ground is compared."""
+HEIGHT_TOLERANCE = 1e-3
+"""Largest difference of the ground's height between periods [m]."""
 
 
-def number(value: Any, name: str, unit: str = "m", advice: str = "") -> float:
-    """Give a finite real number, or refuse what is none; ``name`` as in ``"rt.gait.jump(length)"``."""
+def number(value: object, name: str, unit: str = "m", advice: str = "") -> float:
+    """Return a finite real number; ``name`` is for messages, as ``"rt.gait.jump(length)"``.
+
+    Raises
+    ------
+    InputError
+        The value is no finite number.
+    """
     if isinstance(value, np.ndarray) and not value.ndim:
         value = value[()]
     if not isinstance(value, float | int | np.floating | np.integer) or isinstance(value, bool):
@@ -31,15 +43,22 @@ def number(value: Any, name: str, unit: str = "m", advice: str = "") -> float:
     return float(value)
 
 
-def share(value: Any, name: str) -> float:
-    """Give a share of a step, from 0 to less than 1."""
-    if not 0.0 <= number(value, name, "") < 1.0:
-        raise InputError(f"{name} is {value!r}; give the share of a step, from 0 to less than 1.")
-    return float(value)
+def fraction(value: object, name: str) -> float:
+    """Return a fraction of a step, from 0 to less than 1.
+
+    Raises
+    ------
+    InputError
+        The value is outside that range.
+    """
+    found = number(value, name, "")
+    if not 0.0 <= found < 1.0:
+        raise InputError(f"{name} is {value!r}; give the fraction of a step, from 0 to less than 1.")
+    return found
 
 
-def check_kinds(repeat: Any, upright: Any) -> None:
-    """Refuse what is no repetition and no posture."""
+def check_options(repeat: object, upright: object) -> None:
+    """Raise an InputError if ``repeat`` is no repetition, or ``upright`` no bounds."""
     if repeat is not None and not isinstance(repeat, Mirror | Periodic):
         raise InputError(f"repeat= must be rt.gait.mirror(robot) or rt.Periodic(...), got {repeat!r}.")
     if upright is not None and not isinstance(upright, Upright):
@@ -49,12 +68,17 @@ def check_kinds(repeat: Any, upright: Any) -> None:
 def check_ground_repeats(
     robot: Robot, feet: Sequence[str], gains: Mapping[str, Any], mirrored: bool, ground: Ground
 ) -> None:
-    """Refuse a ground that feet would find elsewhere than the period before: h(x + gain, +-y) = h(x, y) + rise.
+    """Check that the ground repeats with the gait: h(x + gain, +-y) = h(x, y) + rise.
 
-    Looked at below the feet of the neutral configuration, for a few periods; nothing is known where a gain is free.
+    Heights are compared under the feet of the neutral configuration, for a few periods. A free gain is not checked.
+
+    Raises
+    ------
+    InputError
+        The height of the ground under a foot differs between periods.
     """
-    way, side, rise = (gains.get(f"q.root_{axis}", 0.0) for axis in "xyz")
-    if not all(isinstance(gain, float | int | np.floating | np.integer) for gain in (way, side, rise)):
+    forward, side, rise = (gains.get(f"q.root_{axis}", 0.0) for axis in "xyz")
+    if not all(isinstance(gain, float | int | np.floating | np.integer) for gain in (forward, side, rise)):
         return
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.neutral)
@@ -62,11 +86,11 @@ def check_ground_repeats(
         x, y = data.oMf[robot.frame(foot)].translation[:2]
         first = ground.height(float(x), float(y))
         for period in range(1, PERIODS + 1):
-            there = (float(x + period * way), float((-y if mirrored and period % 2 else y) + period * side))
+            there = (float(x + period * forward), float((-y if mirrored and period % 2 else y) + period * side))
             off = float(ground.height(*there)) - float(first) - period * float(rise)
-            if abs(off) > LEVEL_TO:
+            if abs(off) > HEIGHT_TOLERANCE:
                 raise InputError(
-                    f"The gait repeats, and the ground does not: under {foot!r} it is {abs(off):.3g} m "
-                    f"{'higher' if off > 0 else 'lower'} after {period} of its steps than they climb. Gaits repeat on "
-                    "level ground, along slopes and on even stairs; write others out with rt.gait.sequence."
+                    f"The gait repeats, but the ground does not: after {period} periods it is {abs(off):.3g} m "
+                    f"{'higher' if off > 0 else 'lower'} under {foot!r} than the gait. Gaits repeat on level ground, "
+                    "on slopes and on regular stairs; write other motions with rt.gait.sequence."
                 )

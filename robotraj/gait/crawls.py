@@ -1,9 +1,8 @@
-"""The crawl of quadrupeds: one foot after the other."""
+"""The crawl of quadrupeds, which moves one foot at a time."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import pinocchio as pin
 
@@ -11,10 +10,10 @@ from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.gait.checks import share
+from robotraj.gait.checks import GroundFunction, TimeSpan, fraction
 from robotraj.gait.feet import FootKind
-from robotraj.gait.halves import pace, repeated, some_feet
-from robotraj.gait.phase_sequence import GaitTerms, Support, shares
+from robotraj.gait.phase_sequence import GaitTerms, Support, split_duration
+from robotraj.gait.repetition import checked_feet, repeating, step_timing
 from robotraj.gait.sides import other_side
 from robotraj.gait.upright import Upright
 from robotraj.problem.links.periodic import Mirror, Periodic
@@ -30,7 +29,7 @@ def crawl(
     robot: Robot,
     *,
     step_length: float | None = None,
-    duration: Any = None,
+    duration: TimeSpan | None = None,
     speed: float | None = None,
     feet: Sequence[str] | None = None,
     contact: FootKind = PointContact,
@@ -38,36 +37,37 @@ def crawl(
     clearance: float | None = 0.0,
     objective: Objective | None = None,
     upright: Upright | None = UPRIGHT,
-    ground: Ground | Any = LEVEL,
+    ground: Ground | GroundFunction = LEVEL,
     repeat: Mirror | Periodic | None = None,
 ) -> Problem:
-    """Half a stride of a crawling quadruped: a hind foot swings, then the fore foot of its side, mirrored.
+    """Return half a stride of a crawling quadruped: a hind foot swings, then the fore foot of the same side.
 
-    Each foot in turn, hind left, fore left, hind right, fore right, the lateral sequence that quadrupeds walk in
-    (Muybridge; McGhee and Frank, On the stability properties of quadruped creeping gaits, Mathematical Biosciences 3,
-    1968): three feet stand while one swings and is set down at rest. A foot's swing takes it two step lengths on, from
-    one behind its partner to one before it.
+    The other half is its mirror image. The order of the feet is the lateral sequence: hind left, fore left, hind right,
+    fore right. Three feet stand while one swings and is set down at rest. A swing is two step lengths long, from one
+    behind its partner to one before it.
+    Source: McGhee and Frank, Mathematical Biosciences 3 (1968), on the stability of creeping gaits.
 
-    Parameters are those of ``walk``, but ``double_support``, and
+    Parameters are those of ``walk`` without ``double_support``, and
 
     Parameters
     ----------
     step_length, duration, speed : float
-        Two of: way of the root in half a stride [m], its time [s] (or (least, greatest) beside a step length), speed.
+        Two of: displacement of the root in half a stride [m], its duration [s] (or (least, greatest) beside a step
+        length), speed [m/s].
     feet : sequence of str, optional
         Four frames; the side of the first one swings first.
     full_support : float
-        Share of the half stride with all feet on the ground, before the hind foot lifts, 0 to less than 1. Both swings
-        take half of the rest.
+        Fraction of the half stride with all feet on the ground, before the hind foot lifts, 0 to less than 1. Each
+        swing takes half of the rest.
 
     Raises
     ------
     InputError
-        Not four feet, a fore and a hind one on each side; else as ``walk``.
+        Not a fore and a hind foot on each side; the errors of ``walk``.
     """
-    names = some_feet(robot, feet, 4, "crawl")
-    length, time = pace(step_length, duration, speed, "crawl")
-    share(full_support, "rt.gait.crawl(full_support)")
+    names = checked_feet(robot, feet, 4, "crawl")
+    length, time = step_timing(step_length, duration, speed, "crawl")
+    fraction(full_support, "rt.gait.crawl(full_support)")
     sides = {name: other_side(name, names) for name in names}
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.neutral)
@@ -79,13 +79,13 @@ def crawl(
     parts = [0.5 - 0.5 * full_support, 0.5 - 0.5 * full_support]
     if full_support > 0.0:
         parts.insert(0, full_support)
-    spans = shares(time, parts)
+    spans = split_duration(time, parts)
     phases = [
         Support(tuple(name for name in names if name != foot), span, f"{foot} swings")
         for foot, span in zip(order, spans[-2:], strict=True)
     ]
     if full_support > 0.0:
-        phases.insert(0, Support(names, spans[0], "all stand"))
-    return repeated(
+        phases.insert(0, Support(names, spans[0], "full support"))
+    return repeating(
         robot, phases, parts, sides, GaitTerms(contact, clearance, objective, upright, ground), repeat, length
     )

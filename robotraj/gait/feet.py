@@ -1,4 +1,4 @@
-"""Which frames are feet, and what they stand with."""
+"""The frames of the feet, and their contacts."""
 
 from __future__ import annotations
 
@@ -14,26 +14,27 @@ from robotraj.dynamics.contacts.base import Contact
 from robotraj.robot.robot import Robot
 
 FootKind = Contact | Callable[[str], Contact]
-"""What a foot stands with: ``rt.PointContact``, a function of the frame, or a contact to copy to other frames."""
+"""The contact of every foot: ``rt.PointContact``, a function of the frame, or a contact to copy to other frames."""
 
 WORDS = ("sole", "foot", "toe")
-"""Parts of the names of feet, the first that a robot has wins."""
+"""Parts of the names of feet; the first one that any frame has is used."""
 
 
 def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
-    """Check the frames given, or find frames whose name says sole, foot or toe.
+    """Return the given frames, or those whose name contains the word sole, foot or toe.
 
     Raises
     ------
     InputError
-        No frame is named so; the message lists the frames at the ends of the robot's limbs.
+        A frame does not exist or is named twice, or no name contains these words. The message lists the frames at the
+        ends of the limbs.
     """
     if feet is not None:
         names = (feet,) if isinstance(feet, str) else tuple(feet)
         for name in names:
             robot.frame(name)
         if not names or len(set(names)) != len(names):
-            raise InputError(f"feet= is {list(names)!r}; name each foot's frame once.")
+            raise InputError(f"feet= is {list(names)!r}; name the frame of each foot once.")
         return names
     ends = limb_ends(robot)
     for word in WORDS:
@@ -47,7 +48,7 @@ def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
 
 
 def limb_ends(robot: Robot) -> tuple[str, ...]:
-    """Links fixed to joints that carry no further joint."""
+    """Return the links that are fixed to joints without child joints."""
     model = robot.model
     carrying = {model.parents[i] for i in range(1, model.njoints)}
     return tuple(
@@ -57,13 +58,13 @@ def limb_ends(robot: Robot) -> tuple[str, ...]:
     )
 
 
-def stands(kind: FootKind, frame: str) -> Contact:
-    """Contact of a foot.
+def foot_contact(kind: FootKind, frame: str) -> Contact:
+    """Return the contact of a foot.
 
     Raises
     ------
     InputError
-        The function gives no contact.
+        The function returns no contact.
     """
     if isinstance(kind, Contact):
         contact: Any = replace(cast(Any, kind), frame=frame, name=None)
@@ -72,12 +73,12 @@ def stands(kind: FootKind, frame: str) -> Contact:
             contact = kind(frame)
         except TypeError as error:
             raise InputError(
-                f"contact= cannot make a contact of foot {frame!r} alone: {error}. Give what else it asks for, as in "
+                f"contact= cannot be called with foot {frame!r} alone: {error}. Bind its other arguments, as in "
                 "functools.partial(rt.FlatFoot, length=0.2, width=0.1)."
             ) from error
     if not isinstance(contact, Contact):
         raise InputError(
-            f"contact= gave {contact!r} for foot {frame!r}; give rt.PointContact, a contact to copy, or a function "
+            f"contact= returned {contact!r} for foot {frame!r}; give rt.PointContact, a contact to copy, or a function "
             "from a frame's name to a contact."
         )
     return contact

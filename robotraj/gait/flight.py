@@ -1,4 +1,4 @@
-"""A phase in the air."""
+"""Phases without contacts."""
 
 from __future__ import annotations
 
@@ -9,15 +9,14 @@ from robotraj.problem.phase import Phase
 
 @dataclass(frozen=True, eq=False)
 class Flight(Phase):
-    """A phase in which nothing touches: of a robot whose root is free, without contacts.
+    """A phase of a robot with a free root and without contacts.
 
-    The centre of mass falls freely and the angular momentum about it is kept, whatever the joints do. Parameters are
-    those of ``rt.Phase``.
+    The centre of mass falls freely and the angular momentum about it is constant. Parameters are those of ``rt.Phase``.
 
     Raises
     ------
     InputError
-        The phase has contacts, or what moves is a System or a robot with a fixed root, which cannot fly.
+        The phase has contacts, or moves a System or a robot with a fixed root.
     """
 
     name: str = "flight"
@@ -31,4 +30,4 @@ class Flight(Phase):
             )
         if self.contacts:
             names = ", ".join(repr(contact.label) for contact in self.contacts)
-            raise InputError(f"Flight {self.name!r} has contacts ({names}); a phase that stands is an rt.Phase.")
+            raise InputError(f"Flight {self.name!r} has contacts ({names}); use rt.Phase for a phase with contacts.")

@@ -1,4 +1,4 @@
-"""Jumps written out as problems."""
+"""Jumps as problems of three phases."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.gait.checks import check_kinds, number
-from robotraj.gait.feet import FootKind, feet_of, stands
-from robotraj.gait.halves import grounded
+from robotraj.gait.checks import GroundFunction, check_options, number
+from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
+from robotraj.gait.repetition import on_ground
 from robotraj.gait.upright import Upright
 from robotraj.guess.legs.stance import BalancedStance, standing
+from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
@@ -33,43 +34,43 @@ def jump(
     *,
     length: float = 0.0,
     height: float = 0.1,
-    push: Any = 0.3,
-    land: Any = 0.3,
+    push: float | Sequence[float] | Between = 0.3,
+    land: float | Sequence[float] | Between = 0.3,
     feet: Sequence[str] | None = None,
     contact: FootKind = PointContact,
     clearance: float | None = 0.0,
     objective: Objective | None = None,
     upright: Upright | None = LEAPING,
-    ground: Ground | Any = LEVEL,
+    ground: Ground | GroundFunction = LEVEL,
 ) -> Problem:
-    """Jump from standing still to standing still: "push off" on all feet, "flight", "landing" on all feet.
+    """Return a jump from rest to rest: "push off" on all feet, "flight", "landing" on all feet.
 
-    The flight takes sqrt(8 height / g), in which the centre of mass rises by ``height`` where it lands as high as it
-    took off. The robot starts as ``rt.gait.stand`` has it and ends so, ``length`` farther on.
+    The flight takes sqrt(8 height / g): the centre of mass rises by ``height`` if it lands as high as it took off. The
+    robot starts and ends in the configuration of ``rt.gait.stand``, ``length`` farther on.
 
     Parameters
     ----------
     robot : Robot
     length, height : float
-        How far and how high the centre of mass goes [m].
+        Displacement and rise of the centre of mass [m].
     push, land : float or (float, float)
-        Duration of both stances [s]; free ones, (least, greatest), take many more iterations.
+        Durations of both stances [s]; free durations, (least, greatest), take many more iterations.
     feet, contact, clearance, objective, upright, ground
-        As for ``walk``; all feet stand. The root may sink lower than in a walk, and rises as it likes.
+        As for ``walk``; all feet stand. By default the root may sink lower than in a walk and rise without bound.
 
     Raises
     ------
     InputError
-        A height that is not positive, or no feet.
+        The height is not positive, or the robot has no feet.
     """
     names = feet_of(robot, feet)
-    check_kinds(None, upright)
+    check_options(None, upright)
     number(length, "rt.gait.jump(length)")
     if not number(height, "rt.gait.jump(height)") > 0.0:
         raise InputError(f"rt.gait.jump: height= is {height!r}; give a positive height [m].")
     gravity = float(np.linalg.norm(robot.model.gravity.linear))
-    kind = grounded(contact, ground)
-    q = standing(BalancedStance(robot, tuple(stands(kind, name).bind(robot) for name in names)))
+    kind = on_ground(contact, ground)
+    q = standing(BalancedStance(robot, tuple(foot_contact(kind, name).bind(robot) for name in names)))
     landed = np.array(q)
     landed[0] += length
     data = robot.model.createData()
@@ -81,8 +82,8 @@ def jump(
     return sequence(robot, phases, terms, None, State(q=q, v=0.0), State(q=landed, v=0.0))
 
 
-def _level(robot: Robot, data: Any, feet: Sequence[str], q: Any, ground: Any) -> float:
-    """Mean height of the ground under the feet [m]."""
+def _level(robot: Robot, data: Any, feet: Sequence[str], q: Any, ground: Ground | GroundFunction) -> float:
+    """Return the mean height of the ground under the feet [m]."""
     pin.framesForwardKinematics(robot.model, data, q)
     places = [data.oMf[robot.frame(name)].translation for name in feet]
     return float(np.mean([as_ground(ground).height(float(p[0]), float(p[1])) for p in places]))

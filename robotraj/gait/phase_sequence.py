@@ -1,11 +1,11 @@
-"""From a timetable of feet to a problem: phases, links between them, clearance of what swings."""
+"""Problems from schedules of feet: phases, their links, and the clearance of swinging feet."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -15,8 +15,8 @@ from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.gait.checks import check_kinds, number
-from robotraj.gait.feet import FootKind, stands
+from robotraj.gait.checks import GroundFunction, TimeSpan, check_options, number
+from robotraj.gait.feet import FootKind, foot_contact
 from robotraj.gait.flight import Flight
 from robotraj.gait.posture import gait_objective
 from robotraj.gait.upright import Upright
@@ -36,49 +36,49 @@ from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
 
 TOUCH = 1e-4
-"""How far below the ground [m] a foot may come where it leaves and lands: no row then says what another says."""
+"""Depth below the ground [m] that clearance allows, so that it is not redundant at liftoff and touchdown."""
 
 
 @dataclass(frozen=True)
 class Support:
-    """One phase of a gait: which feet stand, and how long.
+    """One phase of a gait: its standing feet and its duration.
 
     Attributes
     ----------
     feet : tuple of str
-        Frames that stand; none in flight.
+        Frames of the standing feet; none in flight.
     duration : float or (float, float)
         Fixed or bounded [s].
     name : str
     """
 
     feet: tuple[str, ...]
-    duration: Any
+    duration: float | Sequence[float] | Between
     name: str
 
 
 @dataclass(frozen=True)
 class GaitTerms:
-    """What the phases of a gait share.
+    """Options that all phases of a gait share.
 
     Attributes
     ----------
     contact : Contact or callable
-        What a foot stands with: ``rt.PointContact``, a contact to copy to the other feet, or a function of a frame.
+        Of every foot: ``rt.PointContact``, a contact to copy to the other feet, or a function of a frame.
     clearance : float or None
-        How high swinging feet pass between their footholds [m], 0 for above the ground alone, None for no such row.
+        Height of swinging feet halfway between their footholds [m]; 0 keeps them above the ground, None adds no row.
     objective : Objective or None
-        Of every phase; ``gait_objective(robot, standing)`` where None.
+        Of every phase; ``gait_objective(robot, standing)`` by default.
     upright : Upright or None
     ground : Ground or callable
-        For clearance; contacts carry their own.
+        For clearance; contacts have their own ground.
     """
 
     contact: FootKind = PointContact
     clearance: float | None = 0.0
     objective: Objective | None = None
     upright: Upright | None = None
-    ground: Ground | Any = Flat()
+    ground: Ground | GroundFunction = Flat()
 
 
 def sequence(
@@ -90,9 +90,10 @@ def sequence(
     end: State | None = None,
     passes: Mapping[str, str] | None = None,
 ) -> Problem:
-    """Write phases and links: ``Liftoff`` where feet leave, ``Touchdown`` where all that stand then come down.
+    """Return a problem of phases and links.
 
-    Where one foot stays while another comes down, that one is set down at rest and the state runs on, ``Continuity``.
+    ``Liftoff`` links phases where feet leave the ground, and ``Touchdown`` where all feet of the next phase land. If
+    some of them already stand, the others are set down at rest, and the link is ``Continuity``.
 
     Parameters
     ----------
@@ -101,25 +102,25 @@ def sequence(
         In the order of time.
     terms : GaitTerms
     repeat : Mirror, Periodic or None
-        How the start sees the end; a gait that repeats starts at root_x = 0 (and root_y = 0, heading along x, where it
-        does not turn left into right), since it could start anywhere.
+        Link from the end to the start. A repeating gait starts at root_x = 0; one that is not mirrored also at
+        root_y = 0 and heading along x.
     start, end : State, optional
-        Of the whole motion, where it does not repeat.
+        Ends of a motion that does not repeat.
     passes : mapping of str to str, optional
-        Which standing foot a swinging one passes, where both steps of a stride are written; those of the mirror by
-        default.
+        The standing foot that each swinging foot passes, if the problem has both steps of a stride; by default those of
+        the mirror.
 
     Raises
     ------
     InputError
-        A robot whose root is fixed, or a clearance that is negative.
+        The root of the robot is fixed, or the clearance is negative.
     """
     if robot.root == "fixed":
         raise InputError(
             f"{robot.name!r} is fixed in the world; load it with root='floating', or root='planar' for motion in the "
             "x-z plane."
         )
-    check_kinds(repeat, terms.upright)
+    check_options(repeat, terms.upright)
     if not supports or not all(isinstance(support, Support) for support in supports):
         raise InputError(
             f"supports= must be rt.gait.Support values, one or more in the order of time; got {supports!r}."
@@ -130,7 +131,7 @@ def sequence(
     feet = tuple(dict.fromkeys(foot for support in supports for foot in support.feet))
     partners = _partners(repeat)
     every = tuple(dict.fromkeys((*feet, *(partners.get(foot, foot) for foot in feet))))
-    contacts = {foot: stands(terms.contact, foot) for foot in every}
+    contacts = {foot: foot_contact(terms.contact, foot) for foot in every}
     posture = standing(BalancedStance(robot, tuple(contact.bound_to(robot) for contact in contacts.values())))
     objective = terms.objective if terms.objective is not None else gait_objective(robot, posture)
     phases: list[Phase] = []
@@ -142,7 +143,7 @@ def sequence(
             states = terms.upright.states(robot)
             rows += terms.upright.constraints(robot, posture, ground)
         if repeat is not None and "q.root_qw" in repeat.displacement:
-            # A quaternion and its negative are one attitude: without a sign a turn may go from one to the other.
+            # A quaternion and its negative are one attitude; the sign excludes a change between them.
             states = {**states, "q.root_qw": between(0.0, None)}
         kind = Phase if support.feet else Flight
         phases.append(
@@ -178,24 +179,23 @@ def _link(i: int, before: Sequence[str], after: Sequence[str]) -> Link:
 
 
 def _closing(last: int, before: Sequence[str], after: Sequence[str], repeat: Mirror | Periodic) -> Link:
-    """Repeat through an impact where feet come down, else as the state runs on."""
+    """Return the link that closes a repeating gait, with an impact if feet land."""
     if _lands(before, after):
         return Touchdown(last, 0, repeat=repeat)
     return replace(repeat, first=0, last=last)
 
 
 def _lands(before: Sequence[str], after: Sequence[str]) -> bool:
-    """Whether feet come down with an impact: those that do, while none stays.
+    """Return whether feet land with an impact: some land and none remains.
 
-    Where a foot stays, an impact of the other would as a rule pull at it (Hurmuzlu and Marghitu, Int. J. Robotics
-    Research 13, 1994), which no ground does. The only impulse left is then zero: the foot is set down at rest, the
-    state runs on, and the rows of the phase after it hold.
+    If a foot remains on the ground, an impact of another generally pulls at it (Hurmuzlu and Marghitu, Int. J. Robotics
+    Research 13, 1994). As the ground cannot pull, the impulse is zero: the foot is set down at rest.
     """
     return bool(set(after) - set(before)) and not set(after) & set(before)
 
 
 def _origin(robot: Robot, repeat: Mirror | Periodic | None) -> State:
-    """Fix what a repeating motion leaves open: where it starts, and where it heads."""
+    """Return the start that fixes the position, and the heading if it is free, of a repeating motion."""
     if robot.root == "planar" or isinstance(repeat, Mirror):
         return State(q={"root_x": 0.0})
     return State(q={"root_x": 0.0, "root_y": 0.0, "root_qz": 0.0})
@@ -210,12 +210,11 @@ def _swing(
     repeat: Mirror | Periodic | None,
     passes: Mapping[str, str] | None,
 ) -> list[Constraint]:
-    """Clearance of the feet that do not stand.
+    """Return the clearance of swinging feet.
 
-    Halfway through a mirrored gait a foot swings past its partner, which stands in the middle of its way: from one
-    displacement behind the partner's foothold to one before it; so it does in each half of a stride whose both halves
-    are written. Elsewhere feet stay above the ground, and a warning says that more was asked for. Of soles all corners
-    stay above it.
+    In a mirrored gait a foot swings past its standing partner: from one displacement behind the partner's foothold
+    to one before it. The same holds in each half of a complete stride. Other feet are kept above the ground, with a
+    warning if the clearance is positive. All corners of a sole are kept above the ground.
     """
     if terms.clearance is None or not swinging:
         return []
@@ -227,28 +226,28 @@ def _swing(
     level: list[Any] = []
     low: list[str] = []
     for foot in swinging:
-        other, corners = partners.get(foot, foot), stands(terms.contact, foot).bound_to(robot).outline()
+        other, corners = partners.get(foot, foot), foot_contact(terms.contact, foot).bound_to(robot).outline()
         if terms.clearance > 0.0 and other in support.feet and isinstance(gain, int | float) and gain != 0.0:
-            place, step = f"{stands(terms.contact, other).label}.x", float(gain)
-            rows.append(GroundClearance(_spot(terms, foot), SwingArc(terms.clearance, place, step), ground))
+            place, step = f"{foot_contact(terms.contact, other).label}.x", float(gain)
+            rows.append(GroundClearance(_contact_point(terms, foot), SwingArc(terms.clearance, place, step), ground))
             level += corners if len(corners) > 1 else []
         else:
             level += corners
             low.append(foot)
     if low and support.feet and terms.clearance > 0.0:
         warnings.warn(
-            f"clearance={terms.clearance:g} is not held by {', '.join(low)} in {support.name!r}, which stay above the "
-            "ground alone: a foot reaches its height where it passes one that stands, over a step of known length. "
-            "Give others rt.GroundClearance(foot, rt.constraints.SwingApex(...)).",
+            f"clearance={terms.clearance:g} is not held by {', '.join(low)} in {support.name!r}: they are only kept "
+            "above the ground. The height needs a standing partner that the foot passes, and a step of known length. "
+            "Add rt.GroundClearance(foot, rt.constraints.SwingApex(...)) for these feet.",
             stacklevel=3,
         )
     spots = [(frame, offset) if any(offset) else frame for frame, offset in level]
     return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows
 
 
-def _spot(terms: GaitTerms, foot: str) -> Any:
-    """Give the place of a foot that stands: the origin of its frame, or what its contact is offset by."""
-    offset = getattr(stands(terms.contact, foot), "offset", None)
+def _contact_point(terms: GaitTerms, foot: str) -> Any:
+    """Return the contact point of a foot: its frame, or its frame and offset."""
+    offset = getattr(foot_contact(terms.contact, foot), "offset", None)
     return foot if offset is None or not np.any(offset) else (foot, tuple(offset))
 
 
@@ -256,10 +255,9 @@ def _spot(terms: GaitTerms, foot: str) -> Any:
 class SwingArc(RequiredHeight):
     """Height [m] of a swing foot, h = 4 (apex + d) s (1 - s) - d with d = 0.1 mm, s its progress between footholds.
 
-    Halfway it is the apex, and below -d the foot never comes. s runs from 0 to 1 between one step behind and one step
-    before the partner's foothold. The tenth of a millimetre keeps the row from saying at both ends what the phases
-    before and after say as well, that the foot is on the ground: an inequality that can hold in one way alone has no
-    multipliers.
+    Halfway, h is the apex; the foot never comes below -d. s runs from 0 to 1 between one step behind and one step
+    before the partner's foothold. Without d, the contacts at both ends would make the inequality active at its only
+    feasible value, where multipliers are not unique.
 
     Attributes
     ----------
@@ -268,7 +266,7 @@ class SwingArc(RequiredHeight):
     anchor : str
         Parameter of the phase: world x of the partner's foothold.
     step : float
-        What a step gains along x [m].
+        Displacement of a step along x [m].
     """
 
     apex: float
@@ -276,7 +274,7 @@ class SwingArc(RequiredHeight):
     step: float
 
     def heights(self, point: Any, position: Sequence[Any]) -> dict[str, Any]:
-        """Height that a place at ``position`` must have."""
+        """Return the least heights at ``position``."""
         progress = 0.5 + 0.5 * (position[0] - point.p[self.anchor]) / self.step
         return {
             "ground clearance": -TOUCH,
@@ -284,16 +282,18 @@ class SwingArc(RequiredHeight):
         }
 
 
-def shares(duration: Any, parts: Sequence[float]) -> list[Any]:
-    """Split a duration [s], fixed or bounded, with None for an open side, in proportion."""
+def split_duration(duration: TimeSpan, parts: Sequence[float]) -> list[float | Sequence[float]]:
+    """Return parts of a duration [s], fixed or bounded, in proportion; None in a pair is an open side."""
     if isinstance(duration, Between):
         duration = duration.lower, duration.upper
     if isinstance(duration, tuple | list) and len(duration) == 2:
         low, high = duration
         duration = 0.0 if low is None else low, np.inf if high is None else high
-    whole = np.asarray(number(duration, "duration", "s") if np.ndim(duration) == 0 else duration, dtype=float)
+    whole = np.asarray(
+        number(duration, "duration", "s") if np.ndim(cast(Any, duration)) == 0 else duration, dtype=float
+    )
     every = [whole * part / sum(parts) for part in parts]
     return [tuple(float(v) for v in value) if value.shape else float(value) for value in every]
 
 
-__all__ = ["GaitTerms", "Support", "SwingArc", "sequence", "shares"]
+__all__ = ["GaitTerms", "Support", "SwingArc", "sequence", "split_duration"]

@@ -1,4 +1,4 @@
-"""What a gait minimises where nothing else is asked for."""
+"""The default objective of gaits."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ CALM = 2e-3
 
 @dataclass(frozen=True)
 class FixedPosture:
-    """The reference of ``rt.objectives.Tracking`` that does not move.
+    """A constant reference of ``rt.objectives.Tracking``.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Left and right by name: which joint or frame is the other side's."""
+"""Pairs of left and right joints and frames, by their names."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ PAIRS = (
     ("rl", "rr"),
     ("bl", "br"),
 )
-"""Words that change into each other, in lower case; ``l`` and the two-letter ones also in upper case."""
+"""Words of the two sides, in lower case; they are also recognised in upper case and capitalised."""
 
 WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")
 """Words of a name such as ``leg_left_1_joint``, ``FL_HAA``, ``LThighPitch`` or ``RFAnkle``."""
 
 
 def other_side(name: str, names: Iterable[str]) -> str:
-    """Name among ``names`` that differs from ``name`` by one left or right; ``name`` itself where there is none.
+    """Return the name among ``names`` that is ``name`` with left and right swapped; ``name`` itself if there is none.
 
-    ``left_hip`` and ``right_hip``, ``l_knee`` and ``r_knee``, ``FL_HAA`` and ``FR_HAA``, ``leg_left_1_joint`` ...
+    Examples: ``left_hip`` and ``right_hip``, ``l_knee`` and ``r_knee``, ``FL_HAA`` and ``FR_HAA``.
     """
     known = set(names)
     for match in WORDS.finditer(name):
@@ -39,9 +39,9 @@ def other_side(name: str, names: Iterable[str]) -> str:
 
 
 def _variants(word: str, first: str, second: str) -> list[tuple[str, str]]:
-    """Beginnings of a word that are ``first`` in some spelling, with ``second`` in the same."""
+    """Return pairs of ``first`` and ``second`` in the spellings in which ``first`` begins a word."""
     forms = [(f(first), f(second)) for f in (str.lower, str.upper, str.capitalize)]
     whole = [(a, b) for a, b in forms if word == a]
-    # LThigh is one letter before a capital: WORDS gives "LT" or "LThigh" there.
+    # In LThigh, the side is one letter before a capital: WORDS finds "LT" or "LThigh".
     prefix = [(a, b) for a, b in forms if len(a) < 3 and a.isupper() and word.startswith(a)]
     return whole or prefix

@@ -1,4 +1,4 @@
-"""Bounds that keep a robot on its feet."""
+"""Bounds on the height and attitude of the root."""
 
 from __future__ import annotations
 
@@ -12,26 +12,25 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.problem.constraints.base import Constraint
-from robotraj.problem.constraints.bounds import between
+from robotraj.problem.constraints.bounds import Between, between
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)
 class Upright:
-    """Rows that every phase of a gait gets, so that the optimum is one of a robot on its feet.
+    """Bounds on height and attitude of the root in every phase of a gait.
 
-    Without them a torque-optimal gait may lean back, turn a somersault, or rise until its legs are straight, which cost
-    no torque and can move no further: the equations are singular there. They are part of what the gait functions
-    write and can be taken out again, or left out with ``upright=None``.
+    Without them a torque-optimal gait may lean back, turn a somersault or stretch its legs, where the equations are
+    singular. ``upright=None`` of the gait functions omits them.
 
     Parameters
     ----------
     least_height, greatest_height : float
-        Height of the root link's origin above the ground, as shares of its height when standing.
+        Height of the root link's origin above the ground, relative to its height in the standing configuration.
     tilt : float
-        Greatest pitch of a planar root [rad]; for a floating root the greatest roll, pitch and yaw by which each vector
-        entry of its quaternion is bounded, |q_x|, |q_y|, |q_z| <= sin(tilt / 2), about world axes.
+        Largest pitch of a planar root [rad]. The vector entries of a floating root's quaternion are bounded by
+        |q_x|, |q_y|, |q_z| <= sin(tilt / 2), about world axes.
     """
 
     least_height: float = 0.6
@@ -41,19 +40,19 @@ class Upright:
     def __post_init__(self) -> None:
         if not 0.0 <= self.least_height < 1.0 < self.greatest_height or not 0.0 < self.tilt < np.pi:
             raise InputError(
-                f"{self!r}: heights are shares of the standing height, the least below 1 and the greatest above; tilt "
-                "is an angle from 0 to pi [rad]."
+                f"{self!r} is invalid: heights are relative to the standing height, the least below 1 and the greatest "
+                "above; tilt is an angle from 0 to pi [rad]."
             )
 
-    def states(self, robot: Robot) -> dict[str, Any]:
-        """Bounds by state name, for ``rt.Phase(states=...)``."""
+    def states(self, robot: Robot) -> dict[str, Between]:
+        """Return the bounds by state name, for ``rt.Phase(states=...)``."""
         if robot.root == "planar":
             return {"q.root_pitch": between(-self.tilt, self.tilt)}
         turn = float(np.sin(0.5 * self.tilt))
         return {f"q.root_{name}": between(-turn, turn) for name in ("qx", "qy", "qz")}
 
     def constraints(self, robot: Robot, standing: NDArray[np.float64], ground: Ground) -> list[Constraint]:
-        """Range of the root link's height, for ``rt.Phase(constraints=...)``."""
+        """Return the constraint of the root link's height, for ``rt.Phase(constraints=...)``."""
         link = root_link(robot)
         data = robot.model.createData()
         pin.framesForwardKinematics(robot.model, data, standing)
@@ -72,7 +71,7 @@ class Upright:
 
 @dataclass(frozen=True)
 class RootHeight:
-    """Height [m] of a frame's origin above the ground, of a point."""
+    """Height [m] of the origin of a frame above the ground, as an expression of a point."""
 
     frame: str
     ground: Ground
@@ -84,7 +83,7 @@ class RootHeight:
 
 
 def root_link(robot: Robot) -> str:
-    """Name of the link that the root's joints carry."""
+    """Return the name of the link that the root's joints move."""
     joint = {"planar": 3, "floating": 1}[robot.root]
     frames = [f for f in robot.model.frames if f.parentJoint == joint and f.type == pin.FrameType.BODY]
     return str(frames[0].name)

@@ -139,7 +139,7 @@ def test_contacts_may_be_copied_or_made(biped: rt.Robot) -> None:
     rough = PointContact("left_foot", friction=1.3)
     by_copy = gait.walk(biped, step_length=0.3, duration=0.6, contact=rough)
     assert by_copy.phases[0].contacts[0].friction == 1.3
-    with pytest.raises(rt.InputError, match="contact= gave 'left_foot'"):
+    with pytest.raises(rt.InputError, match="contact= returned 'left_foot'"):
         gait.walk(biped, step_length=0.3, duration=0.6, contact=lambda frame: frame)
 
 

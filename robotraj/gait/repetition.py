@@ -1,4 +1,4 @@
-"""Halves of gaits: what is asked of a step, and how its end becomes its beginning."""
+"""Repeating gaits: length and duration of a step, and the link from its end to its start."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, cast
 
-import numpy as np
-
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import Contact
+from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.gait.checks import check_ground_repeats, check_kinds, number
-from robotraj.gait.feet import FootKind, feet_of, stands
+from robotraj.gait.checks import GroundFunction, TimeSpan, check_ground_repeats, check_options, number
+from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.mirror_inertia import IMBALANCE, imbalance
 from robotraj.gait.mirroring import mirror_by_geometry
 from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
@@ -24,7 +24,7 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
 
 
-def repeated(
+def repeating(
     robot: Robot,
     phases: Sequence[Support],
     parts: Sequence[float],
@@ -33,9 +33,12 @@ def repeated(
     repeat: Mirror | Periodic | None,
     length: float,
 ) -> Problem:
-    """Close a gait on its mirror image, or write its other half and close it as it is; ``parts`` are the shares."""
-    check_kinds(repeat, terms.upright)
-    terms = replace(terms, contact=grounded(terms.contact, terms.ground))
+    """Return a gait that repeats: half of it, closed by its mirror image, or both halves, closed by ``Periodic``.
+
+    ``parts`` are the fractions of the phases in the duration of the half.
+    """
+    check_options(repeat, terms.upright)
+    terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
     if repeat is None:
         repeat = _symmetric_repeat(robot)
     if isinstance(repeat, Periodic):
@@ -68,10 +71,10 @@ def _symmetric_repeat(robot: Robot) -> Mirror | Periodic:
 
 
 def _in_shares(problem: Problem, parts: Sequence[float]) -> Problem:
-    """Keep free durations in the proportion of the phases' parts."""
+    """Add links that keep free durations in the proportion of the parts."""
     bounds = [phase.duration_bounds for phase in problem.phases]
     ties = [
-        Linkage((i, i + 1), InProportion(parts[i + 1] / parts[i]), name="share of the step", unit="s")
+        Linkage((i, i + 1), DurationRatio(parts[i + 1] / parts[i]), name="share of the step", unit="s")
         for i in range(len(bounds) - 1)
         if bounds[i][0] < bounds[i][1]
     ]
@@ -79,61 +82,84 @@ def _in_shares(problem: Problem, parts: Sequence[float]) -> Problem:
 
 
 @dataclass(frozen=True)
-class InProportion:
-    """How much longer a phase takes than so many times the one before [s]."""
+class DurationRatio:
+    """Difference of the duration of a phase from a multiple of that of the phase before [s].
+
+    Attributes
+    ----------
+    times : float
+        The multiple.
+    """
 
     times: float
 
     def __call__(self, first: Any, second: Any) -> Any:
-        """Compare both durations."""
+        """Evaluate the difference."""
         return second.end.t - second.start.t - self.times * (first.end.t - first.start.t)
 
 
-def _moved(robot: Robot, feet: Iterable[str], repeat: Any, length: float, ground: Any) -> Any:
-    """Add the way along x, and the rise of the ground along it, to what a repetition gains."""
+def _moved(
+    robot: Robot, feet: Iterable[str], repeat: Mirror | Periodic, length: float, ground: Ground | GroundFunction
+) -> Mirror | Periodic:
+    """Return the repetition with the displacement along x and the rise of the ground."""
     level = as_ground(ground)
     rise = float(level.height(length, 0.0)) - float(level.height(0.0, 0.0))
-    way = {"q.root_x": length} | ({"q.root_z": rise} if rise else {})
-    gains = {**way, **repeat.displacement}
+    gain = {"q.root_x": length} | ({"q.root_z": rise} if rise else {})
+    gains = {**gain, **repeat.displacement}
     check_ground_repeats(robot, list(feet), gains, isinstance(repeat, Mirror), level)
     return replace(repeat, displacement=gains)
 
 
-def grounded(kind: FootKind, ground: Any) -> FootKind:
-    """Contacts on a ground, where the kind of contact is named without one."""
+def on_ground(kind: FootKind, ground: Ground | GroundFunction) -> FootKind:
+    """Return the kind of contact on a ground; a contact with another ground than the level one keeps it."""
 
-    def on(frame: str) -> Any:
-        contact = stands(kind, frame)
+    def on(frame: str) -> Contact:
+        contact = foot_contact(kind, frame)
         if getattr(contact, "ground", None) == Flat():
-            return replace(cast(Any, contact), ground=ground)
+            return cast(Contact, replace(cast(Any, contact), ground=ground))
         return contact
 
     return on
 
 
-def some_feet(robot: Robot, feet: Sequence[str] | None, count: int, who: str) -> tuple[str, ...]:
-    """Find feet and count them."""
+def checked_feet(robot: Robot, feet: Sequence[str] | None, count: int, who: str) -> tuple[str, ...]:
+    """Return the feet.
+
+    Raises
+    ------
+    InputError
+        The robot has another number of feet than ``count``.
+    """
     names = feet_of(robot, feet)
     if len(names) != count:
         raise InputError(f"rt.gait.{who} needs {count} feet; got {', '.join(names)}. Name them with feet=[...].")
     return names
 
 
-def pace(length: float | None, duration: Any, speed: float | None, who: str) -> tuple[float, Any]:
-    """Step length [m] and duration [s] out of two of three."""
+def step_timing(
+    length: float | None, duration: TimeSpan | None, speed: float | None, who: str
+) -> tuple[float, TimeSpan]:
+    """Return step length [m] and duration [s] from two of length, duration and speed.
+
+    Raises
+    ------
+    InputError
+        Not two of them are given, or they are no numbers.
+    """
     if sum(value is not None for value in (length, duration, speed)) != 2:
-        raise InputError(f"rt.gait.{who} takes two of step_length=, duration= and speed=.")
+        raise InputError(f"rt.gait.{who} needs two of step_length=, duration= and speed=; give exactly two.")
     if length is not None:
-        advice = "A free one is a displacement: repeat=rt.Periodic(displacement={'q.root_x': rt.between(...)})."
+        advice = "A free length is a displacement: repeat=rt.Periodic(displacement={'q.root_x': rt.between(...)})."
         length = number(length, f"rt.gait.{who}(step_length)", advice=advice)
     if speed is None:
-        assert length is not None
+        assert length is not None and duration is not None
         return length, duration
     speed = number(speed, f"rt.gait.{who}(speed)", "m/s")
     if length is None:
-        if np.ndim(duration):
+        if isinstance(duration, Sequence):
             raise InputError(f"rt.gait.{who}: beside speed= the duration is one number; got {duration!r}.")
-        return speed * number(duration, f"rt.gait.{who}(duration)", "s"), duration
+        time = number(duration, f"rt.gait.{who}(duration)", "s")
+        return speed * time, time
     if not speed > 0.0:
         raise InputError(f"rt.gait.{who}: speed= is {speed!r} beside a step length; give a positive speed [m/s].")
     return length, length / speed
