@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import field, fields
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import brief, wrapped
 from robotraj._util.values import dataclass
 from robotraj.robot.configuration import as_vector, unit_quaternion
 from robotraj.robot.limits import Limits
@@ -18,7 +20,7 @@ from robotraj.robot.loading.assembly import units
 from robotraj.robot.loading.geometry import Geometry, NoGeometry
 from robotraj.robot.loading.surgery import names_of
 from robotraj.robot.root import QUATERNION, root_of
-from robotraj.robot.table import Joints, joint_table, number
+from robotraj.robot.table import Joints, joint_html, joint_table, number
 
 if TYPE_CHECKING:
     from robotraj.symbolic import SymbolicModel
@@ -96,24 +98,50 @@ class Robot:
             raise InputError(f"friction_speed is {self.friction_speed}; it must be a positive speed [rad/s, m/s].")
 
     def __repr__(self) -> str:
-        """Tabulate the joints, with what loading decided as notes."""
-        limits, quaternion = self.limits, self.nq - self.nv
+        joints = self.nv - self.limits.free
+        moving = f"{self.root} root, {joints} joint{'s' if joints != 1 else ''}"
+        return f"<Robot {brief(self.name)}: {moving}, {self.nu} actuated, {self.mass:.4g} kg>"
+
+    def __str__(self) -> str:
+        """Tabulate the joints, with the decisions and findings of loading as notes."""
+        placed = wrapped(self._placed) if self._placed else []
+        notes = [line for note in self._notes for line in wrapped(f"note: {note}")]
+        return "\n".join([*wrapped(self._title), *joint_table(self._joints), *placed, *notes])
+
+    def _repr_html_(self) -> str:
+        """Return the title, the joints and the notes for a notebook."""
+        notes = "".join(f"<li>{escape(note)}</li>" for note in filter(None, (self._placed, *self._notes)))
+        return f"<div><b>{escape(self._title)}</b>{joint_html(self._joints)}<ul>{notes}</ul></div>"
+
+    @property
+    def _title(self) -> str:
         root = "" if self.root == "fixed" else f"{self.root} root, "
-        moving = self.nv - limits.free
-        title = (
+        moving = self.nv - self.limits.free
+        return (
             f"{self.name}: {root}{moving} moving joint{'s' if moving != 1 else ''}, {self.nu} actuated, "
             f"{self.mass:.4g} kg moving, from {self.origin}"
         )
-        # A floating root's positions belong to no joint: they stand in a line of their own.
+
+    @property
+    def _joints(self) -> Joints:
+        quaternion, limits = self.nq - self.nv, self.limits
+        # The positions of a floating root belong to no velocity: ``_placed`` prints them.
         neutral = np.where(np.arange(self.nv) < limits.free if quaternion else False, np.nan, self.neutral[quaternion:])
         motors = [joint in self.actuated for joint in self.velocity_names]
-        joints = Joints(self.velocity_names, self.units, limits, motors, self.damping, self.friction, neutral)
-        lines = [title, *joint_table(joints)]
-        if quaternion:
-            place = list(zip(self.position_names, self.neutral, self.position_units, strict=True))[: limits.free + 1]
-            stands = ", ".join(f"{name} {number(value, unit)}" for name, value, unit in place)
-            lines.append(f"neutral root: {stands}; velocities in the root link's own axes")
-        return "\n".join([*lines, *(f"note: {note}" for note in (*self.notes, *limits.complaints(self.actuated)))])
+        return Joints(self.velocity_names, self.units, limits, motors, self.damping, self.friction, neutral)
+
+    @property
+    def _placed(self) -> str:
+        """The neutral placement of a floating root; empty for the others."""
+        if self.nq == self.nv:
+            return ""
+        place = list(zip(self.position_names, self.neutral, self.position_units, strict=True))[: self.limits.free + 1]
+        stands = ", ".join(f"{name} {number(value, unit)}" for name, value, unit in place)
+        return f"neutral root: {stands}; velocities in the root link's own axes"
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        return (*self.notes, *self.limits.complaints(self.actuated))
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the fields only: meshes and compiled functions are made again where they are wanted."""

@@ -1,32 +1,23 @@
-"""A robot's joints as a table: one line per joint."""
+"""A robot's joints as a table, in text and in HTML."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from html import escape
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import table
 from robotraj.robot.limits import Limits
 
-HEAD = (
-    "joint",
-    "unit",
-    "position",
-    "velocity",
-    "acceleration",
-    "effort",
-    "motor",
-    "damping",
-    "friction",
-    "neutral",
-)
-RATES = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
+UNITS = "velocity in unit/s, effort in N m (rad) or N (m), damping in effort per velocity"
+LEFT = "'text-align:left'"
 
 
 class Joints(NamedTuple):
-    """What the table lists of every joint, in the order of the velocities.
+    """Columns of the table, in the order of the velocities.
 
     Attributes
     ----------
@@ -35,7 +26,7 @@ class Joints(NamedTuple):
     motors : sequence of bool
     damping, friction : (nv,) [N m s/rad, N s/m], [N m, N]
     neutral : (nv,) [rad, m]
-        NaN where the joint's position is a part of a quaternion.
+        NaN where the position is part of a quaternion.
     """
 
     names: Sequence[str]
@@ -56,27 +47,40 @@ def _interval(low: float, high: float) -> str:
     return "-" if np.isinf(low) and np.isinf(high) else f"[{low:.4g}, {high:.4g}]"
 
 
-def joint_table(joints: Joints) -> list[str]:
-    """Write the joints with units, limits (``-``: none), motors and damping, a line each."""
+def joint_rows(joints: Joints) -> list[tuple[str, ...]]:
+    """Return the cells of the table, headings first; a missing limit is ``-``.
+
+    Rates have the joint's unit per second. Acceleration limits, damping and friction have a column if a joint has one.
+    """
     limits = joints.limits
-    rows = [HEAD]
-    for i, (joint, unit) in enumerate(zip(joints.names, joints.units, strict=True)):
-        speed, rate, effort = RATES[unit]
-        rows.append(
-            (
-                joint,
-                unit,
-                _interval(limits.position_lower[i], limits.position_upper[i]),
-                number(limits.velocity[i], speed),
-                number(limits.acceleration[i], rate),
-                number(limits.effort[i], effort),
-                "yes" if joints.motors[i] else "no",
-                number(joints.damping[i]),
-                number(joints.friction[i]),
-                number(joints.neutral[i]),
-            )
-        )
-    widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    lines.insert(1, "-" * max(len(line) for line in lines))
-    return lines
+    columns: list[tuple[str, Sequence[str]]] = [
+        ("joint", joints.names),
+        ("unit", joints.units),
+        ("position", [_interval(*ends) for ends in zip(limits.position_lower, limits.position_upper, strict=True)]),
+        ("velocity", [number(value) for value in limits.velocity]),
+    ]
+    if np.any(np.isfinite(limits.acceleration)):
+        columns.append(("acceleration", [number(value) for value in limits.acceleration]))
+    columns += [
+        ("effort", [number(value) for value in limits.effort]),
+        ("motor", ["yes" if motor else "no" for motor in joints.motors]),
+    ]
+    for name, values in (("damping", joints.damping), ("friction", joints.friction)):
+        if np.any(values):
+            columns.append((name, [number(value) for value in values]))
+    columns.append(("neutral", [number(value) for value in joints.neutral]))
+    headings, cells = zip(*columns, strict=True)
+    return [tuple(headings), *zip(*cells, strict=True)]
+
+
+def joint_table(joints: Joints) -> list[str]:
+    """Return the table as lines of at most 80 characters, one joint a line where its cells fit."""
+    return [*table(joint_rows(joints)), UNITS]
+
+
+def joint_html(joints: Joints) -> str:
+    """Return the table as HTML."""
+    head, *rows = ([escape(cell) for cell in row] for row in joint_rows(joints))
+    body = "".join(f"<tr>{''.join(f'<td style={LEFT}>{cell}</td>' for cell in row)}</tr>" for row in rows)
+    headings = "".join(f"<th style={LEFT}>{cell}</th>" for cell in head)
+    return f"<table><thead><tr>{headings}</tr></thead><tbody>{body}</tbody></table><p>{UNITS}</p>"

@@ -198,33 +198,42 @@ def test_the_symbolic_model_is_that_of_the_planning_model_and_kept():
 
 
 def test_printing_shows_joints_units_limits_motors_damping_and_decisions(arm):
-    text = repr(rt.load(arm, actuated=["shoulder"], limits={"velocity": {"elbow": np.inf}}))
-    assert str(rt.load(arm)) == repr(rt.load(arm))
-    title, head, _, shoulder, elbow, *notes = text.splitlines()
-    assert "arm" in title and "2 moving joints, 1 actuated, 2 kg" in title
+    robot = rt.load(arm, actuated=["shoulder"], limits={"velocity": {"elbow": np.inf}})
+    title, _, head, shoulder, elbow, units, *notes = str(robot).splitlines()
+    assert title.startswith("arm: 2 moving joints, 1 actuated, 2 kg")
     assert head.split()[:4] == ["joint", "unit", "position", "velocity"]
-    assert shoulder.split() == [
-        "shoulder",
-        "rad",
-        "[-1,",
-        "2]",
-        "3",
-        "rad/s",
-        "-",
-        "4",
-        "N",
-        "m",
-        "yes",
-        "0.5",
-        "0.2",
-        "0",
-    ]
-    assert elbow.split() == ["elbow", "m", "[0,", "1]", "-", "-", "10", "N", "no", "0", "0", "0"]
+    assert shoulder.split() == ["shoulder", "rad", "[-1,", "2]", "3", "4", "yes", "0.5", "0.2", "0"]
+    assert elbow.split() == ["elbow", "m", "[0,", "1]", "-", "10", "no", "0", "0", "0"]
+    assert "N m (rad) or N (m)" in units
     assert any("<dynamics>" in note for note in notes)
 
 
+@pytest.mark.parametrize("name", ["double_pendulum", "ur5", "talos", "solo12"])
+@pytest.mark.parametrize("root", ["fixed", "floating"])
+def test_printing_fits_a_terminal_and_a_notebook(name, root):
+    robot = rt.load(name, root=root)
+    assert repr(robot).startswith(f"<Robot {name!r}: {root} root")
+    assert len(repr(robot)) <= 80 and "\n" not in repr(robot)
+    assert max(map(len, str(robot).splitlines())) <= 80
+    page = robot._repr_html_()
+    assert page.count("<tr>") == 1 + robot.nv
+    assert all(joint in page for joint in robot.velocity_names)
+
+
+def test_names_are_escaped_in_a_notebook(arm):
+    robot = dataclasses.replace(rt.load(arm), name="<script>")
+    assert "<script>" not in robot._repr_html_()
+    assert "&lt;script&gt;" in robot._repr_html_()
+
+
+def test_acceleration_limits_have_a_column_where_there_are_any(arm):
+    assert "acceleration" not in str(rt.load("ur5"))
+    assert "acceleration" in str(rt.load("ur5", limits={"acceleration": 7.0}))
+
+
 def test_printing_repeats_the_complaints():
-    assert "Joint 'joint1' cannot be planned with its limits" in repr(rt.load("double_pendulum"))
+    printed = " ".join(str(rt.load("double_pendulum")).split())
+    assert "Joint 'joint1' cannot be planned with its limits" in printed
 
 
 # -- bad inputs --------------------------------------------------------------------------------------------
