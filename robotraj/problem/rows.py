@@ -137,6 +137,8 @@ class RowTable(OneLine):
     def of_state(self) -> tuple[PhaseRow, ...]:
         """Rows that hold at every time and depend on t, x and p alone: bounds of states, and state path rows."""
         states = {state.name for state in self.dae.states}
+        if all(row.kind is Kind.BOUND for row in self.throughout):
+            return tuple(row for row in self.throughout if row.variable in states)
         point = self.point
         # By forward dynamics a robot's accelerations are expressions, not variables: its algebraic variables are none.
         z = (point.z[variable.name] for variable in self.body.algebraic)
@@ -233,9 +235,27 @@ class RowTable(OneLine):
         ndarray (m, rows)
         """
         m = len(t)
-        columns = (np.reshape(each, (m, -1)).T for each in (t, x, z, u))
-        found = self.function(rows).map(m)(*columns, np.tile(np.reshape(p, (-1, 1)), (1, m)))
-        return np.array(found).reshape(len(rows), m).T
+        out = np.empty((m, len(rows)))
+        groups = (x, z, u)
+        others = []
+        for i, row in enumerate(rows):
+            if row.kind is Kind.BOUND:
+                group, column = self._places[str(row.variable)]
+                out[:, i] = groups[group][:, column]
+            else:
+                others.append(i)
+        if others:
+            function = self.function([rows[i] for i in others]).map(m)
+            columns = (np.reshape(each, (m, -1)).T for each in (t, *groups))
+            found = function(*columns, np.tile(np.reshape(p, (-1, 1)), (1, m)))
+            out[:, others] = np.array(found).reshape(len(others), m).T
+        return out
+
+    @cached_property
+    def _places(self) -> dict[str, tuple[int, int]]:
+        """Group and column of each variable: states, algebraic variables and controls are groups 0, 1 and 2."""
+        groups = (self.dae.states, self.dae.algebraic, self.dae.controls)
+        return {v.name: (group, i) for group, variables in enumerate(groups) for i, v in enumerate(variables)}
 
     @cached_property
     def symbols(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:

@@ -276,7 +276,7 @@ DAE = rt.System(
         (
             phase_of(objective=rt.objectives.AbsolutePower(speeds={"u": "w"})),
             rt.Mesh(4, rt.schemes.MultipleShooting()),
-            "slacks that are held at collocation points",
+            "slacks at collocation points, which",
         ),
         (
             phase_of(constraints=[rt.IntegralConstraint(lambda point: point.u["u"] ** 2, upper=9)]),

@@ -1,11 +1,11 @@
-"""From blocks to the functions a solver calls: objective, rows, gradient, Jacobian and Hessian of the Lagrangian.
+"""Functions of the NLP, assembled from blocks: objective, rows, gradient, Jacobian and Hessian of the Lagrangian.
 
-The nonzeros of the big matrices are fixed sparse combinations of the nonzeros of the stages' small ones,
+The nonzeros of the matrices of the NLP are fixed linear combinations of the nonzeros of the stages' matrices,
 
     vec(J) = j0 + sum_b M_b vec(J_b),    vec(H) = sum_b N_b vec(H_b),
 
-computed once here. What a solver evaluates is the stage functions, mapped over their places, and one sparse product;
-the whole graph is never coloured or differentiated.
+computed once here. A solver evaluates the stage functions, mapped over their places, and one sparse product. The graph
+of the whole NLP is never built.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from robotraj.transcription.assembly.places import Places, stacked
 
 @dataclass(frozen=True)
 class Functions:
-    """The NLP as CasADi functions of the scaled decision vector w, with the signatures ``casadi.nlpsol`` takes.
+    """The NLP as CasADi functions of the scaled decision vector w, with the signatures of ``casadi.nlpsol``.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ def assemble(blocks: Sequence[Block], linear: csr_array, engine: Engine) -> Func
 
 
 class _Values:
-    """What the functions give: nonzeros at a scaled w. The second argument of each is the empty p."""
+    """Nonzeros of the functions at a scaled w. The second argument of each method is the empty p."""
 
     def __init__(
         self, blocks: Sequence[Block], functions: Sequence[Mapping[str, ca.Function]], linear: csr_array
@@ -136,12 +136,12 @@ class _Values:
 
 
 def point_functions(blocks: Sequence[Block]) -> list[StageMapped]:
-    """Give every stage function that the NLP calls, and at how many places."""
+    """Return every stage function that the NLP calls, with its number of places."""
     return [StageMapped(block.stage, name, block.count) for block in blocks for name in _wanted(block)]
 
 
 def _wanted(block: Block) -> list[str]:
-    """Names of the functions of the block's stage that the NLP calls."""
+    """Return the names of the functions of the block's stage that the NLP calls."""
     stage = block.stage
     wanted = []
     if block.scatter.nnz:
@@ -156,7 +156,7 @@ def _wanted(block: Block) -> list[str]:
 
 
 def _costed(block: Block) -> Array:
-    """Weights in the objective of all outputs of a block, place after place."""
+    """Return the weights in the objective of all outputs of a block, place after place."""
     costed = np.zeros((block.count, block.stage.outputs))
     if block.costs:
         costed[:, block.stage.costed] = block.weights
@@ -164,13 +164,13 @@ def _costed(block: Block) -> Array:
 
 
 def _slopes(block: Block) -> Chain:
-    """Where the places' gradients go in the objective's."""
+    """Return the chain from the gradients of the places to that of the objective."""
     weights = np.repeat(block.weights, block.stage.inputs)[block.gather.row]
     return Chain(block.gather.row, block.gather.col, weights * block.gather.data, block.gather.row)
 
 
 def _merge(lists: Sequence[tuple[Indices, Indices]], shape: tuple[int, int]) -> tuple[ca.Sparsity, list[Indices]]:
-    """Union of triplet patterns in CasADi's column-major order, and the slot of every triplet in it."""
+    """Return the union of patterns in CasADi's column-major order, and the index of every triplet in it."""
     keys = [np.asarray(columns, dtype=np.int64) * shape[0] + rows for rows, columns in lists]
     unique, inverse = np.unique(np.concatenate(keys), return_inverse=True)
     columns, rows = unique // shape[0], unique % shape[0]

@@ -2,8 +2,8 @@
 
     Y_e = fn(v_e, c_e),    v_e = (G w)_e,    rows += S vec(Y),    cost += sum_e s_e Y_e[costed]
 
-v_e gathers the unknowns the function reads at place e (linear in w), c_e are constants, S scatters the outputs into
-rows and s weighs the costed output in the objective.
+v_e are the unknowns of the function at place e, linear in w, and c_e its constants. S adds the outputs to rows; s are
+the weights of the costed output in the objective.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Indices = NDArray[np.int_]
 
 @dataclass(frozen=True, eq=False)
 class Block(OneLine):
-    """One stage function, its places, and where its outputs go.
+    """One stage function, its places, and the rows and costs that its outputs add to.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Block(OneLine):
     scatter : sparse (n_rows, n_y E)
         S.
     weights : ndarray (E,)
-        s, zero where the place costs nothing.
+        s, zero at places without cost.
     """
 
     stage: PointFunctions
@@ -53,11 +53,11 @@ class Block(OneLine):
 
     @property
     def costs(self) -> bool:
-        """Whether the block has a part in the objective."""
+        """Whether the block adds to the objective."""
         return self.stage.costed is not None and bool(np.any(self.weights))
 
     def scaled(self, columns: Array, rows: Array) -> Block:
-        """Rewrite the block for w = columns * w_scaled and rows_scaled = rows * rows."""
+        """Return the block for w = columns * w_scaled and rows_scaled = rows * rows."""
         return replace(
             self,
             gather=scaled(self.gather, columns=columns),
@@ -65,27 +65,27 @@ class Block(OneLine):
         )
 
     def places(self, w: Array) -> Array:
-        """Values of v at every place, (n_v, E), for a decision vector w."""
+        """Return v at every place, (n_v, E), for a decision vector w."""
         return (self.gather @ w).reshape(self.count, self.stage.inputs).T
 
     def outputs(self, w: Array) -> Array:
-        """Values of y at every place, (n_y, E)."""
+        """Return y at every place, (n_y, E)."""
         return self.stage.evaluate("function", self.places(w), self.constants)
 
     def rows(self, outputs: Array) -> Array:
-        """Give the block's part of the rows, S vec(Y), (n_rows,)."""
+        """Return the block's part of the rows, S vec(Y), (n_rows,)."""
         if not self.scatter.nnz:
             return np.zeros(self.scatter.shape[0])
         return np.asarray(self.scatter @ outputs.ravel(order="F"))
 
     def objective(self, outputs: Array) -> float:
-        """Give the block's part of the objective, s' Y[costed]."""
+        """Return the block's part of the objective, s' Y[costed]."""
         if not self.costs:
             return 0.0
         return float(outputs[self.stage.costed] @ self.weights)
 
     def jacobian_chain(self) -> Chain:
-        """Where the nonzeros of the places' Jacobians go in S blkdiag(J_e) G."""
+        """Return the chain from the nonzeros of the places' Jacobians to S blkdiag(J_e) G."""
         rows, columns = self.stage.jacobian_pattern
         per_place = np.arange(self.count)[:, None]
         y = (per_place * self.stage.outputs + rows[None, :]).ravel()
@@ -96,13 +96,13 @@ class Block(OneLine):
         return Chain(row[inner], column, factor[inner] * factor_in, position[inner])
 
     def hessian_chain(self) -> Chain:
-        """Where the lower triangles of the places' Hessians go in the upper triangle of G' blkdiag(H_e) G."""
+        """Return the chain from the lower triangles of the places' Hessians to the upper one of G' blkdiag(H_e) G."""
         rows, columns = self.stage.hessian_pattern
         first = np.arange(self.count)[:, None] * self.stage.inputs
         row, factor, position = expand(self.gather, (first + rows).ravel())
         column, factor_in, inner = expand(self.gather, (first + columns).ravel()[position])
         row, factors, source = row[inner], factor[inner] * factor_in, position[inner]
-        # An entry beside the diagonal stands for two: one of them falls in the upper triangle, or both on the diagonal.
+        # An entry off the diagonal stands for two. One of them is in the upper triangle, or both are on the diagonal.
         off = np.tile(rows != columns, self.count)[source]
         factors = np.where(off & (row == column), 2.0 * factors, factors)
         kept = off | (row <= column)

@@ -1,4 +1,4 @@
-"""Functions of the NLP that CasADi calls and NumPy evaluates."""
+"""Functions of the NLP with CasADi's interface, evaluated by NumPy."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 class NlpFunction(ca.Callback):
-    """A function of dense vectors whose results have fixed patterns; only those that are wanted are evaluated.
+    """A function of dense vectors whose results have fixed patterns; only requested results are evaluated.
 
     Parameters
     ----------
@@ -21,9 +21,9 @@ class NlpFunction(ca.Callback):
     arguments : mapping of str to int
         Their lengths.
     results : mapping of str to (Sparsity, callable)
-        The pattern, and what gives the nonzeros for the arguments; a RuntimeError of it is "no such value here".
+        The pattern, and a function from the arguments to the nonzeros. It raises RuntimeError where it is not defined.
     lock : Lock
-        Held during an evaluation: functions with the same one share memory.
+        Held during an evaluation; functions that share memory share a lock.
     """
 
     def __init__(
@@ -39,36 +39,36 @@ class NlpFunction(ca.Callback):
         self.construct(name, {})
 
     def get_n_in(self) -> int:
-        """Count the arguments."""
+        """Return the number of arguments."""
         return len(self._arguments)
 
     def get_n_out(self) -> int:
-        """Count the results."""
+        """Return the number of results."""
         return len(self._results)
 
     def get_name_in(self, i: int) -> str:
-        """Name an argument."""
+        """Return the name of an argument."""
         return self._arguments[i][0]
 
     def get_name_out(self, i: int) -> str:
-        """Name a result."""
+        """Return the name of a result."""
         return self._names[i]
 
     def get_sparsity_in(self, i: int) -> ca.Sparsity:
-        """Say that arguments are dense."""
+        """Return the pattern of an argument, which is dense."""
         return ca.Sparsity.dense(self._arguments[i][1], 1)
 
     def get_sparsity_out(self, i: int) -> ca.Sparsity:
-        """Give a result's pattern."""
+        """Return the pattern of a result."""
         return self._results[i][0]
 
     def has_eval_buffer(self) -> bool:
-        """Say that memory is handed over, not copied."""
+        """Return True: CasADi passes its memory, without copies."""
         return True
 
     def eval_buffer(self, arguments: Sequence[memoryview | None], results: Sequence[memoryview | None]) -> int:
-        """Evaluate what is wanted; 1 where that cannot be done."""
-        # What is not given is zero.
+        """Evaluate the requested results; return 1 if one is not defined, else 0."""
+        # CasADi passes None for arguments that are zero.
         given = [
             np.frombuffer(argument) if argument is not None and len(argument) else np.zeros(length)
             for argument, (_, length) in zip(arguments, self._arguments, strict=True)

@@ -1,10 +1,10 @@
-"""The places of all blocks side by side, and the point functions evaluated there on memory of their own."""
+"""Evaluation of the point functions of all blocks at all their places, on preallocated memory."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
 
 
 class Places:
-    """Point functions of blocks at one decision vector w, evaluated when they are asked for and kept until w changes.
+    """Point functions of blocks at one decision vector w, evaluated on demand and kept until w changes.
 
     Parameters
     ----------
     blocks : sequence of Block
     functions : sequence of mapping
-        Of each block, by name, functions of all its places: (v (n_v, E), c (n_c, E)[, m (n_y, E)]) -> (n, E).
+        For each block the functions of all its places, by name: (v (n_v, E), c (n_c, E)[, m (n_y, E)]) -> (n, E).
     n_w : int
         Length of w.
 
     Attributes
     ----------
     multipliers : ndarray
-        m of all blocks, place after place, which "hessian" reads.
+        m of all blocks, place after place, an argument of "hessian".
     """
 
     def __init__(self, blocks: Sequence[Block], functions: Sequence[Mapping[str, ca.Function]], n_w: int) -> None:
@@ -46,14 +46,14 @@ class Places:
                 for block, start in zip(blocks, self.first_read, strict=True)
             ],
         )
-        self._calls: dict[str, list[tuple[ca.FunctionBuffer, Any]]] = {}
+        self._calls: dict[str, list[tuple[ca.FunctionBuffer, Callable[[], None]]]] = {}
         self._results: dict[str, Array] = {}
         self._fresh: set[str] = set()
-        # CasADi reads and writes all of this in place.
+        # CasADi reads and writes these arrays in place.
         self._constants = [np.ascontiguousarray(block.constants.T).ravel() for block in blocks]
 
     def at(self, w: Array) -> None:
-        """Move to another w."""
+        """Set w."""
         if np.array_equal(w, self._w):
             return
         self._w[:] = w
@@ -61,16 +61,16 @@ class Places:
         self._fresh.clear()
 
     def sizes(self, name: str) -> list[int]:
-        """How many numbers ``name`` has in each block, all its places together; 0 where there is no such function."""
+        """Return the number of values of ``name`` in each block, over all places; 0 without such a function."""
         return [own[name].numel_out(0) if name in own else 0 for own in self._functions]
 
     def evaluate(self, name: str) -> Array:
-        """Give the numbers of ``name``, block after block, place after place; the memory is used again.
+        """Return the values of ``name``, block after block, place after place; the next call overwrites them.
 
         Raises
         ------
         RuntimeError
-            Where a function cannot be evaluated at this w.
+            A function cannot be evaluated at this w.
         """
         if name not in self._calls:
             self._prepare(name)
@@ -83,7 +83,7 @@ class Places:
         return self._results[name]
 
     def combination(self, name: str, chains: Sequence[Chain], slots: Sequence[Indices], rows: int) -> Csr:
-        """Give the matrix that adds up the numbers of ``name`` as chains say, entry i of a chain in row slots[i]."""
+        """Return the matrix that sums the values of ``name`` by chains; entry i of a chain is in row slots[i]."""
         sizes = self.sizes(name)
         parts = [
             (slot, chain.source + start, chain.factors)
@@ -114,7 +114,7 @@ class Places:
 
 
 def stacked(shape: tuple[int, int], parts: Sequence[tuple[Indices, Indices, Array]]) -> Csr:
-    """Give the sparse matrix of all triplets (rows, columns, values); those of one place add up."""
+    """Return the sparse matrix of triplets (rows, columns, values); those of the same entry are summed."""
     rows, columns = (
         np.concatenate([np.zeros(0, dtype=np.int64), *(part[k].astype(np.int64) for part in parts)]) for k in (0, 1)
     )
@@ -132,4 +132,4 @@ def _part(numbers: Array, start: int, size: int) -> Array:
 
 
 def _memory(numbers: Array) -> memoryview:
-    return memoryview(cast(Any, numbers))
+    return numbers.data

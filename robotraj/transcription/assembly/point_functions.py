@@ -1,6 +1,6 @@
-"""A stage function y = fn(v, c) and its exact derivatives, built when first asked for.
+"""A stage function y = fn(v, c) and its exact derivatives, built on first use.
 
-Only these small SX graphs are ever differentiated; the NLP's derivatives follow by the chain rule (``block``,
+Only these small graphs are differentiated. The derivatives of the NLP follow by the chain rule (``block``,
 ``assembly``).
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Pattern = tuple[NDArray[np.int_], NDArray[np.int_]]
-Symbols: TypeAlias = Any
+Symbols: TypeAlias = ca.SX | ca.MX
 
 
 class PointFunctions:
@@ -35,18 +35,18 @@ class PointFunctions:
     Parameters
     ----------
     v, c, y : casadi.SX or casadi.MX
-        Symbols of the unknowns (n_v,) and of the constants (n_c,), and the outputs (n_y,). SX is one scalar graph; MX
-        may call functions that are none, such as integrators.
+        Symbols of the unknowns (n_v,) and of the constants (n_c,), and the outputs (n_y,). A graph of MX may call
+        functions that have no scalar graph, such as integrators.
     costed : int or None
-        The output that carries cost, if one does.
+        Index of the output that carries cost, if one does.
     torques : Torques, optional
-        The robot's inverse dynamics, whose symbols stand in y for them. Engines that know it need not build or
-        differentiate its graph; the functions below are the same with and without.
+        The robot's inverse dynamics; y contains symbols in their place. Engines that evaluate them by themselves do
+        not build or differentiate their graph. The functions below are the same with and without.
     apart : sequence of Apart
-        What contacts add, whose symbols stand in y for it: likewise, and in common with other stages.
+        Terms of contacts, which y contains as symbols too, shared with other stages.
     as_tapes : bool
-        Whether the engine of the NLP runs tapes: what is asked for below is then made as such, not twice. With torques
-        it always is.
+        Whether the engine of the NLP runs tapes, so that functions are made as tapes only. Functions with torques
+        always are.
     """
 
     def __init__(
@@ -66,20 +66,17 @@ class PointFunctions:
 
     @cached_property
     def y(self) -> Symbols:
-        """The outputs, where nothing but the torques stands apart."""
+        """The outputs, with the terms of contacts written out; symbols of torques stay."""
         return written_out(self._y, self._apart)
 
     @cached_property
     def graph(self) -> StageGraph:
-        """The function as the compiled module differentiates it; of SX."""
+        """The function as a graph of the compiled module, which differentiates it; of SX."""
         return self._graph_of(self.y)
 
     @cached_property
     def tapes(self) -> Tapes | None:
-        """Tapes of the function and its derivatives, through the torques where there are any.
-
-        None where it is no scalar graph.
-        """
+        """Tapes of the function and its derivatives, torques included; None if it has no scalar graph."""
         if not isinstance(self.v, ca.SX):
             return None
         tapes = Tapes(self.graph, self.costed) if self.torques is None else self._chain(self.torques.tree)
@@ -92,7 +89,7 @@ class PointFunctions:
     def _graph_of(self, y: ca.SX) -> StageGraph:
         nothing = ca.SX(0, 1)
         r, x = (nothing, nothing) if self.torques is None else (self.torques.symbols, self.torques.arguments)
-        # The compiled module takes CasADi's objects where they stand; see ``native.tape``.
+        # The compiled module reads CasADi's objects in place; see ``native.tape``.
         made: StageGraph = load_native().StageGraph(*(int(each.this) for each in (self.v, self.c, r, y, x)))
         return made
 
@@ -102,7 +99,7 @@ class PointFunctions:
 
     @cached_property
     def constant_slopes(self) -> Array:
-        """dy/dv (n_y, n_v) where it is a number, NaN where it is an expression."""
+        """dy/dv (n_y, n_v): constants, and NaN for entries that are expressions."""
         slopes: Array = self.graph.constant_slopes().reshape(self.inputs, self.outputs).T
         return slopes
 
@@ -156,7 +153,7 @@ class PointFunctions:
 
     @property
     def jacobian_pattern(self) -> Pattern:
-        """Rows and columns of ``jacobian``'s output."""
+        """Rows and columns of the nonzeros of ``jacobian``."""
         return self._jacobian[1] if self._wanted is None else self._wanted.jacobian_pattern
 
     @cached_property
@@ -174,15 +171,14 @@ class PointFunctions:
 
     @property
     def hessian_pattern(self) -> Pattern:
-        """Rows and columns of ``hessian``'s output."""
+        """Rows and columns of the nonzeros of ``hessian``."""
         return self._hessian[1] if self._wanted is None else self._wanted.hessian_pattern
 
 
 def evaluated(function: ca.Function, *arguments: Array) -> Array:
     """Evaluate a function of dense columns at E places: arguments (n_i, E), result (m, E).
 
-    CasADi reads and writes the arrays in place; conversion to its matrices and back would cost more than a small
-    function does.
+    CasADi reads and writes the arrays in place; a conversion to its matrices would take longer than a small function.
     """
     count = arguments[0].shape[1]
     result = np.empty((count, int(function.numel_out(0))))
@@ -199,7 +195,7 @@ def evaluated(function: ca.Function, *arguments: Array) -> Array:
 
 
 def _spread(matrix: Symbols, pattern: Pattern) -> Symbols:
-    """Write zeros where the pattern has entries that the matrix has not."""
+    """Extend a matrix by explicit zeros to a pattern."""
     rows, columns = pattern
     return ca.project(matrix, ca.Sparsity.triplet(*matrix.shape, rows.tolist(), columns.tolist()))
 

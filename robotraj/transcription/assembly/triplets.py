@@ -1,8 +1,6 @@
-"""Sparse matrices under construction, as triplets."""
+"""Sparse matrices built from triplets."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,14 +9,14 @@ from robotraj._util.sparse import csr_array
 
 
 class Triplets:
-    """Entries (row, column, value) that add up."""
+    """Entries (row, column, value); those of the same place are summed."""
 
     def __init__(self) -> None:
         self._rows: list[NDArray[np.int_]] = []
         self._columns: list[NDArray[np.int_]] = []
         self._values: list[NDArray[np.float64]] = []
 
-    def add(self, rows: NDArray[np.int_], columns: NDArray[np.int_], value: Any) -> None:
+    def add(self, rows: NDArray[np.int_], columns: NDArray[np.int_], value: float | NDArray[np.float64]) -> None:
         """Add ``value`` (a scalar or an array) at the paired rows and columns."""
         self._rows.append(rows)
         self._columns.append(columns)
@@ -26,7 +24,7 @@ class Triplets:
         values[...] = value
         self._values.append(values)
 
-    def spread(self, rows: NDArray[np.int_], columns: NDArray[np.int_], value: Any) -> None:
+    def spread(self, rows: NDArray[np.int_], columns: NDArray[np.int_], value: float | NDArray[np.float64]) -> None:
         """Add ``value`` where rows and columns pair up when all three are broadcast."""
         shape = np.broadcast(rows, columns, value).shape
         at = np.empty((2, *shape), dtype=int)
@@ -46,7 +44,7 @@ class Triplets:
 def scaled(
     matrix: csr_array, rows: NDArray[np.float64] | None = None, columns: NDArray[np.float64] | None = None
 ) -> csr_array:
-    """Give diag(rows) M diag(columns), on the pattern of M."""
+    """Return diag(rows) M diag(columns), on the pattern of M."""
     data = matrix.data
     if rows is not None:
         data = rows.repeat(matrix.indptr[1:] - matrix.indptr[:-1]) * data

@@ -1,4 +1,4 @@
-"""Collocation on Lagrange polynomials: every scheme is its nodes; the Butcher table follows.
+"""Collocation on Lagrange polynomials: the nodes of a scheme determine its Butcher table.
 
 On an interval of length h the state is the polynomial of degree s with
 
@@ -29,12 +29,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Scheme(OneLine, ABC):
-    """What a mesh applies on its intervals.
+    """A discretisation of the intervals of a mesh.
 
     Parameters
     ----------
     control : Control
-        How the control runs inside an interval.
+        Shape of the control inside an interval.
     """
 
     control: Control = field(default_factory=PolynomialControl, kw_only=True)
@@ -42,7 +42,7 @@ class Scheme(OneLine, ABC):
     @property
     @abstractmethod
     def nodes(self) -> Array:
-        """Nodes c, (s,), in [0, 1]: where the state is unknown and the rows of the phase hold."""
+        """Nodes c, (s,), in [0, 1]: states there are unknowns, and the rows of the phase are imposed there."""
 
     @cached_property
     def control_sites(self) -> Array:
@@ -62,9 +62,9 @@ class Collocation(Scheme):
     Parameters
     ----------
     control : Control
-        How the control runs inside an interval.
+        Shape of the control inside an interval.
     quadrature : Quadrature
-        How the objective is integrated.
+        Weights of the objective's integrand.
     """
 
     quadrature: Quadrature = field(default_factory=OwnQuadrature, kw_only=True)
@@ -76,7 +76,7 @@ class Collocation(Scheme):
 
     @abstractmethod
     def with_points(self, points: int) -> Collocation:
-        """Give the scheme of the same family, control and quadrature with another number of nodes."""
+        """Return the scheme of the same family, control and quadrature with another number of nodes."""
 
     @cached_property
     def matrix(self) -> Array:
@@ -87,7 +87,7 @@ class Collocation(Scheme):
     def weights(self) -> Array:
         """Butcher weights b, (s,)."""
         if self.nodes[-1] == 1.0:
-            # The last row of A reaches the end too.
+            # The last row of A integrates to the end as well.
             return self.matrix[-1]
         return integrals(self.nodes, np.array([1.0]))[0]
 

@@ -2,9 +2,8 @@
 
     x_m = (x_0 + x_1) / 2 + h (f_0 - f_1) / 8,    x_1 - x_0 - h (f_0 + 4 f(x_m, u_m) + f_1) / 6 = 0
 
-Half the states and defects of the separated form (``HermiteSimpson``), with the same answer. Since f is
-composed with itself, the rows are more nonlinear: from afar it takes many more iterations (Kelly's cart-pole
-with 40 intervals from a straight line: 263 against 20), from a near guess as many.
+It has half the states and defects of the separated form (``HermiteSimpson``), with the same solution. Since f is
+composed with itself, the rows are more nonlinear: from a distant guess a solver takes many more iterations.
 Source: Kelly, SIAM Review 59 (2017), section 4; Betts, Practical Methods for Optimal Control (2010), section
 4.6.6.
 """
@@ -27,7 +26,7 @@ Array = NDArray[np.float64]
 class CompressedHermiteSimpson(OneStep):
     """Hermite-Simpson with one defect per interval, order 4; rows of the phase hold at knots and mid-points.
 
-    It needs explicit dynamics: a robot is planned by its forward dynamics.
+    The dynamics must be explicit: a robot is planned by its forward dynamics.
 
     Parameters
     ----------
@@ -47,28 +46,28 @@ class CompressedHermiteSimpson(OneStep):
 
     @property
     def order(self) -> int:
-        """Fourth."""
+        """Order 4."""
         return 4
 
     @property
     def degree(self) -> int:
-        """Cubic."""
+        """Degree 3."""
         return 3
 
     def step(self, rate: ca.Function) -> ca.Function:
-        """Simpson's rule with the mid-point on the Hermite cubic."""
+        """Return Simpson's rule with the mid-point on the Hermite cubic."""
         x0, x1, q, slopes, middle = self._stages(rate)
         return ca.Function("step", [x0, x1, q], [x0 + ca.mtimes(slopes, ca.DM([1, 4, 1]) / 6), middle])
 
     def samples(self, rate: ca.Function, sites: Array) -> ca.Function:
-        """Integrate the parabola through the three slopes."""
+        """Return the integral of the parabola through the three slopes."""
         x0, x1, q, slopes, _ = self._stages(rate)
         weights = integrals(legendre_lobatto(3), sites)
         columns = ca.repmat(x0, 1, len(sites)) + ca.mtimes(slopes, ca.DM(weights.T))
         return ca.Function("samples", [x0, x1, q], [columns])
 
     def _stages(self, rate: ca.Function) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
-        """Symbols, slopes at both knots and the mid-point as columns, and the state at the mid-point."""
+        """Return x0, x1, q, the slopes at both knots and the mid-point as columns, and the state at the mid-point."""
         x0, x1, q = (ca.SX.sym(n, rate.size1_in(i)) for n, i in (("x0", 1), ("x1", 1), ("q", 2)))
         first, last = rate(0.0, x0, q), rate(1.0, x1, q)
         middle = (x0 + x1) / 2 + (first - last) / 8

@@ -1,4 +1,4 @@
-"""How the control runs inside an interval: the scheme's own polynomial, a line between knots, or a constant."""
+"""Shapes of the control inside an interval: the scheme's own polynomial, a line between knots, or a constant."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Control(OneLine, ABC):
 
     @abstractmethod
     def sites(self, nodes: Array) -> Array:
-        """Sites of the control's values in an interval whose scheme collocates at ``nodes``."""
+        """Return the sites of the control's values for a scheme with these nodes."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class PolynomialControl(Control):
     """The scheme's own polynomial: one free value per collocation point (a free mid-point in Hermite-Simpson)."""
 
     def sites(self, nodes: Array) -> Array:
-        """One site per collocation point."""
+        """Return one site per collocation point."""
         return nodes
 
 
@@ -35,7 +35,7 @@ class LinearControl(Control):
     """Piecewise linear: values at knots, u = (1 - tau) u_k + tau u_{k+1} (the mean at a mid-point)."""
 
     def sites(self, nodes: Array) -> Array:
-        """Both ends of the interval."""
+        """Return both ends of the interval."""
         return np.array([0.0, 1.0])
 
 
@@ -44,5 +44,5 @@ class ConstantControl(Control):
     """Piecewise constant: one value per interval, free to jump at knots."""
 
     def sites(self, nodes: Array) -> Array:
-        """Give the middle of the interval."""
+        """Return the middle of the interval."""
         return np.array([0.5])

@@ -1,4 +1,4 @@
-"""Gauss-Legendre: all nodes inside the interval. Order 2 s, the highest of s points.
+"""Gauss-Legendre: all nodes lie inside the interval. Order 2 s, the highest of all schemes with s points.
 
 Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.7.
 """
@@ -47,5 +47,5 @@ class GaussLegendre(Collocation):
         return 2 * self.points
 
     def with_points(self, points: int) -> GaussLegendre:
-        """Give the same family with that many points."""
+        """Return the scheme with that many points."""
         return replace(self, points=points)

@@ -1,7 +1,7 @@
-"""Integrators that carry a state over a unit interval, as CasADi functions that can be differentiated.
+"""Integrators over a unit interval, as differentiable CasADi functions.
 
-An integrator takes dx/dc = rate(c, x, q) from c = 0 to c = 1, with q whatever else the rate reads. Its dense
-output is sampled at any sites of [0, 1].
+An integrator solves dx/dc = rate(c, x, q) from c = 0 to c = 1, where q are the other arguments of the rate. Its dense
+output can be sampled at any sites of [0, 1].
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ Array = NDArray[np.float64]
 
 
 class Integrator(OneLine, ABC):
-    """How shooting integrates an interval. A new integrator is one new class."""
+    """An integrator of shooting; a further one is a class derived from this."""
 
     @property
     @abstractmethod
     def degree(self) -> int:
-        """Degree of the polynomial that stands for the dense output of an interval."""
+        """Degree of the polynomial that approximates the dense output of an interval."""
 
     @abstractmethod
     def flow(self, rate: ca.Function) -> ca.Function:
-        """(x, q) -> x(1) for rate(c, x, q)."""
+        """Return the function (x, q) -> x(1) for rate(c, x, q)."""
 
     @abstractmethod
     def samples(self, rate: ca.Function, sites: Array) -> ca.Function:
-        """(x, q) -> x at the sites as columns, (n, len(sites))."""
+        """Return the function (x, q) -> x at the sites as columns, (n, len(sites))."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class RungeKutta4(Integrator):
     Raises
     ------
     InputError
-        Less than one substep.
+        Fewer than one substep.
     """
 
     substeps: int = 4
@@ -67,16 +67,16 @@ class RungeKutta4(Integrator):
 
     @property
     def degree(self) -> int:
-        """As many coefficients as values and slopes at the ends of the substeps, up to a limit."""
+        """Degree of the polynomial through values and slopes at the ends of the substeps, 33 at most."""
         return int(min(2 * self.substeps + 1, 33))
 
     def flow(self, rate: ca.Function) -> ca.Function:
-        """Unroll the substeps into one scalar graph."""
+        """Return the substeps as one scalar graph."""
         x, q, ends, _ = self._march(rate)
         return ca.Function("flow", [x, q], [ends[-1]])
 
     def samples(self, rate: ca.Function, sites: Array) -> ca.Function:
-        """Cubic Hermite between the ends of the substeps."""
+        """Return the cubic Hermite interpolant of the substeps."""
         x, q, ends, slopes = self._march(rate)
         slopes.append(rate(1.0, ends[-1], q))
         columns, h = [], 1.0 / self.substeps
@@ -91,7 +91,7 @@ class RungeKutta4(Integrator):
         return ca.Function("samples", [x, q], [ca.horzcat(*columns)])
 
     def _march(self, rate: ca.Function) -> tuple[ca.SX, ca.SX, list[ca.SX], list[ca.SX]]:
-        """Symbols of x and q, the states at the ends of the substeps, and the slopes at their starts."""
+        """Return symbols of x and q, the states at the ends of the substeps, and the slopes at their starts."""
         x, q = ca.SX.sym("x", rate.size1_in(1)), ca.SX.sym("q", rate.size1_in(2))
         h = 1.0 / self.substeps
         ends, slopes = [x], []
@@ -108,11 +108,11 @@ class RungeKutta4(Integrator):
 
 @dataclass(frozen=True)
 class Adaptive(Integrator):
-    """Variable order and step to a tolerance: CVODES (Adams, or BDF for stiff equations).
+    """CVODES with variable order and step to a tolerance (Adams, or BDF for stiff equations).
 
-    First and second derivatives are integrated as well (forward and adjoint sensitivity equations), so the
-    NLP keeps an exact Hessian; they cost about ten integrations an interval, and are as accurate as the
-    tolerance. Prefer ``RungeKutta4`` where a fixed step will do.
+    First and second derivatives are integrated as well, by forward and adjoint sensitivity equations, so that the NLP
+    has an exact Hessian. They take about ten integrations an interval and are as accurate as the tolerance. Prefer
+    ``RungeKutta4`` where a fixed step is accurate enough.
 
     Source: Hindmarsh et al., SUNDIALS: suite of nonlinear and differential/algebraic equation solvers, ACM
     Transactions on Mathematical Software 31 (2005).
@@ -139,15 +139,15 @@ class Adaptive(Integrator):
 
     @property
     def degree(self) -> int:
-        """High enough for round-off on any interval that a few steps of the method cover."""
+        """Degree 16, which represents a few steps of the method to round-off."""
         return 16
 
     def flow(self, rate: ca.Function) -> ca.Function:
-        """Integrate from 0 to 1."""
+        """Return the integral from 0 to 1."""
         return self._integrate(rate, np.array([1.0]))
 
     def samples(self, rate: ca.Function, sites: Array) -> ca.Function:
-        """Stop at every site."""
+        """Return the states at the sites, at each of which the integrator stops."""
         later = np.asarray(sites)[np.asarray(sites) > 0.0]
         x, q = ca.MX.sym("x", rate.size1_in(1)), ca.MX.sym("q", rate.size1_in(2))
         found = self._integrate(rate, later)(x, q)

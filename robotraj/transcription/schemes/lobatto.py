@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 def legendre_lobatto(points: int) -> Array:
     """Legendre-Gauss-Lobatto nodes on [0, 1]: 0, 1 and the roots of P'_{s-1}."""
     if points <= 3:
-        inner = np.zeros(points - 2)  # the trapezoidal rule and Hermite-Simpson do not wait for numpy.polynomial
+        inner = np.zeros(points - 2)  # saves the import of numpy.polynomial
     else:
         inner = np.sort(np.polynomial.legendre.Legendre.basis(points - 1).deriv().roots().real)
     # The nodes are symmetric; averaging the halves removes the root finder's last-digit asymmetry.
@@ -55,7 +55,7 @@ class LobattoIIIA(Collocation):
         return 2 * self.points - 2
 
     def with_points(self, points: int) -> LobattoIIIA:
-        """Lobatto IIIA with that many points."""
+        """Return Lobatto IIIA with that many points."""
         return LobattoIIIA(points, control=self.control, quadrature=self.quadrature)
 
 
@@ -70,11 +70,11 @@ class Trapezoidal(Collocation):
 
     @property
     def order(self) -> int:
-        """Second."""
+        """Order 2."""
         return 2
 
     def with_points(self, points: int) -> LobattoIIIA:
-        """Lobatto IIIA with that many points."""
+        """Return Lobatto IIIA with that many points."""
         return LobattoIIIA(points, control=self.control, quadrature=self.quadrature)
 
 
@@ -94,11 +94,11 @@ class HermiteSimpson(Collocation):
 
     @property
     def order(self) -> int:
-        """Fourth."""
+        """Order 4."""
         return 4
 
     def with_points(self, points: int) -> LobattoIIIA:
-        """Lobatto IIIA with that many points."""
+        """Return Lobatto IIIA with that many points."""
         return LobattoIIIA(points, control=self.control, quadrature=self.quadrature)
 
 
@@ -113,9 +113,9 @@ class FifthDegree(Collocation):
 
     @property
     def order(self) -> int:
-        """Eighth."""
+        """Order 8."""
         return 8
 
     def with_points(self, points: int) -> LobattoIIIA:
-        """Lobatto IIIA with that many points."""
+        """Return Lobatto IIIA with that many points."""
         return LobattoIIIA(points, control=self.control, quadrature=self.quadrature)

@@ -1,4 +1,4 @@
-"""A mesh: how a phase is cut into intervals, and the scheme on each."""
+"""A mesh: the intervals of a phase, and the scheme of each."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ class Mesh(OneLine):
         if np.isscalar(self.intervals) and not isinstance(self.intervals, int | np.integer):
             raise InputError(f"Mesh(intervals) must be a whole number or a list of knots, got {self.intervals!r}.")
         if not isinstance(self.intervals, int | np.integer):
-            # A tuple compares and hashes as a value; an array does neither.
+            # A tuple can be compared and hashed; an array cannot.
             given = np.array(self.intervals, dtype=float).ravel()
-            # Times divided by a duration end at 1 up to a rounding.
+            # Times divided by a duration end at 1 up to round-off.
             given[np.abs(given - 1.0) < 1e-14] = 1.0
             object.__setattr__(self, "intervals", tuple(given.tolist()))
         knots = self.knots
@@ -69,7 +69,7 @@ class Mesh(OneLine):
 
     @classmethod
     def chebyshev(cls, count: int, scheme: Scheme | Sequence[Scheme] | None = None) -> Mesh:
-        """Crowd ``count`` intervals at both ends: knots at (1 - cos(pi k / count)) / 2.
+        """Return ``count`` intervals that are shorter at both ends: knots at (1 - cos(pi k / count)) / 2.
 
         The first and last interval take (pi / (2 count))^2 of the phase, those in the middle pi / (2 count). In minimum
         time a robot starts and stops within milliseconds: the panda of the benchmarks (0.69 s) comes within 1e-4 of the
@@ -94,7 +94,7 @@ class Mesh(OneLine):
 
     @property
     def lengths(self) -> Array:
-        """Lengths of the intervals as fractions of the phase, (K,), to the last digit the same where they are equal."""
+        """Lengths of the intervals as fractions of the phase, (K,); equal intervals have the same digits."""
         if isinstance(self.intervals, int | np.integer):
             return np.full(int(self.intervals), 1.0 / int(self.intervals))
         return np.diff(self.knots)
@@ -106,7 +106,7 @@ class Mesh(OneLine):
 
     @property
     def given(self) -> tuple[Scheme, ...]:
-        """The schemes as they were given: one for all intervals, or one for each."""
+        """The given schemes: one for all intervals, or one for each."""
         return (self.scheme,) if isinstance(self.scheme, Scheme) else tuple(self.scheme)
 
     @property
@@ -120,16 +120,16 @@ class Mesh(OneLine):
 class MovingMesh(Mesh):
     """A mesh whose knots move: interval lengths are unknowns, and controls may jump at every knot.
 
-    A knot can so come to stand on a switching time; give the scheme a constant or linear control, which cannot bulge
-    over its limits inside a long interval. Interval k, of share d_k of the phase as given, keeps
+    Knots can thus move to switching times. Prefer a scheme with a constant or linear control, which cannot exceed its
+    limits inside a long interval. The length h_k of interval k, given as the share d_k of the phase, satisfies
     least d_k T <= h_k <= most d_k T.
 
     Parameters
     ----------
     intervals, scheme
-        As for ``Mesh``: where the knots start.
+        See ``Mesh``; initial values of the knots.
     least, most : float
-        How far an interval may shrink and grow, relative to its given length.
+        Least and greatest length of an interval, relative to its given length.
     """
 
     least: float = 0.2

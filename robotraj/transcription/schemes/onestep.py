@@ -18,14 +18,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class OneStep(Scheme):
-    """What shooting and compressed collocation share: the states of an interval are unknown at its knots alone.
+    """A scheme whose unknown states are at knots alone: shooting and compressed collocation.
 
-    A scheme says how one piece of an interval is stepped over; the control of a piece is one polynomial. An
-    interval is one piece, but in single shooting, where all intervals of the mesh are the pieces of one.
+    A scheme steps over one piece of an interval, whose control is one polynomial. An interval is one piece, except in
+    single shooting, where all intervals of the mesh are the pieces of one.
     """
 
     def over(self, knots: Array) -> OneStep | None:
-        """Make one interval of all intervals of a mesh, or None where each is stepped over by itself."""
+        """Return the scheme of one interval that has all those of a mesh as pieces; None for other schemes."""
         return None
 
     @property
@@ -44,12 +44,12 @@ class OneStep(Scheme):
         return self.piece_sites
 
     def control_within(self, c: Array) -> Array:
-        """Matrix from a piece's control values to the control at c in [0, 1] of the piece, (len(c), sites)."""
+        """Return the matrix from a piece's control values to the control at c in [0, 1], (len(c), sites)."""
         return basis(self.piece_sites, c)
 
     @property
     def inner(self) -> Array:
-        """Sites strictly inside a piece where the rows of the phase hold as well."""
+        """Sites strictly inside a piece at which the rows of the phase are imposed as well."""
         return np.array([])
 
     @property
@@ -58,28 +58,28 @@ class OneStep(Scheme):
         return np.array([0.0, 1.0])
 
     def controls_of(self, piece: int) -> slice:
-        """Which of the interval's control sites belong to a piece."""
+        """Return the control sites of the interval that belong to a piece."""
         return slice(None)
 
     @property
     def scalar_graph(self) -> bool:
-        """Whether ``step`` is a plain expression, which is unrolled and differentiated as one."""
+        """Whether ``step`` is a scalar graph, which is unrolled and differentiated as one."""
         return True
 
     @property
     @abstractmethod
     def order(self) -> int | None:
-        """Order of the error at the knots on smooth problems; None where it is held to a tolerance."""
+        """Order of the error at the knots on smooth problems; None if the error is held to a tolerance."""
 
     @property
     @abstractmethod
     def degree(self) -> int:
-        """Degree of the polynomial that stands for the state of a piece."""
+        """Degree of the polynomial that approximates the state of a piece."""
 
     @abstractmethod
     def step(self, rate: ca.Function) -> ca.Function:
-        """(x_0, x_1, q) -> (Phi, states at ``inner`` as columns), for dx/dc = rate(c, x, q) over a piece."""
+        """Return the step (x_0, x_1, q) -> (Phi, states at ``inner`` as columns) for dx/dc = rate(c, x, q)."""
 
     @abstractmethod
     def samples(self, rate: ca.Function, sites: Array) -> ca.Function:
-        """(x_0, x_1, q) -> states of the piece at sites as columns, (n, len(sites)): the interpolant of the scheme."""
+        """Return the interpolant (x_0, x_1, q) -> states of the piece at sites as columns, (n, len(sites))."""

@@ -19,7 +19,7 @@ class Quadrature(OneLine, ABC):
 
     @abstractmethod
     def weights(self, nodes: Array, own: Array) -> Array:
-        """Weights at ``nodes``; ``own`` are the scheme's."""
+        """Return the weights at ``nodes``; ``own`` are the scheme's."""
 
 
 @dataclass(frozen=True)
@@ -27,16 +27,16 @@ class OwnQuadrature(Quadrature):
     """The scheme's own weights b: Simpson's for Hermite-Simpson."""
 
     def weights(self, nodes: Array, own: Array) -> Array:
-        """Give the scheme's weights."""
+        """Return the scheme's weights."""
         return own
 
 
 @dataclass(frozen=True)
 class TrapezoidalQuadrature(Quadrature):
-    """Half at each end of the interval, nothing between: the lecture's choice, second order."""
+    """Half the length at each end of the interval, order 2."""
 
     def weights(self, nodes: Array, own: Array) -> Array:
-        """Half at the first and last collocation points.
+        """Return one half at the first and last collocation points, zeros between.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Radau IIA: the end of an interval is a node, its start is not. Order 2 s - 1, stiffly accurate.
+"""Radau IIA: the end of an interval is a node, its start is not. The order is 2 s - 1; stiffly accurate.
 
 Sources: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), section IV.5; Golub and Welsch,
 Calculation of Gauss quadrature rules, Mathematics of Computation 23 (1969).
@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 def legendre_radau(points: int) -> Array:
     """Flipped Legendre-Gauss-Radau nodes on (0, 1]: 1 and the roots of the Jacobi polynomial P^(1, 0)_{s-1}.
 
-    The roots are eigenvalues of the matrix of its three-term recurrence; scipy, which knows them, takes longer to
-    import than a small problem to solve.
+    The roots are eigenvalues of the matrix of its three-term recurrence. The import of scipy, which has them, takes
+    longer than the solution of a small problem.
     """
     k = np.arange(points - 1)
     beside = np.sqrt(k[1:] * (k[1:] + 1.0)) / (2.0 * k[1:] + 1.0)
@@ -56,5 +56,5 @@ class RadauIIA(Collocation):
         return 2 * self.points - 1
 
     def with_points(self, points: int) -> RadauIIA:
-        """Give the same family with that many points."""
+        """Return the scheme with that many points."""
         return replace(self, points=points)

@@ -1,11 +1,11 @@
-"""Multiple and single shooting: the defect of an interval is an integrator.
+"""Multiple and single shooting: the defect of an interval contains an integrator.
 
     x_{k+1} - Phi(x_k, u_k, T, p) = 0
 
-Multiple shooting has the states at all knots as unknowns; single shooting those at both ends of the phase
-alone, and carries the first through all intervals. Rows of the phase hold at knots, and
-those on states also between them, where a solution is found to break one. Dynamics must be explicit: a robot is
-planned by its forward dynamics.
+The unknowns of multiple shooting are the states at all knots. Those of single shooting are the states at both ends of
+the phase alone; the first is integrated over all intervals. Rows of the phase are imposed at knots. Rows of the state
+are added between the knots where a solution violates them. Dynamics must be explicit: a robot is planned by its forward
+dynamics.
 Sources: Bock and Plitt, A multiple shooting algorithm for direct solution of optimal control problems, IFAC
 World Congress (1984); Betts, Practical Methods for Optimal Control (2010), sections 3.4 and 4.2.
 """
@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from dataclasses import field
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -30,15 +29,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Shooting(OneStep):
-    """What multiple and single shooting share.
+    """Base of multiple and single shooting.
 
     Parameters
     ----------
     integrator : Integrator
         ``RungeKutta4(substeps)`` or ``Adaptive(tolerance)``.
     control : Control
-        Constant by default, or linear; a polynomial one is linear here, since there are no nodes between
-        knots.
+        Constant by default, or linear. A polynomial control is linear here, since no nodes lie between knots.
     """
 
     integrator: Integrator = field(default_factory=RungeKutta4)
@@ -46,28 +44,28 @@ class Shooting(OneStep):
 
     @property
     def scalar_graph(self) -> bool:
-        """Runge-Kutta steps are; an adaptive integrator is a function of its own."""
+        """Whether the integrator is a Runge-Kutta method; an adaptive one is called as a function."""
         return isinstance(self.integrator, RungeKutta4)
 
     @property
     def order(self) -> int | None:
-        """Fourth by Runge-Kutta, for the control as it is parametrised."""
+        """4 for Runge-Kutta, for the parametrised control; None for an adaptive integrator."""
         return 4 if isinstance(self.integrator, RungeKutta4) else None
 
     @property
     def degree(self) -> int:
-        """The integrator's."""
+        """Degree of the integrator's dense output."""
         return self.integrator.degree
 
     def step(self, rate: ca.Function) -> ca.Function:
-        """Integrate; the state at the end of the piece is not read."""
+        """Return the integral; it does not depend on the state at the end of the piece."""
         flow = self.integrator.flow(rate)
-        kind: Any = ca.SX if self.scalar_graph else ca.MX
+        kind = ca.SX if self.scalar_graph else ca.MX
         x0, x1, q = (kind.sym(n, rate.size1_in(i)) for n, i in (("x0", 1), ("x1", 1), ("q", 2)))
         return ca.Function("step", [x0, x1, q], [flow(x0, q), kind(rate.size1_in(1), 0)])
 
     def samples(self, rate: ca.Function, sites: Array) -> ca.Function:
-        """Dense output of the integrator."""
+        """Return the dense output of the integrator."""
         dense = self.integrator.samples(rate, sites)
         x0, x1, q = (ca.MX.sym(n, rate.size1_in(i)) for n, i in (("x0", 1), ("x1", 1), ("q", 2)))
         return ca.Function("samples", [x0, x1, q], [dense(x0, q)])
@@ -75,20 +73,19 @@ class Shooting(OneStep):
 
 @dataclass(frozen=True)
 class MultipleShooting(Shooting):
-    """Multiple shooting: states at every knot, one integration per interval."""
+    """Multiple shooting: the states at all knots are unknowns; one integration per interval."""
 
 
 @dataclass(frozen=True)
 class SingleShooting(Shooting):
     """Single shooting: one integration from the first state to the last, controls piece by piece.
 
-    Rows and bounds on states between both ends of the phase are imposed on what the integration gives at the
-    knots. Every unknown acts on all that comes after it: matrices are dense, and motions that are unstable
-    or long do better with multiple shooting or collocation.
+    Rows and bounds of states are imposed on the integrated states at the knots. Every unknown acts on all later states:
+    matrices are dense. For unstable or long motions, use multiple shooting or collocation.
     """
 
     def over(self, knots: Array) -> Shot:
-        """Make one interval of a mesh's intervals."""
+        """Return the scheme of the one interval."""
         return Shot(self.integrator, tuple(knots), control=self.control)
 
 
@@ -105,7 +102,7 @@ class Shot(Shooting):
 
     @property
     def scalar_graph(self) -> bool:
-        """Pieces are functions called one after the other."""
+        """False: the pieces are calls of functions."""
         return False
 
     @property
@@ -114,7 +111,7 @@ class Shot(Shooting):
         return bool(self.piece_sites[0] == 0.0 and self.piece_sites[-1] == 1.0)
 
     def controls_of(self, piece: int) -> slice:
-        """Own sites of a piece."""
+        """Return the control sites of a piece."""
         count = len(self.piece_sites)
         first = piece * (count - 1 if self._shared else count)
         return slice(first, first + count)
@@ -128,7 +125,7 @@ class Shot(Shooting):
 
     @cached_property
     def control_at_nodes(self) -> Array:
-        """The first and the last piece's value at the ends of the phase."""
+        """Matrix from the control's values to those at the ends of the phase, by the first and the last piece."""
         at_ends = np.zeros((2, len(self.control_sites)))
         last = len(self.pieces) - 2
         within = self.control_within(np.array([0.0, 1.0]))

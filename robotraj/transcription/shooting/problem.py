@@ -1,4 +1,4 @@
-"""What one-step schemes ask of a problem: explicit dynamics, one scheme a phase, rows that knots can hold."""
+"""Problems for one-step schemes: explicit dynamics, one scheme a phase, no integral constraints."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 
 def explicit(problem: Problem, meshes: Sequence[Mesh]) -> Problem:
-    """Give the problem as its meshes can transcribe it: robots of one-step phases by forward dynamics.
+    """Return the problem with forward dynamics of the robots whose phases have one-step schemes.
 
     Raises
     ------
     InputError
-        A mesh that mixes one-step schemes with others, single shooting on a moving mesh, algebraic
-        variables, or an objective whose slacks hold at collocation points.
+        A mesh mixes one-step schemes with others or moves the knots of single shooting, or a phase has algebraic
+        variables, an integral constraint, or an objective with slacks at collocation points.
     """
     phases = [
         _explicit(phase, mesh) if any(isinstance(scheme, OneStep) for scheme in mesh.schemes) else phase
@@ -64,12 +64,12 @@ def _explicit(phase: Phase, mesh: Mesh) -> Phase:
         )
     if phase.rows.integrals:
         raise InputError(
-            f"{name} integrates no constraints, but phase {phase.name!r} bounds an integral; make it a state of the "
+            f"Phase {phase.name!r} bounds an integral, which {name} does not support; make the integral a state of the "
             "System, or use a collocation scheme such as rt.HermiteSimpson()."
         )
     if isinstance(scheme, Shooting) and any(row.where is Where.AT_NODES for row in phase.rows):
         raise InputError(
-            f"The objective of phase {phase.name!r} has slacks that are held at collocation points, which {name} does "
-            "not have; use its smooth form, or a collocation scheme such as rt.HermiteSimpson()."
+            f"The objective of phase {phase.name!r} has slacks at collocation points, which {name} does not have; use "
+            "its smooth form, or a collocation scheme such as rt.HermiteSimpson()."
         )
     return phase

@@ -1,4 +1,4 @@
-"""From a decision vector of a one-step scheme to polynomials: the dense output of what stepped over every piece."""
+"""Polynomials of a one-step scheme: the dense output of the step over every piece."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ Array = NDArray[np.float64]
 def shot_polynomials(
     phase: Phase, layout: PhaseLayout, outputs: Array, w: Array
 ) -> tuple[PiecewisePolynomial, PiecewisePolynomial, PiecewisePolynomial]:
-    """States, algebraic variables (none) and controls of a phase, one polynomial per interval of its mesh.
+    """Return states, algebraic variables (none) and controls of a phase, one polynomial per interval of its mesh.
 
     Parameters
     ----------
     outputs : ndarray (n_y, E)
-        Of the phase's block at w.
+        Outputs of the phase's block at w.
     """
     scheme = layout.scheme
     assert isinstance(scheme, OneStep)
     nx, pieces = len(phase.dae.states), len(scheme.pieces) - 1
     rate = Rate.of(phase, scheme)
     sites = lobatto_sites(scheme.degree + 1)
-    # Only single shooting has pieces, and gives the states between them after its defect.
+    # Only single shooting has several pieces; the states between them are outputs after the defect.
     between = outputs[nx : nx * pieces].T.reshape(outputs.shape[1], pieces - 1, nx)
     before, after, read, controls = [], [], [], []
     for interval, inner in zip(layout.intervals, between, strict=True):
