@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from typing import Protocol
 
-from rich.console import Group
-
 from robotraj.witness.contacts.holding import Holding, part_of
 from robotraj.witness.contacts.impact import Impact
-from robotraj.witness.layout import WIDTH, columns_of, worst_of
+from robotraj.witness.layout import table, worst_of, wrapped
 from robotraj.witness.plants.plant import Landing
 
 
@@ -23,13 +20,13 @@ class Allowed(Protocol):
 
     @property
     def forces(self) -> float | None:
-        """Largest part of the weight or of an impulse."""
+        """Largest violation of a force limit, relative to the weight or to an impulse."""
 
 
 def contacts(
     holdings: Sequence[Holding], impacts: Sequence[Impact], landings: Sequence[Landing], tolerances: Allowed
-) -> Group:
-    """Lay out how far every contact moves, which rows its forces break, and the impacts.
+) -> list[str]:
+    """Lay out how far every contact moves, which limits its forces violate, and the impacts.
 
     Parameters
     ----------
@@ -37,47 +34,40 @@ def contacts(
         Thresholds ``contact`` and ``forces``.
     """
     weight = max(holding.weight for holding in holdings)
-    rows, left_out = worst_of(holdings, lambda h: max(h.slip.value, h.sink.value, h.turn.value))
-    title = (
-        f"  contacts between the knots, for a weight of {weight:.4g} N{left_out}\n"
-        "  (down: where the open-loop simulation set it down, from the planned place)"
-    )
-    table = columns_of("contact", "slip [m]", "sink [m]", "turn [rad]", "down [m]", "phase")
+    rows, others = worst_of(holdings, lambda h: max(h.slip.value, h.sink.value, h.turn.value))
+    titles = [
+        f"  contacts between the knots, for a weight of {weight:.4g} N{others}",
+        "  (down: distance of the place where the open-loop simulation sets it down)",
+    ]
     down = {(landing.contact, landing.phase): landing.distance for landing in landings}
+    cells = []
     for h in rows:
         most = max(h.slip.value, h.sink.value, h.turn.value)
         mark = " !" if tolerances.contact is not None and most > tolerances.contact else ""
         where = down.get((h.contact, h.phase))
-        table.add_row(
-            h.contact + mark,
-            f"{h.slip.value:.1e}",
-            f"{h.sink.value:.1e}",
-            f"{h.turn.value:.1e}",
-            "" if where is None else f"{where:.1e}",
-            h.phase,
-        )
-    held = "  normal force, friction and centre of pressure: none broken"
-    rows_of_forces = _forces(holdings, impacts, tolerances.forces) or held
-    struck = [line for impact in impacts for line in _impact(impact)]
-    moved = max(landings, key=lambda landing: landing.moved, default=None)
-    kept = "" if moved is None else f"  in the simulation a contact moves by {moved.moved:.1e} m at most while it holds"
-    return Group(title, table, "", kept, rows_of_forces, *_differences(holdings), *struck, "")
+        moved = (f"{peak.value:.1e}" for peak in (h.slip, h.sink, h.turn))
+        cells.append([h.contact + mark, *moved, "" if where is None else f"{where:.1e}", h.phase])
+    lines = table(("contact", "slip [m]", "sink [m]", "turn [rad]", "down [m]", "phase"), cells, (0, 5))
+    furthest = max(landings, key=lambda landing: landing.moved, default=None)
+    if furthest is not None:
+        lines += wrapped(f"in the simulation a contact moves by {furthest.moved:.1e} m at most while it holds")
+    lines += _forces(holdings, impacts, tolerances.forces)
+    return [*titles, *lines, *_differences(holdings), *(line for impact in impacts for line in _impact(impact))]
 
 
-def _forces(holdings: Sequence[Holding], impacts: Sequence[Impact], allowed: float | None) -> Group | None:
-    """Rows that the forces of contacts and impacts break, as a table."""
+def _forces(holdings: Sequence[Holding], impacts: Sequence[Impact], allowed: float | None) -> list[str]:
+    """Lay out the limits that forces of contacts and impulses of impacts violate."""
     broken = [(v, part_of(v, h.weight)) for h in holdings for v in (*h.planned, *h.solved)]
     broken += [(v, part_of(v, impact.scale)) for impact in impacts for v in impact.broken]
     if not broken:
-        return None
-    rows, left_out = worst_of(broken, lambda pair: pair[1])
-    title = f"  what the ground cannot give, as a part of the weight or of the impulse{left_out}"
-    table = columns_of("row", "by", "unit", "part", "at t [s]", "phase")
+        return ["  normal force, friction and centre of pressure: none violated"]
+    rows, others = worst_of(broken, lambda pair: pair[1])
+    title = f"  limits of forces violated, as a part of the weight or of the impulse{others}"
+    cells = []
     for v, part in rows:
         mark = " !" if allowed is not None and part > allowed else ""
-        cells = (f"{v.amount:.2e}", v.unit, f"{part:.1e}", f"{v.time:.4f}", v.phase)
-        table.add_row(f"{v.name}, {v.joint}{mark}", *cells)
-    return Group(title, table, "")
+        cells.append([f"{v.label}{mark}", f"{v.amount:.2e}", v.unit, f"{part:.1e}", f"{v.time:.4f}", v.phase])
+    return [title, *table(("row", "by", "unit", "part", "at t [s]", "phase"), cells, (0, 5))]
 
 
 def _differences(holdings: Sequence[Holding]) -> list[str]:
@@ -86,18 +76,18 @@ def _differences(holdings: Sequence[Holding]) -> list[str]:
     lines = []
     if known:
         holding, peak = max(known, key=lambda pair: pair[1].value)
-        where = f"{holding.contact}, t = {peak.time:.4g} s"
-        lines.append(f"  planned forces and those of the equations differ by {peak.value:.1e} N, {where}")
+        lines += wrapped(
+            f"planned forces and those of the equations differ by {peak.value:.1e} N, {holding.contact}, "
+            f"t = {peak.time:.4g} s"
+        )
     if shared:
-        lines.append(f"  forces that the equations leave open, as planned: {', '.join(shared)}")
+        lines += wrapped(f"forces that the equations do not determine, as planned: {', '.join(shared)}")
     return lines
 
 
 def _impact(impact: Impact) -> list[str]:
     sizes = ", ".join(f"{name.removeprefix('impulse.')} {value:.4g}" for name, value in impact.impulses.items())
-    what = f"  {impact.link} at t = {impact.time:.4g} s takes {impact.lost:.4g} J: {sizes} N s"
     return [
-        textwrap.fill(what, WIDTH, subsequent_indent="    "),
-        f"    momentum off by {impact.momentum.value:.1e} N s, contacts move on at {impact.rest.value:.1e} "
-        f"{impact.rest.unit}",
+        *wrapped(f"{impact.link} at t = {impact.time:.4g} s loses {impact.lost:.4g} J, impulses: {sizes} N s"),
+        f"    residual of momentum {impact.momentum.value:.1e} N s, of rest {impact.rest.value:.1e} {impact.rest.unit}",
     ]

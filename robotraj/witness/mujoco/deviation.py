@@ -1,13 +1,12 @@
-"""Names and sizes of how far the robot in MuJoCo is from the plan, and whether it has fallen."""
+"""The deviation of a robot in MuJoCo from its plan, and the detection of falls."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj.dynamics.terrain.base import Ground
+from robotraj.robot.robot import Robot
 from robotraj.witness.mujoco.roots import RootCoordinates
 from robotraj.witness.plants.plant import RATE_UNITS
 from robotraj.witness.plants.robot_plant import VELOCITY_SCALE
@@ -18,14 +17,14 @@ FLYING_POSITIONS = ("root_x", "root_y", "root_z", "root_rx", "root_ry", "root_rz
 FLYING_VELOCITIES = ("root_vx", "root_vy", "root_vz", "root_wx", "root_wy", "root_wz")
 
 LEANING = 0.8
-"""A root that is turned by more than this [rad] against the plan has fallen."""
+"""Rotation of the root against the plan [rad] above which the robot has fallen."""
 
 LOW = 0.5
-"""A centre of mass lower above the ground than this share of its planned height has fallen."""
+"""Share of the planned height of the centre of mass below which the robot has fallen."""
 
 
-def labels(robot: Any) -> tuple[list[str], list[str]]:
-    """Names (2 nv) and units of a deviation in position and velocity."""
+def labels(robot: Robot) -> tuple[list[str], list[str]]:
+    """Return names and units (2 nv,) of a deviation in position and velocity."""
     positions: list[str] = []
     velocities: list[str] = []
     units: list[str] = []
@@ -40,9 +39,9 @@ def labels(robot: Any) -> tuple[list[str], list[str]]:
 
 
 def deviation_of(
-    robot: Any, times: Array, gaps: Array, planned: Array, q: Array, phases: list[str], ended: bool
+    robot: Robot, times: Array, gaps: Array, planned: Array, q: Array, phases: list[str], ended: bool
 ) -> Drift:
-    """Sum up deviations (m, 2 nv) at times (m,).
+    """Return the largest and final deviation of every state from deviations (m, 2 nv) at times (m,).
 
     Parameters
     ----------
@@ -53,7 +52,7 @@ def deviation_of(
     phases : list of str
         Name of the phase of each sample.
     ended : bool
-        Whether the last sample is the end of the plan; if not, what is final is infinite.
+        Whether the last sample is the end of the plan; if not, final deviations are infinite.
     """
     names, units = labels(robot)
     root = RootCoordinates(robot.model)
@@ -72,30 +71,42 @@ def deviation_of(
 
 
 class Fall:
-    """Tell a robot that has fallen: turned or sunk against the plan.
+    """Detects falls of a robot whose root moves.
 
     Parameters
     ----------
     robot : Robot
-        Whose root moves, or else it never falls.
     ground : Ground
-        Under it.
     """
 
-    def __init__(self, robot: Any, ground: Ground) -> None:
+    def __init__(self, robot: Robot, ground: Ground) -> None:
         self._model, self._data, self._ground = robot.model, robot.model.createData(), ground
         self._root = RootCoordinates(robot.model)
 
-    def has(self, planned: Array, q: Array, gap: Array) -> bool:
-        """Whether the robot at q (nq,) lies, where it should be at ``planned``."""
+    def reason(self, planned: Array, q: Array, gap: Array) -> str | None:
+        """Return why the robot at q (nq,) has fallen, None if it has not.
+
+        Parameters
+        ----------
+        planned : ndarray (nq,)
+            Planned configuration.
+        gap : ndarray (2 nv,)
+            Deviation from it.
+        """
         if not self._root.moves:
-            return False
-        return float(np.linalg.norm(gap[self._root.turns])) > LEANING or self._height(q) < LOW * self._height(planned)
+            return None
+        turned = float(np.linalg.norm(gap[self._root.turns]))
+        if turned > LEANING:
+            return f"its root is turned by {turned:.2g} rad against the plan, more than {LEANING:g} rad"
+        height, wanted = self._height(q), self._height(planned)
+        if height < LOW * wanted:
+            return f"its centre of mass is {height:.2g} m above the ground, below {LOW:g} of the planned {wanted:.2g} m"
+        return None
 
     def _height(self, q: Array) -> float:
         x, y, z = pin.centerOfMass(self._model, self._data, q)
         return float(z - self._ground.height(float(x), float(y)))
 
 
-def _unit(joint: Any) -> str:
+def _unit(joint: pin.JointModel) -> str:
     return "m" if joint.shortname().startswith(("JointModelP", "JointModelHelical")) else "rad"

@@ -12,6 +12,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.solution.feedback.riccati import backwards
 from robotraj.witness.contacts.constrained import mass_and_bias
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.feet import feet_of
@@ -118,16 +119,17 @@ class LinearQuadratic(Feedback):
     def gains(self, course: Course) -> tuple[Array, ...]:
         """Run Riccati's recursion backwards, period after period until it repeats itself."""
         nv = course.robot.model.nv
-        weight = np.diag(np.repeat([self.position**-2.0, self.velocity**-2.0], nv))
-        price = np.diag((self.effort * _torque_scales(course)) ** -2.0)
-        phases = [_Linear.of(course, phase) for phase in _all(course)]
-        value, gains = weight, [phase.zeros for phase in phases]
+        weight = np.repeat([1.0 / self.position, 1.0 / self.velocity], nv)
+        price = np.diag(1.0 / (self.effort * _torque_scales(course)))
+        phases = [_LinearPieces.of(course, phase) for phase in _all(course)]
+        root, gains = np.diag(weight), [np.empty(0) for _ in phases]
         for _ in range(1 if course.closing is None else _MOST_SWEEPS):
-            before = value
+            before = root.T @ root
             for i, phase in reversed(list(enumerate(phases))):
-                value, gains[i] = phase.backwards(value, weight, price)
-                value = phase.entry.T @ value @ phase.entry
-            if np.max(np.abs(value - before)) < 1e-6 * np.max(np.abs(value)):
+                root, gains[i] = phase.backwards(root, weight, price)
+                root = root @ phase.entry
+            cost = root.T @ root
+            if np.max(np.abs(cost - before)) < 1e-6 * np.max(np.abs(cost)):
                 break
         return tuple(gains)
 
@@ -146,18 +148,17 @@ _MOST_SWEEPS = 50
 
 
 @dataclass(frozen=True)
-class _Linear:
-    """A phase as matrices: from its end before to its start, and over each piece."""
+class _LinearPieces:
+    """A linearised phase: the map from the end of the phase before to its start, and the pieces of the phase."""
 
     entry: Array
     pieces: list[tuple[Array, Array]]
     duration: float
-    zeros: Array
 
     @classmethod
-    def of(cls, course: Course, phase: int) -> _Linear:
+    def of(cls, course: Course, phase: int) -> _LinearPieces:
         planned = course.phases[phase]
-        linear = LinearPhase(course.robot, getattr(planned.phase, "bound_contacts", ()))
+        linear = LinearPhase(course.robot, planned.phase.bound_contacts)
         middles = _middles(course, phase)
         duration = course.durations[phase] / len(middles)
         pieces = [
@@ -166,20 +167,13 @@ class _Linear:
                 *course.reference(phase, middles), course.pushing(phase, middles), strict=True
             )
         ]
-        entry = _entry(course, phase, linear)
-        nu, states = course.nu, 2 * course.robot.model.nv
-        return cls(entry, pieces, duration, np.zeros((len(pieces), nu, states)))
+        return cls(_entry(course, phase, linear), pieces, duration)
 
-    def backwards(self, value: Array, weight: Array, price: Array) -> tuple[Array, Array]:
-        """Cost to go at the start of the phase from that at its end, and the gains in between."""
-        gains = self.zeros.copy()
-        for i, (moves, push) in reversed(list(enumerate(self.pieces))):
-            gains[i] = np.linalg.solve(self.duration * price + push.T @ value @ push, push.T @ value @ moves)
-            closed = moves - push @ gains[i]
-            # Joseph's form: symmetric and positive whatever the round-off.
-            spent = self.duration * (weight + gains[i].T @ price @ gains[i])
-            value = closed.T @ value @ closed + spent
-        return value, gains
+    def backwards(self, root: Array, weight: Array, price: Array) -> tuple[Array, Array]:
+        """Return the root of the cost to go at the start from that at the end, and the gains in between."""
+        size = np.sqrt(self.duration)
+        root, gains = backwards(root, self.pieces, [(size * weight, size * price)] * len(self.pieces))
+        return root, np.array(gains)
 
 
 def _entry(course: Course, phase: int, linear: LinearPhase) -> Array:

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-import scipy
 
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
+from robotraj.solution.feedback.riccati import transition
 from robotraj.witness.contacts.constrained import Held, accelerate, impact
 from robotraj.witness.mujoco.feet import Foot, place
 from robotraj.witness.mujoco.roots import RootCoordinates
@@ -80,12 +80,7 @@ class LinearPhase:
         self, q: Array, v: Array, tau: Array, duration: float, pushing: Collection[str] = ()
     ) -> tuple[Array, Array]:
         """Transition matrices (2 nv, 2 nv) and (2 nv, nu) over a short time [s], u constant."""
-        rate, push = self.rates(q, v, tau, pushing)
-        size, inputs = push.shape
-        block = np.zeros((size + inputs, size + inputs))
-        block[:size, :size], block[:size, size:] = rate, push
-        grown = scipy.linalg.expm(block * duration)
-        return grown[:size, :size], grown[:size, size:]
+        return transition(*self.rates(q, v, tau, pushing), duration)
 
     def touchdown(self, q: Array, rate: Array, feet: Sequence[Foot], root: RootCoordinates) -> Array:
         """Matrix (2 nv, 2 nv) that takes a deviation through the impact as the phase begins.

@@ -1,41 +1,39 @@
-"""What MuJoCo says of a plan, as a value that prints as a table."""
+"""The result of a simulation in MuJoCo, which prints as a report."""
 
 from __future__ import annotations
 
-import io
-import textwrap
+import html
 from collections.abc import Mapping
 
-from rich.console import Console
-
 from robotraj._util.values import dataclass
-from robotraj.witness.layout import WIDTH, columns_of, worst_of
+from robotraj.witness.layout import table, worst_of, wrapped
 from robotraj.witness.peak import Peak
 from robotraj.witness.protocols import Array
 from robotraj.witness.simulation.drift import Drift
 from robotraj.witness.simulation.robot import Simulation
+from robotraj.witness.table import coloured
 
 
 @dataclass(frozen=True)
 class FootReport:
-    """How one foot stood.
+    """The stances of one foot.
 
     Attributes
     ----------
     name : str
-        The contact's.
+        Name of the contact.
     slip : float
-        Farthest that it slid along the ground from where it came down, in any one stance [m].
+        Largest distance along the ground from the place of touchdown, in any one stance [m].
     sink : float
-        Deepest that it went into the soft ground [m].
+        Largest penetration of the soft ground [m].
     force : ndarray (3,)
         Mean contact force over the whole motion, impacts included, world axes [N].
     planned : ndarray (3,) or None
-        The same of the plan; None where the plan does not tell forces.
+        The same of the plan; None where the robot did not complete it.
     loaded : float
-        Share of the time that it was on the ground.
+        Share of the time on the ground.
     stances : int
-        How often it came down, the start included.
+        Number of touchdowns, the start included.
     """
 
     name: str
@@ -47,35 +45,35 @@ class FootReport:
     stances: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SecondOpinion:
-    """How MuJoCo moved the robot that followed the plan.
+    """The motion of a robot that followed a plan in MuJoCo.
 
     Attributes
     ----------
     simulation : Simulation
         The motion, every step of it, in Pinocchio's coordinates.
     deviation : Drift
-        By state: final and largest distance from the plan. Of a floating root, positions along world axes and a
-        rotation vector in the body's (``q.root_rx`` ...).
+        By state: final and largest distance from the plan. A floating root deviates by positions along world axes and
+        a rotation vector in its own axes (``q.root_rx`` ...).
     feet : tuple of FootReport
     effort : mapping of str to Peak
         By motor: largest torque that the feedback added [N m, N].
     saturated : float
         Largest share of the time that a motor was at its effort limit.
     fell : float or None
-        When the robot fell [s]; None if it stayed up, or if its root does not move.
+        Time at which the robot fell [s]; None if it did not, or if its root does not move.
     failure : str or None
-        Why and when the simulation stopped early; None if it did not.
+        Why and when the robot fell or the simulation stopped early; None if it completed the plan.
     periods : int
     duration : float
         Of all periods, as planned [s].
     lag : float
-        How much longer they took, because feet came down when they did [s].
+        Time by which touchdowns delayed the plan [s]: each phase begins with its own touchdown.
     step : float
         Longest step of MuJoCo [s].
     feedback : str
-        What held the robot on its plan.
+        The feedback that held the robot on its plan.
     simulator : str
         MuJoCo's version, its integrator and its contacts.
     """
@@ -96,12 +94,12 @@ class SecondOpinion:
 
     @property
     def completed(self) -> bool:
-        """Whether the robot came through all periods without falling."""
+        """Whether the robot completed all periods without a fall."""
         return self.failure is None and self.fell is None
 
     @property
     def upright(self) -> bool:
-        """Whether it never fell as long as it was simulated."""
+        """Whether the robot did not fall while it was simulated."""
         return self.fell is None
 
     @property
@@ -111,59 +109,74 @@ class SecondOpinion:
 
     @property
     def sink(self) -> float:
-        """Deepest any foot went into the ground [m]."""
+        """Largest penetration of the ground by any foot [m]."""
         return max((foot.sink for foot in self.feet), default=0.0)
 
-    def __str__(self) -> str:
-        return _render(self)
+    @property
+    def verdict(self) -> str:
+        """``"PASSED"`` where the robot completed the plan, else ``"FAILED"``."""
+        return "PASSED" if self.completed else "FAILED"
 
-
-def _render(report: SecondOpinion) -> str:
-    """Lay out the verdict, the deviation, the feet and the effort of the feedback."""
-    stream = io.StringIO()
-    console = Console(file=stream, width=WIDTH, color_system=None, highlight=False, markup=False)
-    times = "once" if report.periods == 1 else f"{report.periods} times"
-    console.print(f"MuJoCo follows the plan {times}, {report.duration:.6g} s: {_verdict(report)}")
-    for line in (report.feedback, f"{report.simulator}, steps of {report.step:.2g} s"):
-        console.print(textwrap.fill(line, WIDTH, initial_indent="  ", subsequent_indent="    "))
-    if report.lag:
-        console.print(
-            f"  touchdowns set the clock: {abs(report.lag):.2g} s {'later' if report.lag > 0 else 'sooner'} in all"
+    def __repr__(self) -> str:
+        largest = self.deviation.worst
+        return (
+            f"<SecondOpinion {self.verdict}: {self.periods} periods, {self.duration:.4g} s, largest deviation "
+            f"{largest.largest:.2g} {largest.unit}>"
         )
-    rows, left_out = worst_of(report.deviation.rows, lambda row: row.relative)
-    console.print(f"  deviation: |simulated - planned|{left_out}")
-    table = columns_of("state", "final", "largest", "at t [s]", "unit")
-    for row in rows:
-        table.add_row(row.name, f"{row.final:.2e}", f"{row.largest:.2e}", f"{row.time:.4f}", row.unit)
-    console.print(table)
+
+    def __str__(self) -> str:
+        return _render(self, coloured(self.verdict))
+
+    def _repr_html_(self) -> str:
+        """Show the report in a notebook."""
+        return f'<pre style="line-height:1.2">{html.escape(_render(self, self.verdict))}</pre>'
+
+
+def _render(report: SecondOpinion, verdict: str) -> str:
+    """Return the deviation, the feet, the effort of the feedback and the verdict."""
+    times = "once" if report.periods == 1 else f"{report.periods} times"
+    lines = [f"MuJoCo follows the plan {times}, {report.duration:.6g} s"]
+    lines += wrapped(report.feedback) + wrapped(f"{report.simulator}, steps of {report.step:.2g} s")
+    if report.lag:
+        lines.append(f"  touchdowns came {abs(report.lag):.2g} s {'later' if report.lag > 0 else 'sooner'} in all")
+    rows, others = worst_of(report.deviation.rows, lambda row: row.relative)
+    cells = [[r.name, f"{r.final:.2e}", f"{r.largest:.2e}", f"{r.time:.4f}", r.unit] for r in rows]
+    lines += [
+        f"  deviation: |simulated - planned|{others}",
+        *table(("state", "final", "largest", "at t [s]", "unit"), cells),
+        "",
+    ]
     if report.feet:
-        table = columns_of("foot", "slip [m]", "sink [m]", "on ground", "stances", "mean force [N]", "planned")
-        for foot in report.feet:
-            planned = "" if foot.planned is None else _vector(foot.planned)
-            table.add_row(
+        cells = [
+            [
                 foot.name,
                 f"{foot.slip:.1e}",
                 f"{foot.sink:.1e}",
                 f"{100 * foot.loaded:.0f} %",
                 str(foot.stances),
                 _vector(foot.force),
-                planned,
-            )
-        console.print("\n", table, sep="")
-    peaks = sorted(report.effort.values(), key=lambda peak: -peak.value)[:3]
-    added = ", ".join(f"{p.name} {p.value:.3g} {p.unit}" for p in peaks)
-    console.print(
-        f"\n  feedback added at most {added}; a motor was at its limit {100 * report.saturated:.1f} % of the time"
+                "" if foot.planned is None else _vector(foot.planned),
+            ]
+            for foot in report.feet
+        ]
+        headers = ("foot", "slip [m]", "sink [m]", "loaded", "stances", "mean force [N]", "planned")
+        lines += [*table(headers, cells), ""]
+    strongest = sorted(report.effort.values(), key=lambda peak: -peak.value)[:3]
+    added = ", ".join(f"{p.name} {p.value:.3g} {p.unit}" for p in strongest)
+    lines += wrapped(
+        f"feedback added at most {added}; a motor was at its limit {100 * report.saturated:.1f} % of the time"
     )
-    return "\n".join(line.rstrip() for line in stream.getvalue().rstrip().splitlines())
-
-
-def _verdict(report: SecondOpinion) -> str:
     if report.failure is not None:
-        return f"STOPPED: {report.failure}"
+        lines += wrapped(report.failure, "  ! ", "    ")
+    return "\n".join([*lines, f"{verdict}: {_outcome(report)}"])
+
+
+def _outcome(report: SecondOpinion) -> str:
     if report.fell is not None:
-        return f"FELL at t = {report.fell:.4g} s"
-    return "COMPLETED, upright" if report.feet else "COMPLETED"
+        return f"the robot fell at t = {report.fell:.4g} s"
+    if report.failure is not None:
+        return "the simulation stopped"
+    return "the robot completed the plan" + (", upright" if report.feet else "")
 
 
 def _vector(values: Array) -> str:

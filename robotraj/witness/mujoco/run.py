@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.errors import InputError
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.mujoco.course import Course, PeriodPhase
 from robotraj.witness.mujoco.deviation import Fall, deviation_of
@@ -70,6 +71,12 @@ class MujocoRun:
         self._how = "implicit Euler, soft contacts" if held else "RK4"
         self._data = mujoco.MjData(self._model)
         self._gains = feedback.gains(course)
+        for planned, gains in zip(course.phases, self._gains, strict=True):
+            if not np.isfinite(gains).all():
+                raise InputError(
+                    f"{feedback} has gains that are not finite in phase {planned.phase.name!r}: the plan is not finite "
+                    "there, or too unstable; check it by rt.validate, or give rt.witness.JointFeedback()."
+                )
         self._actuation = np.asarray(course.robot.actuation, dtype=float)
         limits = course.phases[0].phase.limits
         effort = np.full(course.nu, np.inf) if limits is None else self._actuation.T @ _finite(limits.effort)
@@ -117,8 +124,9 @@ class MujocoRun:
             added = -gains[pieces[k]] @ gap
             torque = np.clip(tau[k] + added, -self._effort, self._effort)
             self._keep(name, q[k], v[k], here, added, np.abs(torque) >= self._effort)
-            if k % glance == 0 and self._fall.has(q[k], here[: self._pin.nq], gap):
+            if k % glance == 0 and (reason := self._fall.reason(q[k], here[: self._pin.nq], gap)) is not None:
                 self._fell = self._time
+                self._failure = f"the robot fell at t = {self._time:.4g} s, in phase {name!r}: {reason}"
                 return False
             self._data.qfrc_applied[:] = self._robot.coordinates.force(here[: self._pin.nq], self._actuation @ torque)
             self._model.opt.timestep = size
@@ -197,7 +205,7 @@ class MujocoRun:
         course, robot = self._course, self._course.robot
         times, q, v, states, gaps, added, full = (np.array(column) for column in zip(*self._rows, strict=True))
         times = times[:, 0]
-        ended = self._failure is None and self._fell is None
+        ended = self._failure is None
         unit = dict(zip(robot.velocity_names, robot.units, strict=True))
         units = [TORQUE_UNITS[unit[joint]] for joint in robot.actuated]
         total = sum(course.durations) * course.periods

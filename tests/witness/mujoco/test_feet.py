@@ -154,7 +154,7 @@ def test_a_squatting_foot_stays_and_carries_the_weight(squat):
     # The robot is at rest before and after, so that the ground gives its weight on the average.
     assert foot.force == pytest.approx([0.0, 0.0, 3.5 * 9.81], abs=0.05)
     assert foot.planned == pytest.approx([0.0, 0.0, 3.5 * 9.81], abs=1e-6)
-    assert "COMPLETED, upright" in str(opinion) and "mean force" in str(opinion)
+    assert "completed the plan, upright" in str(opinion) and "mean force" in str(opinion)
 
 
 def test_a_flat_foot_balances_a_robot_in_space(monopod):
@@ -193,10 +193,11 @@ def test_a_robot_that_topples_is_told(squat):
     opinion = rt.witness.second_opinion(
         squat, feedback=rt.witness.NoFeedback(), offset=[0, 0, 0, 0, 0, 0, 0, 4.0, 0, 0]
     )
-    assert not opinion.completed and not opinion.upright and opinion.failure is None
+    assert not opinion.completed and not opinion.upright
     assert 0.05 < opinion.fell < 0.5
     assert opinion.deviation["q.root_pitch"].final == np.inf
-    assert f"FELL at t = {opinion.fell:.4g} s" in str(opinion)
+    assert f"the robot fell at t = {opinion.fell:.4g} s" in str(opinion)
+    assert "root is turned by" in opinion.failure or "centre of mass is" in opinion.failure
 
 
 def test_ice_is_slippery():
