@@ -15,7 +15,7 @@ import numpy as np
 from robotraj._util.values import dataclass
 from robotraj.dynamics.holding import Share, anchors, pinned, pull
 from robotraj.dynamics.rigid_body import InverseRigidBody
-from robotraj.native.addend import Added, Addend, where_in
+from robotraj.native.shared_terms import Added, Addend, where_in
 from robotraj.robot.memory import PerRobot
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """Point functions evaluated in C++ at many points, and the stagewise program that the solver runs over them.
 
-Everything here works on numbers: sparse combinations prepared elsewhere, and functions as casadi's serialised text.
-Start with ``engines/base.py``. The room may import ``_util``.
+The inputs are numbers, sparse matrices and CasADi functions; problems and phases are unknown here. Start with
+``engines/base.py``. The room may import ``_util``.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""From CasADi's scalar graphs to tapes."""
+"""Tapes: the instructions of CasADi's scalar graphs, read for the compiled module."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ if TYPE_CHECKING:
 def tape_of(function: ca.Function) -> Tape:
     """Read the instructions of a function of SX with one dense result.
 
-    They are read where they stand: ``this`` tells where CasADi's object in C++ is, and both modules call the same
-    library (``build.check_versions``). Writing and reading the function as text would take ten times as long.
+    The compiled module reads them in CasADi's C++ object, whose address is ``this``; both modules call the same library
+    (``build.check_versions``). Serialising the function as text would take ten times as long.
 
     Raises
     ------
     NotATape
-        The function is no scalar graph, or calls others.
+        The function is no scalar graph, or calls other functions.
     """
     tape: Tape = load_native().Tape(int(function.this))
     return tape
 
 
 def tape(inputs: list[ca.SX], result: ca.SX) -> Tape:
-    """Make the tape of one dense result."""
+    """Return the tape of one dense result."""
     return tape_of(ca.Function("tape", inputs, [result]))
 
 
 def nonzeros(matrix: ca.SX) -> ca.SX:
-    """Nonzeros of a matrix as a dense column."""
+    """Return the nonzeros of a matrix as a dense column."""
     found = matrix.nz[:]
-    # Those of a row are a row.
+    # CasADi returns the nonzeros of a row vector as a row.
     return found if found.is_column() else found.T

@@ -6,9 +6,9 @@
     d^2(m' y)/dv^2 = psi_vv + psi_vr D + (psi_vr D)' + D' psi_rr D + chi_v' H chi_v + sum_i g_i d^2 x_i/dv^2
     D = R chi_v,    H = d^2(l' r)/dx^2,    l = psi_r' m,    g = R' l
 
-with psi's derivatives those of m' psi; those of the addends s_k (``addend``) come on top. psi and chi are small graphs
-of CasADi's; R and H are analytical (``src/rigid_kernel.hpp``). Neither the graph of the inverse dynamics nor its
-derivatives are ever built. Where every entry of x is one of v, the common case, chi only renames columns.
+psi's derivatives are those of m' psi; the derivatives of the addends s_k (``shared_terms``) are added. psi and chi are
+small CasADi graphs; R and H are analytical (``src/rigid_kernel.hpp``), so the graph of the inverse dynamics is never
+built. Where every entry of x is an entry of v, the usual case, chi only renumbers columns.
 """
 
 from __future__ import annotations
@@ -20,16 +20,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.values import dataclass
-from robotraj.native.addend import Calls
 from robotraj.native.build import load_native
-from robotraj.native.tapes import Pattern, Tapes, plain
-from robotraj.native.terms import Entries, Indices, Sums, Terms, copied, entries, flipped, joined, lower, matched
+from robotraj.native.shared_terms import Calls
+from robotraj.native.sparse_products import (
+    Entries,
+    Indices,
+    Sums,
+    Terms,
+    copied,
+    entries,
+    flipped,
+    joined,
+    lower,
+    matched,
+)
+from robotraj.native.stage_tapes import Pattern, Tapes, plain
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from robotraj.native._native import Recipe, RigidTree, StageGraph, Tape, Torques
-    from robotraj.native.addend import Added
+    from robotraj.native.shared_terms import Added
 
 
 class TorqueChain(Tapes):
@@ -40,10 +51,10 @@ class TorqueChain(Tapes):
     graph : StageGraph
         psi(v, c, r) and chi(v, c), (n_y,) and (nq + 2 nv,).
     costed : int or None
-        The output that carries cost.
+        The output that is part of the objective.
     tree : RigidTree
     added : sequence of Added
-        The addends; none has a part in the costed output.
+        The addends, none of them in the costed output.
     """
 
     def __init__(self, graph: StageGraph, costed: int | None, tree: RigidTree, added: Sequence[Added] = ()) -> None:
@@ -60,7 +71,7 @@ class TorqueChain(Tapes):
         hessian: bool = False,
         calls: Calls | None = None,
     ) -> Recipe:
-        """Put a tape and the products of its results together; ``made`` is the result."""
+        """Combine a tape and the products of its results; ``made`` is the result."""
         out, left, right = (np.ascontiguousarray(side) for side in terms.terms)
         recipe: Recipe = load_native().Recipe(
             tape=tape,
@@ -90,7 +101,7 @@ class TorqueChain(Tapes):
 
     @cached_property
     def _gradient(self) -> Recipe:
-        # No addend costs anything.
+        # Addends are not part of the objective.
         return self._first(self._output, ())[0]
 
     @cached_property
@@ -98,7 +109,7 @@ class TorqueChain(Tapes):
         return self._first(None, self._added)
 
     def _first(self, output: int | None, added: Sequence[Added]) -> tuple[Recipe, Pattern]:
-        """Give dy/dv with that of addends, or the gradient of one output as a dense column."""
+        """Return dy/dv with the addends' derivatives, or the gradient of one output as a dense column."""
         tape, by_v, by_r = self._graph.slopes(output)
         through = len(by_r[0]) > 0
         calls, torques = Calls(added, "jacobian"), len(self._torque_pattern[0]) if through else 0
@@ -152,7 +163,7 @@ class TorqueChain(Tapes):
         return moved.where(moved.columns >= 0)
 
     def _moved(self, terms: Terms, h: Entries, parts: _ChainParts) -> Sums:
-        """Terms of the lower triangle of chi_v' H chi_v, H given by one of its triangles."""
+        """Return the terms of the lower triangle of chi_v' H chi_v; H is given by one of its triangles."""
         if self._places is None:
             both = joined(h, h.where(h.rows != h.columns).T)
             inner = self._inner(parts)
@@ -163,12 +174,12 @@ class TorqueChain(Tapes):
 
     @cached_property
     def _places(self) -> Indices | None:
-        """Where in v every entry of x stands, -1 for zeros; None where one is something else."""
+        """The index in v of every entry of x, -1 for zeros; None if an entry is another expression."""
         return self._graph.places()
 
     @cached_property
     def _arguments(self) -> tuple[Tape, Tape, Pattern, Pattern]:
-        """Give x and chi_v, and the lower triangle of sum_i g_i d^2 x_i/dv^2, as tapes; then their patterns."""
+        """The tapes of x with chi_v, and of the lower triangle of sum_i g_i d^2 x_i/dv^2; then their patterns."""
         return self._graph.chain()
 
     @property

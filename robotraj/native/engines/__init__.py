@@ -1,4 +1,4 @@
-"""How point functions are evaluated: CasADi's virtual machine, C compiled into the user's cache, or our own module."""
+"""Evaluators of point functions: CasADi's virtual machine, compiled C from the user's cache, or the compiled module."""
 
 import lazy_loader
 

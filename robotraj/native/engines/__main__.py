@@ -15,7 +15,7 @@ from robotraj.native.engines.compiler import find_compiler
 
 if __name__ == "__main__":
     job, command, processes = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
-    os.nice(10)  # whoever plans meanwhile comes first
+    os.nice(10)  # plans that run meanwhile take precedence
     cache = Cache(job.parent)
     functions = {path.stem: ca.Function.load(str(path)) for path in sorted(job.glob("*.casadi"))}
     shutil.rmtree(job)

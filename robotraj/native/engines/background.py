@@ -1,4 +1,4 @@
-"""Compiling in a process of its own, which goes on when the one that asked for it has ended."""
+"""Compilation in a separate process, which outlives the process that starts it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robotraj.native.engines.compiler import Compiler
 
 
 def start(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, processes: int) -> None:
-    """Have functions compiled, unless another process is at it already.
+    """Start the compilation of functions that no other process compiles already.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def start(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, p
         for key in locks:
             functions[key].save(str(job / f"{key}.casadi"))
         with (cache.folder / "background.log").open("ab") as log:
-            # The locks go on to the process and end with it, however it ends.
+            # The process inherits the locks; the system releases them when it ends.
             subprocess.Popen(
                 [sys.executable, "-m", "robotraj.native.engines", str(job), compiler.command, str(processes)],
                 stdin=subprocess.DEVNULL,

@@ -1,4 +1,4 @@
-"""What an engine is: a value that says how point functions are evaluated."""
+"""The engine's interface: a value that evaluates point functions."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Mapped:
 
 @dataclass(frozen=True, eq=False)
 class StageMapped:
-    """A function of a stage and the number of points it is evaluated at; its graph is built when it is read.
+    """A function of a stage and the number of points it is evaluated at; its graph is built on first access.
 
     Attributes
     ----------
@@ -58,14 +58,14 @@ class StageMapped:
 
 
 class Engine(OneLine, ABC):
-    """How point functions are evaluated; every engine gives the same numbers.
+    """An evaluator of point functions; all engines return the same numbers up to rounding.
 
     Attributes
     ----------
     torques_apart : bool
-        Whether stages tell it where their inverse dynamics are, so that their graphs are never built.
+        Whether stages keep their inverse dynamics as symbols, so that the graph of these is never built.
     made_for_ipopt : bool
-        Whether what it keeps for later plans is of the functions that IPOPT calls, which is then the default solver.
+        Whether it caches the functions that IPOPT calls; IPOPT is then the default solver.
     """
 
     torques_apart: ClassVar[bool] = False
@@ -73,11 +73,11 @@ class Engine(OneLine, ABC):
 
     @abstractmethod
     def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:
-        """Give, for each entry, a function of E columns: (n_i, E) -> (n_y, E)."""
+        """Return, for each entry, a function of E columns: (n_i, E) -> (n_y, E)."""
 
     @abstractmethod
     def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
-        """Give the point functions of a stage at ``count`` points to the compiled solver.
+        """Return the point functions of a stage at ``count`` points for the compiled solver.
 
         Parameters
         ----------
@@ -90,13 +90,13 @@ class Engine(OneLine, ABC):
 
 @dataclass(frozen=True)
 class VirtualMachine(Engine):
-    """CasADi's virtual machine: at once, on any machine, without a compiler. The default."""
+    """CasADi's virtual machine, which needs no compiler."""
 
     def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:
-        """Map each function over its columns, one after the other."""
+        """Map each function over its columns."""
         return [each.function.map(each.count) for each in wanted]
 
     def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
-        """Point after point."""
+        """Evaluate one point at a time."""
         functions = wanted_of(stage, costs)
         return casadi_block(stage, count, costs, {name: (f, 1) for name, f in functions.items()})

@@ -1,4 +1,4 @@
-"""Point functions for the compiled solver, made of CasADi's functions."""
+"""Point functions for the compiled solver, evaluated by CasADi's functions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def wanted(stage: Any, costs: bool) -> dict[str, ca.Function]:
-    """Functions of a stage by the name of the evaluation they serve."""
+    """Return the functions of a stage by the name of their evaluation."""
     functions = {"values": stage.function}
     if stage.jacobian_pattern[0].size:
         functions["jacobian"] = stage.jacobian
@@ -26,7 +26,7 @@ def wanted(stage: Any, costs: bool) -> dict[str, ca.Function]:
 
 
 def casadi_block(stage: Any, count: int, costs: bool, batches: Mapping[str, tuple[ca.Function, int]]) -> PointBlock:
-    """Make the block of a stage at ``count`` points.
+    """Return the block of a stage at ``count`` points.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def casadi_block(stage: Any, count: int, costs: bool, batches: Mapping[str, tupl
     costs : bool
         Whether its costed output is part of the objective.
     batches : mapping
-        By the names of ``wanted``, a function of several columns and how many they are.
+        For every name of ``wanted``, a function of several columns and the number of columns.
     """
     texts = {name: (f.serialize().encode("latin-1"), columns) for name, (f, columns) in batches.items()}
     return load_native().CasadiBlock(

@@ -1,7 +1,6 @@
-"""Where compiled libraries are kept: one folder that only its owner can read or write.
+"""The cache of compiled libraries: a folder that only its owner can read or write.
 
-What is loaded from there runs with the user's rights, so a folder or file that somebody else could have written is
-refused.
+Loaded libraries run with the user's rights. A folder or file that another user could have written is therefore refused.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from robotraj._util.values import dataclass
 def default_folder() -> Path:
     """``$XDG_CACHE_HOME/robotraj/engines``, or ``~/.cache/robotraj/engines``."""
     given = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    # The XDG specification has relative paths ignored.
+    # The XDG specification requires that relative paths are ignored.
     base = given if given.is_absolute() else Path.home() / ".cache"
     return base / "robotraj" / "engines"
 
@@ -35,7 +34,7 @@ class Cache:
     Parameters
     ----------
     folder : Path
-        Made where it does not exist, with mode 0700.
+        Created with mode 0700 where it does not exist.
 
     Raises
     ------
@@ -58,19 +57,19 @@ class Cache:
         self.folder.chmod(0o700)
 
     def find(self, key: str) -> Path | None:
-        """Give the path of a library, if there is one that may be loaded."""
+        """Return the path of a library, None where there is none."""
         path = self._path(key)
         try:
             found = path.lstat()
         except FileNotFoundError:
             return None
         if not stat.S_ISREG(found.st_mode):
-            raise InputError(f"{path} is no regular file and will not be loaded; 'robotraj cache --clear' removes it.")
+            raise InputError(f"{path} is no regular file and is not loaded. Remove it with 'robotraj cache --clear'.")
         _require_own(path, found)
         return path
 
     def store(self, key: str, library: Path) -> Path:
-        """Move a finished library into place, in one step: other processes see all of it or nothing."""
+        """Move a finished library into the cache; the move is atomic for other processes."""
         path = self._path(key)
         library.chmod(0o600)
         os.replace(library, path)
@@ -78,21 +77,21 @@ class Cache:
 
     @contextmanager
     def workplace(self) -> Iterator[Path]:
-        """Give a folder for the files of a compilation, on the cache's own file system; removed afterwards."""
+        """Create a temporary folder for a compilation, on the file system of the cache."""
         with tempfile.TemporaryDirectory(prefix="build-", dir=self.folder) as name:
             yield Path(name)
 
     @contextmanager
     def locked(self, keys: Sequence[str]) -> Iterator[None]:
-        """Hold libraries against other processes, so that one compiles and the others wait for it."""
+        """Lock libraries: one process compiles them, others wait."""
         with ExitStack() as stack:
-            # All take them in the same order, so nobody waits in a circle.
+            # A fixed order of locking prevents deadlocks.
             for key in sorted(keys):
                 fcntl.flock(stack.enter_context(self._lock(key)), fcntl.LOCK_EX)
             yield
 
     def claim(self, key: str) -> IO[bytes] | None:
-        """Give the lock of a library that nobody is compiling; it is held until the file is closed everywhere."""
+        """Return the lock of a library that no process compiles; it is held until the file is closed everywhere."""
         lock = self._lock(key)
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -102,15 +101,15 @@ class Cache:
         return lock
 
     def libraries(self) -> list[Path]:
-        """Every library."""
+        """Return the paths of all libraries."""
         return sorted(self.folder.glob("*.so"))
 
     def size(self) -> int:
-        """Bytes of all files."""
+        """Return the size of all files in bytes."""
         return sum(path.lstat().st_size for path in self.folder.rglob("*") if not path.is_dir())
 
     def clear(self) -> int:
-        """Remove everything; give the bytes that were freed. Running processes keep what they have loaded."""
+        """Remove all files and return the bytes that were freed. Running processes keep loaded libraries."""
         freed = self.size()
         for path in self.folder.iterdir():
             if path.is_dir() and not path.is_symlink():
@@ -130,14 +129,13 @@ _ADVICE = "Point XDG_CACHE_HOME, or Compiled(cache=...), at a folder of your own
 
 
 def _require_own(path: Path, found: os.stat_result) -> None:
-    """Refuse what somebody else owns or may write."""
+    """Refuse a file that another user owns or may write."""
     if found.st_uid != os.getuid():
         raise InputError(
-            f"{path} belongs to user {found.st_uid}, not to you ({os.getuid()}); code from there will not be loaded. "
-            f"{_ADVICE}"
+            f"{path} belongs to user {found.st_uid}, not to you ({os.getuid()}); its code is not loaded. {_ADVICE}"
         )
     if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
         raise InputError(
-            f"Others may write to {path} (mode {stat.S_IMODE(found.st_mode):o}); code from there will not be loaded. "
+            f"Others may write to {path} (mode {stat.S_IMODE(found.st_mode):o}); its code is not loaded. "
             f"Remove it, or {_ADVICE[0].lower()}{_ADVICE[1:]}"
         )

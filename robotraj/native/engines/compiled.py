@@ -31,17 +31,17 @@ if TYPE_CHECKING:
 class Compiled(Engine):
     """Machine code of the large point functions: the same numbers, to the last bit, many times faster.
 
-    A library is found by its content: the function, CasADi's version, the compiler, its flags and the processor. It
-    serves every plan whose phase has the same equations, on any mesh. Functions that no compiler would repay, those of
-    few operations or few points, and those that are no scalar graph (shooting) stay with CasADi's virtual machine.
+    The key of a library is a digest of the function, CasADi's version, the compiler, its flags and the processor. The
+    library is used by every plan whose phase has the same equations, on any mesh. CasADi's virtual machine evaluates
+    functions of few operations, functions of few points, and functions that are no scalar graph (shooting).
 
     Parameters
     ----------
     wait : bool
-        True compiles what the cache does not have, then plans. False plans with the virtual machine at once, while a
-        process of its own compiles; later plans find the libraries.
+        True compiles missing libraries before the plan. False plans with the virtual machine, while a separate process
+        compiles the libraries for later plans.
     least : int
-        Operations of a point from which on a function is compiled.
+        Smallest number of operations of a function that is compiled.
     compiler : str, optional
         Name or path; the environment's ``CC``, gcc, clang or cc by default.
     cache : path, optional
@@ -69,14 +69,14 @@ class Compiled(Engine):
             raise InputError(f"Compiled(jobs) is a number of processes, 1 or more; got {self.jobs}.")
 
     def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:
-        """Give every function over its points, compiled where that pays.
+        """Return every function over its points, compiled where it is large.
 
         Raises
         ------
         InputError
-            No compiler on this machine, or a cache that others may write.
+            There is no compiler, or other users may write to the cache.
         CompilationFailed
-            The compiler's own words.
+            The compiler fails; the message has its output.
         """
         chosen = VirtualMachine().prepare(wanted)
         for i, library in self._libraries(wanted).items():
@@ -84,7 +84,7 @@ class Compiled(Engine):
         return chosen
 
     def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
-        """Several points a call where a function is compiled, point after point where not."""
+        """Evaluate several points in a call of a compiled function, else one point at a time."""
         functions = wanted_of(stage, costs)
         batches = {name: (function, 1) for name, function in functions.items()}
         names = list(functions)
@@ -93,7 +93,7 @@ class Compiled(Engine):
         return casadi_block(stage, count, costs, batches)
 
     def _libraries(self, wanted: Sequence[Mapped | StageMapped]) -> dict[int, ca.Function]:
-        """Give the compiled functions of ``points_at_once()`` columns, for those entries that have one."""
+        """Return the compiled functions of ``points_at_once()`` columns, by the index of their entry."""
         large = self._large(wanted)
         if not large:
             return {}
@@ -114,13 +114,13 @@ class Compiled(Engine):
         }
 
     def libraries(self, wanted: Sequence[Mapped | StageMapped]) -> set[Path]:
-        """Give the libraries in the cache that these functions use."""
+        """Return the libraries in the cache that these functions use."""
         cache, compiler = self.open_cache(), find_compiler(self.compiler)
         found = {cache.find(key_of(function, compiler)) for function in self._large(wanted).values()}
         return {path for path in found if path is not None}
 
     def open_cache(self) -> Cache:
-        """Give the cache, checked."""
+        """Return the cache after the checks of its folder."""
         return Cache(default_folder() if self.cache is None else Path(self.cache).expanduser().absolute())
 
     @property
@@ -133,7 +133,7 @@ class Compiled(Engine):
 
     def _pays(self, each: Mapped | StageMapped) -> bool:
         function = each.function
-        # Points are evaluated several at once: one alone gains little.
+        # A library evaluates several points at once; a single point gains little.
         many = each.count >= points_at_once() // 2
         return many and function.is_a("SXFunction") and function.n_instructions() >= max(self.least, 1)
 
@@ -141,14 +141,14 @@ class Compiled(Engine):
         try:
             return ca.external(function.name(), str(library))
         except RuntimeError:
-            # A file that a full disk or a broken machine left behind.
+            # The file is damaged, for example by a full disk.
             library.unlink(missing_ok=True)
             build({key: function}, cache, compiler, self.processes)
             return ca.external(function.name(), str(library))
 
 
 def key_of(function: ca.Function, compiler: Compiler) -> str:
-    """Digest of everything that a library depends on."""
+    """Return a digest of all inputs of a library."""
     digest = hashlib.sha256(_writer())
     for part in (ca.__version__, str(points_at_once()), compiler.identity(), function.serialize()):
         digest.update(hashlib.sha256(part.encode()).digest())
@@ -156,7 +156,7 @@ def key_of(function: ca.Function, compiler: Compiler) -> str:
 
 
 def build(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, processes: int) -> None:
-    """Compile functions into the cache, their files side by side.
+    """Compile functions into the cache, several files at a time.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def build(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, p
     with ExitStack() as stack:
         place = stack.enter_context(cache.workplace())
         pool = ThreadPoolExecutor(processes)
-        # After an error, or Ctrl-C, what has not begun does not begin.
+        # After an error or Ctrl-C no further compilation starts.
         stack.callback(pool.shutdown, wait=True, cancel_futures=True)
         waiting = []
         for key, function in functions.items():
@@ -178,7 +178,7 @@ def build(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, p
 
 
 def _mapped(external: ca.Function, wanted: Mapped | StageMapped) -> ca.Function:
-    """Evaluate a function of several columns at once at any number of columns; the last one fills up."""
+    """Map a function of several columns over any number of columns, padded by copies of the last one."""
     function, count = wanted.function, wanted.count
     points = points_at_once()
     calls = -(-count // points)
@@ -187,11 +187,14 @@ def _mapped(external: ca.Function, wanted: Mapped | StageMapped) -> ca.Function:
     full = [ca.horzcat(s, ca.repmat(s[:, -1], 1, spare)) for s in symbols] if spare else symbols
     results = external.map(calls)(*full)
     if results.shape != (function.numel_out(0), calls * points):
-        raise RobotrajError(f"The library of {function.name()!r} has other shapes than its function.")
+        raise RobotrajError(
+            f"The library of {function.name()!r} has other shapes than its function. "
+            "Remove it with 'robotraj cache --clear'."
+        )
     return ca.Function(function.name(), symbols, [results[:, :count] if spare else results])
 
 
 @once
 def _writer() -> bytes:
-    """Digest of the code that writes the C."""
+    """Return a digest of the code that writes the C sources."""
     return hashlib.sha256(Path(source.__file__).read_bytes()).digest()

@@ -1,4 +1,4 @@
-"""The C compiler of this machine, and the files it makes into a library."""
+"""The C compiler of this machine, which makes a library from source files."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from robotraj._util.values import dataclass
 from robotraj.native.engines.source import Source
 
 CANDIDATES = ("gcc", "clang", "cc")
-"""Looked for in this order."""
-# Without contraction a*b + c is rounded twice, as CasADi's virtual machine rounds it: the answers are the same bits.
+"""Names that are tried in this order."""
+# Without contraction a*b + c is rounded twice, as by CasADi's virtual machine: results are bitwise equal.
 FLAGS = ("-std=gnu11", "-O1", "-march=native", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-w")
-"""More optimisation takes the compiler longer and gains nothing on straight lines of arithmetic."""
+"""Higher optimisation levels take longer and do not speed up straight-line arithmetic."""
 
 
 class CompilationFailed(RobotrajError):
@@ -36,23 +36,23 @@ class Compiler:
     command : str
         Its path.
     version : str
-        What it says of itself.
+        Its output of ``-v``.
     """
 
     command: str
     version: str
 
     def identity(self) -> str:
-        """Tell apart what cannot share libraries: compilers, their flags, processors."""
+        """Return the compiler, its flags and the processor as text; libraries are shared where it is equal."""
         return "\n".join([self.version, *FLAGS, platform.machine(), processor()])
 
     def start(self, source: Source, folder: Path, pool: Executor) -> Callable[[], Path]:
-        """Compile the files of a library on the pool; give what waits for them and links.
+        """Compile the files of a library on the pool; return a function that waits for them and links.
 
         Raises
         ------
         CompilationFailed
-            When called, with the compiler's own words.
+            Raised by the returned function, with the compiler's output.
         """
         objects: list[tuple[Path, Future[None]]] = []
         for i, text in enumerate(source.files):
@@ -103,8 +103,7 @@ def find_compiler(command: str | None = None) -> Compiler:
     sought = repr(command) if command else " or ".join(CANDIDATES)
     raise InputError(
         f"rt.engines.Compiled() needs a C compiler, and {sought} is not on this machine's path. Install gcc or clang "
-        "(Debian and Ubuntu: apt install gcc), or plan with engine=rt.engines.VirtualMachine(), the default, "
-        "which needs none."
+        "(Debian and Ubuntu: apt install gcc), or plan with engine=rt.engines.Native(), which needs none."
     )
 
 
@@ -112,21 +111,21 @@ def find_compiler(command: str | None = None) -> Compiler:
 def _version(path: str) -> str:
     done = subprocess.run([path, "-v"], capture_output=True, text=True, check=False)
     if done.returncode:
-        raise InputError(f"{path} does not answer as a C compiler does ('{path} -v' fails); name another one.")
-    # clang names a temporary folder on some systems in further lines; configuration and version come first.
+        raise InputError(f"{path} is no working C compiler: '{path} -v' fails. Give another one by compiler= or CC.")
+    # On some systems clang prints a temporary folder on later lines.
     return f"{path}\n{done.stdout}{done.stderr}"
 
 
 @cache
 def processor() -> str:
-    """Digest of the instructions this processor has, since code is compiled for them all."""
+    """Return a digest of the processor's instruction sets, for which code is compiled (-march=native)."""
     known = {line.split(":", 1)[1].strip() for line in _cpuinfo() if line.startswith(("flags", "Features"))}
     return hashlib.sha256("".join(sorted(known) or [platform.processor()]).encode()).hexdigest()
 
 
 @cache
 def points_at_once() -> int:
-    """Numbers that the processor adds in one instruction: 8 with AVX-512, 4 with AVX, else 2."""
+    """Return the number of doubles in a vector register: 8 with AVX-512, 4 with AVX, else 2."""
     flags = {word for line in _cpuinfo() if line.startswith("flags") for word in line.split()}
     return 8 if "avx512f" in flags else 4 if "avx" in flags else 2
 

@@ -1,4 +1,4 @@
-"""Point functions in the compiled module: several points at a time, and a robot's inverse dynamics by analysis."""
+"""Point functions in the compiled module: several points at a time, with analytical derivatives of inverse dynamics."""
 
 from __future__ import annotations
 
@@ -18,22 +18,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Native(Engine):
-    r"""Machine code that needs no compiler: any robot at once, the same numbers to rounding.
+    r"""The compiled module, which needs no compiler at run time.
 
-    Graphs of CasADi are run for eight, four or two points at a time, in the vectors of the processor (AVX-512, AVX2 or
-    any, found when the module is loaded). Inverse dynamics of a robot are no graph at all: their values, their Jacobian
-    and the Hessian of any combination :math:`\lambda'\tau` come from analytical formulas, at a cost that grows with
-    the number of pairs of joints on one branch (``native/src/rigid_kernel.hpp``), and reach the point function by the
-    chain rule. Functions that are no scalar graph (shooting), or call others (interpolants), stay with CasADi's virtual
-    machine.
+    CasADi's graphs are evaluated at eight, four or two points at a time in the vector registers of the processor
+    (AVX-512, AVX2 or SSE2, detected when the module is loaded). A robot's inverse dynamics, their Jacobian and the
+    Hessian of :math:`\lambda'\tau` are evaluated by analytical formulas (``native/src/rigid_kernel.hpp``); the cost
+    grows with the number of pairs of joints on a common branch. The chain rule combines both. CasADi's virtual
+    machine evaluates functions that are no scalar graph (shooting) or call other functions (interpolants).
 
-    Joints that neither turn about an axis nor slide along one, but for a free-flyer at the root, and models with
-    unknown parameters (``rt.design.Design``) have their dynamics as a graph.
+    The dynamics are a graph where a joint is neither revolute, prismatic nor a free-flyer at the root, and where the
+    model has unknown parameters (``rt.design.Design``).
 
     Parameters
     ----------
     threads : int
-        Threads that evaluate points side by side, made once for each plan; the bits are the same for any number.
+        Threads that evaluate points in parallel; results are bitwise equal for any number.
 
     Examples
     --------
@@ -49,14 +48,14 @@ class Native(Engine):
             raise InputError(f"Native(threads) is a number of threads, 1 or more; got {self.threads}.")
 
     def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
-        """Give a stage as tapes, chained to its torques where it has any."""
+        """Return the block of a stage from its tapes, with the chain rule of its torques."""
         if stage.tapes is None:
             return VirtualMachine().block(stage, count, costs)
         block: PointBlock = stage.tapes.block(count, costs)
         return block
 
     def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:
-        """Give functions that call the compiled module for all points at once; keep them alive while they are used."""
+        """Return functions that call the compiled module for all points; the caller keeps them alive."""
         costed = {
             id(each.stage) for each in wanted if isinstance(each, StageMapped) and each.name in ("cost", "gradient")
         }
@@ -107,7 +106,7 @@ class _Points(ca.Callback):
         return True
 
     def eval_buffer(self, arguments: Sequence[memoryview | None], results: Sequence[memoryview]) -> int:
-        # What has no numbers is not handed over.
+        # CasADi passes None for empty arguments.
         given = [np.zeros(0) if argument is None else np.frombuffer(argument) for argument in arguments]
         np.frombuffer(results[0])[:] = self._evaluate(*given, threads=self._threads)
         return 0

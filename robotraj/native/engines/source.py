@@ -1,14 +1,14 @@
-"""C source of a point function, cut into parts that a compiler takes in linear time and several cores at once.
+"""C source of a point function in parts, which a compiler translates in linear time and on several cores.
 
-CasADi writes an SX function as one C function of tens of thousands of lines; a compiler's time grows faster than that
-length. Here the same lines, in the same order, become
+CasADi writes an SX function as one C function of tens of thousands of lines; compile time grows faster than that.
+This file rewrites the same lines in the same order:
 
-- values assigned once (``t17``), cut every few hundred lines into functions of their own, spread over several files;
-- values that live and die in one part are its locals; those that later parts read stand in a work array, and constants
-  and arguments are read again where they are used;
-- every value is a vector of as many points as the machine adds at once, so one call evaluates several points.
+- Every value is assigned once (``t17``). A new function begins every few hundred lines; several files hold them.
+- Values used in one part alone are its local variables. Values that later parts read are kept in a work array.
+  Constants and arguments are read again where they are used.
+- Every value is a vector over points, as wide as a vector register; one call evaluates several points.
 
-Each point sees CasADi's operations in CasADi's order: the answers are its virtual machine's to the last bit.
+The order of operations is CasADi's: results equal those of its virtual machine bit for bit.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ _TYPES = """
 #define POINTS {points}
 typedef double V __attribute__((vector_size({bytes})));
 """
-# Without it, what comes after with older instructions (BLAS, the solver) runs slower; gcc adds it only from -O2 on.
+# Without it, later SSE code (BLAS, the solver) runs slower; gcc adds it only from -O2 on.
 _LEAVE = """#ifdef __AVX__
   __builtin_ia32_vzeroupper();
 #endif
 """
 _PER_FILE = 6000
-"""Lines in one file: starting a compiler is then short against what it does."""
+"""Lines of a file; the start of the compiler is then a small part of its time."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Source:
     name : str
         Takes ``points`` columns of every argument at once.
     files : tuple of str
-        Texts, to be compiled apart and linked.
+        Texts, to be compiled separately and linked.
     """
 
     name: str
@@ -98,7 +98,7 @@ def write_source(function: ca.Function, points: int, lines_per_part: int = 400) 
 
 
 def _head(preamble: str, points: int) -> str:
-    """CasADi's includes and helper functions, without what it exports, and the type of a value."""
+    """Return CasADi's includes and helper functions without its exports, and the type of a value."""
     preamble = re.sub(r"/\* Configuration this file.*?\n\n", "", preamble, flags=re.S)
     preamble = re.sub(r"static const casadi_int casadi_s\d+\[.*?;\n", "", preamble)
     # Every file of a library has its own copy of the helpers.
@@ -107,7 +107,7 @@ def _head(preamble: str, points: int) -> str:
 
 
 def _single_assignment(body: Sequence[str]) -> list[_Line]:
-    """Rename registers, which CasADi uses again and again, into values assigned once."""
+    """Rename registers, which CasADi reuses, to values that are assigned once."""
     current: dict[str, int] = {}
     lines = []
     for line in body:
@@ -116,7 +116,10 @@ def _single_assignment(body: Sequence[str]) -> list[_Line]:
         written = _RESULT.fullmatch(line)
         assigned = None if written else _ASSIGNED.fullmatch(line)
         if written is None and assigned is None:
-            raise RobotrajError(f"CasADi {ca.__version__} wrote C that robotraj cannot cut: {line.strip()!r}.")
+            raise RobotrajError(
+                f"CasADi {ca.__version__} wrote C code that robotraj cannot split: {line.strip()!r}. "
+                "Use engine=rt.engines.Native()."
+            )
         expression = written[3] if written else assigned[2]  # type: ignore[index]
         argument = _ARGUMENT.fullmatch(expression)
         if argument:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from robotraj.dynamics.contact_terms import Apart, taken_out, written_out
 from robotraj.dynamics.torques import Torques
 from robotraj.native.build import load_native
+from robotraj.native.stage_tapes import Tapes
 from robotraj.native.tape import nonzeros
-from robotraj.native.tapes import Tapes
 from robotraj.native.torque_chain import TorqueChain
 
 if TYPE_CHECKING:

@@ -161,9 +161,7 @@ def test_without_a_compiler_the_way_out_is_named(
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    with pytest.raises(
-        rt.InputError, match=r"gcc or clang or cc is not .*Install gcc or clang.*rt.engines.VirtualMachine\(\)"
-    ):
+    with pytest.raises(rt.InputError, match=r"gcc or clang or cc is not .*Install gcc or clang.*rt.engines.Native\(\)"):
         engine.prepare(WANTED)
     with pytest.raises(rt.InputError, match="'nonesuch' is not on this machine"):
         rt.engines.Compiled(least=1, compiler="nonesuch", cache=engine.cache).prepare(WANTED)

@@ -1,4 +1,4 @@
-"""A stage function and its derivatives as tapes: CasADi's graphs, in the order in which they are run."""
+"""A stage function and its derivatives as tapes, which list the operations of CasADi's graphs in order."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Tapes:
     ----------
     graph : StageGraph
     costed : int or None
-        The output that carries cost.
+        The output that is part of the objective.
     """
 
     def __init__(self, graph: StageGraph, costed: int | None) -> None:
@@ -33,7 +33,7 @@ class Tapes:
 
     @property
     def runs(self) -> bool:
-        """Whether the graph is one of scalars, which calls no other functions."""
+        """Whether the graph is scalar and calls no other functions, so that tapes exist."""
         try:
             _ = self._values, self._torques
         except load_native().NotATape:
@@ -41,7 +41,7 @@ class Tapes:
         return True
 
     def block(self, count: int, costs: bool) -> TapeBlock:
-        """Give the block of C++ at ``count`` points; ``costs``: whether its costed output is part of the objective."""
+        """Return the block of ``count`` points; ``costs``: whether the costed output is part of the objective."""
         costs = costs and self._costed is not None
         block: TapeBlock = load_native().TapeBlock(
             count,
@@ -58,7 +58,7 @@ class Tapes:
         return block
 
     def evaluate(self, name: str, v: NDArray[np.float64], c: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Evaluate ``"values"`` or ``"jacobian"`` at E places, (n_v, E), (n_c, E) -> (m, E); no Hessian is made."""
+        """Evaluate ``"values"`` or ``"jacobian"`` at E points: (n_v, E), (n_c, E) -> (m, E)."""
         count = v.shape[1]
         if count not in self._evaluators:
             self._evaluators[count] = load_native().TapeBlock(
@@ -116,7 +116,7 @@ class Tapes:
 
 
 def plain(tape: Tape) -> Recipe:
-    """Give what the tape gives, itself."""
+    """Return a recipe whose results are those of the tape."""
     recipe: Recipe = load_native().Recipe(
         tape, jacobian=False, hessian=False, made=0, result=1, results=tape.outputs, out=NONE, left=NONE, right=NONE
     )

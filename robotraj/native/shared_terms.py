@@ -1,9 +1,9 @@
-"""Functions that many stages add to some of their rows, with tapes made once for all of them.
+"""Functions that several stages add to some of their rows; their tapes are written once.
 
     y = psi(v, c, r) + sum_k S_k s_k(u_k),    u_k some entries of (v, c),    S_k one row of y for every entry of s_k
 
-What a contact adds to a robot's equations is one: the same foot stands in several phases of a walk. A tape of s_k, of
-its Jacobian and of the Hessian of l' s_k serve every stage; each says only where its own u_k and rows stand.
+Example: the forces of a contact in a robot's equations, where a foot is in contact in several phases. The tapes
+of s_k, of its Jacobian and of the Hessian of l' s_k are shared; a stage has its own indices of u_k and of rows.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
+from robotraj.native.sparse_products import Entries, Indices, Sums, copied
 from robotraj.native.tape import nonzeros, tape
-from robotraj.native.terms import Entries, Indices, Sums, copied
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +31,7 @@ NOWHERE: Indices = np.zeros(0, dtype=np.int64)
 
 
 class Addend:
-    """A function s(u) and its derivatives as tapes, made when first asked for.
+    """A function s(u) and its derivatives as tapes, each written when it is first used.
 
     Parameters
     ----------
@@ -46,22 +46,22 @@ class Addend:
 
     @cached_property
     def function(self) -> ca.Function:
-        """Give s of u."""
+        """The function u -> s."""
         return ca.Function("addend", [self.u], [self.s])
 
     @cached_property
     def values(self) -> tuple[Tape, int]:
-        """The tape of s, and how many numbers it gives."""
+        """The tape of s and the number of its results."""
         return tape([self.u], self.s), int(self.s.numel())
 
     @cached_property
     def jacobian(self) -> tuple[tuple[Tape, int], Pattern]:
-        """The tape of the nonzeros of ds/du, and where they stand."""
+        """The tape of the nonzeros of ds/du, and their rows and columns."""
         return _nonzeros([self.u], ca.jacobian(self.s, self.u))
 
     @cached_property
     def hessian(self) -> tuple[tuple[Tape, int], Pattern]:
-        """The tape (u, l) of the nonzeros of the lower triangle of d^2(l' s)/du^2, and where they stand."""
+        """The tape (u, l) of the nonzeros of the lower triangle of d^2(l' s)/du^2, and their rows and columns."""
         m = ca.SX.sym("l", self.s.numel())
         return _nonzeros([self.u, m], ca.tril(ca.hessian(ca.dot(m, self.s), self.u)[0]))
 
@@ -74,9 +74,9 @@ class Added:
     ----------
     addend : Addend
     inputs : ndarray of int (n_u,)
-        Where in (v, c) every entry of u stands.
+        The index in (v, c) of every entry of u.
     rows : ndarray of int (n_s,)
-        The row of y that every entry of s is added to.
+        The row of y to which every entry of s is added.
     """
 
     addend: Addend
@@ -84,15 +84,15 @@ class Added:
     rows: Indices
 
     def call(self, name: str) -> tuple[Call, int]:
-        """Call ``"values"``, ``"jacobian"`` or ``"hessian"``; also give how many numbers come of it."""
+        """Return the call of ``"values"``, ``"jacobian"`` or ``"hessian"``, and the number of its results."""
         made, numbers = self.addend.values if name == "values" else getattr(self.addend, name)[0]
         multipliers = self.rows if name == "hessian" else NOWHERE
         return load_native().Call(made, self.inputs, multipliers), numbers
 
     def terms(self, name: str, first: int, unknowns: int) -> Sums:
-        """Terms of what a call gives, from place ``first`` on: of y, of dy/dv or of the Hessian's lower triangle.
+        """Return the terms of y, of dy/dv or of the Hessian's lower triangle; the call's results begin at ``first``.
 
-        Columns of constants, which stand behind the ``unknowns``, are left out.
+        Columns of constants, which follow the ``unknowns``, are dropped.
         """
         if name == "values":
             places = np.arange(first, first + len(self.rows), dtype=np.int64)
@@ -122,7 +122,7 @@ class Calls:
     ----------
     calls : list of Call
     numbers : int
-        How many numbers come of them, one call after the other.
+        The number of their results, one call after the other.
     """
 
     def __init__(self, added: Sequence[Added], name: str) -> None:
@@ -133,7 +133,7 @@ class Calls:
         self.numbers = self._begin[-1]
 
     def terms(self, first: int, unknowns: int) -> list[Sums]:
-        """Terms of the numbers, which stand from place ``first`` on; see ``Added.terms``."""
+        """Return the terms of the results, which begin at ``first``; see ``Added.terms``."""
         begin = zip(self._added, self._begin, strict=False)
         return [each.terms(self._name, first + at, unknowns) for each, at in begin]
 
@@ -144,7 +144,7 @@ def _nonzeros(inputs: list[ca.SX], matrix: ca.SX) -> tuple[tuple[Tape, int], Pat
 
 
 def where_in(symbols: ca.SX, entries: ca.SX) -> NDArray[np.int64]:
-    """Where in a column of symbols every entry stands, -1 for zeros, -2 for what is no symbol of the column."""
+    """Return the index of every entry in a column of symbols; -1 for zeros, -2 for other expressions."""
     known = {each.element_hash(): i for i, each in enumerate(symbols.elements())}
     found = [-1 if each.is_zero() else known.get(each.element_hash(), -2) for each in entries.elements()]
     return np.array(found, dtype=np.int64)

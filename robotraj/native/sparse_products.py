@@ -1,7 +1,7 @@
-"""Sparse matrices as places in a buffer, and their products as terms buffer[out] += buffer[left] * buffer[right].
+"""Sparse matrices with entries in a buffer; their products as terms buffer[out] += buffer[left] * buffer[right].
 
-The chain rule of a stage function is written once, when its block is made, as a list of such terms; the compiled
-module runs the list for every point.
+The chain rule of a stage function is written as a list of such terms when its block is made. The compiled module
+evaluates the list at every point.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ Sums = tuple[Indices, Indices, Indices, Indices]
 """Terms of a matrix: row, column, left and right of each."""
 
 ONE = 0
-"""Where every buffer holds 1."""
+"""The place of the constant 1 in every buffer."""
 
 
 @dataclass(frozen=True, eq=False)
 class Entries:
-    """A sparse matrix: entry (rows[i], columns[i]) stands at ``places[i]`` of the buffer."""
+    """A sparse matrix: entry (rows[i], columns[i]) is at ``places[i]`` of the buffer."""
 
     rows: Indices
     columns: Indices
@@ -43,19 +43,19 @@ class Entries:
 
 
 def entries(rows: Indices, columns: Indices, first: int) -> Entries:
-    """Give the matrix whose entries stand one after the other from ``first`` on."""
+    """Return the matrix whose entries follow each other from place ``first``."""
     places = np.arange(first, first + len(rows), dtype=np.int64)
     return Entries(np.asarray(rows, dtype=np.int64), np.asarray(columns, dtype=np.int64), places)
 
 
 def joined(a: Entries, b: Entries) -> Entries:
-    """Give all entries of both."""
+    """Return all entries of both."""
     return Entries(*(np.concatenate(side) for side in ((a.rows, b.rows), (a.columns, b.columns), (a.places, b.places))))
 
 
 @dataclass
 class Terms:
-    """A buffer that grows, and what is added up in it.
+    """A growing buffer, and the terms that are summed in it.
 
     Attributes
     ----------
@@ -67,12 +67,12 @@ class Terms:
     _terms: list[NDArray[np.int64]] = field(default_factory=list)
 
     def collect(self, sums: list[Sums], full: int | None = None) -> Entries:
-        """Make a new matrix of sums of terms (row, column, left, right).
+        """Append a matrix of sums of terms (row, column, left, right).
 
         Parameters
         ----------
         full : int, optional
-            Give a dense column of this length instead, with zeros where there is no term.
+            Return a dense column of this length instead, with zeros where there is no term.
 
         Returns
         -------
@@ -97,7 +97,7 @@ class Terms:
         return made
 
     def product(self, a: Entries, b: Entries) -> Entries:
-        """Make a b."""
+        """Append the product a b."""
         return self.collect([matched(a, b)])
 
     @property
@@ -107,12 +107,12 @@ class Terms:
 
 
 def copied(a: Entries) -> Sums:
-    """Terms of a itself."""
+    """Return the terms of a copy of a."""
     return a.rows, a.columns, a.places, np.full(len(a), ONE, dtype=np.int64)
 
 
 def matched(a: Entries, b: Entries) -> Sums:
-    """Terms of a b: every pair of an entry of a and one of b whose row is its column."""
+    """Return the terms of a b: pairs of entries where the row in b is the column in a."""
     by_row = np.argsort(b.rows, kind="stable")
     begin = np.searchsorted(b.rows[by_row], a.columns, "left")
     many = np.searchsorted(b.rows[by_row], a.columns, "right") - begin
@@ -129,6 +129,6 @@ def lower(terms: Sums) -> Sums:
 
 
 def flipped(terms: Sums) -> Sums:
-    """Terms of the transpose."""
+    """Return the terms of the transpose."""
     rows, columns, left, right = terms
     return columns, rows, left, right
