@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.paths import whole_file
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solution.columns import values_of, variables_of
@@ -96,7 +97,7 @@ def to_csv(
     """
     target = _target(path)
     columns = table(solution, samples, gains)
-    with target.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(target) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([column.heading for column in columns])
         for row in zip(*(column.values for column in columns), strict=True):
@@ -142,7 +143,8 @@ def to_json(
         "units": {column.name: column.unit for column in columns},
         "columns": {column.name: [_number(value) for value in column.values] for column in columns},
     }
-    target.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    with whole_file(target) as partial:
+        partial.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     return target
 
 

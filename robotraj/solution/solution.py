@@ -208,14 +208,14 @@ class Solution(OneLine):
         """
         from robotraj.solution.storage.archive import Contents, write
 
-        phases = [_plain(phase, "phase") for phase in self.phases]
-        facts = _plain(self, "problem", "phases", "settings")
+        others = ("problem", "phases", "settings")
+        facts = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.name not in others}
         if self.multipliers is not None:
             facts["multipliers"] = self.multipliers.plain
         # Plans of Systems and plans that were not solved have no gains.
         with suppress(InputError):
             facts["gains"] = self.gains.plain
-        return write(path, Contents(self.problem, phases, facts, self.settings))
+        return write(path, Contents(self.problem, self.phases, facts, self.settings))
 
     def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201, gains: bool = False) -> Path:
         """Write a table over time, a column per variable with its unit; see ``robotraj.solution.export``."""
@@ -313,24 +313,25 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
         No such file, one of another kind or version, a damaged one, or a problem of other phases or variables.
     """
     from robotraj.solution.storage.archive import read
+    from robotraj.solution.storage.classes import complaint
 
     if not isinstance(path, str | PathLike):
         raise InputError(f"rt.load_solution takes the path of a file; got {type(path).__name__}.")
     if not isinstance(problem, Problem | Phase | None):
         raise InputError(f"problem= must be the rt.Problem or rt.Phase that was solved; got {type(problem).__name__}.")
     contents = read(path, Problem([problem]) if isinstance(problem, Phase) else problem)
-    pairs = zip(contents.problem.phases, contents.phases, strict=True)
-    phases = tuple(PhaseSolution(phase, **known) for phase, known in pairs)
     facts = dict(contents.facts)
     gains = facts.pop("gains", None)
-    solution = Solution(contents.problem, phases, **facts, settings=contents.settings)
+    given = {"problem": contents.problem, "phases": tuple(contents.phases), **facts, "settings": contents.settings}
+    wrong = complaint(Solution, given)
+    if wrong is not None:
+        raise InputError(f"{str(path)!r} is damaged: facts: {wrong}. Save the solution again.")
+    solution = Solution(**given)
     if gains is not None:
         from robotraj.solution.feedback.gains import Gains
 
-        solution.__dict__["gains"] = Gains.of(gains)
+        try:
+            solution.__dict__["gains"] = Gains.of(gains)
+        except (KeyError, TypeError, ValueError) as error:
+            raise InputError(f"{str(path)!r} is damaged: facts.gains: {error}. Save the solution again.") from error
     return solution
-
-
-def _plain(value: PhaseSolution | Solution, *without: str) -> dict[str, Any]:
-    """Fields of a value by name, without some."""
-    return {entry.name: getattr(value, entry.name) for entry in fields(value) if entry.name not in without}

@@ -10,24 +10,30 @@ from __future__ import annotations
 import json
 import os
 import warnings
-import zipfile
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError, RobotrajError
+from robotraj._util.errors import InputError
+from robotraj._util.paths import whole_file
 from robotraj._util.printing import OneLine
+from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
+from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.settings import Settings
-from robotraj.solution.storage.codec import NotPlainData, Packer, Unpacker
-from robotraj.solution.storage.problems import check_fit, pack_problem, unpack_problem
+from robotraj.solution.storage.classes import complaint
+from robotraj.solution.storage.codec import REFUSALS, Damaged, NotPlainData, Packer, Unpacker
+from robotraj.solution.storage.entries import read_entries
+from robotraj.solution.storage.problems import OtherProblem, check_fit, pack_problem, unpack_problem
 
 FORMAT = "robotraj solution"
-VERSION = 2
+VERSION = 3
 """Raised whenever older versions could not read the file rightly."""
 
 ADVICE = "give the path of a file that solution.save(path) wrote."
@@ -40,8 +46,7 @@ class Contents(OneLine):
     Attributes
     ----------
     problem : Problem
-    phases : sequence of mapping
-        For each phase the plain data of its solution, by name.
+    phases : sequence of PhaseSolution
     facts : mapping
         Plain data of the whole solution, by name.
     settings : Settings or None
@@ -49,7 +54,7 @@ class Contents(OneLine):
     """
 
     problem: Problem
-    phases: Sequence[Mapping[str, Any]]
+    phases: Sequence[PhaseSolution]
     facts: Mapping[str, Any]
     settings: Settings | None
 
@@ -77,18 +82,13 @@ def write(path: str | os.PathLike[str], contents: Contents) -> Path:
     packer = Packer()
     data = {
         "problem": pack_problem(contents.problem, packer),
-        "phases": [packer.pack(dict(phase), f"phases.{i}") for i, phase in enumerate(contents.phases)],
+        "phases": [packer.pack(_plain(phase), f"phases.{i}") for i, phase in enumerate(contents.phases)],
         "facts": packer.pack(dict(contents.facts), "facts"),
         "settings": _packed_settings(contents.settings, packer),
     }
     about = {"format": FORMAT, "version": VERSION, "robotraj": _own_version()}
-    partial = target.with_name(target.name + ".part")
-    try:
-        with partial.open("wb") as file:
-            np.savez_compressed(file, about=_text(about), solution=_text(data), **packer.arrays)  # type: ignore[arg-type]
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
+    with whole_file(target) as partial, partial.open("wb") as file:
+        np.savez_compressed(file, about=_text(about), solution=_text(data), **packer.arrays)  # type: ignore[arg-type]
     return target
 
 
@@ -109,11 +109,11 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
     """
     source = _existing(Path(path).expanduser())
     arrays = _arrays(source)
-    data = json.loads(str(arrays["solution"]))
     unpacker = Unpacker(arrays)
     try:
+        data = _json(arrays, "solution")
         if problem is None:
-            problem, left_out = unpack_problem(data["problem"], unpacker)
+            problem, left_out = unpack_problem(data.get("problem"), unpacker)
             if left_out:
                 warnings.warn(
                     f"{source.name} was loaded without {'; '.join(left_out)}. "
@@ -121,13 +121,50 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
                     stacklevel=3,
                 )
         else:
-            check_fit(problem, data["problem"], source.name)
-        phases = [unpacker.unpack(phase) for phase in data["phases"]]
-        return Contents(problem, phases, unpacker.unpack(data["facts"]), _unpacked_settings(data["settings"], unpacker))
-    except RobotrajError:
+            check_fit(problem, data.get("problem"), source.name)
+        phases = [
+            _phase(problem, i, unpacker.unpack(phase, f"phases.{i}")) for i, phase in enumerate(data.get("phases", ()))
+        ]
+        if len(phases) != len(problem.phases):
+            raise Damaged(f"it holds {len(phases)} motions for {len(problem.phases)} phases")
+        facts = unpacker.unpack(data.get("facts"), "facts")
+        return Contents(problem, phases, facts, _unpacked_settings(data.get("settings"), unpacker))
+    except OtherProblem:
         raise
-    except (KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise InputError(f"{str(source)!r} is damaged: {error}. Save the solution again.") from error
+    except REFUSALS as error:
+        kind = "" if isinstance(error, InputError) else f"{type(error).__name__} "
+        raise InputError(f"{str(source)!r} is damaged: {kind}{error}. Save the solution again.") from error
+
+
+def _phase(problem: Problem, number: int, given: object) -> PhaseSolution:
+    """Make the motion of a phase, whose polynomials have the columns of its variables and the knots of its mesh."""
+    place = f"phases.{number}"
+    if not isinstance(given, dict) or number >= len(problem.phases):
+        raise Damaged(f"{place} is no motion of a phase of the problem")
+    phase = problem.phases[number]
+    wrong = complaint(PhaseSolution, {"phase": phase, **given})
+    if wrong is not None:
+        raise Damaged(f"{place}: {wrong}")
+    part = PhaseSolution(phase, **given)
+    dae, trajectory = phase.dae, part.trajectory
+    for name, variables in (("x", dae.states), ("z", dae.algebraic), ("u", dae.controls)):
+        curve: PiecewisePolynomial = getattr(trajectory, name)
+        pieces = len(curve.breaks) - 1 if curve.breaks.ndim == 1 else -1
+        if not pieces == len(curve.sites) == len(curve.values) == part.mesh.count:
+            raise Damaged(f"{place}.trajectory.{name} has not one polynomial for each of {part.mesh.count} intervals")
+        if not (np.isfinite(curve.breaks).all() and np.all(np.diff(curve.breaks) >= 0)):
+            raise Damaged(f"{place}.trajectory.{name} has knots that do not ascend")
+        for sites, values in zip(curve.sites, curve.values, strict=True):
+            if np.ndim(sites) != 1 or np.shape(values) != (len(sites), len(variables)):
+                raise Damaged(f"{place}.trajectory.{name} has values of another number than sites and variables")
+    if not np.isfinite([trajectory.t0, trajectory.duration]).all():
+        raise Damaged(f"{place}.trajectory starts or lasts no finite time")
+    return part
+
+
+def _plain(part: PhaseSolution) -> dict[str, object]:
+    """Fields of a motion without its phase, which the problem holds."""
+    return {entry.name: getattr(part, entry.name) for entry in fields(part) if entry.name != "phase"}
 
 
 def _packed_settings(settings: Settings | None, packer: Packer) -> Any:
@@ -138,14 +175,14 @@ def _packed_settings(settings: Settings | None, packer: Packer) -> Any:
         return None
 
 
-def _unpacked_settings(data: Any, unpacker: Unpacker) -> Settings | None:
-    """Make settings again; None, with a warning, where a class of theirs is missing."""
+def _unpacked_settings(data: object, unpacker: Unpacker) -> Settings | None:
+    """Make settings again; None, with a warning, where they hold what files do not set."""
     try:
-        settings: Settings | None = unpacker.unpack(data)
-    except NotPlainData as error:
+        settings: Settings | None = unpacker.unpack(data, "settings")
+    except (NotPlainData, Damaged) as error:
         warnings.warn(f"The settings of the plan could not be read: {error}", stacklevel=4)
         return None
-    return settings
+    return settings if isinstance(settings, Settings) else None
 
 
 def _existing(source: Path) -> Path:
@@ -155,15 +192,14 @@ def _existing(source: Path) -> Path:
     raise InputError(f"There is no file {str(source)!r}; {ADVICE}")
 
 
-def _arrays(source: Path) -> dict[str, np.ndarray]:
-    """Read all entries of the file, after making sure that it is one of ours."""
+def _arrays(source: Path) -> dict[str, NDArray[Any]]:
+    """Read all entries of the file, and check that it is one of ours."""
     try:
-        with np.load(source, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-        about = json.loads(str(arrays["about"]))
+        arrays = read_entries(source)
+        about = _json(arrays, "about")
         kind, number = about["format"], about["version"]
-    except (OSError, EOFError, ValueError, TypeError, KeyError, AttributeError, zipfile.BadZipFile) as error:
-        raise InputError(f"{str(source)!r} holds no robotraj solution; {ADVICE}") from error
+    except (OSError, *REFUSALS) as error:
+        raise InputError(f"{str(source)!r} holds no robotraj solution: {error}; {ADVICE}") from error
     if kind != FORMAT:
         raise InputError(f"{str(source)!r} holds a {kind!r}, not a {FORMAT!r}; {ADVICE}")
     if number != VERSION:
@@ -175,7 +211,21 @@ def _arrays(source: Path) -> dict[str, np.ndarray]:
     return arrays
 
 
-def _text(data: Any) -> np.ndarray:
+def _json(arrays: Mapping[str, NDArray[Any]], name: str) -> Any:
+    """Read an entry of JSON; numbers that are not finite are no JSON."""
+    if name not in arrays or arrays[name].dtype.kind != "U" or arrays[name].shape != ():
+        raise Damaged(f"there is no text {name!r}")
+
+    def refuse(constant: str) -> float:
+        raise ValueError(f"{constant} in {name!r}")
+
+    data = json.loads(str(arrays[name]), parse_constant=refuse)
+    if not isinstance(data, dict):
+        raise Damaged(f"{name!r} is no mapping")
+    return data
+
+
+def _text(data: Any) -> NDArray[Any]:
     return np.array(json.dumps(data, allow_nan=False))
 
 

@@ -1,42 +1,50 @@
-"""Plain data as JSON and arrays: frozen dataclasses, enums, containers, numbers and Pinocchio's values.
+"""Plain data as JSON and arrays: dataclasses of the allow-list, enums, containers, numbers and Pinocchio's values.
 
-A dataclass is written as its class and its fields, so a new constraint, objective or scheme needs no line
-here. Floats survive bit for bit (JSON keeps the shortest text that reads back as the same number; arrays stay
-binary). Python functions are no data: whatever holds one is refused.
+Floats survive bit for bit: JSON keeps the shortest text that reads back as the same number, arrays stay binary.
+Python functions and classes outside ``classes.CLASSES`` are not written.
 """
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.solution.storage.classes import CLASSES, ENUMS, NOT_KEPT, complaint
+from robotraj.solution.storage.models import model_data, model_of
 
 MARK = "$"
-"""Keys that start with this name a kind of value; user's mappings may not use it."""
+"""Keys that start with this name a kind of value; mappings of users may not have such keys."""
+
+DEPTH = 60
+"""Largest number of values inside each other."""
+
+Arrays = Mapping[str, NDArray[Any]]
 
 
 class NotPlainData(InputError):
-    """A value cannot be written, or a written one cannot be made again; the message says which and why."""
+    """A value that a file cannot hold, or one of a class that is not made from files; the message names it."""
+
+
+class Damaged(InputError):
+    """Data that no ``Packer`` wrote; the message names the place."""
 
 
 class Packer:
-    """Turns values into JSON; arrays and long texts go to ``arrays``, named by where they were found."""
+    """Turns values into JSON; arrays are collected in ``arrays``, named by their places."""
 
     def __init__(self) -> None:
-        self.arrays: dict[str, np.ndarray] = {}
+        self.arrays: dict[str, NDArray[Any]] = {}
 
-    def pack(self, value: Any, path: str) -> Any:
-        """Write a value.
+    def pack(self, value: object, path: str) -> Any:
+        """Return a value as JSON.
 
         Parameters
         ----------
@@ -47,7 +55,7 @@ class Packer:
         Raises
         ------
         NotPlainData
-            It holds a function or another value that is no data; nothing is stored then.
+            It holds a function or a value of another class that files do not hold; nothing is stored then.
         """
         before = set(self.arrays)
         try:
@@ -57,13 +65,13 @@ class Packer:
                 del self.arrays[name]
             raise
 
-    def _pack(self, value: Any, path: str) -> Any:
+    def _pack(self, value: object, path: str) -> Any:
         if value is None or isinstance(value, str):
             return value
         if isinstance(value, bool | np.bool_):
             return bool(value)
         if isinstance(value, Enum):
-            return {"$enum": _name(type(value)), "member": value.name}
+            return {"$enum": self._listed(type(value), ENUMS, path), "member": value.name}
         if isinstance(value, int | np.integer):
             return int(value)
         if isinstance(value, float | np.floating):
@@ -78,103 +86,210 @@ class Packer:
             return self._dataclass(value, path)
         return self._foreign(value, path)
 
-    def _store(self, path: str, array: np.ndarray) -> str:
+    def _store(self, path: str, array: NDArray[Any]) -> str:
         if array.dtype.kind not in "biufU":
-            raise NotPlainData(f"{path} is an array of {array.dtype}, which is no plain data.")
+            raise NotPlainData(f"{path} is an array of {array.dtype}, which files do not hold.")
         self.arrays[path] = array
         return path
 
-    def _mapping(self, value: Mapping[Any, Any], path: str) -> dict[str, Any]:
+    def _mapping(self, value: Mapping[Any, object], path: str) -> dict[str, Any]:
         for key in value:
             if not isinstance(key, str) or key.startswith(MARK):
-                raise NotPlainData(f"{path} has the key {key!r}; only names can be written.")
+                raise NotPlainData(f"{path} has the key {key!r}; keys in files are names that do not start with $.")
         return {key: self._pack(entry, f"{path}.{key}") for key, entry in value.items()}
 
     def _sequence(self, value: Sequence[Any], path: str) -> Any:
         mark = "$list" if isinstance(value, list) else "$tuple"
         if _alike(value):
-            # Hundreds of small arrays, one an interval, are stored as one.
+            # Hundreds of small arrays, one for each interval, are stored as one.
             joined = self._store(path, np.concatenate(value))
             return {"$arrays": joined, "lengths": [len(part) for part in value], "as": mark}
         return {mark: [self._pack(entry, f"{path}.{i}") for i, entry in enumerate(value)]}
 
     def _dataclass(self, value: Any, path: str) -> dict[str, Any]:
-        kind = type(value)
-        names = [field.name for field in fields(value) if field.init]
-        if not kind.__dataclass_params__.init:
-            raise NotPlainData(f"{path} is a {kind.__name__}, which is not made from its fields.")
-        entries = {name: self._pack(getattr(value, name), f"{path}.{name}") for name in names}
-        return {"$class": _name(kind), "fields": entries}
+        name = self._listed(type(value), CLASSES, path)
+        kept = [field.name for field in fields(value) if field.init and field.name not in NOT_KEPT.get(name, ())]
+        return {"$class": name, "fields": {key: self._pack(getattr(value, key), f"{path}.{key}") for key in kept}}
 
-    def _foreign(self, value: Any, path: str) -> Any:
+    def _listed(self, kind: type, known: Mapping[str, type], path: str) -> str:
+        if known.get(kind.__name__) is not kind:
+            raise NotPlainData(f"{path} is a {kind.__name__}, a class that files do not hold.")
+        return kind.__name__
+
+    def _foreign(self, value: object, path: str) -> Any:
         if isinstance(value, Path):
             return {"$path": str(value.absolute())}
         if isinstance(value, pin.Model):
-            return {"$model": self._store(path, np.array(value.saveToString()))}
+            try:
+                return {"$model": self._pack(model_data(value), path)}
+            except ValueError as error:
+                raise NotPlainData(f"{path}: {error}, which files do not hold.") from error
         if isinstance(value, pin.SE3):
             return {"$se3": self._store(path, np.array(value.homogeneous))}
         if isinstance(value, pin.Quaternion):
             return {"$quaternion": self._store(path, np.array(value.coeffs()))}
-        raise NotPlainData(f"{path} is a {type(value).__name__}, which is no plain data.")
+        raise NotPlainData(f"{path} is a {type(value).__name__}, which files do not hold.")
 
 
 class Unpacker:
-    """Makes values again from what a Packer wrote.
+    """Makes values from what a ``Packer`` wrote.
 
     Parameters
     ----------
     arrays : mapping of str to ndarray
-        What the packer stored.
+        The arrays that the packer stored.
     """
 
-    def __init__(self, arrays: Mapping[str, np.ndarray]) -> None:
+    def __init__(self, arrays: Arrays) -> None:
         self._stored = arrays
 
-    def unpack(self, data: Any) -> Any:
-        """Make a value again.
+    def unpack(self, data: object, place: str = "value", depth: int = 0) -> Any:
+        """Make a value.
+
+        Parameters
+        ----------
+        data : object
+            JSON.
+        place : str
+            Name of its place in the file, for messages.
+        depth : int
+            Number of values around it.
 
         Raises
         ------
         NotPlainData
-            A class it needs does not exist here.
-        InputError
-            The class refuses the fields.
+            A class that is not on the allow-list; the value around it may do without.
+        Damaged
+            Data that no ``Packer`` wrote, or fields that the class refuses.
         """
+        if depth > DEPTH:
+            _damaged(place, f"more than {DEPTH} values inside each other")
+        if isinstance(data, list):
+            _damaged(place, "a list without its mark")
         if not isinstance(data, dict):
             return data
-        mark = next((key for key in data if key.startswith(MARK)), None)
-        if mark is None:
-            return {key: self.unpack(entry) for key, entry in data.items()}
-        content = data[mark]
-        if mark in ("$list", "$tuple"):
-            return _KINDS[mark](self.unpack(entry) for entry in content)
-        if mark == "$arrays":
-            parts = np.split(self._stored[content], np.cumsum(data["lengths"])[:-1])
-            return _KINDS[data["as"]](parts)
-        if mark == "$class":
-            kind = _class(content)
-            return kind(**{key: self.unpack(entry) for key, entry in data["fields"].items()})
-        if mark == "$enum":
-            return _class(content)[data["member"]]
-        if mark in _FROM_TEXT:
-            return _FROM_TEXT[mark](content)
-        return _FROM_ARRAY[mark](self._stored[content])
+        marks = [key for key in data if key.startswith(MARK)]
+        if not marks:
+            return {key: self.unpack(entry, f"{place}.{key}", depth + 1) for key, entry in data.items()}
+        mark = marks[0]
+        read = self._READERS.get(mark)
+        if read is None or len(marks) > 1:
+            _damaged(place, f"the mark {mark!r}")
+        return read(self, data[mark], data, place, depth + 1)
+
+    def _entries(self, content: object, data: Mapping[str, object], place: str, depth: int) -> Any:
+        if not isinstance(content, list):
+            _damaged(place, "a list that is none")
+        entries = [self.unpack(entry, f"{place}.{i}", depth) for i, entry in enumerate(content)]
+        return entries if "$list" in data else tuple(entries)
+
+    def _arrays(self, content: object, data: Mapping[str, object], place: str, depth: int) -> Any:
+        joined, lengths = self._array(content, data, place, depth), data.get("lengths")
+        if not isinstance(lengths, list) or not all(type(n) is int and n >= 0 for n in lengths):
+            _damaged(place, "lengths that are no whole numbers")
+        if joined.ndim == 0 or sum(lengths) != len(joined):
+            _damaged(place, f"{joined.shape} numbers for arrays of {sum(lengths)} rows")
+        parts = np.split(joined, np.cumsum(lengths)[:-1])
+        return parts if data.get("as") == "$list" else tuple(parts)
+
+    def _array(self, content: object, data: Mapping[str, object], place: str, depth: int) -> NDArray[Any]:
+        found = self._stored.get(content) if isinstance(content, str) else None
+        if found is None:
+            _damaged(place, f"the missing entry {content!r}")
+        return found
+
+    def _class(self, content: object, data: Mapping[str, object], place: str, depth: int) -> Any:
+        kind = CLASSES.get(content) if isinstance(content, str) else None
+        if kind is None:
+            raise NotPlainData(f"{place} is a {str(content)[:80]}, a class that is not made from files")
+        packed = data.get("fields")
+        if not isinstance(packed, dict):
+            _damaged(place, f"a {content} without fields")
+        given = {key: self.unpack(entry, f"{place}.{key}", depth) for key, entry in packed.items()}
+        problem = complaint(kind, given)
+        if problem is not None:
+            _damaged(place, problem)
+        return _made(lambda: kind(**given), place)
+
+    def _enum(self, content: object, data: Mapping[str, object], place: str, depth: int) -> Enum:
+        kind = ENUMS.get(content) if isinstance(content, str) else None
+        member = data.get("member")
+        if kind is None or not isinstance(member, str) or member not in kind.__members__:
+            _damaged(place, f"the unknown {content} {member!r}")
+        return kind[member]
+
+    def _float(self, content: object, data: Mapping[str, object], place: str, depth: int) -> float:
+        if content not in ("inf", "-inf", "nan"):
+            _damaged(place, f"the number {content!r}")
+        return float(str(content))
+
+    def _path(self, content: object, data: Mapping[str, object], place: str, depth: int) -> Path:
+        if not isinstance(content, str) or "\0" in content or len(content) > 4096:
+            _damaged(place, "a path that is none")
+        return Path(content)
+
+    def _model(self, content: object, data: Mapping[str, object], place: str, depth: int) -> pin.Model:
+        plain = self.unpack(content, place, depth)
+        if not isinstance(plain, dict):
+            _damaged(place, "a model without its parts")
+        return _made(lambda: model_of(plain), place)
+
+    def _se3(self, content: object, data: Mapping[str, object], place: str, depth: int) -> pin.SE3:
+        matrix = self._shaped(content, data, place, (4, 4))
+        return _made(lambda: pin.SE3(matrix), place)
+
+    def _quaternion(self, content: object, data: Mapping[str, object], place: str, depth: int) -> pin.Quaternion:
+        coefficients = self._shaped(content, data, place, (4,))
+        return _made(lambda: pin.Quaternion(coefficients), place)
+
+    def _shaped(self, content: object, data: Mapping[str, object], place: str, shape: tuple[int, ...]) -> NDArray[Any]:
+        array = self._array(content, data, place, 0)
+        if array.shape != shape or array.dtype != np.float64 or not np.isfinite(array).all():
+            _damaged(place, f"an array of the shape {array.shape} where finite numbers of the shape {shape} belong")
+        return array
+
+    _READERS: Mapping[str, Callable[..., Any]] = {
+        "$list": _entries,
+        "$tuple": _entries,
+        "$arrays": _arrays,
+        "$array": _array,
+        "$class": _class,
+        "$enum": _enum,
+        "$float": _float,
+        "$path": _path,
+        "$model": _model,
+        "$se3": _se3,
+        "$quaternion": _quaternion,
+    }
 
 
-def _model(text: np.ndarray) -> pin.Model:
-    model = pin.Model()
-    model.loadFromString(str(text))
-    return model
+REFUSALS = (
+    AttributeError,
+    ArithmeticError,
+    IndexError,
+    InputError,
+    KeyError,
+    MemoryError,
+    RecursionError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+)
+"""What classes raise that are made from wrong values."""
 
 
-_KINDS: dict[str, Callable[[Iterable[Any]], Any]] = {"$list": list, "$tuple": tuple}
-_FROM_TEXT: dict[str, Callable[[str], Any]] = {"$float": float, "$path": Path}
-_FROM_ARRAY: dict[str, Callable[[np.ndarray], Any]] = {
-    "$array": lambda array: array,
-    "$model": _model,
-    "$se3": pin.SE3,
-    "$quaternion": pin.Quaternion,
-}
+def _made(make: Callable[[], Any], place: str) -> Any:
+    """Make a value; whatever refuses becomes one error that names the place."""
+    try:
+        return make()
+    except (NotPlainData, Damaged):
+        raise
+    except REFUSALS as error:
+        raise Damaged(f"{place}: {type(error).__name__}: {error}") from error
+
+
+def _damaged(place: str, found: str) -> NoReturn:
+    raise Damaged(f"{place} holds {found}")
 
 
 def _alike(values: Sequence[Any]) -> bool:
@@ -182,19 +297,3 @@ def _alike(values: Sequence[Any]) -> bool:
     if not values or not all(isinstance(value, np.ndarray) and value.ndim > 0 for value in values):
         return False
     return len({(value.shape[1:], value.dtype) for value in values}) == 1
-
-
-def _name(kind: type) -> str:
-    return f"{kind.__module__}.{kind.__qualname__}"
-
-
-def _class(name: str) -> Any:
-    """Find a dataclass or enum by its full name: robotraj's are imported, a user's must have been already."""
-    module, _, short = name.rpartition(".")
-    if module.split(".")[0] == __name__.split(".")[0]:
-        with suppress(ImportError):
-            import_module(module)
-    kind = getattr(sys.modules.get(module), short, None)
-    if not isinstance(kind, type) or not (is_dataclass(kind) or issubclass(kind, Enum)):
-        raise NotPlainData(f"There is no class {name} here; import the module that defines it first.")
-    return kind

@@ -6,10 +6,9 @@ cannot be stored safely; a problem loaded without them is enough to look at, sam
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, fields
-from typing import Any
+from dataclasses import fields
+from typing import Any, TypeVar
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.missing import MissingEquations
@@ -19,8 +18,19 @@ from robotraj.problem.objectives.base import Objective, Sum
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
-from robotraj.solution.storage.codec import NotPlainData, Packer, Unpacker
+from robotraj.solution.storage.classes import complaint
+from robotraj.solution.storage.codec import Damaged, NotPlainData, Packer, Unpacker
 from robotraj.solution.storage.shapes import pack_robot, with_shapes
+
+T = TypeVar("T")
+
+
+class OtherProblem(InputError):
+    """A file whose motions belong to another problem."""
+
+
+NAME = 200
+"""Largest number of characters of a name in a warning."""
 
 GROUPS = ("states", "algebraic", "controls")
 
@@ -46,25 +56,50 @@ def pack_problem(problem: Problem, packer: Packer) -> dict[str, Any]:
 
 
 def unpack_problem(data: Mapping[str, Any], unpacker: Unpacker) -> tuple[Problem, list[str]]:
-    """Make the problem again, as far as it was written; also return what is missing of it."""
-    left_out = list(data["left_out"])
-    robots = [with_shapes(unpacker.unpack(robot)) for robot in data["robots"]]
-    phases = [_unpack_phase(phase, robots, unpacker, left_out) for phase in data["phases"]]
-    links = _unpack_each(data["links"], unpacker, left_out)
+    """Make the problem again, as far as it was written; also return the names of its missing parts."""
+    left_out = [str(name)[:NAME] for name in _part(data, "left_out", list, "problem")]
+    robots = [_robot(robot, i, unpacker) for i, robot in enumerate(_part(data, "robots", list, "problem"))]
+    stored = _part(data, "phases", list, "problem")
+    phases = [_unpack_phase(phase, i, robots, unpacker, left_out) for i, phase in enumerate(stored)]
+    links = _unpack_each(_part(data, "links", list, "problem"), unpacker, left_out, "links")
     return Problem(phases, links, missing=tuple(left_out)), left_out
 
 
+def _part(data: object, name: str, kind: type[T], place: str) -> T:
+    """Return an entry of a mapping of the file.
+
+    Raises
+    ------
+    Damaged
+        It is missing, or of another kind.
+    """
+    found = data.get(name) if isinstance(data, dict) else None
+    if not isinstance(found, kind):
+        raise Damaged(f"{place} has no {name}")
+    return found
+
+
+def _robot(data: object, number: int, unpacker: Unpacker) -> Robot:
+    robot = unpacker.unpack(data, f"robots.{number}")
+    if not isinstance(robot, Robot):
+        raise Damaged(f"robots.{number} is no robot")
+    return with_shapes(robot)
+
+
 def check_fit(problem: Problem, data: Mapping[str, Any], name: str) -> None:
-    """Raise InputError unless the file's trajectories belong to a problem of these phases and variables."""
-    if len(problem.phases) != len(data["phases"]):
-        raise InputError(f"{name} has {len(data['phases'])} phases, but problem= has {len(problem.phases)}.")
-    for phase, stored in zip(problem.phases, data["phases"], strict=True):
+    """Raise OtherProblem unless the file's trajectories belong to a problem of these phases and variables."""
+    phases = _part(data, "phases", list, "problem")
+    if len(problem.phases) != len(phases):
+        raise OtherProblem(f"{name} has {len(phases)} phases, but problem= has {len(problem.phases)}.")
+    for i, (phase, stored) in enumerate(zip(problem.phases, phases, strict=True)):
+        variables, place = _part(stored, "variables", dict, f"problem.phases.{i}"), f"problem.phases.{i}.variables"
         for group in GROUPS:
             names = [variable.name for variable in getattr(phase.body, group)]
-            known = [variable["name"] for variable in stored["variables"][group]]
+            known = [_part(variable, "name", str, place) for variable in _part(variables, group, list, place)]
             if names != known:
-                raise InputError(
-                    f"{name} is of another problem: its phase {stored['fields']['name']!r} has the {group} "
+                label = _part(stored, "fields", dict, place).get("name")
+                raise OtherProblem(
+                    f"{name} is of another problem: its phase {label!r} has the {group} "
                     f"{known}, phase {phase.name!r} of problem= has {names}."
                 )
 
@@ -108,24 +143,40 @@ def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left
     }
 
 
-def _unpack_phase(data: Mapping[str, Any], robots: Sequence[Robot], unpacker: Unpacker, left_out: list[str]) -> Phase:
-    plain = {name: unpacker.unpack(entry) for name, entry in data["fields"].items()}
-    subject = robots[data["robot"]] if data["robot"] is not None else _system(data["system"], data["variables"])
-    terms = _unpack_each(data["objective"], unpacker, left_out)
+def _unpack_phase(
+    data: Mapping[str, Any], number: int, robots: Sequence[Robot], unpacker: Unpacker, left_out: list[str]
+) -> Phase:
+    place = f"problem.phases.{number}"
+    stored = _part(data, "fields", dict, place)
+    plain = {name: unpacker.unpack(entry, f"{place}.{name}") for name, entry in stored.items()}
+    robot = data.get("robot")
+    if robot is None:
+        subject: Robot | System = _system(
+            _part(data, "system", str, place), _part(data, "variables", dict, place), place
+        )
+    elif type(robot) is int and 0 <= robot < len(robots):
+        subject = robots[robot]
+    else:
+        raise Damaged(f"{place} moves robot {robot!r}, which is not in the file")
+    terms = _unpack_each(_part(data, "objective", list, place), unpacker, left_out, f"{place}.objective")
     objective: Objective | None = Sum(tuple(terms)) if terms else None
     if len(terms) == 1 and terms[0][0] == 1.0:
         objective = terms[0][1]
-    constraints = _unpack_each(data["constraints"], unpacker, left_out)
-    known = {entry.name for entry in fields(Phase) if entry.init}
-    required = {e.name for e in fields(Phase) if e.default is MISSING and e.default_factory is MISSING}
-    if not set(plain) <= known or not required <= {*plain, "subject"}:
-        raise NotPlainData(f"The fields of its phases are {sorted(plain)}; here a phase has {sorted(known)}.")
-    return Phase(subject, **plain, constraints=constraints, objective=objective)
+    constraints = _unpack_each(_part(data, "constraints", list, place), unpacker, left_out, f"{place}.constraints")
+    given = plain | {"subject": subject, "constraints": tuple(constraints), "objective": objective}
+    wrong = complaint(Phase, given)
+    if wrong is not None:
+        raise Damaged(f"{place}: {wrong}")
+    return Phase(**given)
 
 
-def _system(name: str, variables: Mapping[str, Sequence[Mapping[str, str]]]) -> System:
-    """Make a System of the right variables whose equations say that they are missing."""
-    groups = {group: [Variable(entry["name"], entry["unit"]) for entry in variables[group]] for group in GROUPS}
+def _system(name: str, variables: Mapping[str, Any], place: str) -> System:
+    """Make a System of the right variables, whose equations raise an error that names them as missing."""
+    groups = {}
+    for group in GROUPS:
+        entries = _part(variables, group, list, f"{place}.variables")
+        where = f"{place}.variables.{group}"
+        groups[group] = [Variable(_part(v, "name", str, where), _part(v, "unit", str, where)) for v in entries]
     missing = MissingEquations(name)
     return System(
         [v.name for v in groups["states"]],
@@ -152,23 +203,20 @@ def _pack_each(
     return written
 
 
-def _unpack_each(data: Sequence[Mapping[str, Any]], unpacker: Unpacker, left_out: list[str]) -> list[Any]:
+def _unpack_each(data: Sequence[Mapping[str, Any]], unpacker: Unpacker, left_out: list[str], place: str) -> list[Any]:
     values = []
-    for entry in data:
+    for i, entry in enumerate(data):
+        name = _part(entry, "name", str, f"{place}.{i}")[:NAME]
         try:
-            values.append(unpacker.unpack(entry["value"]))
+            values.append(unpacker.unpack(entry.get("value"), f"{place}.{i}"))
         except NotPlainData as error:
-            left_out.append(f"{entry['name']} ({error})")
+            left_out.append(f"{name} ({error})")
     return values
 
 
-def _printed(value: Any) -> str:
-    """Print a constraint, link or weighted term without addresses in memory."""
+def _printed(value: object) -> str:
+    """Print a constraint, link or weighted term."""
     if isinstance(value, tuple):
         weight, term = value
         return _printed(term) if weight == 1 else f"{weight:g} {_printed(term)}"
-    text = re.sub(r"<([\w.]+) object at 0x[0-9a-f]+>", r"\1", repr(value))
-    text = re.sub(r"<function (\S+) at 0x[0-9a-f]+>", r"\1", text)
-    text = re.sub(r"<bound method (\S+) of [^>]*>", r"\1", text)
-    text = re.sub(r"<built-in function (\S+)>", r"\1", text)
-    return re.sub(r"[\w.]*<locals>\.", "", text)
+    return repr(value)
