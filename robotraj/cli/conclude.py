@@ -7,6 +7,7 @@ from pathlib import Path
 
 import typer
 
+from robotraj._util.paths import whole_file
 from robotraj._util.values import dataclass
 from robotraj.cli.exits import ExitCode
 from robotraj.cli.terminal import say, say_json
@@ -31,7 +32,8 @@ class Files:
         if self.save is not None:
             written.append(solution.save(self.save))
         if self.plot is not None:
-            solution.plot().savefig(self.plot)
+            with whole_file(self.plot) as file:
+                solution.plot().savefig(file, format=self.plot.suffix[1:])
             written.append(self.plot)
         if self.html is not None:
             written.append(replay(solution, self.html, periods=self.periods))

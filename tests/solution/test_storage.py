@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import inspect
 import json
+import pkgutil
 import warnings
 from dataclasses import dataclass, fields, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -351,6 +353,14 @@ def test_what_is_no_data_is_refused_and_stores_nothing() -> None:
     with pytest.raises(NotPlainData, match=r"x\.b"):
         packer.pack({"a": np.ones(3), "b": len}, "x")
     assert packer.arrays == {}
+
+
+def test_expressions_of_gaits_are_on_the_list() -> None:
+    """A gait is saved whole: what its constraints and objectives call is plain data."""
+    names = [f"robotraj.gait.{entry.name}" for entry in pkgutil.iter_modules(rt.gait.__path__)]
+    kinds = [kind for name in names for kind in vars(import_module(name)).values() if isinstance(kind, type)]
+    called = {kind.__name__ for kind in kinds if kind.__module__ in names and "__call__" in vars(kind)}
+    assert called and called <= set(CLASSES)
 
 
 def test_no_class_is_found_by_module() -> None:

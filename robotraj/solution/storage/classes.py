@@ -31,9 +31,9 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.height_map import HeightMap
 from robotraj.dynamics.terrain.slope import Slope
 from robotraj.dynamics.terrain.steps import Steps
-from robotraj.gait.halves import InProportion
 from robotraj.gait.phase_sequence import SwingArc
-from robotraj.gait.posture import Still
+from robotraj.gait.posture import FixedPosture, SquaredAccelerations
+from robotraj.gait.repetition import DurationRatio
 from robotraj.gait.upright import RootHeight, Upright
 from robotraj.native.engines.base import VirtualMachine
 from robotraj.native.engines.compiled import Compiled
@@ -109,7 +109,7 @@ CLASSES: Mapping[str, type] = {
         LineContact, LoopClosure, PointContact, Linearised, SecondOrder, FourCorners, PressureAndTorsion, JointDamping,
         LinkLength, BodyMass, Payload, Flat, HeightMap, Slope, Steps,
         # expressions of gaits that are plain data
-        InProportion, SwingArc, Still, RootHeight, Upright,
+        DurationRatio, SwingArc, FixedPosture, SquaredAccelerations, RootHeight, Upright,
         # solutions
         PiecewisePolynomial, PhaseTrajectory, Conflict, PhaseDuals, Goals, Proof, ContinuationRecord, MeshStep,
         Violation, Multipliers, AddedRow,
