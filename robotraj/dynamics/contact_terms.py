@@ -7,13 +7,15 @@ leg, its forces and its foothold. This function is differentiated once for all p
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.holding import Share, anchors, pinned, pull
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.native.shared_terms import Added, Addend, where_in
 from robotraj.robot.memory import PerRobot
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.dynamics.point import RobotPoint
+    from robotraj.dynamics.point import Point
     from robotraj.robot.robot import Robot
 
 
@@ -112,7 +114,7 @@ PARTS = ("reaction", "accelerations", "places", "rates", "corrected")
 """Parts of a share. Each is its own function, since their derivatives have little in common."""
 
 
-def contacts_apart(body: Any, point: Any, c: ca.SX) -> tuple[Apart, ...]:
+def contacts_apart(body: Dynamics, point: Point, c: ca.SX) -> tuple[Apart, ...]:
     """Represent the terms of contacts by symbols in every expression built from a point.
 
     Parameters
@@ -122,7 +124,7 @@ def contacts_apart(body: Any, point: Any, c: ca.SX) -> tuple[Apart, ...]:
     c : casadi.SX
         Corrections of the invariants.
     """
-    if not isinstance(body, InverseRigidBody) or body.design is not None:
+    if not isinstance(body, InverseRigidBody) or body.design is not None or not isinstance(point, RobotPoint):
         return ()
     kept = PARTS[:-1] if pinned(body.robot, body.contacts) else PARTS
     held = [len(contact.holds) for contact in body.contacts]

@@ -44,6 +44,8 @@ class TimeOrders(NamedTuple):
 class Dynamics(Protocol):
     """A semi-explicit DAE with named variables.
 
+    Its functions take the points that its own ``point`` returns; a robot's are RobotPoints.
+
     Attributes
     ----------
     states, algebraic, controls : tuple of Variable

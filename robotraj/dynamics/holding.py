@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.point import ContactTerms, RobotPoint
+from robotraj.dynamics.variable import Scalar
 
 if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact
@@ -32,38 +33,38 @@ class Share:
         return -torques(self.contact, self.point, [self.point.z[force.name] for force in self.contact.forces])
 
     @cached_property
-    def places(self) -> Sequence[Any]:
+    def places(self) -> Sequence[Scalar]:
         """Position rows, zero while the contact is at its anchors [m, rad]."""
         return self.contact.position(self.point, anchors(self.contact, self.point.p))
 
     @cached_property
-    def rates(self) -> Sequence[Any]:
+    def rates(self) -> Sequence[Scalar]:
         """Velocities [m/s, rad/s]."""
         return self.contact.velocity(self.point)
 
     @cached_property
-    def accelerations(self) -> Sequence[Any]:
+    def accelerations(self) -> Sequence[Scalar]:
         """Accelerations [m/s^2, rad/s^2]."""
         return self.contact.acceleration(self.point)
 
 
-def share_of(contact: BoundContact, point: RobotPoint) -> Any:
+def share_of(contact: BoundContact, point: RobotPoint) -> ContactTerms:
     """Return a contact's terms: symbols where they are separate functions (``contact_terms``), else a ``Share``."""
     return point.shares.get(contact.name) or Share(contact, point)
 
 
-def hold(contacts: Sequence[BoundContact], point: RobotPoint) -> list[Any]:
+def hold(contacts: Sequence[BoundContact], point: RobotPoint) -> list[Scalar]:
     """Rows that are zero while the contacts hold: all places, then all velocities."""
     shares = [share_of(contact, point) for contact in contacts]
     return [row for share in shares for row in share.places] + [row for share in shares for row in share.rates]
 
 
-def anchors(contact: BoundContact, p: Any) -> dict[str, Any]:
+def anchors(contact: BoundContact, p: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return a contact's anchors by name from the parameters of a phase."""
     return {anchor.name: p[anchor.name] for anchor in contact.anchors}
 
 
-def torques(contact: BoundContact, point: RobotPoint, forces: Sequence[Any]) -> Any:
+def torques(contact: BoundContact, point: RobotPoint, forces: Sequence[Scalar]) -> ca.SX:
     """Joint torques J' f of a contact's forces, (nv,) [N m, N]."""
     total = ca.SX.zeros(point.robot.nv)
     for frame, wrench in contact.wrench(point, forces):
@@ -76,7 +77,7 @@ def pinned(robot: Robot, contacts: Sequence[BoundContact]) -> bool:
     return len(contacts) == 1 and bool(contacts[0].anchors) and len(contacts[0].holds) in ROOT_FREEDOMS[robot.root]
 
 
-def correct(contacts: Sequence[BoundContact], point: RobotPoint, c: Any) -> Any:
+def correct(contacts: Sequence[BoundContact], point: RobotPoint, c: ca.SX) -> ca.SX:
     """Tangent vector (nv,) along which one correction c for each held row moves the robot.
 
     A single contact is corrected by moving the root: its translation for a point, all of it for a foot. The robot
@@ -91,7 +92,7 @@ def correct(contacts: Sequence[BoundContact], point: RobotPoint, c: Any) -> Any:
     return pull(contacts, point, c)
 
 
-def pull(contacts: Sequence[BoundContact], point: RobotPoint, c: Any) -> Any:
+def pull(contacts: Sequence[BoundContact], point: RobotPoint, c: ca.SX) -> ca.SX:
     """J' c, (nv,), for the velocity rows J v of contacts."""
     # The gradient of J v by v is J, whatever v is.
     v = ca.SX.sym("v", point.robot.nv)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import Point
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class MissingEquations:
 
     system: str
 
-    def __call__(self, point: Any) -> NoReturn:
+    def __call__(self, point: Point) -> NoReturn:
         """Raise InputError."""
         raise InputError(
             f"The equations of system {self.system!r} are Python functions, which a file does not hold; "

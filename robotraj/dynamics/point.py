@@ -6,18 +6,74 @@ In the NLP a point holds CasADi symbols (this file), in the witness it holds num
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Protocol
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
-from robotraj.dynamics.variable import Named
+from robotraj.dynamics.variable import Column, Named, Scalar
 
 if TYPE_CHECKING:
     from robotraj.dynamics.design.model import DesignedModel
     from robotraj.robot.robot import Robot
     from robotraj.symbolic import SymbolicModel
+
+
+class FrameMotion(Protocol):
+    """Pose and motion of a frame in world axes; see ``FrameView``."""
+
+    @property
+    def position(self) -> Column:
+        """Origin (3,) [m]."""
+
+    @property
+    def rotation(self) -> Column:
+        """Rotation matrix (3, 3) from frame to world."""
+
+    @property
+    def velocity(self) -> Column:
+        """Linear then angular velocity (6,) [m/s, rad/s]."""
+
+    @property
+    def acceleration(self) -> Column:
+        """Classical acceleration (6,) [m/s^2, rad/s^2]."""
+
+
+class FramePoint(Protocol):
+    """A point that knows the frames of its robot: in symbols or in numbers."""
+
+    def frame(self, name: str) -> FrameMotion:
+        """Return the pose and motion of a frame."""
+
+
+class ContactTerms(Protocol):
+    """The terms that one contact adds to the equations: its reaction and its held rows."""
+
+    @property
+    def reaction(self) -> ca.SX:
+        """Generalised force -J' f (nv,) [N m, N]."""
+
+    @property
+    def places(self) -> Sequence[Scalar]:
+        """Position rows [m, rad]."""
+
+    @property
+    def rates(self) -> Sequence[Scalar]:
+        """Velocity rows [m/s, rad/s]."""
+
+    @property
+    def accelerations(self) -> Sequence[Scalar]:
+        """Acceleration rows [m/s^2, rad/s^2]."""
+
+
+class ContactGraphs(ContactTerms, Protocol):
+    """The terms of a contact as symbols."""
+
+    @property
+    def corrected(self) -> ca.SX:
+        """Rates (nq + nv,) of the state along the corrections."""
 
 
 class Point:
@@ -34,13 +90,13 @@ class Point:
         Variables that the phase's objective brought along (``robotraj.problem.augmentation``), by name.
     """
 
-    def __init__(self, t: Any, x: Named, z: Named, u: Named, p: Named) -> None:
+    def __init__(self, t: Scalar, x: Named, z: Named, u: Named, p: Named) -> None:
         self.t = t
         self.x = x
         self.z = z
         self.u = u
         self.p = p
-        self.extra: dict[str, Any] = {}
+        self.extra: dict[str, Scalar] = {}
 
 
 class RobotPoint(Point):
@@ -65,18 +121,18 @@ class RobotPoint(Point):
 
     def __init__(
         self,
-        t: Any,
+        t: Scalar,
         x: Named,
         z: Named,
         u: Named,
         p: Named,
         robot: Robot,
-        q: Any,
-        v: Any,
-        a: Any,
-        tau: Any,
+        q: ca.SX,
+        v: ca.SX,
+        a: ca.SX | None,
+        tau: ca.SX | None,
         symbolic: SymbolicModel | DesignedModel | None = None,
-        damping: Any = None,
+        damping: Column | None = None,
     ) -> None:
         super().__init__(t, x, z, u, p)
         self.robot = robot
@@ -88,10 +144,10 @@ class RobotPoint(Point):
         self.q = q
         self.v = v
         self.forces = Named("contact", (), ())
-        self.shares: dict[str, Any] = {}
+        self.shares: dict[str, ContactGraphs] = {}
 
     @property
-    def a(self) -> Any:
+    def a(self) -> ca.SX:
         """Joint accelerations (nv,) [rad/s^2, m/s^2]."""
         if self._a is None:
             raise InputError("Accelerations are not known at the end points of a phase; use a path constraint there.")
@@ -103,7 +159,7 @@ class RobotPoint(Point):
         return self._a is not None
 
     @cached_property
-    def inverse_dynamics(self) -> Any:
+    def inverse_dynamics(self) -> ca.SX:
         """RNEA(q, v, a), the generalised force (nv,) of the motion without contacts, damping or friction [N m, N].
 
         Before it is first read, symbols may be put in its place (``dynamics.torques``).
@@ -112,7 +168,7 @@ class RobotPoint(Point):
         return self.symbolic.inverse_dynamics(self.q, self.v, self.a, no_force)
 
     @property
-    def tau(self) -> Any:
+    def tau(self) -> ca.SX:
         """Torques of the actuated joints (nu,) [N m, N]."""
         if self._tau is None:
             raise InputError("Torques are not known at the end points of a phase; use a path constraint there.")
@@ -126,22 +182,22 @@ class RobotPoint(Point):
         return self._frames[name]
 
     @property
-    def mass(self) -> Any:
+    def mass(self) -> Scalar:
         """Mass of all bodies that move [kg], the design's included."""
         return self.symbolic.mass
 
     @cached_property
-    def _center_of_mass(self) -> Any:
+    def _center_of_mass(self) -> ca.SX:
         still = ca.SX.zeros(self.robot.nv)
         return self.symbolic.center_of_mass(self.q, self.v, still if self._a is None else self._a)
 
     @property
-    def com(self) -> Any:
+    def com(self) -> ca.SX:
         """Centre of mass (3,) [m] in the world."""
         return self._center_of_mass[0]
 
     @cached_property
-    def momentum(self) -> Any:
+    def momentum(self) -> ca.SX:
         """Centroidal momentum (6,): linear [kg m/s], angular [kg m^2/s]."""
         return self.symbolic.centroidal_momentum(self.q, self.v)
 
@@ -155,25 +211,25 @@ class FrameView:
         self._symbolic = point.symbolic
 
     @cached_property
-    def _placement(self) -> Any:
+    def _placement(self) -> ca.SX:
         return self._symbolic.frame_placement(self._name)(self._point.q)
 
     @property
-    def position(self) -> Any:
+    def position(self) -> ca.SX:
         """Origin of the frame in the world (3,) [m]."""
         return self._placement[0]
 
     @property
-    def rotation(self) -> Any:
+    def rotation(self) -> ca.SX:
         """Rotation matrix from frame to world (3, 3)."""
         return self._placement[1]
 
     @cached_property
-    def velocity(self) -> Any:
+    def velocity(self) -> ca.SX:
         """Linear then angular velocity (6,) [m/s, rad/s], local-world-aligned."""
         return self._symbolic.frame_velocity(self._name)(self._point.q, self._point.v)
 
     @cached_property
-    def acceleration(self) -> Any:
+    def acceleration(self) -> ca.SX:
         """Classical acceleration (6,) [m/s^2, rad/s^2], local-world-aligned."""
         return self._symbolic.frame_acceleration(self._name)(self._point.q, self._point.v, self._point.a)

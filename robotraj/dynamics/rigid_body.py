@@ -9,9 +9,9 @@ Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5, 7 and 8
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -22,12 +22,14 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.holding import correct, hold, pinned, share_of
 from robotraj.dynamics.point import RobotPoint
-from robotraj.dynamics.variable import Named, Variable
+from robotraj.dynamics.variable import Column, Named, Variable
 
 if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact
     from robotraj.dynamics.design.binding import Design
+    from robotraj.dynamics.design.model import DesignedModel
     from robotraj.robot.robot import Robot
+    from robotraj.symbolic import SymbolicModel
 
 RATE_UNITS = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
 
@@ -82,7 +84,7 @@ class RigidBody(OneLine):
     def _has_quaternion(self) -> bool:
         return self.robot.root == "floating"
 
-    def _joints(self, prefix: str, quantity: str, unit_of: Any) -> tuple[Variable, ...]:
+    def _joints(self, prefix: str, quantity: str, unit_of: Callable[[str], str]) -> tuple[Variable, ...]:
         pairs = zip(self.robot.velocity_names, self.robot.units, strict=True)
         return tuple(Variable(f"{prefix}.{joint}", unit_of(unit), quantity, joint) for joint, unit in pairs)
 
@@ -102,14 +104,14 @@ class RigidBody(OneLine):
     def _forces(self) -> tuple[Variable, ...]:
         return tuple(force for contact in self.contacts for force in contact.forces)
 
-    def _numbers(self, p: ca.SX, names: Sequence[str]) -> tuple[Any, Any]:
+    def _numbers(self, p: ca.SX, names: Sequence[str]) -> tuple[SymbolicModel | DesignedModel, Column]:
         """Pinocchio's algorithms and the damping, with the parameters of the design put in."""
         if self.design is None:
             return self.robot.symbolic, self.robot.damping
         bodies = self.design.bodies(Named("parameter", names, p))
         return self.design.model(bodies), bodies.damping
 
-    def _applied(self, v: ca.SX, tau: ca.SX, damping: Any) -> ca.SX:
+    def _applied(self, v: ca.SX, tau: ca.SX, damping: Column) -> ca.SX:
         """Generalised force B tau - d(v) of the motors, the damping and the friction, (nv,)."""
         robot = self.robot
         force = ca.SX(robot.nv, 1)
@@ -128,13 +130,13 @@ class RigidBody(OneLine):
         self,
         t: ca.SX,
         x: ca.SX,
-        a: Any,
-        forces: Any,
+        a: ca.SX,
+        forces: ca.SX,
         u: ca.SX | None,
         p: ca.SX,
         names: Sequence[str],
-        symbolic: Any,
-        damping: Any,
+        symbolic: SymbolicModel | DesignedModel,
+        damping: Column,
     ) -> RobotPoint:
         nq = self.robot.nq
         kinds = self._names

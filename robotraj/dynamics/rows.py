@@ -15,7 +15,7 @@ SOMEWHERE = 0.7
 """Value of all symbols in a trial evaluation; roots, logarithms and divisions are defined there."""
 
 
-def rows_of(what: str, function: Callable[..., Any], *arguments: Any) -> list[ca.SX]:
+def rows_of(what: str, function: Callable[..., object], *arguments: object) -> list[ca.SX]:
     """Call a function that the user gave on symbols, and flatten what it returns.
 
     Parameters

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import Any
+from typing import Any, TypeAlias
 
 import casadi as ca
 
@@ -14,9 +14,10 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rows import rows_of
-from robotraj.dynamics.variable import Named, Variable
+from robotraj.dynamics.variable import Column, Named, Scalar, Variable
 
-Expression = Callable[[Any], Any]
+Expression: TypeAlias = "Callable[[Any], Column | Sequence[Scalar] | Scalar]"
+"""A function of a point; users annotate the point as they please."""
 
 
 @dataclass(frozen=True, init=False)
@@ -137,12 +138,12 @@ class SystemDynamics(OneLine):
             Named("parameter", names, p),
         )
 
-    def rates(self, point: Any) -> ca.SX:
+    def rates(self, point: Point) -> ca.SX:
         """Evaluate the state rates f."""
         system = self.system
         return _column(system.dynamics, point, len(system.states), f"dynamics of {system.name!r}", "state")
 
-    def residual(self, point: Any) -> ca.SX:
+    def residual(self, point: Point) -> ca.SX:
         """Evaluate the algebraic rows g."""
         rows = self.system.residual
         if rows is None:
@@ -150,16 +151,16 @@ class SystemDynamics(OneLine):
         count = len(self.system.algebraic)
         return _column(rows, point, count, f"residual of {self.system.name!r}", "algebraic variable")
 
-    def invariant(self, point: Any) -> ca.SX:
+    def invariant(self, point: Point) -> ca.SX:
         """No invariants."""
         return ca.SX(0, 1)
 
-    def correction(self, point: Any, c: ca.SX) -> ca.SX:
+    def correction(self, point: Point, c: ca.SX) -> ca.SX:
         """Nothing to correct."""
         return ca.SX.zeros(len(self.states))
 
 
-def _column(function: Expression, point: Any, length: int, what: str, per: str) -> ca.SX:
+def _column(function: Expression, point: Point, length: int, what: str, per: str) -> ca.SX:
     """Turn what a user's function returns into an SX column of the right length, or say what is wrong."""
     rows = rows_of(what, function, point)
     if len(rows) != length:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 import pinocchio as pin
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.point import Point, RobotPoint
 from robotraj.native.rigid_tree import rigid_tree
 from robotraj.symbolic import SymbolicModel
 
@@ -42,7 +42,7 @@ class Torques:
         """The robot as the compiled module reads it."""
         return _tree(self.model.text)
 
-    def are_in(self, expression: Any) -> bool:
+    def are_in(self, expression: ca.SX) -> bool:
         """Whether the expression depends on the torques."""
         return bool(ca.depends_on(expression, self.symbols))
 
@@ -66,7 +66,7 @@ def _tree(text: str) -> RigidTree:
     return rigid_tree(model)
 
 
-def torques_apart(point: Any) -> Torques | None:
+def torques_apart(point: Point) -> Torques | None:
     """Represent the inverse dynamics of a point by symbols in every expression built from it.
 
     Returns

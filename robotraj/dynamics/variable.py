@@ -4,11 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from textwrap import shorten
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import unknown_name
 from robotraj._util.printing import WIDTH, brief
 from robotraj._util.values import dataclass
+
+if TYPE_CHECKING:
+    import casadi as ca
+
+Scalar: TypeAlias = "ca.SX | float"
+"""An expression of symbols in the NLP, a number in the witness."""
+Column: TypeAlias = "ca.SX | NDArray[np.float64]"
+"""A vector or matrix of expressions or numbers."""
 
 
 @dataclass(frozen=True)
@@ -54,11 +65,11 @@ class Named(Mapping[str, Any]):
     def __init__(self, kind: str, names: Sequence[str], values: Any) -> None:
         self.kind = kind
         self._index = {name: i for i, name in enumerate(names)}
-        self._values = values
+        self._values = values  # a column, a sequence of scalars, or None at the ends of a phase
 
     @property
-    def column(self) -> Any:
-        """All entries, as they were given."""
+    def column(self) -> Any:  # a column of either kind, or None at the ends of a phase
+        """All entries, as passed to the constructor."""
         return self._values
 
     def __getitem__(self, name: str) -> Any:

@@ -9,18 +9,23 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.mobility import AXES
-from robotraj.dynamics.variable import Variable
+from robotraj.dynamics.point import FramePoint
+from robotraj.dynamics.variable import Scalar, Variable
 from robotraj.robot.memory import PerRobot
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
-Wrench = tuple[str, list[Any]]
+Array = NDArray[np.float64]
+
+
+Wrench = tuple[str, list[Scalar]]
 """A frame, and force then moment (6,) [N, N m] on its body, in world axes at the frame's origin."""
 
 
@@ -118,37 +123,37 @@ class BoundContact(OneLine, ABC):
         return [(self.frame, (0.0, 0.0, 0.0))]
 
     @abstractmethod
-    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+    def position(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Rows (m) [m, rad] that are zero while the contact is at its anchors.
 
         Where they are zero, their time derivative is ``velocity``.
         """
 
     @abstractmethod
-    def velocity(self, point: Any) -> list[Any]:
+    def velocity(self, point: FramePoint) -> list[Scalar]:
         """Rows (m) [m/s, rad/s] that are zero while the contact holds."""
 
     @abstractmethod
-    def acceleration(self, point: Any) -> list[Any]:
+    def acceleration(self, point: FramePoint) -> list[Scalar]:
         """Rows (m) [m/s^2, rad/s^2]: the time derivative of ``velocity``."""
 
     @abstractmethod
-    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+    def wrench(self, point: FramePoint, forces: Sequence[Scalar]) -> list[Wrench]:
         """Wrenches on the robot for values of ``forces``: pairs of a frame and 6 entries."""
 
     @abstractmethod
-    def vector(self, forces: Sequence[Any]) -> list[Any]:
+    def vector(self, forces: Sequence[Scalar]) -> list[Scalar]:
         """Force (3) or force and moment (6) in world axes [N, N m]; components that the contact lacks are zero."""
 
-    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+    def limits(self, point: FramePoint, forces: Sequence[Scalar], anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Values of ``limit_rows``."""
         return []
 
-    def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
+    def footing(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Values of ``footing_rows``: once a phase, since anchors are constant."""
         return []
 
-    def locate(self, robot: Robot, q: Any) -> dict[str, float]:
+    def locate(self, robot: Robot, q: Array) -> dict[str, float]:
         """Numeric values of the anchors in configuration q, for guesses."""
         return {}
 
@@ -174,26 +179,26 @@ def held_rows(
     return (*rows, *(Variable(f"{name}.{turn}", "rad", "contact position", name) for turn in turns))
 
 
-def spread(values: Sequence[Any], axes: Sequence[int]) -> list[Any]:
+def spread(values: Sequence[Scalar], axes: Sequence[int]) -> list[Scalar]:
     """Put values at their axes among x, y and z, zeros elsewhere."""
-    full: list[Any] = [0.0, 0.0, 0.0]
+    full: list[Scalar] = [0.0, 0.0, 0.0]
     for axis, i in zip(axes, range(len(axes)), strict=True):
         full[axis] = values[i]
     return full
 
 
-def label_of(name: Any, frame: Any) -> str:
+def label_of(name: str | None, frame: str) -> str:
     """Return the name given, or the frame's."""
     return frame if name is None else name
 
 
-def checked_name(name: Any, who: str) -> None:
+def checked_name(name: object, who: str) -> None:
     """Refuse a name that is not a string or is empty."""
     if name is not None and (not isinstance(name, str) or not name):
         raise InputError(f"The name of {who} is {name!r}; give some text, or leave it out for the frame's name.")
 
 
-def positive(value: Any, what: str, unit: str) -> float:
+def positive(value: object, what: str, unit: str) -> float:
     """Read a positive finite number."""
     number = _number(value)
     if not (np.isfinite(number) and number > 0.0):
@@ -201,9 +206,10 @@ def positive(value: Any, what: str, unit: str) -> float:
     return number
 
 
-def force_range(value: Any, who: str) -> tuple[float, float]:
+def force_range(value: ArrayLike, who: str) -> tuple[float, float]:
     """Read (least, greatest) normal force [N], 0 <= least < greatest; the greatest may be infinite."""
-    least, greatest = (_number(entry) for entry in (value if np.shape(value) == (2,) else (None, None)))
+    pair = np.asarray(value, dtype=object)
+    least, greatest = (_number(entry) for entry in (pair.tolist() if pair.shape == (2,) else (None, None)))
     if not 0.0 <= least < greatest or np.isinf(least):
         raise InputError(
             f"The normal_force of {who} is {value!r}; give (least, greatest) [N] with 0 <= least < greatest: the "
@@ -212,7 +218,7 @@ def force_range(value: Any, who: str) -> tuple[float, float]:
     return least, greatest
 
 
-def keep(contact: Contact, **values: Any) -> None:
+def keep(contact: Contact, **values: object) -> None:
     """Replace fields by their checked values, tuples of floats, so that contacts compare and are stored by value."""
     for name, value in values.items():
         object.__setattr__(contact, name, value)

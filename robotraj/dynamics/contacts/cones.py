@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Scalar
 
 
 class FrictionCone(OneLine, ABC):
@@ -21,7 +21,7 @@ class FrictionCone(OneLine, ABC):
         """Unit of each row."""
 
     @abstractmethod
-    def rows(self, friction: float, normal: Any, first: Any, second: Any) -> list[Any]:
+    def rows(self, friction: float, normal: Scalar, first: Scalar, second: Scalar) -> list[Scalar]:
         """Evaluate the rows, len(units) of them.
 
         Parameters
@@ -42,7 +42,7 @@ class SecondOrder(FrictionCone):
         """One row."""
         return ("N^2",)
 
-    def rows(self, friction: float, normal: Any, first: Any, second: Any) -> list[Any]:
+    def rows(self, friction: float, normal: Scalar, first: Scalar, second: Scalar) -> list[Scalar]:
         """Evaluate the row."""
         return [friction**2 * normal * normal - first * first - second * second]
 
@@ -76,7 +76,7 @@ class Linearised(FrictionCone):
         """One row a face."""
         return ("N",) * self.faces
 
-    def rows(self, friction: float, normal: Any, first: Any, second: Any) -> list[Any]:
+    def rows(self, friction: float, normal: Scalar, first: Scalar, second: Scalar) -> list[Scalar]:
         """Evaluate the rows."""
         reach = friction * float(np.cos(np.pi / self.faces)) * normal
         angles = [(2 * k + 1) * np.pi / self.faces for k in range(self.faces)]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -33,13 +34,16 @@ from robotraj.dynamics.contacts.point_contact import require_vertical
 from robotraj.dynamics.contacts.soles import PressureAndTorsion, Rectangle, Sole
 from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
+from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.dynamics.variable import Variable
+from robotraj.dynamics.variable import Scalar, Variable
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -88,7 +92,7 @@ class FlatFoot(Contact):
     length: float | tuple[float, float]
     width: float | None = None
     friction: float = 0.7
-    ground: Ground | Any = field(default_factory=Flat)
+    ground: Ground | Callable[[ca.SX, ca.SX], Scalar] = field(default_factory=Flat)
     name: str | None = None
     sole: Sole = field(default_factory=PressureAndTorsion)
     normal_force: tuple[float, float] = (0.0, np.inf)
@@ -168,7 +172,7 @@ class FlatFoot(Contact):
         back, front = self.length  # type: ignore[misc]  # as __post_init__ keeps it
         return Rectangle(back, front, 0.0 if self.width is None else self.width / 2.0)
 
-    def _section(self, left: Any, axis: int, robot: Robot) -> Rectangle:
+    def _section(self, left: Triple, axis: int, robot: Robot) -> Rectangle:
         """Return the rectangle as seen along the axis out of the plane, which is the foot's left or its right."""
         if abs(left[axis]) < 0.99:
             raise InputError(
@@ -186,14 +190,14 @@ class FlatFoot(Contact):
         return (normal, *(LimitRow(name, unit, 0.0, np.inf, self.label) for name, unit in labels))
 
 
-def _length(value: Any, what: str) -> tuple[float, float]:
+def _length(value: float | Sequence[float], what: str) -> tuple[float, float]:
     """Read the extent of a sole backwards and forwards [m]; one of the two may be zero."""
     if np.ndim(value) == 0:
         half = positive(value, what, "m") / 2.0
         return half, half
     if np.shape(value) != (2,):
         raise InputError(f"The {what} is {value!r}; give one number or (back, front) [m].")
-    back, front = (0.0 if entry == 0.0 else positive(entry, what, "m") for entry in value)
+    back, front = (0.0 if entry == 0.0 else positive(entry, what, "m") for entry in np.asarray(value).tolist())
     positive(back + front, what, "m")
     return back, front
 
@@ -208,32 +212,32 @@ class BoundFlatFoot(BoundContact):
     feet: FootAxes
     shape: Rectangle
 
-    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+    def position(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Place of the sole's point [m], then the rotation r from ground to foot [rad near zero]."""
         spot, place = self.spot.position(point), self.where.place(anchors)
         turn = self._rotation(point, anchors)
         return [spot[i] - place[i] for i in self.where.axes] + [turn[i] for i in self.about]
 
-    def velocity(self, point: Any) -> list[Any]:
+    def velocity(self, point: FramePoint) -> list[Scalar]:
         """Velocity of the sole's point, then angular velocity [m/s, rad/s]."""
         return self._kept(self.spot.velocity(point), self.spot.angular_velocity(point))
 
-    def acceleration(self, point: Any) -> list[Any]:
+    def acceleration(self, point: FramePoint) -> list[Scalar]:
         """Acceleration of the sole's point, then angular acceleration [m/s^2, rad/s^2]."""
         return self._kept(self.spot.acceleration(point), self.spot.angular_acceleration(point))
 
-    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+    def wrench(self, point: FramePoint, forces: Sequence[Scalar]) -> list[Wrench]:
         """Move the wrench to the frame's origin."""
         vector = self.vector(forces)
         return [(self.frame, self.spot.wrench(point, vector[:3], vector[3:]))]
 
-    def vector(self, forces: Sequence[Any]) -> list[Any]:
+    def vector(self, forces: Sequence[Scalar]) -> list[Scalar]:
         """Force and moment at the sole's point (6) [N, N m]."""
         values = [forces[i] for i in range(len(self.forces))]
         count = len(self.where.axes)
         return spread(values[:count], self.where.axes) + spread(values[count:], self.about)
 
-    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+    def limits(self, point: FramePoint, forces: Sequence[Scalar], anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate normal force, friction, centre of pressure and torsion, in the foot's own axes."""
         vector, friction = self.vector(forces), float(self.contact.friction)  # type: ignore[attr-defined]
         up = self.spot.axis(point, self.feet.up)
@@ -244,7 +248,7 @@ class BoundFlatFoot(BoundContact):
         sole: Sole = self.contact.sole  # type: ignore[attr-defined]
         return [force[2], *sole.rows(friction, self.shape, force, moment)]
 
-    def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
+    def footing(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate the ground's foothold rows for the whole sole."""
         return self.where.values(anchors, (self.shape.back, self.shape.front, self.shape.half))
 
@@ -255,7 +259,7 @@ class BoundFlatFoot(BoundContact):
         places = (np.array(self.spot.offset) + x * ahead + y * left for x, y in corners)
         return [(self.frame, (float(p[0]), float(p[1]), float(p[2]))) for p in places]
 
-    def locate(self, robot: Robot, q: Any) -> dict[str, float]:
+    def locate(self, robot: Robot, q: Array) -> dict[str, float]:
         """Place of the sole's point and heading of the foot in configuration q."""
         place, rotation = self.spot.placed(robot, q)
         found = {anchor.name: float(place[i]) for anchor, i in zip(self.anchors, self.where.horizontal, strict=False)}
@@ -265,7 +269,7 @@ class BoundFlatFoot(BoundContact):
             found[f"{self.name}.yaw"] = float(np.arctan2(ahead @ np.array(second), ahead @ np.array(first)))
         return found
 
-    def _rotation(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+    def _rotation(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Rotation r from ground to foot in world axes, to first order (3) [rad]."""
         up = self.spot.axis(point, self.feet.up)
         tangents, normal = self.where.tangents(anchors)
@@ -278,7 +282,7 @@ class BoundFlatFoot(BoundContact):
         ahead = self.spot.axis(point, self.feet.forward)
         return add(scale(-dot(up, second), first), scale(dot(up, first), second), scale(dot(ahead, across), normal))
 
-    def _planar(self, vector: Sequence[Any], up: Sequence[Any], friction: float) -> list[Any]:
+    def _planar(self, vector: Sequence[Scalar], up: Sequence[Scalar], friction: float) -> list[Scalar]:
         """Rows of a foot in an upright plane: forward is along left x up, and left is out of the plane."""
         axis = spread([1.0], self.about)
         along, normal, moment = dot(vector[:3], cross(axis, up)), dot(vector[:3], up), dot(vector[3:], axis)
@@ -287,5 +291,5 @@ class BoundFlatFoot(BoundContact):
         front, back = self.shape.front * normal + moment, self.shape.back * normal - moment
         return [normal, reach - along, reach + along, front, back]
 
-    def _kept(self, linear: Sequence[Any], angular: Sequence[Any]) -> list[Any]:
+    def _kept(self, linear: Sequence[Scalar], angular: Sequence[Scalar]) -> list[Scalar]:
         return [linear[i] for i in self.where.axes] + [angular[i] for i in self.about]

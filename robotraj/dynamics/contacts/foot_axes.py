@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.spot import Triple, vector_of
+from robotraj.dynamics.variable import Scalar
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,12 @@ class FootAxes:
 
 
 def foot_axes(
-    rotation: Array, normal: Sequence[Any], up: Any, forward: Any, who: str, ahead: Any = (1.0, 0.0, 0.0)
+    rotation: Array,
+    normal: Sequence[Scalar],
+    up: Sequence[float] | None,
+    forward: Sequence[float] | None,
+    who: str,
+    ahead: Sequence[float] = (1.0, 0.0, 0.0),
 ) -> FootAxes:
     """Return the axes of a foot.
 
@@ -82,7 +87,7 @@ def _signed_axes() -> list[Array]:
     return [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
 
 
-def unit(value: Any, what: str) -> Triple:
+def unit(value: object, what: str) -> Triple:
     """Normalise a direction in the frame's axes.
 
     Raises

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import casadi as ca
 
@@ -12,7 +11,7 @@ from robotraj.dynamics.contacts.base import LimitRow, spread
 from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.contacts.vectors import dot
 from robotraj.dynamics.terrain.base import Ground
-from robotraj.dynamics.variable import Variable
+from robotraj.dynamics.variable import Scalar, Variable
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +44,11 @@ class Footing:
         """``<name>.x``, ``<name>.y`` [m] where the contact can move along them."""
         return tuple(Variable(f"{self.name}.{AXES[i]}", "m", "foothold", self.name) for i in self.horizontal)
 
-    def place(self, anchors: Mapping[str, Any]) -> list[Any]:
+    def place(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Point [x, y, h] of the ground [m]."""
         return self.ground.at(*self._plan(anchors))
 
-    def tangents(self, anchors: Mapping[str, Any]) -> tuple[list[list[Any]], list[Any]]:
+    def tangents(self, anchors: Mapping[str, Scalar]) -> tuple[list[list[Scalar]], list[Scalar]]:
         """Tangents along which the contact can move (two, one or none), and the normal: unit vectors in world axes.
 
         In a plane, tangent and normal are those of the curve in which the plane cuts the ground.
@@ -62,12 +61,12 @@ class Footing:
         (axis,) = self.horizontal
         across, up = normal[axis], normal[2]
         size = (across * across + up * up) ** -0.5
-        tangent: list[Any] = [0.0, 0.0, -across * size]
-        section: list[Any] = [0.0, 0.0, up * size]
+        tangent: list[Scalar] = [0.0, 0.0, -across * size]
+        section: list[Scalar] = [0.0, 0.0, up * size]
         tangent[axis], section[axis] = up * size, across * size
         return [tangent], section
 
-    def components(self, force: Sequence[Any], anchors: Mapping[str, Any]) -> tuple[Any, list[Any]]:
+    def components(self, force: Sequence[Scalar], anchors: Mapping[str, Scalar]) -> tuple[Scalar, list[Scalar]]:
         """Split a force in world axes into its normal part and its tangential parts [N]."""
         tangents, normal = self.tangents(anchors)
         return dot(force, normal), [dot(force, tangent) for tangent in tangents]
@@ -86,7 +85,7 @@ class Footing:
         count = len(self.values({anchor.name: ca.SX.sym(anchor.name) for anchor in self.anchors}))
         return tuple(LimitRow("foothold", "m", 0.0, float("inf"), self.name) for _ in range(count))
 
-    def values(self, anchors: Mapping[str, Any], sole: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> list[Any]:
+    def values(self, anchors: Mapping[str, Scalar], sole: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> list[Scalar]:
         """Evaluate the foothold rows [m], which must not be negative.
 
         Parameters
@@ -105,19 +104,19 @@ class Footing:
         length = 0.5 * (front + back)
         return list(self.ground.footing(x, y, (length * along + half * across, length * across + half * along)))
 
-    def _ahead(self, anchors: Mapping[str, Any]) -> tuple[Any, Any]:
+    def _ahead(self, anchors: Mapping[str, Scalar]) -> tuple[Scalar, Scalar]:
         """Heading of a foot on level ground, world x and y: from its yaw, or along the plane."""
         if self.horizontal == (0, 1):
             yaw = anchors[f"{self.name}.yaw"]
             return ca.cos(yaw), ca.sin(yaw)
         return (1.0, 0.0) if self.horizontal == (0,) else (0.0, -1.0)
 
-    def _plan(self, anchors: Mapping[str, Any]) -> tuple[Any, Any]:
+    def _plan(self, anchors: Mapping[str, Scalar]) -> tuple[Scalar, Scalar]:
         """World x and y [m] of the anchor."""
         x, y = (anchors[f"{self.name}.{AXES[i]}"] if i in self.axes else self.still[i] for i in (0, 1))
         return x, y
 
 
-def _size(value: Any) -> Any:
+def _size(value: Scalar) -> Scalar:
     """Smooth upper bound on the absolute value, too large by at most 0.01."""
     return abs(value) if isinstance(value, float) else (value * value + 1e-4) ** 0.5

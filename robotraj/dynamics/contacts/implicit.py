@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
@@ -16,11 +17,12 @@ from robotraj.dynamics.contacts.mobility import mobility, require_plane
 from robotraj.dynamics.contacts.point_contact import require_vertical
 from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import dot
+from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.dynamics.terrain.slope import Slope
-from robotraj.dynamics.variable import Variable
+from robotraj.dynamics.variable import Scalar, Variable
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
@@ -66,7 +68,7 @@ class ImplicitContact(Contact):
     frame: str
     friction: float = 0.7
     relaxation: float = 1e-3
-    ground: Ground | Any = field(default_factory=Flat)
+    ground: Ground | Callable[[ca.SX, ca.SX], Scalar] = field(default_factory=Flat)
     name: str | None = None
     offset: Triple = (0.0, 0.0, 0.0)
 
@@ -143,33 +145,33 @@ class BoundImplicitContact(BoundContact):
     normal: tuple[float, ...]
     directions: tuple[tuple[float, ...], ...]
 
-    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+    def position(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Nothing is held."""
         return []
 
-    def velocity(self, point: Any) -> list[Any]:
+    def velocity(self, point: FramePoint) -> list[Scalar]:
         """Nothing is held."""
         return []
 
-    def acceleration(self, point: Any) -> list[Any]:
+    def acceleration(self, point: FramePoint) -> list[Scalar]:
         """Nothing is held."""
         return []
 
-    def gap(self, point: Any) -> Any:
+    def gap(self, point: FramePoint) -> Scalar:
         """Height above the plane along its normal [m]."""
         x, y, z = self.spot.position(point)
         return (z - self.ground.height(x, y)) * self.normal[2]
 
-    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+    def wrench(self, point: FramePoint, forces: Sequence[Scalar]) -> list[Wrench]:
         """Force at the spot, as a wrench at the frame's origin."""
         return [(self.frame, self.spot.wrench(point, self.vector(forces), [0.0, 0.0, 0.0]))]
 
-    def vector(self, forces: Sequence[Any]) -> list[Any]:
+    def vector(self, forces: Sequence[Scalar]) -> list[Scalar]:
         """Force n normal + sum b_k d_k (3) [N]."""
         parts = list(zip((self.normal, *self.directions), forces[:-1], strict=True))
         return [sum((axis[i] * value for axis, value in parts if axis[i]), 0.0) for i in range(3)]
 
-    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+    def limits(self, point: FramePoint, forces: Sequence[Scalar], anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate the gap, the forces, the friction cone and the complementarity rows."""
         normal, *friction, slip = forces
         gap, motion = self.gap(point), self.spot.velocity(point)

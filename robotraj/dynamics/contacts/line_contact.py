@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
     BoundContact,
-    Contact,
     LimitRow,
     Wrench,
     checked_name,
@@ -27,22 +27,26 @@ from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
 from robotraj.dynamics.contacts.foot_axes import foot_axes, unit
 from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
-from robotraj.dynamics.contacts.point_contact import bind_point
+from robotraj.dynamics.contacts.point_contact import FrictionContact, bind_point
 from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
+from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.dynamics.variable import Variable
+from robotraj.dynamics.variable import Column, Scalar, Variable
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
 
 VERTICAL = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
-class LineContact(Contact):
+class LineContact(FrictionContact):
     """An edge of a foot held on the ground: five rows; in a plane, the two rows of a point.
 
     The edge's middle is held at (x, y, h(x, y)). Its direction l lies in the ground's tangent plane, at right angles
@@ -75,7 +79,7 @@ class LineContact(Contact):
     frame: str
     width: float | None = None
     friction: float = 0.7
-    ground: Ground | Any = field(default_factory=Flat)
+    ground: Ground | Callable[[ca.SX, ca.SX], Scalar] = field(default_factory=Flat)
     name: str | None = None
     cone: FrictionCone = field(default_factory=SecondOrder)
     normal_force: tuple[float, float] = (0.0, np.inf)
@@ -117,7 +121,7 @@ class LineContact(Contact):
         ground = as_ground(self.ground)
         along = self._along(rotation, ground.normal(float(place[0]), float(place[1])))
 
-        def held(q: Any) -> Any:
+        def held(q: Array) -> Array:
             jacobian = spot.jacobian(robot, q)
             left = spot.placed(robot, q)[1] @ np.array(along)
             return np.vstack([jacobian[:3], np.array(_across(left)) @ jacobian[3:]])
@@ -146,7 +150,7 @@ class LineContact(Contact):
             float(self.width),
         )
 
-    def _along(self, rotation: Any, normal: Sequence[Any]) -> Triple:
+    def _along(self, rotation: Column, normal: Sequence[Scalar]) -> Triple:
         """Direction of the edge in the frame's axes, a unit vector."""
         if self.direction is None:
             return foot_axes(rotation, normal, None, None, f"LineContact {self.label!r}").left
@@ -162,7 +166,7 @@ class BoundLineContact(BoundContact):
     along: Triple
     width: float
 
-    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+    def position(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Place of the edge's middle [m], then the rotation of l from its held direction about u and w [rad]."""
         spot, place = self.spot.position(point), self.where.place(anchors)
         left = self.spot.axis(point, self.along)
@@ -170,12 +174,12 @@ class BoundLineContact(BoundContact):
         turn = add(scale(dot(left, normal), ahead), scale(-dot(left, ahead), normal))
         return [spot[i] - place[i] for i in range(3)] + [dot(turn, axis) for axis in _across(left)]
 
-    def velocity(self, point: Any) -> list[Any]:
+    def velocity(self, point: FramePoint) -> list[Scalar]:
         """Velocity of the edge's middle [m/s], then angular velocity about u and w [rad/s]."""
         spin = self.spot.angular_velocity(point)
         return self.spot.velocity(point) + [dot(spin, axis) for axis in _across(self.spot.axis(point, self.along))]
 
-    def acceleration(self, point: Any) -> list[Any]:
+    def acceleration(self, point: FramePoint) -> list[Scalar]:
         """Time derivative of ``velocity``; dl/dt is the angular velocity times l."""
         left, spin = self.spot.axis(point, self.along), self.spot.angular_velocity(point)
         rate = cross(spin, left)
@@ -186,15 +190,15 @@ class BoundLineContact(BoundContact):
         rows = [dot(angular, axis) + more for axis, more in zip((forward, upward), turning, strict=True)]
         return self.spot.acceleration(point) + rows
 
-    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+    def wrench(self, point: FramePoint, forces: Sequence[Scalar]) -> list[Wrench]:
         """Force at the edge's middle and moments about u and w, as a wrench at the frame's origin."""
         return [(self.frame, self.spot.wrench(point, [forces[i] for i in range(3)], self._moment(point, forces)))]
 
-    def vector(self, forces: Sequence[Any]) -> list[Any]:
+    def vector(self, forces: Sequence[Scalar]) -> list[Scalar]:
         """Force in world axes, moment about u, zero, and moment about w (6) [N, N m]."""
         return [forces[0], forces[1], forces[2], forces[3], 0.0, forces[4]]
 
-    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+    def limits(self, point: FramePoint, forces: Sequence[Scalar], anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate normal force, friction, centre of pressure on the edge, torsion."""
         contact: LineContact = self.contact  # type: ignore[assignment]
         normal, tangential = self.where.components([forces[i] for i in range(3)], anchors)
@@ -205,7 +209,7 @@ class BoundLineContact(BoundContact):
         friction = contact.cone.rows(float(contact.friction), normal, *tangential)
         return [normal, *friction, reach - tipping, reach + tipping, grip - twist, grip + twist]
 
-    def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
+    def footing(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate the ground's foothold rows for the whole edge."""
         return self.where.values(anchors, (0.0, 0.0, 0.5 * self.width))
 
@@ -213,7 +217,7 @@ class BoundLineContact(BoundContact):
         """Return the middle of the edge."""
         return [(self.frame, self.spot.offset)]
 
-    def locate(self, robot: Robot, q: Any) -> dict[str, float]:
+    def locate(self, robot: Robot, q: Array) -> dict[str, float]:
         """Place of the edge's middle and heading across it in configuration q."""
         place, rotation = self.spot.placed(robot, q)
         found = {f"{self.name}.x": float(place[0]), f"{self.name}.y": float(place[1])}
@@ -221,18 +225,18 @@ class BoundLineContact(BoundContact):
         left = rotation @ np.array(self.along)
         return {**found, f"{self.name}.yaw": float(np.arctan2(-left @ np.array(first), left @ np.array(second)))}
 
-    def _moment(self, point: Any, forces: Sequence[Any]) -> list[Any]:
+    def _moment(self, point: FramePoint, forces: Sequence[Scalar]) -> list[Scalar]:
         forward, upward = _across(self.spot.axis(point, self.along))
         return add(scale(forces[3], forward), scale(forces[4], upward))
 
-    def _lying(self, anchors: Mapping[str, Any]) -> tuple[list[Any], list[Any]]:
+    def _lying(self, anchors: Mapping[str, Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """Heading at right angles to the held edge, and the ground's normal there."""
         (first, second), normal = self.where.tangents(anchors)
         yaw = anchors[f"{self.name}.yaw"]
         return add(scale(ca.cos(yaw), first), scale(ca.sin(yaw), second)), normal
 
 
-def _across(left: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+def _across(left: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
     """Axes u = l x z and w = z - (z . l) l at right angles to l, of equal length; they vanish where l is upright."""
     up = left[2]
     return [left[1], -left[0], 0.0], [-up * left[0], -up * left[1], 1.0 - up * up]

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -20,9 +23,13 @@ from robotraj.dynamics.contacts.base import (
 from robotraj.dynamics.contacts.mobility import mobility, require_rank
 from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import add, cross, scale, subtract
+from robotraj.dynamics.point import FramePoint
+from robotraj.dynamics.variable import Scalar
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -76,7 +83,7 @@ class LoopClosure(Contact):
         for end in ends:
             robot.frame(end.frame)
 
-        def relative(q: Any) -> Any:
+        def relative(q: Array) -> Array:
             return ends[0].jacobian(robot, q) - ends[1].jacobian(robot, q)
 
         if len({robot.model.frames[robot.frame(end.frame)].parentJoint for end in ends}) == 1:
@@ -106,23 +113,23 @@ class BoundLoopClosure(BoundContact):
     axes: tuple[int, ...]
     about: tuple[int, ...]
 
-    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+    def position(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Displacement from b to a [m], then the rotation from b to a [rad near zero]."""
         gap = subtract(self.first.position(point), self.second.position(point))
         return self._kept(gap, self._rotation(point) if self.about else [])
 
-    def velocity(self, point: Any) -> list[Any]:
+    def velocity(self, point: FramePoint) -> list[Scalar]:
         """Velocity of a minus that of b [m/s, rad/s]."""
         gap = subtract(self.first.velocity(point), self.second.velocity(point))
         return self._kept(gap, subtract(self.first.angular_velocity(point), self.second.angular_velocity(point)))
 
-    def acceleration(self, point: Any) -> list[Any]:
+    def acceleration(self, point: FramePoint) -> list[Scalar]:
         """Acceleration of a minus that of b [m/s^2, rad/s^2]."""
         gap = subtract(self.first.acceleration(point), self.second.acceleration(point))
         turn = subtract(self.first.angular_acceleration(point), self.second.angular_acceleration(point))
         return self._kept(gap, turn)
 
-    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+    def wrench(self, point: FramePoint, forces: Sequence[Scalar]) -> list[Wrench]:
         """Wrench on a and its opposite on b, each at its own frame's origin."""
         values = self._spread(forces)
         back = [-1.0 * value for value in values]
@@ -131,19 +138,19 @@ class BoundLoopClosure(BoundContact):
             (self.second.frame, self.second.wrench(point, back[:3], back[3:])),
         ]
 
-    def vector(self, forces: Sequence[Any]) -> list[Any]:
+    def vector(self, forces: Sequence[Scalar]) -> list[Scalar]:
         """Force on a's body (3) [N]; with its moment (6) [N, N m] where the axes coincide too."""
         return self._spread(forces)[: 6 if self.about else 3]
 
-    def _rotation(self, point: Any) -> list[Any]:
+    def _rotation(self, point: FramePoint) -> list[Scalar]:
         """Rotation from b to a in world axes, to first order (3) [rad]."""
         a, b = point.frame(self.first.frame).rotation, point.frame(self.second.frame).rotation
         turns = [cross([b[j, i] for j in range(3)], [a[j, i] for j in range(3)]) for i in range(3)]
         return scale(0.5, add(*turns))
 
-    def _spread(self, forces: Sequence[Any]) -> list[Any]:
+    def _spread(self, forces: Sequence[Scalar]) -> list[Scalar]:
         values, count = [forces[i] for i in range(len(self.forces))], len(self.axes)
         return spread(values[:count], self.axes) + spread(values[count:], self.about)
 
-    def _kept(self, linear: Sequence[Any], angular: Sequence[Any]) -> list[Any]:
+    def _kept(self, linear: Sequence[Scalar], angular: Sequence[Scalar]) -> list[Scalar]:
         return [linear[i] for i in self.axes] + [angular[i] for i in self.about]

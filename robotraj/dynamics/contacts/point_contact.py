@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -28,16 +30,39 @@ from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
 from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
+from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
+from robotraj.dynamics.variable import Scalar
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
+Array = NDArray[np.float64]
+
+
+class FrictionContact(Contact):
+    """A contact whose force lies in a friction cone.
+
+    Attributes
+    ----------
+    friction : float
+        Coefficient mu.
+    ground : Ground or callable
+    cone : FrictionCone
+    normal_force : (float, float)
+        Least and greatest normal force [N].
+    """
+
+    friction: float
+    ground: Ground | Callable[[ca.SX, ca.SX], Scalar]
+    cone: FrictionCone
+    normal_force: tuple[float, float]
+
 
 @dataclass(frozen=True)
-class PointContact(Contact):
+class PointContact(FrictionContact):
     """A point of the robot held on the ground: p(q) = (x, y, h(x, y)) with x, y unknown and constant.
 
     Its force f pushes, f_n >= 0, and lies in the friction cone, |f_t| <= mu f_n, in the ground's axes at the foothold.
@@ -68,7 +93,7 @@ class PointContact(Contact):
 
     frame: str
     friction: float = 0.7
-    ground: Ground | Any = field(default_factory=Flat)
+    ground: Ground | Callable[[ca.SX, ca.SX], Scalar] = field(default_factory=Flat)
     name: str | None = None
     cone: FrictionCone = field(default_factory=SecondOrder)
     normal_force: tuple[float, float] = (0.0, np.inf)
@@ -95,7 +120,7 @@ class PointContact(Contact):
         return bind_point(self, robot, Spot(self.frame, self.offset))
 
 
-def bind_point(contact: Any, robot: Robot, spot: Spot) -> BoundPointContact:
+def bind_point(contact: FrictionContact, robot: Robot, spot: Spot) -> BoundPointContact:
     """Bind a contact that holds a spot and leaves its frame free to turn.
 
     Raises
@@ -144,38 +169,39 @@ def require_vertical(robot: Robot, frame: str, axes: tuple[int, ...]) -> None:
 class BoundPointContact(BoundContact):
     """A held spot with a force in a friction cone."""
 
+    contact: FrictionContact
     spot: Spot
     where: Footing
 
-    def position(self, point: Any, anchors: Mapping[str, Any]) -> list[Any]:
+    def position(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """p(q) - (x, y, h(x, y)) [m]."""
         spot, place = self.spot.position(point), self.where.place(anchors)
         return [spot[i] - place[i] for i in self.where.axes]
 
-    def velocity(self, point: Any) -> list[Any]:
+    def velocity(self, point: FramePoint) -> list[Scalar]:
         """Velocity of the spot [m/s]."""
         motion = self.spot.velocity(point)
         return [motion[i] for i in self.where.axes]
 
-    def acceleration(self, point: Any) -> list[Any]:
+    def acceleration(self, point: FramePoint) -> list[Scalar]:
         """Acceleration of the spot [m/s^2]."""
         motion = self.spot.acceleration(point)
         return [motion[i] for i in self.where.axes]
 
-    def wrench(self, point: Any, forces: Sequence[Any]) -> list[Wrench]:
+    def wrench(self, point: FramePoint, forces: Sequence[Scalar]) -> list[Wrench]:
         """Force at the spot, as a wrench at the frame's origin."""
         return [(self.frame, self.spot.wrench(point, self.vector(forces), [0.0, 0.0, 0.0]))]
 
-    def vector(self, forces: Sequence[Any]) -> list[Any]:
+    def vector(self, forces: Sequence[Scalar]) -> list[Scalar]:
         """Force (3) [N]."""
         return spread(forces, self.where.axes)
 
-    def limits(self, point: Any, forces: Sequence[Any], anchors: Mapping[str, Any]) -> list[Any]:
+    def limits(self, point: FramePoint, forces: Sequence[Scalar], anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate normal force, then friction."""
         normal, tangential = self.where.components(self.vector(forces), anchors)
         return [normal, *friction_values(self.contact, normal, tangential)]
 
-    def footing(self, anchors: Mapping[str, Any]) -> list[Any]:
+    def footing(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate the ground's foothold rows."""
         return self.where.values(anchors)
 
@@ -183,13 +209,13 @@ class BoundPointContact(BoundContact):
         """Return the spot."""
         return [(self.frame, self.spot.offset)]
 
-    def locate(self, robot: Robot, q: Any) -> dict[str, float]:
+    def locate(self, robot: Robot, q: Array) -> dict[str, float]:
         """Place of the spot in configuration q."""
         place, _ = self.spot.placed(robot, q)
         return {anchor.name: float(place[i]) for anchor, i in zip(self.anchors, self.where.horizontal, strict=True)}
 
 
-def friction_values(contact: Any, normal: Any, tangential: Sequence[Any]) -> list[Any]:
+def friction_values(contact: FrictionContact, normal: Scalar, tangential: Sequence[Scalar]) -> list[Scalar]:
     """Friction rows for two tangents (the contact's cone), for one (two lines) or for none."""
     if len(tangential) == 2:
         return contact.cone.rows(float(contact.friction), normal, *tangential)
@@ -197,7 +223,7 @@ def friction_values(contact: Any, normal: Any, tangential: Sequence[Any]) -> lis
     return [row for along in tangential for row in (reach - along, reach + along)]
 
 
-def friction_rows(contact: Any, tangents: int, name: str) -> tuple[LimitRow, ...]:
+def friction_rows(contact: FrictionContact, tangents: int, name: str) -> tuple[LimitRow, ...]:
     """Names, units and bounds of the values of ``friction_values``."""
     units = contact.cone.units if tangents == 2 else ("N", "N") * tangents
     return tuple(LimitRow("friction cone", unit, 0.0, np.inf, name) for unit in units)

@@ -6,7 +6,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import field
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import positive
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
+from robotraj.dynamics.variable import Scalar
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,9 @@ class Sole(OneLine, ABC):
         """Name and unit of each row."""
 
     @abstractmethod
-    def rows(self, friction: float, shape: Rectangle, force: Sequence[Any], moment: Sequence[Any]) -> list[Any]:
+    def rows(
+        self, friction: float, shape: Rectangle, force: Sequence[Scalar], moment: Sequence[Scalar]
+    ) -> list[Scalar]:
         """Evaluate the rows, len(labels) of them.
 
         Parameters
@@ -86,7 +88,9 @@ class PressureAndTorsion(Sole):
         pressure = [("centre of pressure", "N m")] * 4
         return (*(("friction cone", unit) for unit in self.cone.units), *pressure, *[("torsional friction", "N m")] * 2)
 
-    def rows(self, friction: float, shape: Rectangle, force: Sequence[Any], moment: Sequence[Any]) -> list[Any]:
+    def rows(
+        self, friction: float, shape: Rectangle, force: Sequence[Scalar], moment: Sequence[Scalar]
+    ) -> list[Scalar]:
         """Evaluate the rows."""
         radius = 2.0 / 3.0 * min((shape.front + shape.back) / 2.0, shape.half) if self.radius is None else self.radius
         reach = friction * float(radius) * force[2]
@@ -120,7 +124,9 @@ class FourCorners(Sole):
             *[("torsional friction", "N m")] * 8,
         )
 
-    def rows(self, friction: float, shape: Rectangle, force: Sequence[Any], moment: Sequence[Any]) -> list[Any]:
+    def rows(
+        self, friction: float, shape: Rectangle, force: Sequence[Scalar], moment: Sequence[Scalar]
+    ) -> list[Scalar]:
         """Evaluate the rows."""
         mu, half_length = friction / float(np.sqrt(2.0)), (shape.front + shape.back) / 2.0
         reach = mu * force[2]
@@ -139,7 +145,7 @@ class FourCorners(Sole):
         return [*friction_rows, *pressure_rows(shape, force[2], moment), *torsion]
 
 
-def pressure_rows(shape: Rectangle, normal: Any, moment: Sequence[Any]) -> list[Any]:
+def pressure_rows(shape: Rectangle, normal: Scalar, moment: Sequence[Scalar]) -> list[Scalar]:
     """Distances of the centre of pressure from the front, back, left and right edge times the normal force [N m]."""
     return [
         shape.front * normal + moment[1],

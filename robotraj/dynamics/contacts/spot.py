@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.vectors import add, cross, turned
+from robotraj.dynamics.point import FramePoint
+from robotraj.dynamics.variable import Column, Scalar
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
@@ -34,19 +36,19 @@ class Spot:
     frame: str
     offset: Triple = (0.0, 0.0, 0.0)
 
-    def position(self, point: Any) -> list[Any]:
+    def position(self, point: FramePoint) -> list[Scalar]:
         """Place in the world (3,) [m]."""
         origin = point.frame(self.frame).position
         arm = self._arm(point)
         return [origin[i] for i in range(3)] if arm is None else add(origin, arm)
 
-    def velocity(self, point: Any) -> list[Any]:
+    def velocity(self, point: FramePoint) -> list[Scalar]:
         """Rate of its place, v + w x R s (3,) [m/s]."""
         motion = point.frame(self.frame).velocity
         linear, angular, arm = _parts(motion)[0], _parts(motion)[1], self._arm(point)
         return linear if arm is None else add(linear, cross(angular, arm))
 
-    def acceleration(self, point: Any) -> list[Any]:
+    def acceleration(self, point: FramePoint) -> list[Scalar]:
         """Rate of its velocity, a + alpha x R s + w x (w x R s) (3,) [m/s^2]; a is the classical acceleration."""
         linear, angular = _parts(point.frame(self.frame).acceleration)
         arm = self._arm(point)
@@ -55,25 +57,25 @@ class Spot:
         spin = self.angular_velocity(point)
         return add(linear, cross(angular, arm), cross(spin, cross(spin, arm)))
 
-    def angular_velocity(self, point: Any) -> list[Any]:
+    def angular_velocity(self, point: FramePoint) -> list[Scalar]:
         """Angular velocity of the frame in world axes (3,) [rad/s]."""
         return _parts(point.frame(self.frame).velocity)[1]
 
-    def angular_acceleration(self, point: Any) -> list[Any]:
+    def angular_acceleration(self, point: FramePoint) -> list[Scalar]:
         """Angular acceleration of the frame in world axes (3,) [rad/s^2]."""
         return _parts(point.frame(self.frame).acceleration)[1]
 
-    def axis(self, point: Any, vector: Sequence[float]) -> list[Any]:
+    def axis(self, point: FramePoint, vector: Sequence[float]) -> list[Scalar]:
         """Components in world axes of a vector fixed in the frame (3,)."""
         return turned(point.frame(self.frame).rotation, vector)
 
-    def wrench(self, point: Any, force: Sequence[Any], moment: Sequence[Any]) -> list[Any]:
+    def wrench(self, point: FramePoint, force: Sequence[Scalar], moment: Sequence[Scalar]) -> list[Scalar]:
         """Force and moment at the spot as a wrench at the frame's origin, (f, m + R s x f) (6,) [N, N m]."""
         arm = self._arm(point)
         at_origin = list(moment) if arm is None else add(moment, cross(arm, force))
         return [*force, *at_origin]
 
-    def placed(self, robot: Robot, q: Any) -> tuple[Array, Array]:
+    def placed(self, robot: Robot, q: Array) -> tuple[Array, Array]:
         """Place (3,) [m] of the spot and rotation (3, 3) of its frame in configuration q, in numbers."""
         model, data = robot.model, robot.model.createData()
         pin.framesForwardKinematics(model, data, np.asarray(q, dtype=float))
@@ -90,17 +92,17 @@ class Spot:
         rows[:3] -= pin.skew(data.oMf[index].rotation @ np.array(self.offset)) @ rows[3:]
         return rows
 
-    def _arm(self, point: Any) -> list[Any] | None:
+    def _arm(self, point: FramePoint) -> list[Scalar] | None:
         """R s, or None where the spot is the frame's origin."""
         return self.axis(point, self.offset) if any(self.offset) else None
 
 
-def offset_of(value: Any, who: str) -> Triple:
+def offset_of(value: object, who: str) -> Triple:
     """Read an offset [m]; ``who`` names the contact in errors."""
     return vector_of(value, f"offset of {who}", "metres in the frame's axes")
 
 
-def vector_of(value: Any, what: str, advice: str) -> Triple:
+def vector_of(value: object, what: str, advice: str) -> Triple:
     """Read three finite numbers."""
     try:
         array = np.asarray(value, dtype=float)
@@ -111,6 +113,6 @@ def vector_of(value: Any, what: str, advice: str) -> Triple:
     return float(array[0]), float(array[1]), float(array[2])
 
 
-def _parts(motion: Any) -> tuple[list[Any], list[Any]]:
+def _parts(motion: Column) -> tuple[list[Scalar], list[Scalar]]:
     """Linear and angular part of a spatial vector."""
     return [motion[i] for i in range(3)], [motion[i] for i in range(3, 6)]

@@ -16,6 +16,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies
 from robotraj.dynamics.design.model import DesignedModel
 from robotraj.dynamics.design.quantity import Quantity
+from robotraj.dynamics.variable import Scalar
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
@@ -56,7 +57,7 @@ class Design:
             taken[key] = name
 
     @property
-    def entries(self) -> tuple[tuple[str, Any], ...]:
+    def entries(self) -> tuple[tuple[str, Quantity], ...]:
         """Parameter and quantity, pair by pair."""
         return tuple(
             (name, one)
@@ -87,7 +88,7 @@ class Design:
         mine = [quantity for known, quantity in self.entries if known == name]
         return ", ".join(q.label for q in mine), mine[0].unit(self.robot) if mine else ""
 
-    def bodies(self, values: Mapping[str, Any]) -> Bodies:
+    def bodies(self, values: Mapping[str, Scalar]) -> Bodies:
         """Give the bodies with the parameters' values, symbols or numbers, written in."""
         bodies = Bodies(self.robot)
         for name, quantity in sorted(self.entries, key=lambda entry: entry[1].after_others):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Column, Scalar
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
@@ -27,12 +28,12 @@ class Body:
         P = int r r' dm [kg m^2]; the rotational inertia is I = tr(P) 1 - P, and P = tr(I) 1 / 2 - I.
     """
 
-    mass: Any
-    first: Any
-    second: Any
+    mass: Scalar
+    first: Column
+    second: Column
 
     @property
-    def parameters(self) -> Any:
+    def parameters(self) -> ca.SX:
         """Pinocchio's dynamic parameters (10,): m, h, then Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
         p = self.second
         inertia = [p[1, 1] + p[2, 2], -p[0, 1], p[0, 0] + p[2, 2], -p[0, 2], -p[1, 2], p[0, 0] + p[1, 1]]
@@ -52,9 +53,9 @@ class Bodies:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self._bodies: dict[int, Body] = {}
-        self._joints: dict[int, Any] = {}
-        self._frames: dict[int, Any] = {}
-        self._damping: dict[int, Any] = {}
+        self._joints: dict[int, Column] = {}
+        self._frames: dict[int, Column] = {}
+        self._damping: dict[int, Scalar] = {}
 
     def body(self, joint: int) -> Body:
         """Moments of a joint's body."""
@@ -70,23 +71,23 @@ class Bodies:
         """Give a joint's body other moments."""
         self._bodies[joint] = body
 
-    def joint_translation(self, joint: int) -> Any:
+    def joint_translation(self, joint: int) -> ca.SX:
         """Origin of a joint in its parent joint's frame, (3,) [m]."""
         return self._joints.get(joint, ca.DM(self.robot.model.jointPlacements[joint].translation))
 
-    def set_joint_translation(self, joint: int, translation: Any) -> None:
+    def set_joint_translation(self, joint: int, translation: Column) -> None:
         """Move a joint's origin in its parent joint's frame."""
         self._joints[joint] = translation
 
-    def frame_translation(self, frame: int) -> Any:
+    def frame_translation(self, frame: int) -> ca.SX:
         """Origin of a frame in its joint's frame, (3,) [m]."""
         return self._frames.get(frame, ca.DM(self.robot.model.frames[frame].placement.translation))
 
-    def set_frame_translation(self, frame: int, translation: Any) -> None:
+    def set_frame_translation(self, frame: int, translation: Column) -> None:
         """Move a frame's origin in its joint's frame."""
         self._frames[frame] = translation
 
-    def set_damping(self, index: int, damping: Any) -> None:
+    def set_damping(self, index: int, damping: Scalar) -> None:
         """Give the joint at ``index`` of v another viscous damping [N m s/rad, N s/m]."""
         self._damping[index] = damping
 
@@ -96,18 +97,18 @@ class Bodies:
         return tuple(self._frames)
 
     @property
-    def inertias(self) -> Any:
+    def inertias(self) -> ca.SX:
         """Dynamic parameters of every joint's body, 10 x njoints."""
         model = self.robot.model
         own = [ca.DM(inertia.toDynamicParameters()) for inertia in model.inertias]
         return ca.horzcat(*(self._bodies[i].parameters if i in self._bodies else own[i] for i in range(model.njoints)))
 
     @property
-    def translations(self) -> Any:
+    def translations(self) -> ca.SX:
         """Origin of every joint in its parent's frame, 3 x njoints [m]."""
         return ca.horzcat(*(self.joint_translation(i) for i in range(self.robot.model.njoints)))
 
     @property
-    def damping(self) -> Any:
+    def damping(self) -> ca.SX:
         """Viscous damping of every joint, (nv,)."""
         return ca.vertcat(*(self._damping.get(i, own) for i, own in enumerate(self.robot.damping)))

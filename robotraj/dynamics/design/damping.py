@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies
 from robotraj.dynamics.design.quantity import Quantity
+from robotraj.dynamics.variable import Scalar
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
@@ -40,6 +41,6 @@ class JointDamping(Quantity):
         """Refuse unknown joints."""
         return JointDamping, robot.joint(self.joint)
 
-    def write(self, bodies: Bodies, value: Any) -> None:
+    def write(self, bodies: Bodies, value: Scalar) -> None:
         """Replace the URDF's damping."""
         bodies.set_damping(bodies.robot.joint(self.joint), value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -13,6 +13,7 @@ from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies, Body
 from robotraj.dynamics.design.quantity import Quantity
+from robotraj.dynamics.variable import Scalar
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
@@ -109,7 +110,7 @@ class LinkLength(Quantity):
             )
         return abs(length), direction / norm
 
-    def write(self, bodies: Bodies, value: Any) -> None:
+    def write(self, bodies: Bodies, value: Scalar) -> None:
         """Move every point r of the body to S r."""
         robot, joint = bodies.robot, joint_id(bodies.robot, self.joint)
         length, direction = self.original(robot)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies, Body
 from robotraj.dynamics.design.quantity import Quantity, body_of_name
+from robotraj.dynamics.variable import Scalar
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
@@ -48,7 +49,7 @@ class BodyMass(Quantity):
             )
         return BodyMass, joint
 
-    def write(self, bodies: Bodies, value: Any) -> None:
+    def write(self, bodies: Bodies, value: Scalar) -> None:
         """Scale all moments by m/m0."""
         joint = body_of_name(bodies.robot, self.body, "rt.design.BodyMass")
         body = bodies.body(joint)

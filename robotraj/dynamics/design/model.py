@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from robotraj.dynamics.design.bodies import Bodies
     from robotraj.symbolic import SymbolicModel
 
-Call = Callable[..., Any]
+Call = Callable[..., ca.SX]
 
 EXPRESSIONS = (
     "forward_dynamics",
@@ -67,7 +67,7 @@ class DesignedModel:
         if frame not in self._shifts:
             return placement
 
-        def shifted(q: Any) -> tuple[Any, Any]:
+        def shifted(q: ca.SX) -> tuple[ca.SX, ca.SX]:
             position, rotation = placement(q)
             return position + self._shift(frame, rotation), rotation
 
@@ -79,7 +79,7 @@ class DesignedModel:
         if frame not in self._shifts:
             return velocity
 
-        def shifted(q: Any, v: Any) -> Any:
+        def shifted(q: ca.SX, v: ca.SX) -> ca.SX:
             motion, d = velocity(q, v), self._world_shift(frame, q)
             return ca.vertcat(motion[:3] + ca.cross(motion[3:], d), motion[3:])
 
@@ -92,7 +92,7 @@ class DesignedModel:
             return acceleration
         velocity = self._with_design(self._symbolic.frame_velocity(frame))
 
-        def shifted(q: Any, v: Any, a: Any) -> Any:
+        def shifted(q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
             motion, turning, d = acceleration(q, v, a), velocity(q, v)[3:], self._world_shift(frame, q)
             linear = motion[:3] + ca.cross(motion[3:], d) + ca.cross(turning, ca.cross(turning, d))
             return ca.vertcat(linear, motion[3:])
@@ -105,7 +105,7 @@ class DesignedModel:
         if frame not in self._shifts:
             return jacobian
 
-        def shifted(q: Any) -> Any:
+        def shifted(q: ca.SX) -> ca.SX:
             j, d = jacobian(q), self._world_shift(frame, q)
             return ca.vertcat(j[:3, :] - ca.mtimes(ca.skew(d), j[3:, :]), j[3:, :])
 
@@ -114,10 +114,10 @@ class DesignedModel:
     def _with_design(self, function: ca.Function) -> Call:
         return lambda *arguments: function(*arguments, *self._inputs)
 
-    def _shift(self, frame: str, rotation: Any) -> Any:
+    def _shift(self, frame: str, rotation: ca.SX) -> ca.SX:
         """From where the model has the frame to where the design has it, in the world's axes (3,) [m]."""
         on_joint, shift = self._shifts[frame]
         return ca.mtimes([rotation, on_joint.T, shift])
 
-    def _world_shift(self, frame: str, q: Any) -> Any:
+    def _world_shift(self, frame: str, q: ca.SX) -> ca.SX:
         return self._shift(frame, self._with_design(self._symbolic.frame_placement(frame))(q)[1])

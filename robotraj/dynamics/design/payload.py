@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies, Body
 from robotraj.dynamics.design.quantity import Quantity, body_of_name
+from robotraj.dynamics.variable import Scalar
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
@@ -46,7 +47,7 @@ class Payload(Quantity):
         body_of_name(robot, self.frame, "rt.design.Payload")
         return ()
 
-    def write(self, bodies: Bodies, value: Any) -> None:
+    def write(self, bodies: Bodies, value: Scalar) -> None:
         """Add the moments of the point mass."""
         frame = bodies.robot.frame(self.frame)
         joint = int(bodies.robot.model.frames[frame].parentJoint)

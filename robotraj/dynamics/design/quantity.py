@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
+from robotraj.dynamics.variable import Scalar
 
 if TYPE_CHECKING:
     from robotraj.dynamics.design.bodies import Bodies
@@ -52,7 +53,7 @@ class Quantity(OneLine, ABC):
         """
 
     @abstractmethod
-    def write(self, bodies: Bodies, value: Any) -> None:
+    def write(self, bodies: Bodies, value: Scalar) -> None:
         """Write the value, a symbol or a number, into the bodies."""
 
     def check_lower(self, name: str, lower: float) -> None:

@@ -6,13 +6,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import fields
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
+from robotraj.dynamics.variable import Scalar
 
 Array = NDArray[np.float64]
 
@@ -25,10 +25,10 @@ class Ground(OneLine, ABC):
     """
 
     @abstractmethod
-    def surface(self, x: ca.SX, y: ca.SX) -> Any:
+    def surface(self, x: ca.SX, y: ca.SX) -> ca.SX:
         """Height h(x, y) [m] of symbols x and y [m], twice differentiable wherever a foot may be placed."""
 
-    def footing(self, x: Any, y: Any, reach: tuple[Any, Any] = (0.0, 0.0)) -> list[Any]:
+    def footing(self, x: Scalar, y: Scalar, reach: tuple[Scalar, Scalar] = (0.0, 0.0)) -> list[Scalar]:
         """Rows [m] that must not be negative where a foot stands at (x, y) [m]; none where it may stand anywhere.
 
         Parameters
@@ -40,15 +40,15 @@ class Ground(OneLine, ABC):
         """
         return []
 
-    def height(self, x: Any, y: Any) -> Any:
+    def height(self, x: Scalar, y: Scalar) -> Scalar:
         """Height of the ground [m] at world position (x, y) [m]; symbolic where x and y are."""
         return self.plane(x, y)[0]
 
-    def at(self, x: Any, y: Any) -> list[Any]:
+    def at(self, x: Scalar, y: Scalar) -> list[Scalar]:
         """Point [x, y, h(x, y)] [m] on the ground."""
         return [x, y, self.height(x, y)]
 
-    def plane(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
+    def plane(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """Tangent plane at (x, y): height h [m] and slopes h_x, h_y, from one evaluation."""
         if any(isinstance(value, ca.SX | ca.MX | ca.DM) for value in (x, y)):
             return tuple(self._sampler(x, y))
@@ -58,13 +58,13 @@ class Ground(OneLine, ABC):
         values = self._sampler.map(xs.size)(xs.reshape(1, -1), ys.reshape(1, -1))
         return tuple(np.array(value).reshape(xs.shape) for value in values)  # type: ignore[return-value]
 
-    def normal(self, x: Any, y: Any) -> list[Any]:
+    def normal(self, x: Scalar, y: Scalar) -> list[Scalar]:
         """Upward unit normal n = (-h_x, -h_y, 1) / sqrt(1 + h_x^2 + h_y^2), as a list of 3."""
         _, slope_x, slope_y = self.plane(x, y)
         scale = (1.0 + slope_x * slope_x + slope_y * slope_y) ** -0.5
         return [-slope_x * scale, -slope_y * scale, scale]
 
-    def axes(self, x: Any, y: Any) -> tuple[list[Any], list[Any], list[Any]]:
+    def axes(self, x: Scalar, y: Scalar) -> tuple[list[Scalar], list[Scalar], list[Scalar]]:
         """Tangents t1, t2 and normal n: unit vectors, right-handed (t1 x t2 = n), as lists of 3.
 
         t1 = (1, 0, h_x) / sqrt(1 + h_x^2) points along world x, in the x-z plane; t2 = n x t1.
@@ -104,6 +104,6 @@ class Ground(OneLine, ABC):
         slopes = (ca.densify(ca.jacobian(height, s)) for s in (x, y))
         return ca.Function("ground", [x, y], [height, *slopes])
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """Pickle the fields only; the function is traced again where it is wanted."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}  # type: ignore[arg-type]

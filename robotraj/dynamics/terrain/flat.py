@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 import numpy as np
 
@@ -28,6 +26,6 @@ class Flat(Ground):
         if not np.isfinite(self.level):
             raise InputError(f"rt.terrain.Flat has the level {self.level}; give metres.")
 
-    def surface(self, x: ca.SX, y: ca.SX) -> Any:
+    def surface(self, x: ca.SX, y: ca.SX) -> ca.SX:
         """Height [m]."""
         return self.level

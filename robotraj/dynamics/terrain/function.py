@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import casadi as ca
 
 from robotraj._util.errors import InputError, called
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.variable import Scalar
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,9 @@ class HeightFunction(Ground):
         When first used: the function fails on symbols or returns no single height.
     """
 
-    function: Callable[[Any, Any], Any]
+    function: Callable[[ca.SX, ca.SX], Scalar]
 
-    def surface(self, x: ca.SX, y: ca.SX) -> Any:
+    def surface(self, x: ca.SX, y: ca.SX) -> ca.SX:
         """Height [m]."""
         height = called("height function of the ground", lambda *place: ca.SX(self.function(*place)), x, y)
         if height.numel() != 1:
@@ -37,7 +37,7 @@ class HeightFunction(Ground):
         return height
 
 
-def as_ground(value: Any) -> Ground:
+def as_ground(value: object) -> Ground:
     """Accept a Ground or a plain function of (x, y).
 
     Raises

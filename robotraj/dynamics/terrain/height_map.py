@@ -8,6 +8,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -75,7 +76,7 @@ class HeightMap(Ground):
             )
 
     @classmethod
-    def from_array(cls, x: Any, y: Any, heights: Any) -> HeightMap:
+    def from_array(cls, x: ArrayLike, y: ArrayLike, heights: ArrayLike) -> HeightMap:
         """Take ``heights[i, j]`` [m] at (x[i], y[j]) [m], which are evenly spaced and increase.
 
         Raises
@@ -110,7 +111,7 @@ class HeightMap(Ground):
     def __hash__(self) -> int:
         return hash((self.spacing, self.origin, self.heights.tobytes()))
 
-    def surface(self, x: ca.SX, y: ca.SX) -> Any:
+    def surface(self, x: ca.SX, y: ca.SX) -> ca.SX:
         """Height [m]."""
         n, m = self.heights.shape
         across = _splines((x - self.origin[0]) / self.spacing[0], n)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 import numpy as np
 
@@ -30,6 +28,6 @@ class Slope(Ground):
         if not np.isfinite([self.slope_x, self.slope_y, self.level]).all():
             raise InputError(f"{self!r}: give slopes as rise over run and the level in metres.")
 
-    def surface(self, x: ca.SX, y: ca.SX) -> Any:
+    def surface(self, x: ca.SX, y: ca.SX) -> ca.SX:
         """Height [m]."""
         return self.level + self.slope_x * x + self.slope_y * y

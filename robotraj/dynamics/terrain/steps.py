@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.variable import Scalar
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Steps(Ground):
         starts, ends = [-np.inf, *(high for _, high in self.risers)], [*(low for low, _ in self.risers), np.inf]
         return tuple(zip(starts, ends, self.heights, strict=True))
 
-    def surface(self, x: ca.SX, y: ca.SX) -> Any:
+    def surface(self, x: ca.SX, y: ca.SX) -> ca.SX:
         """Height [m]."""
         height = ca.SX(self.heights[0])
         for (low, _), (below, above) in zip(self.risers, _pairs(self.heights), strict=True):
@@ -90,7 +90,7 @@ class Steps(Ground):
         """Ten pieces for each ramp."""
         return [float(x) for riser in self.risers for x in np.linspace(*riser, 11)], ()
 
-    def footing(self, x: Any, y: Any, reach: tuple[Any, Any] = (0.0, 0.0)) -> list[Any]:
+    def footing(self, x: Scalar, y: Scalar, reach: tuple[Scalar, Scalar] = (0.0, 0.0)) -> list[Scalar]:
         """One row [m] per riser: ((x - c)^2 - b^2) / (2 b) >= 0, with c the middle of its ramp, b = width/2 + reach.
 
         So a sole lies on one tread, on either side of each ramp; beside it the row grows as the distance does.
