@@ -18,7 +18,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.costates.hamiltonian import Hamiltonian
-from robotraj.transcription.collocation.index_reduction import equations_of
+from robotraj.transcription.collocation.index_reduction import path_equalities
 
 if TYPE_CHECKING:
     from robotraj.solution.phase_solution import PhaseSolution
@@ -175,7 +175,7 @@ def costates(solution: Solution) -> Costates:
             "states obey those rows, and its costates are not unique. Costates are of phases without them."
         )
     for phase in solution.problem.phases:
-        for equation in equations_of(phase)[:1]:
+        for equation in path_equalities(phase)[:1]:
             row = phase.rows.path[equation.row]
             raise InputError(
                 f"Phase {phase.name!r} holds an equation of its state, {row.label!r}, throughout, with its rates: its "

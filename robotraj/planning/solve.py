@@ -27,7 +27,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import LateMultipliers, Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.status import Status
-from robotraj.transcription.collocation.unwrap_angles import unwound
+from robotraj.transcription.collocation.unwrap_angles import unwrapped
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.added_rows import rows_to_add, with_added_rows
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow
@@ -236,7 +236,7 @@ def _solve(
         outcome = solver.resolve(nlp, known, progress, multipliers)
     else:
         outcome = solver.solve(nlp, progress, multipliers)
-    outcome = replace(outcome, w=unwound(nlp, outcome.w))
+    outcome = replace(outcome, w=unwrapped(nlp, outcome.w))
     if shared is not None:
         shared.keep(nlp, outcome.multipliers)
     # What a solver does not count as its own, such as assembling the NLP's functions for it, is building.

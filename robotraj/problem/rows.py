@@ -139,10 +139,9 @@ class RowTable(OneLine):
         states = {state.name for state in self.dae.states}
         if all(row.kind is Kind.BOUND for row in self.throughout):
             return tuple(row for row in self.throughout if row.variable in states)
-        point = self.point
         # By forward dynamics a robot's accelerations are expressions, not variables: its algebraic variables are none.
-        z = (point.z[variable.name] for variable in self.body.algebraic)
-        inner = ca.vertcat(ca.SX(0, 1), *z, *point.u.values())
+        z = (self.point.z[variable.name] for variable in self.body.algebraic)
+        inner = ca.vertcat(ca.SX(0, 1), *z, *self.point.u.values())
 
         def reads_state(row: PhaseRow) -> bool:
             if row.kind is Kind.BOUND:
@@ -175,13 +174,7 @@ class RowTable(OneLine):
         ]
 
     def limits(self, *where: Where) -> Mapping[str, tuple[float, float]]:
-        """Return the tightest bounds of each bounded variable, by its name.
-
-        Parameters
-        ----------
-        *where : Where
-            When the bounds hold; ``Where.THROUGHOUT`` by default.
-        """
+        """Return the tightest bounds that hold ``where``, throughout by default, by the names of the variables."""
         found: dict[str, tuple[float, float]] = {}
         for row in self.bounds:
             if row.where in (where or (Where.THROUGHOUT,)):
@@ -200,9 +193,7 @@ class RowTable(OneLine):
         InputError
             An expression returns another number of values than its constraint has rows.
         """
-        known: dict[int, list[ca.SX]] = {}
-        for c in dict.fromkeys(row.constraint for row in rows):
-            known[c] = self._values_of(c, point)
+        known = {c: self._values_of(c, point) for c in dict.fromkeys(row.constraint for row in rows)}
         return [known[row.constraint][row.entry] for row in rows]
 
     def column(self, rows: Sequence[PhaseRow], point: Point) -> ca.SX:

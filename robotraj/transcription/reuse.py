@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj.guess.base import InitialGuess
 from robotraj.native.engines.base import Engine
-from robotraj.transcription.collocation.index_reduction import settled
+from robotraj.transcription.collocation.index_reduction import determined_at_ends
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
@@ -94,4 +94,4 @@ def _alike(before: Phase, now: Phase, layout: PhaseLayout) -> bool:
     if not same or before.duration_bounds != now.duration_bounds:
         return False
     # The ends decide which rows hold an invariant or an equality with its rates.
-    return not now.dae.invariants and settled(before, layout) == settled(now, layout)
+    return not now.dae.invariants and determined_at_ends(before, layout) == determined_at_ends(now, layout)

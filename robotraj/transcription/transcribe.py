@@ -1,4 +1,4 @@
-"""From a problem on meshes to a nonlinear program."""
+"""Transcription of a problem on meshes to a nonlinear program."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.collocation import collocate
 from robotraj.transcription.collocation.ends import (
     end_constraint_blocks,
-    equations_block,
     link_block,
     link_unknowns,
     mayer_block,
     start_block,
+    start_equalities_block,
     widen,
 )
-from robotraj.transcription.collocation.index_reduction import carried
+from robotraj.transcription.collocation.index_reduction import carried_equalities
 from robotraj.transcription.interval_limits.bernstein_bounds import (
     columns_beside_rows,
     covered_in,
-    hold_controls,
-    is_held,
+    impose_on_controls,
+    on_coefficients,
 )
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import PhaseLayout
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 INSIDE = 1e-9
-"""How far inside an interval its ends are sampled, as a fraction of its length."""
+"""Distance from the ends of an interval at which one-sided values are sampled, as a fraction of its length."""
 
 
 def transcribe(
@@ -67,17 +67,17 @@ def transcribe(
     mesh : Mesh or sequence of Mesh
         One for all phases, or one for each.
     guess : InitialGuess, optional
-        Where the solver starts; ``default_guess`` by default.
+        Start of the solver; ``default_guess`` by default.
     engine : Engine, optional
         Evaluates the point functions; ``rt.engines.VirtualMachine()`` by default.
     interval_limits : ConstraintGeneration, optional
-        What holds rows between the collocation points; ``rt.interval_limits.ConstraintGeneration()``, which
-        adds nothing yet, by default.
+        How limits hold between the collocation points; ``rt.interval_limits.ConstraintGeneration()`` by default, which
+        adds rows after a first solution only.
 
     Returns
     -------
     Nlp
-        Every row and variable named; solve it with a solver value such as ``rt.Ipopt()``.
+        With a name for every row and variable; ``rt.Ipopt().solve(nlp)`` solves it.
     """
     engine = engine or VirtualMachine()
     interval_limits = interval_limits or ConstraintGeneration()
@@ -94,7 +94,7 @@ def transcribe(
     points = []
     for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
         collocated = not isinstance(layout.scheme, OneStep)
-        known = carried(problem.phases, i, problem.bound_links)
+        known = carried_equalities(problem.phases, i, problem.bound_links)
         if not collocated:
             from robotraj.transcription.shooting.shooting import shoot
 
@@ -103,9 +103,9 @@ def transcribe(
             blocks += more
         else:
             points.append(collocate(phase, i, layout, rows, linear, engine.torques_apart, interval_limits, known))
-        hold_controls(interval_limits, phase, i, layout, rows, linear)
+        impose_on_controls(interval_limits, phase, i, layout, rows, linear)
         blocks += end_constraint_blocks(phase, i, layout, rows)
-        chosen = equations_block(phase, i, layout, rows, known) if collocated and known is not None else None
+        chosen = start_equalities_block(phase, i, layout, rows, known) if collocated and known is not None else None
         started = start_block(problem.phases, i, layout, problem.bound_links, rows)
         blocks += [block for block in (chosen, started, mayer_block(phase, layout)) if block]
     unknowns = tuple(link_unknowns(link, columns) for link in problem.bound_links)
@@ -149,19 +149,19 @@ def start_of(
     variables: Scalars,
     guess: InitialGuess,
 ) -> Array:
-    """Give the decision vector of a guess, inside the bounds, (n_w,)."""
+    """Return the decision vector of a guess, clipped to the bounds, (n_w,)."""
     known = guess.prepared(problem)
     start = _guess(problem, layouts, known, len(variables))
     for i, (link, own) in enumerate(zip(problem.bound_links, link_columns, strict=True)):
-        brought = known.of_link(link, i)
-        start[own] = [brought.get(unknown.name, 0.0) for unknown in link.unknowns]
+        values = known.of_link(link, i)
+        start[own] = [values.get(unknown.name, 0.0) for unknown in link.unknowns]
     return np.clip(start, variables.lower, variables.upper)
 
 
 def bounds_of(
     problem: Problem, layouts: Sequence[PhaseLayout], interval_limits: ConstraintGeneration
 ) -> list[ColumnBound]:
-    """Give the bounds of columns: ends first, then the rows that are single variables."""
+    """Return the bounds of columns: the ends first, then the rows of single variables."""
     bounds = []
     for i, (phase, layout) in enumerate(zip(problem.phases, layouts, strict=True)):
         bounds += _bounds(phase, i, layout, covered_in(interval_limits, phase, layout))
@@ -185,9 +185,9 @@ def _finish_points(block: Block, gather: Triplets, scatter: Triplets, shape: tup
 
 
 def _bounds(phase: Phase, index: int, layout: PhaseLayout, covered: frozenset[str]) -> list[ColumnBound]:
-    """Write the ends of the phase and the rows that are single variables as bounds of columns.
+    """Return the ends of the phase and the rows of single variables as bounds of columns.
 
-    Of what is ``covered`` in between, ``columns_beside_rows`` are bounded.
+    Variables that are ``covered`` between the points have bounds on ``columns_beside_rows``.
     """
     bounds = []
     for which, knot, given in (("start", 0, phase.start_bounds), ("end", -1, phase.end_bounds)):
@@ -199,7 +199,7 @@ def _bounds(phase: Phase, index: int, layout: PhaseLayout, covered: frozenset[st
     held = columns_beside_rows(phase, layout) if covered else {}
     for row in phase.rows.bounds:
         name = str(row.variable)
-        every = (held if is_held(row, covered) else columns)[name]
+        every = (held if on_coefficients(row, covered) else columns)[name]
         _require_point(phase, layout, name, row.where)
         chosen = {Where.START: every[:1], Where.END: every[-1:]}.get(row.where, every)
         bounds.append(ColumnBound(Entry.of(index, row), chosen, row.lower, row.upper))
@@ -207,7 +207,7 @@ def _bounds(phase: Phase, index: int, layout: PhaseLayout, covered: frozenset[st
 
 
 def _require_point(phase: Phase, layout: PhaseLayout, variable: str, where: Where) -> None:
-    """Refuse a bound on an end where the scheme has no value of the variable."""
+    """Refuse a bound at an end at which the scheme has no value of the variable."""
     if where not in (Where.START, Where.END) or variable in {state.name for state in phase.dae.states}:
         return
     scheme, at = (layout.runs[0].scheme, 0) if where is Where.START else (layout.runs[-1].scheme, -1)
@@ -222,7 +222,7 @@ def _require_point(phase: Phase, layout: PhaseLayout, variable: str, where: Wher
 
 
 def _columns_by_variable(phase: Phase, layout: PhaseLayout) -> dict[str, NDArray[np.int_]]:
-    """Columns of every variable of the dynamics, in the order of time."""
+    """Return the columns of every variable of the dynamics, in the order of time."""
     groups = (
         (phase.dae.states, [layout.knots, *(run.states for run in layout.runs)]),
         (phase.dae.algebraic, [run.algebraic for run in layout.runs]),
@@ -260,7 +260,7 @@ def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
     runs = layout.runs
 
     def at(sites: Sequence[Array], inside: float) -> Array:
-        """Fractions of the phase where the intervals have sites, one interval after the other."""
+        """Return the fractions of the phase of the sites, one interval after the other."""
         pairs = zip(runs, sites, strict=True)
         parts = (r.start[:, None] + r.length[:, None] * np.clip(c, inside, 1 - inside) for r, c in pairs)
         return np.concatenate([part.ravel() for part in parts])
@@ -271,7 +271,7 @@ def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
     nodes, sites = [run.scheme.nodes for run in runs], [run.scheme.control_sites for run in runs]
     w[layout.knots.ravel()] = known.states(layout.fractions).ravel()
     fill([run.states for run in runs], known.states(at(nodes, 0.0)))
-    # Controls and accelerations may jump at knots: the interval's own side is asked for.
+    # Controls and accelerations may jump at knots: values are those of the interval's side.
     fill([run.algebraic for run in runs], known.algebraic(at(nodes, INSIDE)))
     fill([run.controls for run in runs], known.controls(at(sites, INSIDE)))
     if isinstance(layout.mesh, MovingMesh):

@@ -1,4 +1,4 @@
-"""Small problems that between them use every kind of row, variable and cost."""
+"""Small problems that together have every kind of row, variable and cost."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _mass_cost() -> object:
 
 
 def time_dependent() -> tuple[rt.Problem, rt.Mesh]:
-    """Dynamics, a row and a cost that read the time."""
+    """Dynamics, a row and a cost that depend on time."""
     system = rt.System(["x"], ["u"], lambda point: [point.u["u"] + ca.sin(point.t * point.x["x"])])
     phase = rt.Phase(
         system,

@@ -1,4 +1,4 @@
-"""Motions whose equations hold everywhere: which they are, and that they do."""
+"""Motions whose equations hold at all times."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_schemes_that_integrate_their_states_are_exact(scheme: rt.schemes.Scheme
 @pytest.mark.parametrize(
     "scheme", [rt.schemes.Trapezoidal(), rt.schemes.RadauIIA(1), rt.HermiteSimpson(control=ConstantControl())], ids=repr
 )
-def test_others_are_not(scheme: rt.schemes.Scheme) -> None:
+def test_other_schemes_are_not_exact(scheme: rt.schemes.Scheme) -> None:
     assert not is_exact(reach(), (scheme,))
 
 

@@ -1,4 +1,4 @@
-"""Planning again with other ends: what was made for the first plan is used, and the answer is that of a fresh plan."""
+"""Plans with other ends reuse the first transcription, and have the solution of a new one."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.solvers.stagewise.problems import GOAL, START, arm, pendulum, step, t
 
 MESH = rt.Mesh(12)
 OPTIONS = {"solver": rt.InteriorPoint(), "interval_limits": rt.interval_limits.BernsteinBounds(), "progress": False}
-"""Guards are rows of one solution; without them a plan takes over the whole NLP."""
+"""Added rows belong to one solution; without them a plan reuses the whole NLP."""
 OTHER = rt.State(q=np.add(GOAL, [-0.1, 0.05, 0.0, 0.1, 0.0, -0.2]), v=0)
 
 
@@ -25,7 +25,7 @@ def origin(solution: rt.Solution) -> Origin:
 
 
 @pytest.mark.parametrize("solver", [rt.InteriorPoint(), rt.Ipopt()])
-def test_a_plan_with_another_goal_is_that_of_a_fresh_one(solver: rt.InteriorPoint | rt.Ipopt) -> None:
+def test_a_plan_with_another_goal_is_that_of_a_new_transcription(solver: rt.InteriorPoint | rt.Ipopt) -> None:
     problem = arm()
     options = OPTIONS | {"solver": solver}
     first = rt.plan(problem, MESH, **options)
@@ -55,7 +55,7 @@ def test_the_solver_keeps_its_compiled_program() -> None:
     assert np.abs(first.multipliers.rows).max() > 0  # type: ignore[union-attr]
 
 
-def test_what_the_first_plan_prepared_is_not_counted_again() -> None:
+def test_the_preparation_of_the_first_plan_is_not_counted_again() -> None:
     options = OPTIONS | {"solver": rt.Ipopt()}
     first = rt.plan(arm(), MESH, **options)
     again = rt.plan(first.problem.with_(end=OTHER), MESH, guess=first, **options)
@@ -74,7 +74,7 @@ def test_the_same_problem_again_takes_fewer_iterations() -> None:
 
 
 @pytest.mark.parametrize("change", ["mesh", "duration", "objective", "interval_limits"])
-def test_what_differs_in_more_is_transcribed_anew(change: str) -> None:
+def test_problems_that_differ_in_more_are_transcribed_again(change: str) -> None:
     problem = arm()
     first = rt.plan(problem, MESH, **OPTIONS)
     other, mesh, options = problem, MESH, OPTIONS
@@ -107,7 +107,7 @@ def test_several_phases_take_their_outer_ends() -> None:
     assert rt.plan(problem, rt.Mesh(5), progress=False).success
 
 
-def test_what_cannot_be_changed_is_named() -> None:
+def test_a_field_that_cannot_be_changed_is_named() -> None:
     with pytest.raises(rt.InputError, match="which of 2 phases"):
         two_phases().with_(duration=1.0)
     with pytest.raises(rt.InputError, match="objective"):
@@ -116,7 +116,7 @@ def test_what_cannot_be_changed_is_named() -> None:
         arm().with_(end=rt.State(q=[100, 0, 0, 0, 0, 0], v=0))
 
 
-def test_contacts_are_transcribed_anew() -> None:
+def test_contacts_are_transcribed_again() -> None:
     from tests.gait.test_five_link import guess
 
     problem = step()
@@ -127,7 +127,7 @@ def test_contacts_are_transcribed_anew() -> None:
 
 
 def test_a_loop_may_write_to_its_arrays() -> None:
-    """A start that is measured into the same array over and over is what it was in the phases made before."""
+    """Earlier phases keep their start when the array it was given in is overwritten."""
     q, weights, bounds = np.array(START), np.ones(6), {"elbow_joint": rt.between(-3, 3)}
     phase = (
         arm()

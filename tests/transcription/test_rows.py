@@ -1,4 +1,4 @@
-"""The rows are the scheme's equations, and every row and column says what it is."""
+"""The rows are the scheme's equations, and every row and column has a name."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def random_point(nlp: rt.transcription.Nlp) -> np.ndarray:
     return np.random.default_rng(3).normal(size=len(nlp.variables))
 
 
-def test_trapezoid_rows_and_cost_are_the_rules() -> None:
+def test_rows_and_cost_are_those_of_the_trapezoidal_rule() -> None:
     nlp = rt.transcription.transcribe(rt.Problem([phase_of()]), rt.Mesh([0, 0.3, 1], rt.schemes.Trapezoidal()))
     w = random_point(nlp)
     layout = nlp.layouts[0]
@@ -115,7 +115,7 @@ def test_a_phase_has_one_stage_on_every_mesh_that_frees_the_same_scalars() -> No
     assert rt.transcription.transcribe(rt.Problem([phase_of()]), meshes[0]).blocks[0].stage is not fixed
 
 
-def test_stages_go_with_their_phase() -> None:
+def test_stages_are_freed_with_their_phase() -> None:
     phase = phase_of()
     stage = weakref.ref(rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(3)).blocks[0].stage)
     assert stage() is not None

@@ -1,4 +1,4 @@
-"""Units of the unknowns: what joints and contacts have of one unit is measured by the same."""
+"""Scales of the unknowns: variables of joints and contacts with one unit share a scale."""
 
 from __future__ import annotations
 

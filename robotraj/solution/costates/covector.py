@@ -38,7 +38,7 @@ from robotraj.solution.costates.densities import Density, run_out, split
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.costates.stepped import stepped_duals
 from robotraj.solvers.base import Multipliers
-from robotraj.transcription.collocation.index_reduction import equations_of
+from robotraj.transcription.collocation.index_reduction import path_equalities
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.collocation import Collocation
@@ -63,7 +63,7 @@ def covectors(nlp: Nlp, w: Array, multipliers: Multipliers) -> tuple[PhaseDuals,
         By this mapping for collocation, by ``indirect.stepped`` for shooting and compressed collocation; none where
         invariants are held or equations with their rates, whose costates are not unique.
     """
-    if any(phase.dae.invariants or equations_of(phase) for phase in nlp.problem.phases):
+    if any(phase.dae.invariants or path_equalities(phase) for phase in nlp.problem.phases):
         return ()
     rows, bounds = multipliers.rows, multipliers.bounds
     found = []

@@ -4,10 +4,10 @@ The stage function gives, at a node with unknowns (x, z, u, t0, T, p) and consta
 
     y = ( T f,  g,  h,  h', T m,  T l,  W c,  I ),    t = t0 + tau T,
 
-with f the rates, g the residual, h the path rows, h' the rates of those that are equations of the state
-(``equations``), m the rates of integral constraints, l the integrand, I the invariants and W c the corrections that
-hold them (``dynamics.dae``). Since T is inside, every row of the NLP is linear
-in the outputs with constant coefficients: the defect of node j on an interval of relative length d is
+with f the rates, g the residual, h the path rows, h' the rates of path equalities (``index_reduction``), m the rates of
+integral constraints, l the integrand, I the invariants and W c the corrections that hold them (``dynamics.dae``). The
+products with T make every row of the NLP linear in the outputs, with constant coefficients. The defect of node j on an
+interval of relative length d is
 
     x_j - x_0 - d sum_k A_jk (T f_k) - W_j c_j = 0.
 """
@@ -15,7 +15,6 @@ in the outputs with constant coefficients: the defect of node j on an interval o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import accumulate, count, pairwise
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -24,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
-from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_terms import contacts_apart
 from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.torques import torques_apart
@@ -32,12 +30,13 @@ from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.index_reduction import (
-    equations_of,
-    hold_equations,
+    impose_equalities,
+    path_equalities,
     rates_of,
 )
-from robotraj.transcription.collocation.invariants import hold
-from robotraj.transcription.interval_limits.bernstein_bounds import hold_states
+from robotraj.transcription.collocation.invariants import impose_invariants
+from robotraj.transcription.collocation.symbols import interval_scalars, point_symbols
+from robotraj.transcription.interval_limits.bernstein_bounds import impose_on_states
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
 from robotraj.transcription.schemes.collocation import Collocation
@@ -50,64 +49,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class PointSymbols:
-    """Symbols of one point of a phase, split into unknowns and constants as the layout has them."""
-
-    x: ca.SX
-    z: ca.SX
-    u: ca.SX
-    t: ca.SX
-    duration: ca.SX
-    p: ca.SX
-    unknowns: ca.SX
-    constants: ca.SX
-
-
-def point_symbols(phase: Phase, scalars: Sequence[Scalar]) -> PointSymbols:
-    """Make the symbols; of the scalars (base, span, parameters), fixed ones are constants beside the fraction tau."""
-    dae = phase.dae
-    ends = list(accumulate((len(dae.states), len(dae.algebraic), len(dae.controls)), initial=0))
-    unknowns, constants, (t0, duration, *p) = shared_symbols(scalars, ends[-1], 1)
-    # Slices of two long symbols: to put many short ones together takes CasADi's interface several times as long.
-    x, z, u = (unknowns[first:last] for first, last in pairwise(ends))
-    return PointSymbols(x, z, u, t0 + constants[0] * duration, duration, column_of(p), unknowns, constants)
-
-
-def shared_symbols(scalars: Sequence[Scalar], unknowns: int, constants: int) -> tuple[ca.SX, ca.SX, list[ca.SX]]:
-    """Make symbols of unknowns and of constants, and say which of them the scalars are.
-
-    Parameters
-    ----------
-    scalars : sequence of Scalar
-        Those that are columns come last among the unknowns, the others last among the constants.
-    unknowns, constants : int
-        Others that come before them.
-    """
-    free = sum(scalar.column is not None for scalar in scalars)
-    v, c = ca.SX.sym("v", unknowns + free), ca.SX.sym("c", constants + len(scalars) - free)
-    next_v, next_c = count(unknowns), count(constants)
-    return v, c, [c[next(next_c)] if scalar.column is None else v[next(next_v)] for scalar in scalars]
-
-
-def column_of(parts: Sequence[ca.SX]) -> ca.SX:
-    """Put scalars in a column, which may be empty."""
-    return ca.vertcat(*parts) if parts else ca.SX(0, 1)
-
-
-def phase_scalars(layout: PhaseLayout) -> list[Scalar]:
-    """Start time, duration and parameters of a phase, in the order of the symbols."""
-    return [layout.t0, layout.duration, *layout.parameters]
-
-
-def interval_scalars(layout: PhaseLayout, interval: int) -> list[Scalar]:
-    """List base, span and parameters as an interval reads them, in the order of the symbols."""
-    clock = layout.clock(interval)
-    return [clock.base, clock.span, *layout.parameters]
-
-
 def taus(layout: PhaseLayout) -> Array:
-    """Constant tau of the stage's evaluations: t = base + tau span."""
+    """Return the constant tau of the stage's evaluations: t = base + tau span."""
     if layout.own_clocks is None:
         return layout.place_fractions
     return np.array([layout.intervals[k].scheme.nodes[j] for k, j in layout.place_owner.tolist()])
@@ -125,8 +68,12 @@ def collocate(
 ) -> tuple[Block, Triplets, Triplets]:
     """Write the rows of a phase; return its block and the triplets of its gather and scatter, still to be sized.
 
-    ``apart`` keeps a robot's inverse dynamics out of the stage's graph where that is possible; ``carried`` are
-    equations that links bring along, see ``equations.hold_equations``.
+    Parameters
+    ----------
+    apart : bool
+        Keep a robot's inverse dynamics out of the stage's graph, if possible.
+    carried : frozenset of int or None
+        See ``index_reduction.impose_equalities``.
     """
     dae = phase.dae
     stage = _stage(phase, layout, apart)
@@ -166,20 +113,20 @@ def collocate(
     scatter.add(residual.ravel(), (base + nx + np.arange(nz)).ravel(), 1.0)
     table = phase.rows
     kept = table.path
-    equations = equations_of(phase)
+    equations = path_equalities(phase)
     plain = sorted(set(range(len(kept))) - {equation.row for equation in equations})
     path = rows.impose(index, [kept[i] for i in plain], fractions)
     scatter.add(path.ravel(), (base + nx + nz + np.array(plain, dtype=int)).ravel(), 1.0)
     if equations:
-        hold_equations(phase, index, layout, rows, scatter, nx + nz, stage.outputs, carried)
+        impose_equalities(phase, index, layout, rows, scatter, nx + nz, stage.outputs, carried)
     rated = len(kept) + sum(equation.order - 1 for equation in equations)
     totals = rows.impose(index, table.integrals, np.ones(1))[0]
     for i, total in enumerate(totals):
         scatter.add(np.full(len(weights), total), base[:, 0] + nx + nz + rated + i, weights)
     if held:
-        hold(phase, index, layout, rows, scatter, stage.outputs)
+        impose_invariants(phase, index, layout, rows, scatter, stage.outputs)
     if interval_limits is not None:
-        hold_states(interval_limits, phase, index, layout, rows, linear, scatter, stage.outputs)
+        impose_on_states(interval_limits, phase, index, layout, rows, linear, scatter, stage.outputs)
     gather, constants = gather_points(phase, layout)
     if isinstance(layout.mesh, MovingMesh):
         tie_intervals(layout.mesh, index, layout, rows, linear)
@@ -188,11 +135,11 @@ def collocate(
 
 
 _STAGES: WeakKeyDictionary[Phase, dict[tuple[bool, ...], PointFunctions]] = WeakKeyDictionary()
-"""Stages of phases that are transcribed again, on finer meshes above all, with the derivatives made so far."""
+"""Stages with their derivatives, for phases that are transcribed again, on finer meshes above all."""
 
 
 def _stage(phase: Phase, layout: PhaseLayout, apart: bool) -> PointFunctions:
-    """Stage of a phase: the same one on every mesh that leaves the same scalars free."""
+    """Return the stage of a phase: the same one on all meshes with the same free scalars."""
     scalars = interval_scalars(layout, 0)
     key = apart, *(scalar.column is not None for scalar in scalars)
     known = _STAGES.setdefault(phase, {})
@@ -209,7 +156,7 @@ def _make_stage(phase: Phase, scalars: Sequence[Scalar], apart: bool) -> PointFu
     contacts = () if torques is None else contacts_apart(phase.body, point, c)
     integrand = weighted_sum([(w, as_rows(term.rate(point), "integrand")[0]) for w, term in phase.integrals])
     path, sums = (phase.rows.column(rows, point) for rows in (phase.rows.path, phase.rows.integrals))
-    # What is empty, the rule for the last three, is not worth a product.
+    # The last two are mostly empty, and a product takes time even then.
     rates, *more = (s.duration * part if part.numel() else part for part in (dae.rates(point), sums, integrand))
     equations = rates_of(phase, s.t, s.x, s.p)
     y = ca.vertcat(*(part for part in (rates, dae.residual(point), path, *equations, *more) if part.numel()))
@@ -221,13 +168,13 @@ def _make_stage(phase: Phase, scalars: Sequence[Scalar], apart: bool) -> PointFu
 
 
 def weighted_sum(terms: Sequence[tuple[float, ca.SX]]) -> ca.SX:
-    """Add weighted terms up, to 0 where there are none."""
+    """Return the sum of weighted terms, 0 without terms."""
     parts = [term if weight == 1.0 else weight * term for weight, term in terms]
     return sum(parts[1:], parts[0]) if parts else ca.SX(0)
 
 
 def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:
-    """Triplets of G and the constants, for every evaluation."""
+    """Return the triplets of G and the constants, for every evaluation."""
     dae = phase.dae
     nx, nz, nu = len(dae.states), len(dae.algebraic), len(dae.controls)
     shared = np.array(
@@ -262,7 +209,7 @@ def gather_points(phase: Phase, layout: PhaseLayout) -> tuple[Triplets, Array]:
 
 
 def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:
-    """Rows of a moving mesh: intervals follow each other, fill the phase and keep their lengths within bounds.
+    """Add the rows of a moving mesh: intervals are adjacent, fill the phase and have bounded lengths.
 
     s_0 = t0,  s_{k+1} = s_k + h_k,  sum h_k = T,  least d_k T <= h_k <= most d_k T.
     """
@@ -281,7 +228,7 @@ def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: Scala
         if scalar.column is not None:
             linear.add(at, np.full(len(at), scalar.column), -factors)
 
-    # Scalars that are no columns are known values and stand in the bounds.
+    # Scalars that are no columns are fixed values, which are added to the bounds.
     begin, total = layout.t0.value, layout.duration.value
     first = add("start of the first interval", fractions[:1], begin, begin)
     linear.add(first, starts[:1], 1.0)

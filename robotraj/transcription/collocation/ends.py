@@ -1,9 +1,9 @@
-"""Blocks that read the ends of phases: Mayer costs, constraints at one end, and links."""
+"""Blocks at the ends of phases: Mayer costs, constraints at one end, and links."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -17,21 +17,21 @@ from robotraj.problem.links.base import BoundLink, Ends
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
-from robotraj.transcription.collocation.collocation import (
+from robotraj.transcription.collocation.collocation import weighted_sum
+from robotraj.transcription.collocation.index_reduction import (
+    determined_at_ends,
+    path_equalities,
+    rate_row,
+    shares_start,
+)
+from robotraj.transcription.collocation.invariants import start_invariants
+from robotraj.transcription.collocation.symbols import (
     PointSymbols,
     column_of,
     phase_scalars,
     point_symbols,
     shared_symbols,
-    weighted_sum,
 )
-from robotraj.transcription.collocation.index_reduction import (
-    equations_of,
-    rate_row,
-    settled,
-    shares_start,
-)
-from robotraj.transcription.collocation.invariants import start_rows
 from robotraj.transcription.layout import PhaseLayout, entries_of
 from robotraj.transcription.table import Entry, ScalarTable
 
@@ -59,7 +59,7 @@ class EndSymbols:
 
 
 def mayer_block(phase: Phase, layout: PhaseLayout) -> Block | None:
-    """Weighted sum of the phase's Mayer terms, or None where there are none."""
+    """Return the weighted sum of the phase's Mayer terms; None without any."""
     if not phase.end_costs:
         return None
     ends = EndSymbols(phase, layout)
@@ -69,18 +69,18 @@ def mayer_block(phase: Phase, layout: PhaseLayout) -> Block | None:
     return single(unknowns, ends.constants, cost, columns, ends.values, np.array([], dtype=int), costed=0)
 
 
-def _read(expression: Any, unknowns: Any) -> Indices:
-    """Numbers of the unknowns that an expression reads, of all where it reads none.
+def _read(expression: ca.SX, unknowns: ca.SX) -> Indices:
+    """Return the indices of the unknowns that an expression depends on, of all if it depends on none.
 
-    Most terms and constraints at an end read few. The others would widen all that is made of the block, and torques
-    that a block reads cannot be eliminated.
+    Most terms and constraints at an end depend on few unknowns. Further ones would enlarge the matrices of the block,
+    and torques among the unknowns of a block cannot be eliminated.
     """
     read = np.array(ca.which_depends(expression, unknowns, 1, False), dtype=bool)
     return np.flatnonzero(read) if read.any() else np.arange(read.size)
 
 
 def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable) -> list[Block]:
-    """Constraints that hold at the start or at the end alone."""
+    """Return the blocks of constraints that hold at the start or at the end alone."""
     blocks = []
     for where, node, fraction in ((Where.START, 0, 0.0), (Where.END, -1, 1.0)):
         held = phase.rows.at(where)
@@ -92,7 +92,7 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
         inner = ca.vertcat(s.z, s.u)
         if interval.scheme.nodes[node] != fraction and inner.numel() and ca.depends_on(y, inner):
             raise InputError(
-                f"Phase {phase.name!r}: a constraint at the {where.value} reads accelerations or controls, but "
+                f"Phase {phase.name!r}: a constraint at the {where.value} depends on accelerations or controls, but "
                 f"{type(interval.scheme).__name__} has no collocation point there; use a Lobatto scheme."
             )
         added = rows.impose(index, held, np.array([fraction]))
@@ -101,7 +101,7 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
 
 
 def _at_end(layout: PhaseLayout, node: int, s: PointSymbols, y: ca.SX, rows: Indices) -> Block:
-    """Block of rows y at the first knot (``node`` 0) or at the last one (-1), of ``s`` the unknowns that y reads."""
+    """Return the block of rows y of symbols ``s`` at the first knot (``node`` 0) or at the last one (-1)."""
     interval, scalars = layout.intervals[node], phase_scalars(layout)
     shared = [scalar.column for scalar in scalars if scalar.column is not None]
     inner = interval.algebraic[node], interval.controls[node]
@@ -114,11 +114,11 @@ def _at_end(layout: PhaseLayout, node: int, s: PointSymbols, y: ca.SX, rows: Ind
 def start_block(
     phases: Sequence[Phase], index: int, layout: PhaseLayout, links: Sequence[BoundLink], rows: ScalarTable
 ) -> Block | None:
-    """Rows I(x) = 0 at the first knot of a phase, None where none is needed."""
+    """Return the block of I(x) = 0 at the first knot of a phase; None if no row is needed."""
     phase = phases[index]
     if not phase.dae.invariants:
         return None
-    kept = start_rows(phases, index, links)
+    kept = start_invariants(phases, index, links)
     if not kept:
         return None
     ends = EndSymbols(phase, layout)
@@ -128,20 +128,21 @@ def start_block(
     return single(ends.unknowns, ends.constants, y, ends.columns, ends.values, added)
 
 
-def equations_block(
+def start_equalities_block(
     phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, carried: frozenset[int]
 ) -> Block | None:
-    """Rows of equations at the first knot: what the points say of it where it is none, h^(r) = 0 where it is one.
+    """Return the block of path equalities at the first knot; None if no row is needed.
 
-    None where there is nothing to say; ``carried`` as for ``equations.hold_equations``.
+    If the scheme has no node there, the rows are h, ..., h^(r-1) = 0; if it has one, h^(r) = 0. For ``carried`` see
+    ``index_reduction.impose_equalities``.
     """
-    equations, interval = equations_of(phase), layout.intervals[0]
+    equations, interval = path_equalities(phase), layout.intervals[0]
     if not equations:
         return None
     s, held = point_symbols(phase, phase_scalars(layout)), phase.rows.path
     values: list[tuple[Row, ca.SX, float]] = []
     if interval.scheme.nodes[0] > 0.0:
-        for equation, (at_start, _) in zip(equations, settled(phase, layout), strict=True):
+        for equation, (at_start, _) in zip(equations, determined_at_ends(phase, layout), strict=True):
             imposed, found = held[equation.row], equation.values(s.t, s.x, s.p)
             kept = [] if equation.row in carried else sorted(set(range(equation.order)) - at_start)
             values += [(rate_row(imposed, k) if k else imposed, found[k], 0.0 if k else equation.target) for k in kept]
@@ -158,12 +159,12 @@ def equations_block(
 
 
 def _chooses_rates(phase: Phase) -> bool:
-    """Whether rates of controls are chosen: the controls are states then, and accelerations follow from them."""
+    """Whether the objective made controls states: then their rates are chosen, and accelerations follow."""
     return not {u.name for u in phase.body.controls} <= {u.name for u in phase.dae.controls}
 
 
 def link_unknowns(link: BoundLink, columns: ScalarTable) -> NDArray[np.int_]:
-    """Add the columns of a link's own unknowns."""
+    """Add the columns of a link's unknowns and return them."""
     phase = link.phases[0]
     return columns.add([Entry(phase, v.quantity, v.label, v.unit) for v in link.unknowns], np.ones(1))[0]
 
@@ -175,7 +176,7 @@ def link_block(
     own: NDArray[np.int_],
     rows: ScalarTable,
 ) -> Block:
-    """Rows of a link between phases; ``own`` are the columns of its unknowns."""
+    """Return the block of a link between phases; ``own`` are the columns of its unknowns."""
     ends = [EndSymbols(phases[i], layouts[i]) for i in link.phases]
     brought = ca.SX.sym("b", len(own))
     known = Named("unknown of the link", [v.name for v in link.unknowns], brought)
@@ -200,7 +201,7 @@ def single(
     rows: NDArray[np.int_],
     costed: int | None = None,
 ) -> Block:
-    """Build a block of one place; its matrices are widened to the NLP's size by ``finish``."""
+    """Return a block of one place; ``widen`` extends its matrices to the size of the NLP."""
     return repeated(v, c, y, columns[None, :], constants[None, :], rows[None, :], costed)
 
 
@@ -213,7 +214,7 @@ def repeated(
     rows: NDArray[np.int_],
     costed: int | None = None,
 ) -> Block:
-    """Build a block of the places whose columns (E, n_v), constants (E, n_c) and rows (E, n_y) are given."""
+    """Return a block of E places with columns (E, n_v), constants (E, n_c) and rows (E, n_y)."""
     stage = PointFunctions(v, c if c.numel() else ca.SX(0, 1), y, costed)
     gather, scatter = Triplets(), Triplets()
     gather.add(np.arange(columns.size), columns.ravel(), 1.0)
@@ -231,7 +232,7 @@ def repeated(
 
 
 def widen(block: Block, rows: int, columns: int) -> Block:
-    """Pad a block's matrices with empty rows and columns to the size of the NLP."""
+    """Extend a block's matrices by empty rows and columns to the size of the NLP."""
     gather, scatter = block.gather.copy(), block.scatter.copy()
     gather.resize((gather.shape[0], columns))
     scatter.resize((rows, block.stage.outputs * block.count))

@@ -1,14 +1,15 @@
-"""Equations of the path that say where the state is: held with their rates, so that the motion has a choice left.
+"""Index reduction: path equalities of the state are imposed with their rates.
 
-An equation h(t, x, p) = 0 has order r if its rates h', ..., h^(r-1), along dx/dt = f, read neither controls nor
-algebraic variables and the next one does: 2 for the pose of a frame, whose accelerations are chosen. Imposed at
-every collocation point it leaves what is chosen along it nothing but an oscillation from point to point, and the rates
-at the end of the phase to chance: where the end is fixed, as at rest, there are more rows than unknowns. Here the last
-r of an interval's points give way to h, h', ..., h^(r-1) at the last one. For Hermite-Simpson these are the pose and
-the velocity at every knot; at the point in the middle, as between all points, the polynomial keeps to the equation to
-the scheme's order, and what it leaves is told like everything between the points. Schemes with a point at the start of
-an interval share what is chosen there with the interval before; at the start of the phase h^(r) = 0 chooses it, for
-nothing else would, and what it is would swing on from knot to knot.
+A path equality h(t, x, p) = 0 has order r if its rates h', ..., h^(r-1), along dx/dt = f, depend neither on controls
+nor on algebraic variables, and h^(r) does. The pose of a frame has order 2. Imposed at every collocation point, it
+would leave the controls along it an oscillation from point to point, and would not determine the rates at the end of
+the phase. With a fixed end, at rest for example, the problem would have more rows than unknowns.
+
+Instead, the rows at the last r points of an interval are replaced by h, h', ..., h^(r-1) at the last one. For
+Hermite-Simpson these are the pose and the velocity at every knot. At the mid-point, as between all points, the
+polynomial satisfies the equality to the scheme's order; the rest is reported with the violations between points.
+Schemes with a point at the start of an interval share its controls with the interval before. At the start of the phase
+h^(r) = 0 determines them; no other row would, and their error would oscillate from knot to knot.
 Source: Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed., sections VI.7 and VII.4; Betts,
 Practical Methods for Optimal Control (2010), section 4.12.
 """
@@ -40,26 +41,26 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 HIGHEST = 4
-"""Order beyond which equations are held as they are: rates of rates grow, and none is known from robots."""
-SETTLED = 1e-9
-"""How far an equation or a rate may be off, in its own unit, where an end that is fixed settles it."""
+"""Highest order that is reduced: expressions of higher rates grow, and robots have no such equalities."""
+DETERMINED = 1e-9
+"""Largest error of an equality or a rate, in its unit, that is determined by a fixed end."""
 
 
 @dataclass(frozen=True, eq=False)
-class Equation:
-    """One path row that is an equation of order r >= 2.
+class PathEquality:
+    """One path row that is an equality of order r >= 2.
 
     Attributes
     ----------
     row : int
-        Its number among the path rows of the phase.
+        Index among the path rows of the phase.
     order : int
     values : casadi.Function
         (t, x, p) -> (h, h', ..., h^(r-1)).
     chosen : casadi.Function
         (t, x, z, u, p) -> h^(r).
     target : float
-        What h is.
+        Required value of h.
     """
 
     row: int
@@ -69,27 +70,23 @@ class Equation:
     target: float
 
     def expressions(self) -> tuple[ca.SX, ca.SX]:
-        """Give symbols (t, x, p) in one column, and what they make h - target, h', ..."""
-        # Not kept: a phase goes to other processes with what it keeps, and symbols do not.
+        """Return symbols (t, x, p) as one column, and h - target, h', ... as expressions of them."""
         arguments = [ca.SX.sym(name, self.values.size1_in(i)) for i, name in enumerate("txp")]
         return ca.vertcat(*arguments), self.values(*arguments) - ca.DM([self.target] + [0.0] * (self.order - 1))
 
 
-Equations = tuple[Equation, ...]
+def path_equalities(phase: Phase) -> tuple[PathEquality, ...]:
+    """Return the equalities of order 2 and more among the path rows of a phase."""
+    # Phases that differ in their ends alone share a table.
+    if phase.rows not in _EQUALITIES:
+        _EQUALITIES[phase.rows] = tuple(_find(phase.rows))
+    return _EQUALITIES[phase.rows]
 
 
-def equations_of(phase: Phase) -> Equations:
-    """Equations of order 2 and more among the path rows of a phase."""
-    # Phases that differ in their ends alone share one table.
-    if phase.rows not in _EQUATIONS:
-        _EQUATIONS[phase.rows] = tuple(_find(phase.rows))
-    return _EQUATIONS[phase.rows]
+_EQUALITIES: WeakKeyDictionary[RowTable, tuple[PathEquality, ...]] = WeakKeyDictionary()
 
 
-_EQUATIONS: WeakKeyDictionary[RowTable, Equations] = WeakKeyDictionary()
-
-
-def _find(table: RowTable) -> list[Equation]:
+def _find(table: RowTable) -> list[PathEquality]:
     if not table.path_equalities:
         return []
     t, x, z, u, p = table.symbols
@@ -106,16 +103,16 @@ def _find(table: RowTable) -> list[Equation]:
         if ca.depends_on(rate, inner) and len(rates) > 1:
             known = ca.Function("values", [t, x, p], [ca.vertcat(*rates)])
             chosen = ca.Function("chosen", [t, x, z, u, p], [rate])
-            found.append(Equation(i, len(rates), known, chosen, table.path[i].lower))
+            found.append(PathEquality(i, len(rates), known, chosen, table.path[i].lower))
     return found
 
 
 def rates_of(phase: Phase, t: ca.SX, x: ca.SX, p: ca.SX) -> list[ca.SX]:
-    """Rates h', ..., h^(r-1) of all equations, one after the other."""
-    return [equation.values(t, x, p)[1:] for equation in equations_of(phase)]
+    """Return the rates h', ..., h^(r-1) of all equalities, one after the other."""
+    return [equation.values(t, x, p)[1:] for equation in path_equalities(phase)]
 
 
-def hold_equations(
+def impose_equalities(
     phase: Phase,
     index: int,
     layout: PhaseLayout,
@@ -125,42 +122,41 @@ def hold_equations(
     outputs: int,
     carried: frozenset[int] | None,
 ) -> None:
-    """Write the rows of all equations.
+    """Write the rows of all equalities.
 
     Parameters
     ----------
     first : int
         The first path row among the ``outputs`` of the phase's stage; the rates follow the last one.
     carried : frozenset of int or None
-        Path rows that hold at the start of the phase anyway; None where its velocities jump there.
+        Path rows that links impose at the start of the phase already; None if velocities jump there.
     """
     held = phase.rows.path
     output = first + len(held)
-    for equation, (at_start, at_end) in zip(equations_of(phase), settled(phase, layout), strict=True):
+    for equation, (at_start, at_end) in zip(path_equalities(phase), determined_at_ends(phase, layout), strict=True):
         row = held[equation.row]
         places = _places(layout, equation.order, at_end)
         begins = layout.intervals[0].scheme.nodes[0] == 0.0 and not (carried and equation.row in carried)
         start = layout.intervals[0].places[: int(begins)]
         at = np.append(start, places[0])
-        _hold(row, index, layout, rows, scatter, at, outputs, first + equation.row, row.lower)
+        _impose(row, index, layout, rows, scatter, at, outputs, first + equation.row, row.lower)
         for k in range(1, equation.order):
             at = places[k] if carried is None or k in at_start else np.append(start, places[k])
-            _hold(rate_row(row, k), index, layout, rows, scatter, at, outputs, output + k - 1, 0.0)
+            _impose(rate_row(row, k), index, layout, rows, scatter, at, outputs, output + k - 1, 0.0)
         output += equation.order - 1
 
 
 def rate_row(row: Row, k: int) -> Row:
-    """Name h^(k) = 0 of a row."""
+    """Return the row of h^(k) = 0."""
     unit = f"{row.unit or '1'}/s" + (f"^{k}" if k > 1 else "")
     return Row(f"rate of {row.name}" if k == 1 else f"rate {k} of {row.name}", unit, 0.0, 0.0, row.joint)
 
 
-def _places(layout: PhaseLayout, order: int, settled: frozenset[int]) -> list[Indices]:
-    """Where the equation stands above knots, and where each of its rates does.
+def _places(layout: PhaseLayout, order: int, determined: frozenset[int]) -> list[Indices]:
+    """Return the places of an equality above knots, and those of each of its rates.
 
-    What the end of the phase settles is not said twice: not at the last point, which is the end or, where a scheme
-    stops short of it, next to it; and of an equation that stands alone in intervals of fewer points than its order,
-    not just before the end.
+    Rows that the end of the phase determines are not imposed at the last point, which is the end or next to it. An
+    equality in intervals of fewer points than its order is not imposed just before the end either.
     """
     at: list[list[int]] = [[] for _ in range(order)]
     for interval in layout.intervals:
@@ -172,25 +168,25 @@ def _places(layout: PhaseLayout, order: int, settled: frozenset[int]) -> list[In
             at[k].append(int(inner[-1]))
     scheme = layout.intervals[-1].scheme
     alone = order - min(order, _choices(scheme))
-    if alone and settled >= set(range(1, order)):
+    if alone and determined >= set(range(1, order)):
         del at[0][-1 - alone : -1]
     last = layout.intervals[-1].places[-1]
-    for k in settled if scheme.nodes[-1] < 1.0 else settled - {0}:
+    for k in determined if scheme.nodes[-1] < 1.0 else determined - {0}:
         at[k] = [place for place in at[k] if place != last]
     return [np.array(each, dtype=int) for each in at]
 
 
 def _choices(scheme: Scheme) -> int:
-    """How many times in an interval something new is chosen, those shared with the interval before left out."""
+    """Return the number of control values of an interval that are not shared with the interval before."""
     return min(int(np.sum(scheme.nodes > 0.0)), len(scheme.control_sites) - int(shares_start(scheme)))
 
 
 def shares_start(scheme: Scheme) -> bool:
-    """Whether what is chosen at the start of an interval is what was chosen at the end of the one before."""
+    """Whether an interval shares its first control value with the interval before."""
     return len(scheme.control_sites) > 1 and bool(scheme.control_sites[0] == 0.0)
 
 
-def _hold(
+def _impose(
     row: Row,
     index: int,
     layout: PhaseLayout,
@@ -205,8 +201,8 @@ def _hold(
     scatter.add(added, at * outputs + output, 1.0)
 
 
-def settled(phase: Phase, layout: PhaseLayout) -> list[tuple[frozenset[int], frozenset[int]]]:
-    """Which of h, h', ... are as they must be at the start and at the end whatever is chosen, of every equation."""
+def determined_at_ends(phase: Phase, layout: PhaseLayout) -> list[tuple[frozenset[int], frozenset[int]]]:
+    """Return for every equality which of h, h', ... the fixed start and the fixed end determine."""
     t0, duration = layout.t0, layout.duration
     start = np.nan if t0.column is not None else t0.value
     end = np.nan if duration.column is not None else start + duration.value
@@ -214,32 +210,32 @@ def settled(phase: Phase, layout: PhaseLayout) -> list[tuple[frozenset[int], fro
     parameters = _fixed(phase.parameter_bounds, len(phase.parameter_names))
     known = [np.concatenate([[t], _fixed(bounds, len(phase.dae.states)), parameters]) for t, bounds in ends]
     found = []
-    for equation in equations_of(phase):
-        at_start, at_end = (frozenset(_settled_by(values, *equation.expressions())) for values in known)
+    for equation in path_equalities(phase):
+        at_start, at_end = (frozenset(_determined_by(values, *equation.expressions())) for values in known)
         found.append((at_start, at_end))
     return found
 
 
-def _settled_by(values: Array, symbols: ca.SX, expressions: ca.SX) -> list[int]:
-    """Which expressions are zero by the values that are known, NaN where none is."""
+def _determined_by(values: Array, symbols: ca.SX, expressions: ca.SX) -> list[int]:
+    """Return the expressions that are zero for the known values; unknown ones are NaN."""
     fixed = np.flatnonzero(np.isfinite(values)).tolist()
     if fixed:
         expressions = ca.substitute(expressions, symbols[fixed], ca.DM(values[fixed]))
     each = ((k, expressions[k]) for k in range(expressions.numel()))
-    return [k for k, value in each if value.is_constant() and abs(float(value)) <= SETTLED]
+    return [k for k, value in each if value.is_constant() and abs(float(value)) <= DETERMINED]
 
 
 def _fixed(bounds: Bounds, size: int) -> Array:
-    """Values that are fixed, NaN where they are free, (size,); states that an objective added are free."""
+    """Return fixed values, NaN for free ones, (size,); states that an objective added are free."""
     values = np.full(size, np.nan)
     values[: len(bounds.lower)] = np.where(bounds.lower == bounds.upper, bounds.lower, np.nan)
     return values
 
 
-def carried(phases: Sequence[Phase], index: int, links: Sequence[BoundLink]) -> frozenset[int] | None:
-    """Path rows whose equations hold at the start of a phase since the phase before, which runs on, holds the same.
+def carried_equalities(phases: Sequence[Phase], index: int, links: Sequence[BoundLink]) -> frozenset[int] | None:
+    """Return the path equalities that hold at the start of a phase because the phase before holds the same.
 
-    None where an impact changes the velocities: there they are its own to say.
+    None if an impact changes the velocities: the equalities are imposed after it.
     """
     rows: set[int] = set()
     for link in links:
@@ -248,15 +244,15 @@ def carried(phases: Sequence[Phase], index: int, links: Sequence[BoundLink]) -> 
                 continue
             if link.unknowns:
                 return None
-            # Where a motion repeats itself, time and places may have moved on.
+            # From one period to the next, time and places may change.
             if carry.source < index and "contact velocity" in carry.quantities:
-                before = equations_of(phases[carry.source])
-                rows |= {e.row for e in equations_of(phases[index]) if any(_alike(e, other) for other in before)}
+                before = path_equalities(phases[carry.source])
+                rows |= {e.row for e in path_equalities(phases[index]) if any(_alike(e, other) for other in before)}
     return frozenset(rows)
 
 
-def _alike(one: Equation, other: Equation) -> bool:
-    """Whether two equations are the same, of the same value; of parameters, which phases have of their own, none is."""
+def _alike(one: PathEquality, other: PathEquality) -> bool:
+    """Whether two equalities are the same; those of parameters, which each phase has for itself, are not."""
     sizes = [one.values.size1_in(i) for i in range(3)]
     same = one.order == other.order and one.target == other.target and sizes[2] == 0
     if not same or sizes != [other.values.size1_in(i) for i in range(3)]:

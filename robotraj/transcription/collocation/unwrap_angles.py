@@ -1,8 +1,8 @@
-"""Whole turns taken out of controls that are angles.
+"""Removal of whole turns from controls that are angles.
 
-Where a control enters through its sine and cosine alone, a thrust's direction or a heading, every collocation point has
-its own choice of turn: values that differ by 2 pi say the same to every row. A solver whose first steps are long ends
-at a right direction at every point, and at polynomials between them that turn over and over.
+Some controls enter through their sine and cosine alone, such as a direction of thrust or a heading. Values that differ
+by 2 pi are then equivalent, at every collocation point separately. After long first steps a solver may find the right
+direction at every point, but polynomials between them that rotate by whole turns.
 """
 
 from __future__ import annotations
@@ -19,17 +19,22 @@ Array = NDArray[np.float64]
 
 TURN = 2.0 * np.pi
 SAME = 1e-9
-"""Change of a scaled row, or of the objective relative to 1 + |objective|, that is round-off."""
+"""Change of a scaled row, or of the objective relative to 1 + |objective|, that counts as round-off."""
 
 
-def unwound(nlp: Nlp, w: Array) -> Array:
-    """Put controls of systems on the turn of the point before, where no row and no cost sees the difference.
+def unwrapped(nlp: Nlp, w: Array) -> Array:
+    """Bring controls of systems within pi of the point before, where rows and objective do not change.
 
     Parameters
     ----------
     nlp : Nlp
     w : ndarray (n_w,)
-        A solution, in physical units; what is given back is one as well.
+        A solution, in physical units.
+
+    Returns
+    -------
+    ndarray (n_w,)
+        An equivalent solution.
     """
     for layout, phase in zip(nlp.layouts, nlp.problem.phases, strict=True):
         if phase.robot is not None or not np.all(np.isfinite(w)):
@@ -48,7 +53,7 @@ def unwound(nlp: Nlp, w: Array) -> Array:
 
 
 def _on_one_turn(values: Array, lower: Array, upper: Array) -> Array | None:
-    """Bring values within pi of the one before, around zero, within bounds; None where they are, or cannot be."""
+    """Return values within pi of the one before, around zero, within bounds; None if they are so, or cannot be."""
     if np.all(np.abs(np.diff(values)) <= np.pi):
         return None
     near = np.unwrap(values)
@@ -59,7 +64,7 @@ def _on_one_turn(values: Array, lower: Array, upper: Array) -> Array | None:
 
 
 def _alike(nlp: Nlp, w: Array, other: Array) -> bool:
-    """Whether two decision vectors give the same rows and the same objective."""
+    """Whether two decision vectors have the same rows and the same objective."""
     mine, its = nlp.outputs(w), nlp.outputs(other)
     rows = (nlp.values(other, its) - nlp.values(w, mine)) * nlp.row_scale
     objective = nlp.objective(w, mine)

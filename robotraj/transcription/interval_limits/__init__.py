@@ -1,4 +1,4 @@
-"""What holds limits between the collocation points of an interval."""
+"""Limits between the collocation points of an interval: Bernstein bounds and constraint generation."""
 
 import lazy_loader
 

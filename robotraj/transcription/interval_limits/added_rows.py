@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robotraj.problem.rows import Kind
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.ends import widen
-from robotraj.transcription.collocation.index_reduction import equations_of
+from robotraj.transcription.collocation.index_reduction import path_equalities
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow, add_rows
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
@@ -53,7 +53,7 @@ def _is_held_with_rates(nlp: Nlp, violation: IntervalViolation) -> bool:
     phase = nlp.problem.phases[violation.phase]
     if isinstance(nlp.layouts[violation.phase].scheme, OneStep):
         return False
-    return any(phase.rows.path[equation.row] is violation.row for equation in equations_of(phase))
+    return any(phase.rows.path[equation.row] is violation.row for equation in path_equalities(phase))
 
 
 def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:

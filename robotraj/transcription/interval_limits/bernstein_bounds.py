@@ -1,13 +1,13 @@
-"""Rows on the Bernstein coefficients of the polynomials of an interval, which hold these in between.
+"""Rows on the Bernstein coefficients of the polynomials of an interval, which bound the polynomials.
 
 A polynomial of degree n lies between the least and the greatest of its n + 1 coefficients b_j in
 
     sum_j b_j binom(n, j) tau^j (1 - tau)^(n - j),    tau in [0, 1].
 
-The first and the last are its values at the ends. The state, a polynomial of degree s whose rates at the s nodes are
-unknown, the control, a polynomial through its m sites, and accelerations, polynomials through the nodes, have
-coefficients that are linear in the unknowns: for the parabola through u_0, u_m, u_1 of Hermite-Simpson the middle one
-is 2 u_m - (u_0 + u_1) / 2.
+The first and the last are its values at the ends. All coefficients are linear in the unknowns: those of the state, a
+polynomial of degree s with unknown rates at the s nodes, of the control, a polynomial through its m sites, and of
+accelerations, polynomials through the nodes. For the parabola through u_0, u_m, u_1 of Hermite-Simpson the middle
+coefficient is 2 u_m - (u_0 + u_1) / 2.
 Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Computer Aided Geometric Design 29 (2012).
 """
 
@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def hold_states(
+def impose_on_states(
     interval_limits: ConstraintGeneration,
     phase: Phase,
     index: int,
@@ -54,7 +54,7 @@ def hold_states(
     Parameters
     ----------
     outputs : int
-        Of the phase's stage, whose first ones are T f.
+        Number of outputs of the phase's stage; the first ones are T f.
     """
     for chosen, component in _held(interval_limits, phase, phase.dae.states):
         for run in layout.runs:
@@ -69,7 +69,7 @@ def hold_states(
             )
 
 
-def hold_controls(
+def impose_on_controls(
     interval_limits: ConstraintGeneration,
     phase: Phase,
     index: int,
@@ -77,7 +77,7 @@ def hold_controls(
     rows: ScalarTable,
     linear: Triplets,
 ) -> None:
-    """Add rows on those coefficients of covered controls and algebraic variables that are no values at their sites."""
+    """Add rows on the coefficients of covered controls and algebraic variables that are not values at their sites."""
     for variables, pieces in ((phase.dae.controls, _control_pieces), (phase.dae.algebraic, _algebraic_pieces)):
         for chosen, component in _held(interval_limits, phase, variables):
             for run in layout.runs:
@@ -90,7 +90,7 @@ def hold_controls(
 
 
 def covered_in(interval_limits: ConstraintGeneration, phase: Phase, layout: PhaseLayout) -> frozenset[str]:
-    """Variables with rows on coefficients: where a scheme steps over whole intervals, of states there are none."""
+    """Return the variables with rows on coefficients; one-step schemes have none on those of states."""
     covered = interval_limits.covers(phase)
     if isinstance(layout.scheme, OneStep):
         covered -= {state.name for state in phase.dae.states}
@@ -98,11 +98,11 @@ def covered_in(interval_limits: ConstraintGeneration, phase: Phase, layout: Phas
 
 
 def columns_beside_rows(phase: Phase, layout: PhaseLayout) -> dict[str, Indices]:
-    """Columns of every variable that are bounded beside the rows on coefficients, in the order of time.
+    """Return the columns of every variable that have bounds beside the rows on coefficients, in the order of time.
 
-    States are at their knots. Controls and algebraic variables are where they are coefficients, if both ends of an
-    interval are sites; else at all sites: those bounds follow from the rows, but without them solves take up to four
-    times as many iterations.
+    States have bounds at knots. Controls and algebraic variables have bounds where they are coefficients, if both ends
+    of an interval are sites, else at all sites. The latter follow from the rows, but without them solvers take up to
+    four times as many iterations.
     """
     held = {state.name: at for state, at in zip(phase.dae.states, layout.knots.T, strict=True)}
     for variables, pieces in ((phase.dae.controls, _control_pieces), (phase.dae.algebraic, _algebraic_pieces)):
@@ -122,13 +122,13 @@ def columns_beside_rows(phase: Phase, layout: PhaseLayout) -> dict[str, Indices]
 
 
 def are_coefficients(sites: Array) -> Mask:
-    """Which values of a control are coefficients: those at the ends of its piece, and that of a constant."""
+    """Return which values of a control are coefficients: those at the ends of its piece, and that of a constant."""
     return np.asarray((sites == 0.0) | (sites == 1.0) | (len(sites) == 1))
 
 
 @lru_cache(maxsize=256)
 def state_weights(nodes: tuple[float, ...]) -> Array:
-    """Weights W of x_0 + d sum_k W_jk (T f_k), the inner coefficients j = 1 .. s - 1 of an interval's state.
+    """Return the weights W of x_0 + d sum_k W_jk (T f_k), the inner coefficients j = 1 .. s - 1 of a state.
 
     Parameters
     ----------
@@ -141,12 +141,12 @@ def state_weights(nodes: tuple[float, ...]) -> Array:
 
 @lru_cache(maxsize=256)
 def control_weights(sites: tuple[float, ...]) -> tuple[Array, Array]:
-    """Weights W of sum_k W_jk u_k, the coefficients of a control that are no u_k, and where they belong, (n, m), (n,).
+    """Return the weights W of sum_k W_jk u_k, the coefficients that are no u_k, and their places, (n, m), (n,).
 
     Parameters
     ----------
     sites : tuple of float
-        Of the m values u_k; the control is a polynomial of degree m - 1.
+        Sites of the m values u_k; the control is a polynomial of degree m - 1.
     """
     at = np.array(sites)
     places = np.linspace(0.0, 1.0, len(at)) if len(at) > 1 else at
@@ -157,14 +157,14 @@ def control_weights(sites: tuple[float, ...]) -> tuple[Array, Array]:
 
 
 def _from_values(degree: int) -> Array:
-    """Matrix from a polynomial's values at equal distances to its coefficients, (degree + 1, degree + 1)."""
+    """Return the matrix from a polynomial's values at equal distances to its coefficients, (degree + 1, degree + 1)."""
     sites = np.linspace(0.0, 1.0, degree + 1)
     j = np.arange(degree + 1)
     binomials = np.array([math.comb(degree, k) for k in j.tolist()])
     return np.asarray(np.linalg.inv(binomials * sites[:, None] ** j * (1.0 - sites[:, None]) ** (degree - j)))
 
 
-def is_held(row: PhaseRow, covered: frozenset[str]) -> bool:
+def on_coefficients(row: PhaseRow, covered: frozenset[str]) -> bool:
     """Whether a row is imposed on coefficients: an inequality on a covered variable, throughout the phase."""
     limited = row.lower < row.upper and (np.isfinite(row.lower) or np.isfinite(row.upper))
     return bool(limited) and row.where is Where.THROUGHOUT and row.variable in covered
@@ -173,9 +173,9 @@ def is_held(row: PhaseRow, covered: frozenset[str]) -> bool:
 def _held(
     interval_limits: ConstraintGeneration, phase: Phase, variables: Sequence[Variable]
 ) -> Iterator[tuple[list[PhaseRow], Indices]]:
-    """For every constraint its rows on coefficients of the variables, and the indices of these."""
+    """Yield for every constraint its rows on coefficients of the variables, and the indices of these."""
     covered = interval_limits.covers(phase)
-    bounds = [(row, i) for row, i in phase.rows.bounds_of(variables) if is_held(row, covered)]
+    bounds = [(row, i) for row, i in phase.rows.bounds_of(variables) if on_coefficients(row, covered)]
     for _, group in groupby(bounds, lambda pair: pair[0].constraint):
         rows, indices = zip(*group, strict=True)
         yield list(rows), np.array(indices)
@@ -188,12 +188,12 @@ def _add(rows: ScalarTable, index: int, chosen: Sequence[PhaseRow], run: Run, fr
 
 
 def _algebraic_pieces(run: Run) -> Iterator[tuple[Array, float, float, Indices]]:
-    """Nodes of the polynomial of the algebraic variables, an interval's ends, its columns (intervals, nodes, nz)."""
+    """Yield the nodes of the algebraic variables, the ends of an interval, and its columns (intervals, nodes, nz)."""
     yield run.scheme.nodes, 0.0, 1.0, run.algebraic
 
 
 def _control_pieces(run: Run) -> Iterator[tuple[Array, float, float, Indices]]:
-    """Sites of every polynomial of the control, where it begins and ends, its columns (intervals, sites, nu)."""
+    """Yield the sites of every polynomial of the control, its start and end, and its columns (intervals, sites, nu)."""
     scheme = run.scheme
     if not isinstance(scheme, OneStep):
         yield scheme.control_sites, 0.0, 1.0, run.controls

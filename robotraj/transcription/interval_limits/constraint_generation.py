@@ -19,8 +19,8 @@ from robotraj._util.values import dataclass
 from robotraj.problem.rows import Kind
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
-from robotraj.transcription.collocation.collocation import interval_scalars, point_symbols
 from robotraj.transcription.collocation.ends import repeated
+from robotraj.transcription.collocation.symbols import interval_scalars, point_symbols
 from robotraj.transcription.extract import correction_basis
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
 from robotraj.transcription.schemes.onestep import OneStep

@@ -1,8 +1,8 @@
-"""Margins: bounds of controls tightened on single intervals, by what a motion exceeded them between the points.
+"""Margins: bounds of controls tightened on single intervals, by the violation of a motion between the points.
 
-Torques of an exact motion are inverse dynamics at every time; their polynomial through the collocation points, whose
-Bernstein coefficients are held, differs from them between. Where that leads over a limit, the limit of the polynomial
-is lowered there by the excess. Only bounds change: the transcription and its compiled form serve again.
+Torques of an exact motion follow from inverse dynamics at every time. Between the collocation points they differ from
+the planned polynomial, whose Bernstein coefficients are bounded. Where they exceed a limit, the limit of the polynomial
+is lowered by the excess. Only bounds change: the transcription and its compiled form are reused.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ class LimitedInterval(NamedTuple):
 
 
 Margins = Mapping[LimitedInterval, float]
-"""How much lower the limits of the rows are, in their SI unit."""
+"""Amounts by which the limits of rows are lowered, in their SI unit."""
 
 
 def with_margins(nlp: Nlp, margins: Margins) -> Nlp:
-    """Tighten the bounds of controls and of their Bernstein coefficients; the functions of ``nlp`` are shared."""
+    """Return the NLP with tighter bounds of controls and of their Bernstein coefficients; functions are shared."""
     if not margins:
         return nlp
     loose = nlp.loose_rows or nlp.rows
@@ -64,7 +64,7 @@ def _controls(layout: PhaseLayout, interval: int) -> np.ndarray:
 
 
 class _Tightened:
-    """Scalars whose bounds are being tightened."""
+    """Scalars with bounds to tighten."""
 
     def __init__(self, scalars: Scalars) -> None:
         self.scalars = scalars

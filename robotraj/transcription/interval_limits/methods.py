@@ -1,18 +1,18 @@
-"""What holds rows on states and controls between the collocation points.
+"""Methods that enforce rows of states and controls between the collocation points.
 
-A row holds where it is imposed; between, the polynomial may bulge over. Two ways to deal with it:
+A row is satisfied where it is imposed; between these points the polynomial may violate it. There are two methods:
 
-- ``ConstraintGeneration`` looks where a solution bulges, imposes the row there too and solves again (``guards``);
+- ``ConstraintGeneration`` imposes the row also where a solution violates it, and solves again;
 - ``BernsteinBounds`` imposes it, from the start, on the Bernstein coefficients of the polynomial on every interval. A
-  polynomial lies in the convex hull of these, so the row holds everywhere. It asks a little more than needed, an excess
-  that falls with the square of the interval's length.
+  polynomial lies in the convex hull of these, so the row holds everywhere. The coefficients exceed the polynomial by an
+  amount that decreases with the square of the interval's length, so the method is slightly conservative.
 
 Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Computer Aided Geometric Design 29 (2012).
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import casadi as ca
@@ -31,29 +31,29 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ConstraintGeneration(OneLine):
-    """Impose rows where a solution breaks them and solve again, until none is broken by more than the tolerance.
+    """Impose rows where a solution violates them and solve again, until no violation exceeds the tolerance.
 
     Parameters
     ----------
     tolerance : float
-        How far a row on states may be broken between collocation points before it is imposed there [its SI unit].
+        Violation of a row of the state between collocation points above which it is imposed there [its SI unit].
     rounds : int
-        Times that the problem is solved again at most; 0 looks, and says what it found, but imposes nothing.
+        How often the problem is solved again at most; with 0, violations are reported only.
     """
 
     tolerance: float = 5e-4
     rounds: int = 12
 
     def __post_init__(self) -> None:
-        tolerance: Any = self.tolerance
-        rounds: Any = self.rounds
+        tolerance: object = self.tolerance
+        rounds: object = self.rounds
         if not (isinstance(tolerance, float | int | np.floating | np.integer) and tolerance > 0):
             raise InputError(f"{type(self).__name__}(tolerance) must be above 0, got {self.tolerance!r}.")
         if not (isinstance(rounds, int | np.integer) and rounds >= 0):
             raise InputError(f"{type(self).__name__}(rounds) must be a whole number of 0 or more, got {self.rounds!r}.")
 
     def covers(self, phase: Phase) -> frozenset[str]:
-        """Give the variables whose bounds are imposed on whole intervals: none."""
+        """Return the variables whose bounds are imposed on whole intervals: none."""
         return frozenset()
 
 
@@ -61,33 +61,31 @@ class ConstraintGeneration(OneLine):
 class BernsteinBounds(ConstraintGeneration):
     """Impose bounds of velocities, and of all other states whose rates are unknowns, on Bernstein coefficients.
 
-    What is left, rows on positions and expressions of the state, is dealt with as in ``ConstraintGeneration``.
+    Rows of positions and expressions of the state are enforced by ``ConstraintGeneration``.
 
     Parameters
     ----------
     tolerance, rounds
         See ``ConstraintGeneration``.
     controls : bool
-        Impose bounds of controls so too, and of accelerations and other algebraic variables but the forces of contacts,
-        as ``rt.plan`` does where it refines with ``rt.InteriorPoint()``. Off, they hold at the sites of the scheme, as
-        its published optima have them.
+        Impose bounds of controls, accelerations and other algebraic variables except the forces of contacts on
+        coefficients as well. If False, they hold at the sites of the scheme, as in published optima.
     states : bool
-        Impose bounds of states so. Off, they are dealt with as in ``ConstraintGeneration``, which takes
-        nothing from the optimum.
+        Impose bounds of states on coefficients. If False, ``ConstraintGeneration`` enforces them, which is not
+        conservative.
     positions : bool
-        Impose bounds of all states so, those of positions among them, in phases without invariants.
+        Impose bounds of all states on coefficients, positions included, in phases without invariants.
 
     Notes
     -----
     The parabola of a torque through tau_0, tau_m, tau_1 of a Hermite-Simpson interval has the coefficients tau_0,
-    2 tau_m - (tau_0 + tau_1) / 2, tau_1: where a torque switches from one limit to the other, it bulges up to a quarter
-    of the limit beyond it. With ``controls=True`` it does not, and needs the time of an interval to switch. Linear and
-    constant controls lie between their values without further rows.
+    2 tau_m - (tau_0 + tau_1) / 2, tau_1. Where a torque switches from one limit to the other, it exceeds them by up to
+    a quarter between the points. With ``controls=True`` it stays within them and takes an interval to switch. Linear
+    and constant controls lie between their values without further rows.
 
-    What is held is the plan: the polynomials of the solution, which are what is replayed and what a robot is sent. The
-    torque that the motion (q, v, a)(t) would need by inverse dynamics is the planned one at collocation points alone.
-    Where torques switch, the two differ by 2 % of the limit in single intervals (panda in minimum time, 50 to 200
-    intervals; 0.1 % with 400), which is the collocation error that ``tolerance=`` and ``rt.validate`` speak of.
+    The rows hold for the polynomials of the solution. The torques of the motion (q, v, a)(t) by inverse dynamics equal
+    the planned ones at collocation points alone. Where torques switch, the difference is largest: it is the
+    collocation error, which ``tolerance=`` limits and ``rt.validate`` measures.
     """
 
     controls: bool = False
@@ -95,7 +93,7 @@ class BernsteinBounds(ConstraintGeneration):
     positions: bool = False
 
     def covers(self, phase: Phase) -> frozenset[str]:
-        """Give controls and z where asked for and, in phases without invariants, states whose rates read z or u."""
+        """Return controls and z if ``controls``, and states with rates of z or u in phases without invariants."""
         driven: frozenset[str] = frozenset()
         if self.states:
             known = _DRIVEN.get(phase)
@@ -107,9 +105,9 @@ class BernsteinBounds(ConstraintGeneration):
 
 
 def limited_algebraic(phase: Phase) -> tuple[Variable, ...]:
-    """Give the algebraic variables whose bounds limit the motion, such as accelerations; the first ones of the phase.
+    """Return the algebraic variables whose bounds limit the motion, such as accelerations; the first ones of the phase.
 
-    Not the forces of contacts, whose cones are rows of points, nor what an objective brings along.
+    Forces of contacts, whose cones are path rows, and variables of an objective are not among them.
     """
     forces = {force.name for contact in phase.bound_contacts for force in contact.forces}
     return tuple(variable for variable in phase.body.algebraic if variable.name not in forces)
@@ -123,7 +121,7 @@ def _driven(phase: Phase) -> frozenset[str]:
     if dae.invariants:
         return frozenset()
     if type(dae) is InverseRigidBody:
-        # Its rates are velocities, which are states, and accelerations, which are unknowns.
+        # The rates are velocities, which are states, and accelerations, which are unknowns.
         return frozenset(state.name for state in dae.states[dae.robot.nq :])
     point = symbols_of(dae, phase.parameter_names)
     inner = ca.vertcat(*(point.z[v.name] for v in phase.body.algebraic), *point.u.values())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -54,7 +54,7 @@ def _block(
     added: Sequence[Added],
     rows: ScalarTable,
 ) -> Block:
-    """All added rows of one piece: a stage with tau, the interpolant's weights and a choice of rows as constants."""
+    """Return the block of one piece; tau, the interpolant's weights and the choice of a row are constants."""
     kinds = sorted({number for _, _, number in added})
     held = [phase.rows.rows[number] for number in kinds]
     sites = lobatto_sites(scheme.degree + 1)
@@ -91,8 +91,8 @@ def _stage(
     sites: Array,
     held: Sequence[PhaseRow],
 ) -> PointFunctions:
-    """Evaluate the chosen row at the place that the weights interpolate to."""
-    kind: Any = ca.SX if scheme.scalar_graph else ca.MX
+    """Return the value of the chosen row at the interpolated state."""
+    kind = ca.SX if scheme.scalar_graph else ca.MX
     known, rate = IntervalSymbols.of(phase, layout, kind), Rate.of(phase, scheme)
     nx, own = known.x0.numel(), known.constants.numel()
     more = kind.sym("more", len(sites) + 1 + len(held))

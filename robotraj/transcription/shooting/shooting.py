@@ -1,17 +1,17 @@
 """The rows of a phase by one-step schemes: shooting and compressed collocation.
 
-The stage function is a whole interval. With unknowns (x_0, x_1, u at the control's sites, t0, T, p) it gives
+The stage function covers a whole interval. With unknowns (x_0, x_1, u at the control's sites, t0, T, p) it returns
 
     y = ( x_1 - Phi,  states inside,  path rows inside,  cost ),
 
-where Phi steps over the pieces of the interval one after the other and the cost is integrated along as one
-more state. Path rows at knots read the knots' own unknowns and are a block of their own.
+where Phi steps over the pieces of the interval one after the other. The cost is integrated as a further state. Path
+rows at knots depend on unknowns of the knots alone and form another block.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -25,7 +25,8 @@ from robotraj.problem.rows import PhaseRow
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
-from robotraj.transcription.collocation.collocation import gather_points, interval_scalars, point_symbols, tie_intervals
+from robotraj.transcription.collocation.collocation import gather_points, tie_intervals
+from robotraj.transcription.collocation.symbols import interval_scalars, point_symbols
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.schemes.mesh import MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
@@ -35,12 +36,13 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
+Symbols: TypeAlias = ca.SX | ca.MX
 
 
 def shoot(
     phase: Phase, index: int, layout: PhaseLayout, columns: ScalarTable, rows: ScalarTable, linear: Triplets
 ) -> tuple[tuple[Block, Triplets, Triplets], list[Block]]:
-    """Write the rows of a phase; return its block with the triplets of its gather and scatter, and further blocks."""
+    """Write the rows of a phase; return its block, the triplets of its gather and scatter, and further blocks."""
     interval = _Interval(phase, layout)
     stage, count = interval.stage, len(layout.intervals)
     nx, inner = interval.nx, interval.inner
@@ -93,7 +95,7 @@ class Rate:
 
     @classmethod
     def of(cls, phase: Phase, scheme: OneStep) -> Rate:
-        """Build the rate of a phase for the control of a scheme."""
+        """Return the rate of a phase for the control of a scheme."""
         dae = phase.dae
         nx, nu, sites = len(dae.states), len(dae.controls), scheme.piece_sites
         size = nx + bool(phase.integrals)
@@ -112,7 +114,7 @@ class Rate:
 
 
 def _lagrange(sites: Array, c: ca.SX) -> ca.SX:
-    """Lagrange polynomials of the sites at a symbol, as a column."""
+    """Return the Lagrange polynomials of the sites at a symbol, as a column."""
     values = []
     for i, site in enumerate(sites):
         others = np.delete(sites, i)
@@ -129,7 +131,7 @@ def _product(factors: list[ca.SX]) -> ca.SX:
 
 @dataclass(frozen=True, eq=False)
 class IntervalSymbols:
-    """What an interval reads: v = (x_0, x_1, u at the control's sites, unknown scalars), and the constants.
+    """Symbols of an interval: v = (x_0, x_1, u at the control's sites, unknown scalars), and the constants.
 
     Attributes
     ----------
@@ -140,20 +142,20 @@ class IntervalSymbols:
     p : list of scalars
     """
 
-    v: Any
-    constants: Any
-    x0: Any
-    x1: Any
-    u: Any
-    start: Any
-    length: Any
-    base: Any
-    span: Any
-    p: list[Any]
+    v: Symbols
+    constants: Symbols
+    x0: Symbols
+    x1: Symbols
+    u: Symbols
+    start: Symbols
+    length: Symbols
+    base: Symbols
+    span: Symbols
+    p: list[Symbols]
 
     @classmethod
-    def of(cls, phase: Phase, layout: PhaseLayout, kind: Any) -> IntervalSymbols:
-        """Make the symbols, all of one kind: ``casadi.SX`` or ``casadi.MX``."""
+    def of(cls, phase: Phase, layout: PhaseLayout, kind: type[Symbols]) -> IntervalSymbols:
+        """Return symbols of one class, ``casadi.SX`` or ``casadi.MX``."""
         scheme, scalars = layout.intervals[0].scheme, interval_scalars(layout, 0)
         nx, nu, sites = len(phase.dae.states), len(phase.dae.controls), len(scheme.control_sites)
         free = [i for i, scalar in enumerate(scalars) if scalar.column is not None]
@@ -166,8 +168,8 @@ class IntervalSymbols:
         u = ca.reshape(v[2 * nx : 2 * nx + sites * nu], nu, sites)
         return cls(v, constants, v[:nx], v[nx : 2 * nx], u, constants[0], constants[1], base, span, p)
 
-    def piece(self, scheme: OneStep, j: int) -> Any:
-        """Gather what the rate of a piece reads beside c and the state."""
+    def piece(self, scheme: OneStep, j: int) -> Symbols:
+        """Return the arguments of the rate of a piece beside c and the state."""
         low, high = scheme.pieces[j], scheme.pieces[j + 1]
         values = ca.vec(self.u[:, scheme.controls_of(j)])
         place = (self.start + self.length * low, self.length * (high - low))
@@ -175,7 +177,7 @@ class IntervalSymbols:
 
 
 class _Interval:
-    """The stage function of one interval, and where inside it rows hold."""
+    """The stage function of one interval, and the places inside it at which path rows are imposed."""
 
     def __init__(self, phase: Phase, layout: PhaseLayout) -> None:
         scheme = layout.intervals[0].scheme
@@ -196,8 +198,8 @@ class _Interval:
             values = known.u[:, scheme.controls_of(j)]
             q = known.piece(scheme, j)
 
-            def hold(c: float, x: Any, low: float = low, high: float = high, values: Any = values) -> None:
-                """Path rows at c of this piece."""
+            def impose(c: float, x: Symbols, low: float = low, high: float = high, values: Symbols = values) -> None:
+                """Add the path rows at c of this piece."""
                 at = low + (high - low) * c
                 t = known.base + (known.start + known.length * at) * known.span
                 control = ca.mtimes(values, ca.DM(scheme.control_within(np.array([c])).T))
@@ -205,37 +207,37 @@ class _Interval:
                 path_at.append(at)
 
             if j > 0 and not _continuous(scheme):
-                hold(0.0, now)
+                impose(0.0, now)
             now, inside = step(now, after, q)
             for i, c in enumerate(scheme.inner):
                 states.append(inside[: self.nx, i])
-                hold(float(c), inside[:, i])
+                impose(float(c), inside[:, i])
             if j + 2 < len(scheme.pieces):
                 states.append(now[: self.nx])
-                hold(1.0, now)
+                impose(1.0, now)
         self.path_at = np.array(path_at)
         y = ca.vertcat(x1 - now[: self.nx], *states, *path, now[self.nx :])
         self.stage = PointFunctions(known.v, known.constants, y, costed=int(y.numel()) - 1 if phase.integrals else None)
 
     def _path_function(self) -> ca.Function:
-        """(t, x, u, p) -> path rows."""
+        """Return the function (t, x, u, p) -> path rows."""
         table = self._phase.rows
         t, x, _, u, p = table.symbols
         column = ca.vertcat(ca.SX(0, 1), *table.expressions(table.path))
         return ca.Function("path", [t, x, u, p], [ca.densify(column)])
 
 
-def _entries(vector: Any) -> list[Any]:
+def _entries(vector: Symbols) -> list[Symbols]:
     return [vector[i] for i in range(vector.numel())]
 
 
 def _continuous(scheme: OneStep) -> bool:
-    """Whether the control is continuous from piece to piece."""
+    """Whether the control is continuous over pieces."""
     return bool(scheme.piece_sites[0] == 0.0 and scheme.piece_sites[-1] == 1.0)
 
 
 def _inner_states(scheme: OneStep) -> Array:
-    """Fractions of an interval where the stage function gives the state, in its order."""
+    """Return the fractions of an interval at which the stage function returns the state, in its order."""
     fractions = []
     for j, (low, high) in enumerate(zip(scheme.pieces[:-1], scheme.pieces[1:], strict=True)):
         fractions += [low + (high - low) * c for c in scheme.inner]
@@ -246,7 +248,7 @@ def _inner_states(scheme: OneStep) -> Array:
 def _path_at_knots(
     phase: Phase, index: int, layout: PhaseLayout, columns: ScalarTable, rows: ScalarTable, path: Sequence[PhaseRow]
 ) -> list[Block]:
-    """Path rows at the knots, on both sides where the control jumps."""
+    """Return the block of path rows at the knots, on both sides where the control jumps."""
     s = point_symbols(phase, interval_scalars(layout, 0))
     point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
     stage = PointFunctions(s.unknowns, s.constants, phase.rows.column(path, point))
@@ -268,7 +270,7 @@ def _path_at_knots(
 
 
 def _gather(layout: PhaseLayout) -> tuple[Triplets, Array]:
-    """Triplets of G and the constants, one place per interval."""
+    """Return the triplets of G and the constants, one place per interval."""
     read = [interval_columns(layout, k) for k in range(len(layout.intervals))]
     gather = Triplets()
     gather.add(np.arange(len(read) * len(read[0])), np.concatenate(read), 1.0)
@@ -277,14 +279,14 @@ def _gather(layout: PhaseLayout) -> tuple[Triplets, Array]:
 
 
 def interval_columns(layout: PhaseLayout, k: int) -> NDArray[np.int_]:
-    """Columns of the unknowns that interval k reads, in the order of ``IntervalSymbols``."""
+    """Return the columns of the unknowns of interval k, in the order of ``IntervalSymbols``."""
     interval = layout.intervals[k]
     shared = [s.column for s in interval_scalars(layout, k) if s.column is not None]
     return np.concatenate([interval.left, interval.right, interval.controls.ravel(), shared]).astype(int)
 
 
 def interval_constants(layout: PhaseLayout, k: int) -> Array:
-    """Constants that interval k reads, in the order of ``IntervalSymbols``."""
+    """Return the constants of interval k, in the order of ``IntervalSymbols``."""
     clock = layout.intervals[k].clock
     fixed = [s.value for s in interval_scalars(layout, k) if s.column is None]
     return np.array([clock.start, clock.length, *fixed], dtype=float)

@@ -1,4 +1,4 @@
-"""Rows between collocation points, added to an NLP that has none."""
+"""Rows between collocation points, added to an NLP."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def nlp() -> rt.transcription.Nlp:
     return rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4), rt.guess.StraightLine(2.0))
 
 
-def test_rows_and_states_between_points_come_last_and_read_the_polynomial(nlp: rt.transcription.Nlp) -> None:
+def test_rows_and_states_between_points_come_last_and_follow_the_polynomial(nlp: rt.transcription.Nlp) -> None:
     w = nlp.guess + 0.1 * np.random.default_rng(0).normal(size=len(nlp.guess))
     known = nlp.problem.phases[0].rows.of_state
     (variable,) = (row.number for row in known if row.variable == "q.slider")

@@ -18,7 +18,7 @@ from robotraj.solvers.base import Solver
 from robotraj.transcription.interval_limits.bernstein_bounds import are_coefficients, control_weights
 from robotraj.transcription.schemes.collocation import Scheme
 from tests.solvers.stagewise.problems import block, hurried_arm
-from tests.transcription.test_derivatives import assert_close, differences, somewhere
+from tests.transcription.assembly.test_derivatives import assert_close, differences, somewhere
 
 Array = NDArray[np.float64]
 SCHEMES: dict[str, Scheme] = {
@@ -75,7 +75,7 @@ def planned(
 
 
 def largest_excess(solution: rt.Solution, names: Sequence[str] = ("u",)) -> float:
-    """How far controls are beyond their limits at 200 random times of every interval [of their SI unit]."""
+    """Violation of the limits of controls at 200 random times of every interval [of their SI unit]."""
     rng = np.random.default_rng(5)
     worst = -np.inf
     for part in solution.phases:
@@ -120,8 +120,8 @@ def test_linear_and_constant_controls_need_no_rows(control: Any) -> None:
     assert np.all(hull.variables.upper[controls] == UPPER)
 
 
-def test_controls_have_rows_where_asked_for_alone() -> None:
-    """Without, the optimum of a scheme is the published one; states are held either way."""
+def test_controls_have_rows_only_with_controls_true() -> None:
+    """Without them, the optimum of a scheme is the published one; states have rows in both cases."""
     held, plain = (
         rt.transcription.transcribe(drive(), rt.Mesh(4), interval_limits=b)
         for b in (HULL, rt.interval_limits.BernsteinBounds())
@@ -131,7 +131,7 @@ def test_controls_have_rows_where_asked_for_alone() -> None:
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_controls_hold_everywhere_bulge_without_and_the_time_hardly_grows(scheme: str) -> None:
+def test_controls_keep_their_limits_everywhere_at_little_cost_in_time(scheme: str) -> None:
     mesh = rt.Mesh(13, SCHEMES[scheme])
     held, free = (
         planned(drive(), mesh, interval_limits)
@@ -201,7 +201,7 @@ def test_derivatives_of_the_rows(scheme: str) -> None:
     assert_close(nlp.hessian(w, multipliers, 0.7).toarray(), differences(lagrangian_gradient, w, nlp.scale))
 
 
-def test_a_bulge_is_named_with_its_control_and_time() -> None:
+def test_a_violation_names_its_control_and_time() -> None:
     nlp = rt.transcription.transcribe(drive(duration=4.0), rt.Mesh(4), interval_limits=HULL)
     w = np.zeros(len(nlp.variables))
     # Knots at the limit, 0.1 above it in the middle of the third interval: the coefficient is 0.2 above.
@@ -246,6 +246,6 @@ def test_the_panda_moves_in_minimum_time_within_its_limits() -> None:
 
 
 def test_a_block_switches_within_one_interval_at_most_an_interval_late() -> None:
-    """The optimum is 2 sqrt(10) s: a parabola that may not bulge takes a few thousandths longer on 20 intervals."""
+    """The optimum is 2 sqrt(10) s: a parabola within the limits takes a few thousandths longer on 20 intervals."""
     solution = planned(block(), rt.Mesh(20), HULL)
     assert 2 * np.sqrt(10) < solution.objective < 2 * np.sqrt(10) * 1.005

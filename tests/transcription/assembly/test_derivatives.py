@@ -97,7 +97,7 @@ def test_derivatives_are_those_of_the_whole_graph(name: str, problems: dict) -> 
     assert np.isclose(float(nlp.functions.objective(at / scale, [])), float(ca.Function("f", [w], [f])(at)), rtol=1e-13)
 
 
-def test_results_nobody_asked_for_are_not_evaluated_and_a_failure_is_told() -> None:
+def test_only_requested_results_are_evaluated_and_a_failure_is_reported() -> None:
     """IPOPT takes a shorter step where a function cannot be evaluated."""
     asked = []
 
@@ -122,7 +122,7 @@ def test_results_nobody_asked_for_are_not_evaluated_and_a_failure_is_told() -> N
 
 
 def test_the_jacobian_has_no_entry_that_cannot_be_nonzero(problems: dict) -> None:
-    """No row reads more than its own interval, the duration and the parameters."""
+    """Rows depend on their interval, the duration and the parameters alone."""
     nlp = rt.transcription.transcribe(*problems["ode"]())
     w, _ = somewhere(nlp)
     jacobian = nlp.jacobian(w)

@@ -1,4 +1,4 @@
-"""Controls that are angles stay on one turn."""
+"""Controls that are angles have no whole turns between points."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.transcription.collocation.unwrap_angles import unwound
+from robotraj.transcription.collocation.unwrap_angles import unwrapped
 
 
 def boat(**more: Any) -> rt.Phase:
@@ -29,7 +29,7 @@ def headings(nlp: rt.transcription.Nlp) -> np.ndarray:
 @pytest.mark.parametrize(
     "scheme", [rt.HermiteSimpson(), rt.schemes.RadauIIA(3), rt.schemes.GaussLegendre(2), rt.schemes.MultipleShooting()]
 )
-def test_turns_that_no_row_sees_are_taken_out(scheme: rt.HermiteSimpson) -> None:
+def test_turns_without_effect_on_rows_are_removed(scheme: rt.HermiteSimpson) -> None:
     nlp = rt.transcription.transcribe(rt.Problem([boat()]), rt.Mesh(5, scheme))
     rng = np.random.default_rng(0)
     columns = headings(nlp)
@@ -38,29 +38,29 @@ def test_turns_that_no_row_sees_are_taken_out(scheme: rt.HermiteSimpson) -> None
     wound = smooth.copy()
     wound[columns] += 2 * np.pi * rng.integers(-3, 4, columns.size)
     assert np.ptp(wound[columns]) > np.pi
-    found = unwound(nlp, wound)
+    found = unwrapped(nlp, wound)
     assert found == pytest.approx(smooth, abs=1e-12)
     assert nlp.values(found) == pytest.approx(nlp.values(wound), abs=1e-12)
 
 
-def test_what_a_row_sees_or_a_bound_forbids_stays() -> None:
+def test_turns_that_rows_depend_on_or_bounds_forbid_stay() -> None:
     seen = rt.PathConstraint(lambda point: point.u["heading"], upper=100.0, name="heading")
     for phase in (boat(constraints=[seen]), boat(controls={"heading": rt.between(3, 8)})):
         nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(5))
         w = nlp.guess.copy()
         w[headings(nlp)] = np.tile([3.1, 7.9], 6)[:11]
-        assert unwound(nlp, w) == pytest.approx(w, abs=0)
+        assert unwrapped(nlp, w) == pytest.approx(w, abs=0)
 
 
 def test_a_control_that_is_no_angle_may_jump() -> None:
     nlp = rt.transcription.transcribe(rt.Problem([boat()]), rt.Mesh(5))
     w = nlp.guess.copy()
     w[headings(nlp) + 1] = np.tile([0.0, 2 * np.pi], 6)[:11]
-    assert unwound(nlp, w) is w
+    assert unwrapped(nlp, w) is w
 
 
 def test_a_fastest_descent_by_its_angle_needs_no_bounds() -> None:
-    """Every point found its direction on a turn of its own, and refinement cut what turned between them to pieces."""
+    """Without it the directions differ by whole turns between points, and refinement divides these intervals."""
     bead = rt.System(
         ["x", "y", "v"],
         ["angle"],

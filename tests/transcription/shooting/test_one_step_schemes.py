@@ -1,4 +1,4 @@
-"""One-step schemes through the blocks: exact derivatives, rows that are the integrator's, what they refuse."""
+"""One-step schemes: exact derivatives, defects of the integrator, and refused problems."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_trajectories_and_costs_are_the_initial_value_problem_s(
     assert solution.objective == pytest.approx(cost + x[1] ** 2 + mass**3, abs=1e-8)
 
 
-def test_a_runge_kutta_defect_is_the_method_s() -> None:
+def test_a_runge_kutta_defect_is_that_of_the_method() -> None:
     nlp = rt.transcription.transcribe(
         rt.Problem([phase_of(constraints=[])]), rt.Mesh(KNOTS, rt.schemes.MultipleShooting(rt.schemes.RungeKutta4(3)))
     )
@@ -143,7 +143,7 @@ def test_a_runge_kutta_defect_is_the_method_s() -> None:
     np.testing.assert_allclose(nlp.values(w), np.ravel(expected), atol=1e-13)
 
 
-def test_compressed_and_separated_hermite_simpson_have_one_answer() -> None:
+def test_compressed_and_separated_hermite_simpson_have_one_solution() -> None:
     tight = rt.Ipopt(tolerance=1e-11)
     separated = rt.plan(phase_of(), rt.Mesh(10), solver=tight)
     compressed = rt.plan(phase_of(), rt.Mesh(10, rt.schemes.CompressedHermiteSimpson()), solver=tight)
@@ -286,7 +286,7 @@ DAE = rt.System(
     ],
     ids=["algebraic", "mixed", "mixed, single last", "moving single", "slacks", "integral"],
 )
-def test_what_shooting_is_not_meant_for_is_said(phase: rt.Phase, mesh: rt.Mesh, words: str) -> None:
+def test_unsupported_problems_are_refused(phase: rt.Phase, mesh: rt.Mesh, words: str) -> None:
     with pytest.raises(rt.InputError, match=words):
         rt.plan(phase, mesh)
 

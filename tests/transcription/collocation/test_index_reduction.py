@@ -1,4 +1,4 @@
-"""Equations of the path: which they are, where they and their rates are written, and what plans keep to."""
+"""Index reduction of path equalities: their orders, the places of their rows and rates, and the motions they give."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import robotraj as rt
-from robotraj.transcription.collocation.index_reduction import equations_of
+from robotraj.transcription.collocation.index_reduction import path_equalities
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import transcribed_again
 from robotraj.transcription.transcribe import transcribe
@@ -92,7 +92,7 @@ def places(nlp: Nlp, name: str) -> list[float]:
 
 
 def off(robot: rt.Robot, solution: rt.Solution) -> float:
-    """How far the tool leaves line and vertical, anywhere [m or rad]."""
+    """Distance of the tool from line and vertical, anywhere [m or rad]."""
     poses = [tool(robot, q) for q in solution.at(np.linspace(0, solution.duration, 701)).q]
     by = [[*(pose.translation[[0, 2]] - [0.45, 0.1]), *pose.rotation[:2, 2]] for pose in poses]
     return float(np.abs(by).max())
@@ -110,24 +110,24 @@ def off(robot: rt.Robot, solution: rt.Solution) -> float:
     ids=["position", "in time", "velocity", "control", "nothing"],
 )
 def test_the_order_is_the_number_of_rates_until_controls_appear(expression: Any, order: int | None) -> None:
-    found = equations_of(moved(diagonal(expression)))
-    assert [equation.order for equation in found] == ([] if order is None else [order])
+    found = path_equalities(moved(diagonal(expression)))
+    assert [equality.order for equality in found] == ([] if order is None else [order])
 
 
 def test_orders_beyond_two_and_inequalities() -> None:
     chain = rt.System(["a", "b", "c"], ["u"], lambda p: [p.x["b"], p.x["c"], p.u["u"]])
     held = rt.PathConstraint(lambda p: p.x["a"] - p.t**3, 0, 0)
-    (equation,) = equations_of(rt.Phase(chain, 1.0, rt.State([0, 0, 0]), constraints=[held]))
-    assert equation.order == 3
-    values = np.array(equation.values(2.0, [1, 4, 9], [])).ravel()
+    (equality,) = path_equalities(rt.Phase(chain, 1.0, rt.State([0, 0, 0]), constraints=[held]))
+    assert equality.order == 3
+    values = np.array(equality.values(2.0, [1, 4, 9], [])).ravel()
     np.testing.assert_allclose(values, [1 - 8, 4 - 12, 9 - 12])
-    assert not equations_of(moved(rt.PathConstraint(lambda p: p.x["x"] - p.x["y"], 0, 0.1)))
+    assert not path_equalities(moved(rt.PathConstraint(lambda p: p.x["x"] - p.x["y"], 0, 0.1)))
 
 
 @pytest.mark.parametrize("objective", [rt.Effort(), rt.objectives.Jerk()], ids=["accelerations", "jerks"])
 def test_poses_are_of_the_order_of_accelerations(ur5: rt.Robot, objective: rt.objectives.Objective) -> None:
     phase = drawing(ur5, objective)
-    assert [equation.order for equation in equations_of(phase)] == [2] * 4
+    assert [equality.order for equality in path_equalities(phase)] == [2] * 4
     # Where rates of torques are chosen, the accelerations that the phase starts with follow from the torques.
     nlp = transcribe(rt.Problem([phase]), rt.Mesh(3))
     assert places(nlp, "rate 2 of frame position x, tool0") == ([0.0] if isinstance(objective, rt.Effort) else [])
@@ -143,14 +143,14 @@ def test_poses_are_of_the_order_of_accelerations(ur5: rt.Robot, objective: rt.ob
     ],
     ids=str,
 )
-def test_rows_stand_at_knots_with_their_rates(scheme: Any, held: list[float], rates: list[float]) -> None:
+def test_rows_are_imposed_at_knots_with_their_rates(scheme: Any, held: list[float], rates: list[float]) -> None:
     nlp = transcribe(rt.Problem([moved(diagonal())]), rt.Mesh(3, scheme))
     np.testing.assert_allclose(places(nlp, "diagonal"), held)
     np.testing.assert_allclose(places(nlp, "rate of diagonal"), rates)
 
 
 @pytest.mark.parametrize(("end", "last"), [((1, 1, 0, 0), 2 / 3), ((1, 1, None, 0), 1.0), ((1, 1, 1, 0), 1.0)], ids=str)
-def test_a_rate_stands_at_an_end_that_does_not_settle_it(end: Any, last: float) -> None:
+def test_a_rate_is_imposed_at_an_end_that_does_not_determine_it(end: Any, last: float) -> None:
     nlp = transcribe(rt.Problem([moved(diagonal(), end=end)]), rt.Mesh(3))
     assert places(nlp, "rate of diagonal")[-1] == pytest.approx(last)
     free = transcribe(rt.Problem([moved(diagonal(), start=(0, 0, None, None))]), rt.Mesh(3))
@@ -171,7 +171,7 @@ def test_a_straight_line_is_the_closed_form(scheme: Any, intervals: int, solver:
 
 @each_scheme
 def test_a_tool_keeps_to_a_line_and_upright(ur5: rt.Robot, scheme: Any, intervals: int) -> None:
-    """Four equations at every point, at rest at both ends: once more rows than unknowns."""
+    """Four equalities at every point, at rest at both ends: unreduced, there would be more rows than unknowns."""
     solution = rt.plan(drawing(ur5, rt.Effort()), rt.Mesh(intervals, scheme), solver=ALONE, progress=False)
     assert solution.objective == pytest.approx(1021.8, rel=0.01)
     assert solution.iterations < 60
@@ -243,8 +243,8 @@ def test_a_figure_followed_in_time_needs_no_ends(ur5: rt.Robot) -> None:
     np.testing.assert_allclose(places, wanted, atol=1e-4)
 
 
-def test_accelerations_do_not_swing_from_knot_to_knot(ur5: rt.Robot) -> None:
-    """Least times leave them to chance: along the line they are those of the tool, which a spline through it tells."""
+def test_accelerations_do_not_oscillate_from_knot_to_knot(ur5: rt.Robot) -> None:
+    """Least time does not determine them; along the line they are those of a spline through the tool's positions."""
     solution = rt.plan(drawing(ur5, rt.Duration()), rt.Mesh(40), solver=ALONE, progress=False)
     nlp = transcribe(rt.Problem([drawing(ur5, rt.Duration())]), rt.Mesh(40))
     assert places(nlp, "rate 2 of frame position x, tool0") == [0.0]
@@ -258,7 +258,7 @@ def test_accelerations_do_not_swing_from_knot_to_knot(ur5: rt.Robot) -> None:
     assert along < 1.0
 
 
-def test_velocities_across_the_equation_are_named() -> None:
+def test_velocities_across_the_equality_are_named() -> None:
     phase = moved(diagonal(), end=(1, 1, 1, 0))
     solution = rt.plan(phase, rt.Mesh(10), solver=rt.Ipopt(max_iterations=50), check=False, progress=False)
     assert not solution.success
@@ -280,7 +280,7 @@ def test_another_goal_takes_the_transcription_over_where_its_rows_are_the_same()
         ) == again
 
 
-def test_an_end_across_the_equation_is_not_taken_over() -> None:
+def test_an_end_across_the_equality_is_not_taken_over() -> None:
     problem = rt.Problem([moved(diagonal())])
     first = rt.plan(problem, rt.Mesh(10), solver=ALONE, progress=False)
     other = problem.with_(end=rt.State((1, 1, 1, 0)))
@@ -288,7 +288,7 @@ def test_an_end_across_the_equation_is_not_taken_over() -> None:
     assert not solution.success
 
 
-def test_phases_that_hold_the_same_equation_run_on() -> None:
+def test_phases_that_hold_the_same_equality_run_on() -> None:
     whole = rt.plan(moved(diagonal()), rt.Mesh(20), solver=ALONE, progress=False)
     parts = [
         rt.Phase(
@@ -303,7 +303,7 @@ def test_phases_that_hold_the_same_equation_run_on() -> None:
 
 
 @pytest.mark.parametrize("name", ["diagonal", "other"])
-def test_another_equation_of_the_same_name_begins_at_its_own_start(name: str) -> None:
+def test_another_equality_of_the_same_name_begins_at_its_own_start(name: str) -> None:
     """Along x = y to (0.5, 0.5), then along x - 2 y = -0.5: no velocity is along both: it rests at the corner."""
     second = rt.PathConstraint(lambda p: p.x["x"] - 2 * p.x["y"] + 0.5, 0, 0, name=name)
     parts = [
@@ -318,7 +318,7 @@ def test_another_equation_of_the_same_name_begins_at_its_own_start(name: str) ->
         assert solution.objective == pytest.approx(96 * (0.25 * 5) + 96 * (0.25 + 4 * 0.0625), rel=1e-7)
 
 
-def test_a_motion_that_repeats_holds_the_equation_where_it_begins_again() -> None:
+def test_a_motion_that_repeats_holds_the_equality_where_it_begins_again() -> None:
     """y = sin(2 t) is not where it was after a second."""
     wave = diagonal(lambda p: p.x["y"] - ca.sin(2 * p.t))
     phase = rt.Phase(plane(), 1.0, rt.State([0, None, None, None]), rt.State(), effort(), constraints=[wave])
@@ -330,7 +330,7 @@ def test_a_motion_that_repeats_holds_the_equation_where_it_begins_again() -> Non
 
 
 @each_scheme
-def test_an_open_start_is_on_the_equation_and_along_it(scheme: Any, intervals: int) -> None:
+def test_an_open_start_is_on_the_equality_and_along_it(scheme: Any, intervals: int) -> None:
     """From 0 at 1 m/s to rest at 1 m in 1 s a cubic has the integral 4 of a^2, five times."""
     phase = moved(diagonal(), start=(0, None, 1, None))
     solution = rt.plan(phase, rt.Mesh(intervals, scheme), solver=ALONE, progress=False)
@@ -341,7 +341,7 @@ def test_an_open_start_is_on_the_equation_and_along_it(scheme: Any, intervals: i
     assert first["vy"] == pytest.approx(1.0, abs=1e-8)
 
 
-def test_an_equation_that_begins_with_a_phase_begins_with_its_rate() -> None:
+def test_an_equality_that_begins_with_a_phase_begins_with_its_rate() -> None:
     parts = [
         rt.Phase(plane(), 0.5, rt.State([0, 0, 0, 0]), rt.State([0.5, 0.5, None, None]), effort()),
         rt.Phase(plane(), 0.5, end=rt.State([1, 1, 0, 0]), objective=effort(), constraints=[diagonal()]),
@@ -351,7 +351,7 @@ def test_an_equation_that_begins_with_a_phase_begins_with_its_rate() -> None:
     np.testing.assert_allclose(x["vx"], x["vy"], atol=1e-8)
 
 
-def test_a_phase_that_was_planned_goes_to_other_processes() -> None:
+def test_a_planned_phase_can_be_pickled() -> None:
     phase = moved(diagonal())
     solution = rt.plan(phase, rt.Mesh(10), solver=ALONE, progress=False)
     copy = cloudpickle.loads(cloudpickle.dumps(phase))
@@ -360,7 +360,7 @@ def test_a_phase_that_was_planned_goes_to_other_processes() -> None:
     assert cloudpickle.loads(cloudpickle.dumps(solution)).objective == solution.objective
 
 
-def test_costates_are_not_made_up() -> None:
+def test_costates_are_refused() -> None:
     solution = rt.plan(moved(diagonal()), rt.Mesh(10), solver=ALONE, progress=False)
     with pytest.raises(rt.InputError, match="diagonal.*costates are not unique"):
         rt.indirect.costates(solution)
