@@ -42,7 +42,7 @@ class NoSolutionFound(RobotrajError):
         super().__init__(message)
         self.solution = solution
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (str(self), self.solution)
 
 
@@ -59,7 +59,7 @@ class ValidationFailed(RobotrajError):
         super().__init__(message)
         self.report = report
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (str(self), self.report)
 
 
@@ -77,11 +77,11 @@ class Interrupted(KeyboardInterrupt):
         self.found = found
         self.count = count
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.found, self.count)
 
 
-def require_solution(value: Any, who: str) -> None:
+def require_solution(value: object, who: str) -> None:
     """Raise an error if the value's phases show that it is not a solution.
 
     Raises
@@ -119,7 +119,7 @@ def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = ""
     return UnknownName(f"There is no {kind} named {name!r}.{guess} Valid names: {shown or 'none'}.{end}")
 
 
-def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
+def called(what: str, function: Callable[..., Any], *arguments: object) -> Any:
     """Call a function that the user gave; where it fails, say whose it is and what to do.
 
     Parameters

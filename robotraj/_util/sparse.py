@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 Shape = tuple[int, int]
+Index: TypeAlias = "int | slice | Sequence[int] | NDArray[np.int_] | NDArray[np.bool_]"
+"""Rows or columns to take."""
 
 
 class csr_array:
@@ -104,7 +106,7 @@ class csr_array:
 
         return sparse.csr_array((self.data, self.indices, self.indptr), shape=self.shape)
 
-    def __getitem__(self, rows: Any) -> csr_array:
+    def __getitem__(self, rows: Index) -> csr_array:
         """Take rows: indices, a mask or a slice."""
         which = np.atleast_1d(np.arange(self.shape[0])[rows])
         indices, data, position = expand(self, which)
@@ -157,7 +159,7 @@ class csc_array:
         """Column of every entry."""
         return self.T.row
 
-    def __getitem__(self, key: tuple[slice, Any]) -> csc_array:
+    def __getitem__(self, key: tuple[slice, Index]) -> csc_array:
         """Take columns: ``[:, columns]``."""
         every, columns = key
         if every != slice(None):

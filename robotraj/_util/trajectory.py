@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.polynomials import basis, basis_at, differentiation
 from robotraj._util.printing import OneLine
@@ -71,7 +70,7 @@ class PiecewisePolynomial(OneLine):
         """Interval of each time; a knot belongs to the interval on its right, the last knot to the last interval."""
         return np.clip(self.breaks.searchsorted(t, side="right") - 1, 0, len(self._lengths) - 1)
 
-    def __call__(self, t: Any, interval: int | NDArray[np.int_] | None = None) -> Array:
+    def __call__(self, t: ArrayLike, interval: int | NDArray[np.int_] | None = None) -> Array:
         """Evaluate at times.
 
         Parameters

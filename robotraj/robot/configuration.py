@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +15,7 @@ UNIT = 1e-6
 """Largest distance from 1 of the length of a quaternion that people write."""
 
 
-def as_vector(value: Any, joints: Sequence[str], what: str, rest: Array) -> Array:
+def as_vector(value: npt.ArrayLike | Mapping[str, float], joints: Sequence[str], what: str, rest: Array) -> Array:
     """Coerce to a float array with one value per joint.
 
     Parameters
@@ -60,7 +59,7 @@ def as_vector(value: Any, joints: Sequence[str], what: str, rest: Array) -> Arra
     return vector
 
 
-def unit_quaternion(values: Any, what: str) -> Array:
+def unit_quaternion(values: npt.ArrayLike, what: str) -> Array:
     """Scale a quaternion (x, y, z, w) to length 1, if it has that length already but for the last digits.
 
     Raises

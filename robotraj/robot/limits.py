@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,24 @@ UNLIMITED = 1e20
 
 MAGNITUDES = ("velocity", "acceleration", "effort")
 QUANTITIES = ("position", *MAGNITUDES)
+
+
+class Interval(Protocol):
+    """Bounds with names, such as ``rt.between`` returns."""
+
+    @property
+    def lower(self) -> float | None:
+        """Lower bound."""
+
+    @property
+    def upper(self) -> float | None:
+        """Upper bound."""
+
+
+Ends: TypeAlias = "float | Sequence[float | None] | Interval"
+"""Position limits of one joint: x for [-x, x], a pair, or an object with ``lower`` and ``upper``."""
+PositionLimits: TypeAlias = "Ends | Mapping[str, Ends]"
+MagnitudeLimits: TypeAlias = "npt.ArrayLike | Mapping[str, float]"
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +122,13 @@ class Limits(OneLine):
             free,
         )
 
-    def with_(self, position: Any = None, velocity: Any = None, acceleration: Any = None, effort: Any = None) -> Limits:
+    def with_(
+        self,
+        position: PositionLimits | None = None,
+        velocity: MagnitudeLimits | None = None,
+        acceleration: MagnitudeLimits | None = None,
+        effort: MagnitudeLimits | None = None,
+    ) -> Limits:
         """Return limits with some replaced; what is not named stays.
 
         Parameters
@@ -134,7 +158,7 @@ class Limits(OneLine):
                 new[name] = self._magnitudes(name, value)
         return replace(self, **new)
 
-    def override(self, changes: Any) -> Limits:
+    def override(self, changes: Limits | Mapping[str, Any]) -> Limits:
         """Apply ``rt.load``'s ``limits=``: a mapping by quantity, see ``with_``, or Limits."""
         if isinstance(changes, Limits):
             if changes.joints != self.joints:
@@ -198,7 +222,7 @@ class Limits(OneLine):
             raise unknown_name("moving joint", joint, self.joints)
         return self.joints.index(str(joint))
 
-    def _positions(self, value: Any) -> tuple[Array, Array]:
+    def _positions(self, value: PositionLimits) -> tuple[Array, Array]:
         lower, upper = self.position_lower.copy(), self.position_upper.copy()
         if not isinstance(value, Mapping):
             value = {joint: value for joint in self.joints[self.free :]}
@@ -207,7 +231,7 @@ class Limits(OneLine):
             lower[i], upper[i] = _pair(joint, pair)
         return lower, upper
 
-    def _magnitudes(self, name: str, value: Any) -> Array:
+    def _magnitudes(self, name: str, value: MagnitudeLimits) -> Array:
         magnitudes = np.array(getattr(self, name))
         if isinstance(value, Mapping):
             for joint, magnitude in value.items():

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 import pinocchio as pin
 
-from robotraj.robot.limits import Limits
+from robotraj.robot.limits import Limits, MagnitudeLimits, PositionLimits
 from robotraj.robot.loading.assembly import assemble
 from robotraj.robot.loading.source import describe
 from robotraj.robot.robot import Robot
@@ -22,7 +21,7 @@ def load(
     actuated: Iterable[str] | None = None,
     locked: Mapping[str, float] | None = None,
     root: str = "fixed",
-    limits: Limits | Mapping[str, Any] | None = None,
+    limits: Limits | Mapping[str, PositionLimits | MagnitudeLimits] | None = None,
 ) -> Robot:
     """Load a robot for planning.
 

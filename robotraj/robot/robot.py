@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import field, fields
 from functools import cached_property
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -143,7 +144,7 @@ class Robot:
     def _notes(self) -> tuple[str, ...]:
         return (*self.notes, *self.limits.complaints(self.actuated))
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """Pickle the fields only: meshes and compiled functions are made again where they are wanted."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
@@ -252,7 +253,7 @@ class Robot:
             raise unknown_name("moving joint", name, self.velocity_names)
         return self.velocity_names.index(name)
 
-    def configuration(self, value: Any, what: str = "q") -> Array:
+    def configuration(self, value: npt.ArrayLike | Mapping[str, float], what: str = "q") -> Array:
         """Coerce to an (nq,) float array: from a list, (n, 1), float32, a number for all, or a dict by name.
 
         Entries that a dict leaves out are neutral. The quaternion of a floating root must have length 1.
@@ -268,7 +269,7 @@ class Robot:
             q[QUATERNION] = unit_quaternion(q[QUATERNION], what)
         return q
 
-    def velocity(self, value: Any, what: str = "v") -> Array:
+    def velocity(self, value: npt.ArrayLike | Mapping[str, float], what: str = "v") -> Array:
         """Coerce to an (nv,) float array, as ``configuration`` does; what a dict leaves out is 0.
 
         Raises
@@ -278,7 +279,7 @@ class Robot:
         """
         return as_vector(value, self.velocity_names, what, np.zeros(self.nv))
 
-    def dissipation(self, v: Any) -> Array:
+    def dissipation(self, v: npt.ArrayLike) -> Array:
         """Torque that damping and smoothed Coulomb friction take away, (nv,) [N m, N].
 
         d(v) = damping v + friction tanh(v / friction_speed), subtracted from B tau.

@@ -7,8 +7,6 @@ one velocity each. Without a floating root everything here is what it is for vec
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
@@ -26,7 +24,7 @@ def floats(model: pin.Model) -> bool:
     return bool(model.nq > model.nv)
 
 
-def normalised(model: pin.Model, q: Any) -> Array:
+def normalised(model: pin.Model, q: npt.ArrayLike) -> Array:
     """Scale the quaternions of configurations (nq,) or (m, nq) to length 1."""
     result = np.array(q, dtype=float)
     if floats(model):
@@ -35,7 +33,7 @@ def normalised(model: pin.Model, q: Any) -> Array:
     return result
 
 
-def rates(model: pin.Model, q: Any, v: Any) -> Array:
+def rates(model: pin.Model, q: npt.ArrayLike, v: npt.ArrayLike) -> Array:
     """Give q' (..., nq) of velocities v (..., nv) at configurations q (..., nq).
 
     p' = R(quaternion) v and quaternion' = quaternion * (omega, 0) / 2 for the root, v for all else.
@@ -69,7 +67,7 @@ def rate_matrix(model: pin.Model, q: Array) -> Array:
     return matrix
 
 
-def velocities(model: pin.Model, q: Any, rate: Any) -> Array:
+def velocities(model: pin.Model, q: npt.ArrayLike, rate: npt.ArrayLike) -> Array:
     """Give v (..., nv) that moves configurations q (..., nq) at q' (..., nq): the inverse of ``rates``.
 
     What of a quaternion's rate would change its length is left out.
@@ -84,7 +82,7 @@ def velocities(model: pin.Model, q: Any, rate: Any) -> Array:
     return np.concatenate([rotated(back, rate[..., PLACE]), omega, rate[..., QUATERNION.stop :]], axis=-1)
 
 
-def difference(model: pin.Model, first: Any, second: Any) -> Array:
+def difference(model: pin.Model, first: npt.ArrayLike, second: npt.ArrayLike) -> Array:
     """Tangent vectors (..., nv) that take configurations ``first`` to ``second`` (..., nq): ``pin.difference``."""
     first, second = np.broadcast_arrays(np.asarray(first, dtype=float), np.asarray(second, dtype=float))
     if not floats(model):

@@ -38,7 +38,7 @@ def assemble(
     about: Description,
     actuated: Iterable[str] | None,
     locked: Mapping[str, float] | None,
-    limits: Any,
+    limits: Limits | Mapping[str, Any] | None,
     root: str = "fixed",
 ) -> dict[str, Any]:
     """Give the fields of the Robot.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import pinocchio as pin
 
@@ -97,7 +96,7 @@ def _is_path(text: str) -> bool:
     return "/" in text or os.sep in text or text.lower().endswith((".urdf", ".xml", ".xacro", ".sdf", ".mjcf"))
 
 
-def _wrapper(wrapper: Any) -> Description:
+def _wrapper(wrapper: pin.RobotWrapper) -> Description:
     shapes = tuple(
         part if part is not None else pin.GeometryModel() for part in (wrapper.visual_model, wrapper.collision_model)
     )
