@@ -11,6 +11,8 @@ from robotraj.gait.mirroring import mirror
 from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
 from robotraj.gait.posture import gait_objective
 from robotraj.gait.standing import stand
+from robotraj.gait.stepping.footholds import steps
+from robotraj.gait.stepping.rest_to_rest import sidestep, start_stop, turn
 from robotraj.gait.upright import Upright
 from robotraj.gait.walks import run, trot, walk
 
@@ -27,7 +29,11 @@ __all__ = [
     "mirror",
     "run",
     "sequence",
+    "sidestep",
     "stand",
+    "start_stop",
+    "steps",
     "trot",
+    "turn",
     "walk",
 ]

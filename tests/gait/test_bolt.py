@@ -22,11 +22,10 @@ FRICTION = 0.6
 
 
 @pytest.fixture(scope="module")
-def walk() -> rt.Solution:
-    robot = rt.load("bolt", root="floating", limits={"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7})
+def walk(bolt: rt.Robot) -> rt.Solution:
     foot = partial(rt.PointContact, friction=FRICTION)
     step = rt.gait.walk(
-        robot, step_length=0.06, duration=0.2, clearance=0.03, contact=foot, objective=objective(robot, foot)
+        bolt, step_length=0.06, duration=0.2, clearance=0.03, contact=foot, objective=objective(bolt, foot)
     )
     return rt.plan(step, mesh=rt.Mesh(6, rt.schemes.LobattoIIIA(4)))
 

@@ -18,17 +18,6 @@ FOOT = rt.PointContact("left_foot", friction=0.8)
 PAW = partial(rt.PointContact, friction=0.6)
 
 
-@pytest.fixture(scope="module")
-def biped() -> rt.Robot:
-    return rt.load("five_link", root="planar")
-
-
-@pytest.fixture(scope="module")
-def solo() -> rt.Robot:
-    limits = {"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7}
-    return rt.load("solo12", root="floating", limits=limits)
-
-
 WRONG: dict[str, tuple[Callable[[rt.Robot], Any], str]] = {
     "free length": (lambda b: step(b, step_length=rt.between(0.2, 0.5)), "step_length.*rt.Periodic"),
     "length of text": (lambda b: step(b, step_length="far"), "step_length"),

@@ -13,11 +13,6 @@ from robotraj.gait.posture import FixedPosture
 FEET = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
 
 
-@pytest.fixture(scope="module")
-def dog() -> rt.Robot:
-    return rt.load("solo12", root="floating", limits={"velocity": 30.0, "effort": 3.0})
-
-
 def swinging(problem: rt.Problem) -> list[list[str]]:
     return [
         [foot for foot in FEET if foot not in {contact.frame for contact in phase.contacts}] for phase in problem.phases

@@ -24,25 +24,20 @@ pytestmark = pytest.mark.slow
 FRICTION = 0.5
 
 
-def solo() -> rt.Robot:
-    return rt.load("solo12", root="floating", limits={"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7})
-
-
 @pytest.fixture(scope="module")
-def trot() -> rt.Solution:
-    robot, foot = solo(), partial(rt.PointContact, friction=FRICTION)
+def trot(solo: rt.Robot) -> rt.Solution:
+    foot = partial(rt.PointContact, friction=FRICTION)
     stride = rt.gait.trot(
-        robot, step_length=0.06, duration=0.2, clearance=0.04, contact=foot, objective=objective(robot, foot)
+        solo, step_length=0.06, duration=0.2, clearance=0.04, contact=foot, objective=objective(solo, foot)
     )
     return rt.plan(stride, mesh=rt.Mesh(5, rt.schemes.LobattoIIIA(4)))
 
 
 @pytest.fixture(scope="module")
-def jump() -> rt.Solution:
-    robot = solo()
+def jump(solo: rt.Robot) -> rt.Solution:
     foot = partial(rt.PointContact, friction=FRICTION, cone=rt.contacts.Linearised(4), normal_force=(0.5, 40.0))
-    posture = objective(robot, foot, calm=1e-4)
-    leap = rt.gait.jump(robot, length=0.1, height=0.08, push=0.25, land=0.25, contact=foot, objective=posture)
+    posture = objective(solo, foot, calm=1e-4)
+    leap = rt.gait.jump(solo, length=0.1, height=0.08, push=0.25, land=0.25, contact=foot, objective=posture)
     return rt.plan(leap, mesh=[rt.Mesh(n, rt.HermiteSimpson()) for n in (14, 8, 12)])
 
 

@@ -18,16 +18,6 @@ from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.gait.phase_sequence import SwingArc
 
 
-@pytest.fixture(scope="module")
-def biped() -> rt.Robot:
-    return rt.load("five_link", root="planar")
-
-
-@pytest.fixture(scope="module")
-def dog() -> rt.Robot:
-    return rt.load("solo12", root="floating", limits={"velocity": 30.0, "effort": 3.0})
-
-
 def held(problem: rt.Problem) -> list[list[str]]:
     return [[contact.label for contact in phase.contacts] for phase in problem.phases]
 

@@ -15,6 +15,7 @@ from robotraj.guess.legs.pendulum import Pendulum, heights
 from robotraj.guess.legs.schedule import Schedule, StanceTime
 from robotraj.guess.legs.stance import BalancedStance, standing
 from robotraj.guess.legs.swing import Swing, swings
+from robotraj.robot.root import QUATERNION
 
 if TYPE_CHECKING:
     from robotraj.problem.constraints.bounds import Bounds
@@ -106,12 +107,41 @@ class Footsteps:
         else:
             share = 0.5 * (stand.start + stand.end) / whole
         own = {name: value for name, value in self._standing_anchors.items() if name.rsplit(".", 1)[0] == stand.foot}
-        for k, axis in enumerate(self._plane):
-            name = f"{stand.foot}.{axis}"
-            if name in own:
-                begin, gain = self._displacements[axis]
-                own[name] += begin - float(self._standing_com[k]) + share * gain
+        names = [f"{stand.foot}.{axis}" for axis in self._plane]
+        if not all(name in own for name in names):
+            return own
+        heading = self.heading(share)
+        offset = np.array([own[name] for name in names]) - self._standing_com[: len(names)]
+        if len(names) == 2:
+            c, s = np.cos(heading), np.sin(heading)
+            offset = np.array([[c, -s], [s, c]]) @ offset
+        for name, axis, entry in zip(names, self._plane, offset, strict=True):
+            begin, gain = self._displacements[axis]
+            own[name] = begin + share * gain + float(entry)
+        if f"{stand.foot}.yaw" in own:
+            own[f"{stand.foot}.yaw"] += heading
         return own
+
+    def heading(self, share: float) -> float:
+        """Return the turn about the vertical axis [rad] at a fraction of the motion, linear in it.
+
+        It is that of the last quaternion, where the end fixes it and the motion does not repeat.
+        """
+        last = self.problem.phases[-1].end_bounds
+        fixed = np.array_equal(last.lower[QUATERNION], last.upper[QUATERNION])
+        if self.stance.robot.root != "floating" or self.schedule.repeat is not None or not fixed:
+            return 0.0
+        x, y, z, w = (float(v) for v in last.lower[QUATERNION])
+        return share * float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+
+    def posture(self, t: float) -> Array:
+        """Return the standing configuration (nq,) with the heading of a time [s]."""
+        q, angle = np.array(self.home), self.heading(t / self.schedule.times[-1])
+        if angle:
+            turn = pin.Quaternion(pin.AngleAxis(angle, np.array([0.0, 0.0, 1.0])).toRotationMatrix())
+            x, y, z, w = q[QUATERNION]
+            q[QUATERNION] = (turn * pin.Quaternion(w, x, y, z)).coeffs()
+        return q
 
     def _foothold(self, stand: StanceTime) -> dict[str, float]:
         """Return the anchors of a stance: those that a phase fixes, else those of constant speed, shifted."""

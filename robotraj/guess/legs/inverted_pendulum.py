@@ -23,6 +23,7 @@ from robotraj.guess.legs.support import support
 from robotraj.problem.links.base import BoundLink
 from robotraj.problem.problem import Problem
 from robotraj.robot.chart import Chart
+from robotraj.robot.root import QUATERNION
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
@@ -107,7 +108,10 @@ class _ScheduledMotion(InitialGuess):
                     com[1] = np.nan
                 near = np.array(q)
                 near[0] += com[0] - pin.centerOfMass(robot.model, self._stance.data, q)[0]
-                q = self._stance.reach(near, places, com, lifts, self.steps.home)
+                posture = self.steps.posture(float(t))
+                if self.steps.heading(1.0):
+                    near[QUATERNION] = posture[QUATERNION]
+                q = self._stance.reach(near, places, com, lifts, posture)
                 rows.append(q)
             found.append(np.array(rows))
         return found

@@ -1,0 +1,1 @@
+"""Steps onto given footholds: walks from rest to rest, sidesteps and turns."""

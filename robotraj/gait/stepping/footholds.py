@@ -1,0 +1,235 @@
+"""Steps from rest to rest onto given footholds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.gait.checks import GroundFunction, check_options, number
+from robotraj.gait.feet import FootKind, feet_of, foot_contact
+from robotraj.gait.phase_sequence import TOUCH, GaitTerms, Support, sequence
+from robotraj.gait.repetition import on_ground
+from robotraj.gait.upright import Upright
+from robotraj.guess.legs.stance import BalancedStance, standing
+from robotraj.problem.constraints.clearance import GroundClearance
+from robotraj.problem.constraints.heights import RequiredHeight
+from robotraj.problem.objectives.base import Objective
+from robotraj.problem.problem import Problem
+from robotraj.problem.state import State
+from robotraj.robot.robot import Robot
+from robotraj.robot.root import QUATERNION
+
+Array = NDArray[np.float64]
+
+LEVEL = Flat()
+FOOT_TOLERANCE = 1e-6
+"""Largest distance of a foot from its foothold in the last configuration [m, rad]."""
+TILT = 0.6
+"""Default bound of ``Upright``, to which a turn is added [rad]."""
+
+Step = Mapping[str, Sequence[float]]
+"""Footholds of the feet that swing together: (x, y) or (x, y, yaw) by frame [m, rad]; in a plane, (x,)."""
+
+
+def steps(
+    robot: Robot,
+    footholds: Sequence[Step],
+    *,
+    swing: float = 0.4,
+    support: float = 0.1,
+    shift: float = 0.3,
+    feet: Sequence[str] | None = None,
+    contact: FootKind = PointContact,
+    clearance: float | None = 0.0,
+    objective: Objective | None = None,
+    upright: Upright | None = None,
+    ground: Ground | GroundFunction = LEVEL,
+) -> Problem:
+    """Return a motion from rest to rest in which feet step onto given footholds, in the given order.
+
+    The robot starts in the configuration of ``rt.gait.stand``, with its feet where the neutral configuration has them.
+    It ends at rest above the last footholds, headed along the mean of the feet's turns. Phases with all feet on the
+    ground lie before, between and after the steps.
+
+    Parameters
+    ----------
+    robot : Robot
+        With ``root="planar"`` or ``"floating"``.
+    footholds : sequence of mapping of str to sequence of float
+        One mapping a step: from the frames of the feet that swing together to world x, y and, for soles, yaw
+        [m, m, rad]. In a plane, x alone.
+    swing, support, shift : float
+        Durations [s] of a step, of the support by all feet between steps (0 for none), and of that at both ends.
+    feet, contact, objective, ground
+        As for ``rt.gait.walk``.
+    clearance : float or None
+        Height [m] of a swinging foot halfway between its footholds; 0 keeps it above the ground, None adds no row.
+    upright : Upright, optional
+        Bounds of the root; by default those of ``Upright`` with a tilt that allows the turn.
+
+    Raises
+    ------
+    InputError
+        No steps, unknown feet, a foothold that is no pair of numbers, no foot on the ground during a step, durations
+        that are not positive, or last footholds that the robot cannot stand on.
+    """
+    names = feet_of(robot, feet)
+    check_options(None, upright)
+    _check(robot, footholds, names)
+    for value, name in ((swing, "swing"), (shift, "shift")):
+        if not number(value, f"rt.gait.steps({name})", "s") > 0.0:
+            raise InputError(f"rt.gait.steps({name}) is {value!r}; give a positive duration [s].")
+    if not number(support, "rt.gait.steps(support)", "s") >= 0.0:
+        raise InputError(f"rt.gait.steps(support) is {support!r}; give a duration [s], or 0 for none.")
+    kind = on_ground(contact, ground)
+    contacts = {name: foot_contact(kind, name).bound_to(robot) for name in names}
+    stance = BalancedStance(robot, tuple(contacts.values()))
+    first = standing(stance)
+    places = [stance.locate(first)]
+    for step in footholds:
+        reached = dict(places[-1])
+        for foot, place in step.items():
+            reached |= _anchors(contacts[foot].name, place, places[0])
+        places.append(reached)
+    last, turn = _standing_on(robot, stance, first, places[0], places[-1])
+    bounds = Upright(tilt=min(TILT + abs(turn), 3.1)) if upright is None else upright
+    supports = [Support(names, shift, "stand")]
+    swings: list[tuple[int, int]] = []
+    for k, step in enumerate(footholds):
+        supports.append(Support(tuple(n for n in names if n not in step), swing, f"step {k + 1}"))
+        swings.append((len(supports) - 1, k))
+        if k + 1 < len(footholds) and support > 0.0:
+            supports.append(Support(names, support, f"support {k + 1}"))
+    supports.append(Support(names, shift, "stop"))
+    terms = GaitTerms(kind, None, objective, bounds, ground)
+    problem = sequence(robot, supports, terms, None, State(q=first, v=0.0), State(q=last, v=0.0))
+    phases = list(problem.phases)
+    for i, k in swings:
+        if clearance is not None:
+            rows = [_clearance(contacts[f], places[k], places[k + 1], clearance, ground) for f in footholds[k]]
+            phases[i] = replace(phases[i], constraints=[*phases[i].constraints, *rows])
+        # The end of the motion fixes the last foothold of every foot; those before it are fixed where the feet land.
+        later = {foot for step in footholds[k + 1 :] for foot in step}
+        landed = [n for f in footholds[k] if f in later for n in _names(contacts[f].name, places[0])]
+        fixed = {**phases[i + 1].parameters} | {name: places[k + 1][name] for name in landed}
+        phases[i + 1] = replace(phases[i + 1], parameters=fixed)
+    return replace(problem, phases=phases)
+
+
+@dataclass(frozen=True)
+class FootholdArc(RequiredHeight):
+    """Height [m] of a swing foot on the line between two footholds: h = 4 (apex + d) s (1 - s) - d, d = 0.1 mm.
+
+    Attributes
+    ----------
+    apex : float
+        [m].
+    start, end : tuple of float
+        Horizontal coordinates of the footholds [m].
+    """
+
+    apex: float
+    start: tuple[float, ...]
+    end: tuple[float, ...]
+
+    def heights(self, point: Any, position: Sequence[Any]) -> dict[str, Any]:
+        """Return the least heights at ``position``."""
+        line = [b - a for a, b in zip(self.start, self.end, strict=True)]
+        length = sum(entry**2 for entry in line)
+        s = sum((position[i] - a) * d for i, (a, d) in enumerate(zip(self.start, line, strict=True))) / length
+        return {"ground clearance": -TOUCH, "swing apex": 4.0 * (self.apex + TOUCH) * s * (1.0 - s) - TOUCH}
+
+
+def _clearance(
+    contact: BoundContact,
+    before: Mapping[str, float],
+    after: Mapping[str, float],
+    apex: float,
+    ground: Ground | GroundFunction,
+) -> GroundClearance:
+    """Return the clearance of a foot that swings between footholds; in place, it stays above the ground."""
+    names = [f"{contact.name}.{axis}" for axis in "xy" if f"{contact.name}.{axis}" in before]
+    start, end = (tuple(side[name] for name in names) for side in (before, after))
+    offset = getattr(contact.contact, "offset", None)
+    spot = contact.frame if offset is None or not np.any(offset) else (contact.frame, tuple(offset))
+    moves = np.linalg.norm(np.subtract(end, start)) > TOUCH
+    return GroundClearance(spot, FootholdArc(apex, start, end) if apex > 0.0 and moves else -TOUCH, ground)
+
+
+def _names(foot: str, anchors: Mapping[str, float]) -> list[str]:
+    return [name for name in anchors if name.rpartition(".")[0] == foot]
+
+
+def _anchors(foot: str, foothold: Sequence[float], first: Mapping[str, float]) -> dict[str, float]:
+    """Return the values of a foot's anchors by name; a yaw is counted from the first one."""
+    values = dict(zip(("x", "y", "yaw"), (float(v) for v in foothold), strict=False))
+    axes = {name: name.rpartition(".")[2] for name in _names(foot, first)}
+    return {n: values[axis] + (first[n] if axis == "yaw" else 0.0) for n, axis in axes.items() if axis in values}
+
+
+def _standing_on(
+    robot: Robot, stance: BalancedStance, first: Array, before: Mapping[str, float], after: Mapping[str, float]
+) -> tuple[Array, float]:
+    """Return the standing configuration (nq,) on the last footholds, and the turn of the robot [rad]."""
+    data = robot.model.createData()
+    com = np.array(pin.centerOfMass(robot.model, data, first))
+    axes = "x" if robot.root == "planar" else "xy"
+    old, new = (
+        np.array([[side[f"{c.name}.{axis}"] for axis in axes] for c in stance.contacts]) for side in (before, after)
+    )
+    shift = np.zeros(3)
+    shift[: len(axes)] = new.mean(axis=0) - old.mean(axis=0)
+    angle = 0.0
+    near = np.array(first)
+    if robot.root == "floating":
+        a, b = old - old.mean(axis=0), new - new.mean(axis=0)
+        angle = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
+        turned = pin.AngleAxis(angle, np.array([0.0, 0.0, 1.0])).toRotationMatrix()
+        middle = np.append(old.mean(axis=0), 0.0)
+        x, y, z, w = first[QUATERNION]
+        near[QUATERNION] = (pin.Quaternion(turned) * pin.Quaternion(w, x, y, z)).coeffs()
+        near[:3] = turned @ (first[:3] - middle) + middle + shift
+        com = turned @ (com - middle) + middle + shift
+    else:
+        near[0] += shift[0]
+        com = com + shift
+        com[1] = np.nan
+    # The joints keep their standing posture; the root is placed above the new footholds.
+    last = stance.reach(near, after, com, {}, near)
+    rows, _ = stance.places(last, after)
+    if np.max(np.abs(rows), initial=0.0) > FOOT_TOLERANCE:
+        raise InputError(
+            f"{robot.name!r} cannot stand on the last footholds: a foot is {np.max(np.abs(rows)):.2g} off its foothold "
+            "in the best configuration found. Move the last footholds closer together."
+        )
+    return last, angle
+
+
+def _check(robot: Robot, footholds: Sequence[Step], names: Sequence[str]) -> None:
+    least = 1 if robot.root == "planar" else 2
+    if not footholds or not all(isinstance(step, Mapping) and step for step in footholds):
+        raise InputError(
+            f'footholds= must be mappings such as {{"{names[0]}": (0.2, 0.1)}}, one a step; got {footholds!r}.'
+        )
+    for k, step in enumerate(footholds):
+        for foot, place in step.items():
+            if foot not in names:
+                raise InputError(f"Step {k + 1} moves {foot!r}, which is no foot; the feet are {', '.join(names)}.")
+            values = np.atleast_1d(np.asarray(place, dtype=float))
+            if values.ndim != 1 or not least <= len(values) <= 3 or not np.all(np.isfinite(values)):
+                raise InputError(
+                    f"The foothold of {foot!r} in step {k + 1} is {place!r}; give (x, y) or (x, y, yaw) [m, rad]."
+                )
+        if len(step) == len(names):
+            raise InputError(f"Step {k + 1} moves all feet; leave one on the ground, or use rt.gait.jump.")

@@ -1,0 +1,151 @@
+"""Motions from rest to rest: a walk that starts and stops, sidesteps, turns on the spot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.gait.checks import number
+from robotraj.gait.feet import feet_of, foot_contact
+from robotraj.gait.repetition import on_ground
+from robotraj.gait.stepping.footholds import LEVEL, steps
+from robotraj.guess.legs.stance import BalancedStance, standing
+from robotraj.problem.problem import Problem
+from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+def start_stop(robot: Robot, *, step_length: float, count: int = 4, **options: Any) -> Problem:
+    """Return a walk from rest to rest: ``count`` steps forward, the first and the last half as long.
+
+    Bipeds move one foot a step, quadrupeds the diagonal pairs of feet in turn.
+
+    Parameters
+    ----------
+    robot : Robot
+    step_length : float
+        Displacement of the root in a full step [m]; negative backwards.
+    count : int
+        Number of steps, at least 2.
+    **options
+        Of ``rt.gait.steps``.
+
+    Raises
+    ------
+    InputError
+        Less than two steps, a length that is no number, or neither two nor four feet; the errors of ``steps``.
+    """
+    length = number(step_length, "rt.gait.start_stop(step_length)")
+    if not isinstance(count, int) or count < 2:
+        raise InputError(f"rt.gait.start_stop(count) is {count!r}; give at least 2 steps.")
+    groups, home = _groups(robot, options)
+    # A foot lands half a step before the root's final displacement of the step.
+    reached = [length * (k + 1) for k in range(count - 1)]
+    reached.append(reached[-1])
+    return steps(robot, [{f: _moved(home[f], reached[k], 0.0) for f in groups[k % 2]} for k in range(count)], **options)
+
+
+def sidestep(robot: Robot, *, distance: float, count: int = 2, **options: Any) -> Problem:
+    """Return sidesteps from rest to rest: in each pair of steps, all feet move sideways by ``distance``.
+
+    The leading feet, on the side of the motion, move first. Quadrupeds move the diagonal pairs of feet in turn.
+
+    Parameters
+    ----------
+    robot : Robot
+        With a floating root.
+    distance : float
+        Displacement along y in two steps [m]; negative to the right.
+    count : int
+        Number of steps, even.
+    **options
+        Of ``rt.gait.steps``.
+
+    Raises
+    ------
+    InputError
+        An odd number of steps, a planar robot, neither two nor four feet; the errors of ``steps``.
+    """
+    way = number(distance, "rt.gait.sidestep(distance)")
+    _check_space(robot, count, "sidestep")
+    groups, home = _groups(robot, options)
+    if len(home) == 2 and (home[groups[0][0]][1] - home[groups[1][0]][1]) * way < 0:
+        groups = groups[::-1]
+    places = [{f: _moved(home[f], 0.0, way * (k // 2 + 1)) for f in groups[k % 2]} for k in range(count)]
+    return steps(robot, places, **options)
+
+
+def turn(robot: Robot, *, angle: float, count: int = 2, **options: Any) -> Problem:
+    """Return a turn on the spot from rest to rest: in each pair of steps, all feet turn by an equal part of ``angle``.
+
+    Parameters
+    ----------
+    robot : Robot
+        With a floating root.
+    angle : float
+        About the vertical axis [rad]; positive to the left.
+    count : int
+        Number of steps, even.
+    **options
+        Of ``rt.gait.steps``.
+
+    Raises
+    ------
+    InputError
+        An odd number of steps, an angle of half a turn or more, a planar robot, neither two nor four feet; the errors
+        of ``steps``.
+    """
+    whole = number(angle, "rt.gait.turn(angle)", "rad")
+    if not abs(whole) < np.pi:
+        raise InputError(
+            f"rt.gait.turn(angle) is {whole:g} rad; give less than half a turn, and plan longer ones in parts."
+        )
+    _check_space(robot, count, "turn")
+    groups, home = _groups(robot, options)
+    centre = np.mean([place[:2] for place in home.values()], axis=0)
+    places = []
+    for k in range(count):
+        yaw = whole * (k // 2 + 1) / (count // 2)
+        c, s = np.cos(yaw), np.sin(yaw)
+        spots = {f: np.array([[c, -s], [s, c]]) @ (home[f][:2] - centre) + centre for f in groups[k % 2]}
+        places.append({f: (float(p[0]), float(p[1]), yaw) for f, p in spots.items()})
+    return steps(robot, places, **options)
+
+
+def _groups(robot: Robot, options: Mapping[str, Any]) -> tuple[list[tuple[str, ...]], dict[str, Array]]:
+    """Return the feet that swing in odd and even steps, and the positions (3,) of all in the standing configuration."""
+    names = feet_of(robot, options.get("feet"))
+    kind = on_ground(options.get("contact", PointContact), options.get("ground", LEVEL))
+    contacts = {name: foot_contact(kind, name).bound_to(robot) for name in names}
+    stance = BalancedStance(robot, tuple(contacts.values()))
+    anchors = stance.locate(standing(stance))
+    home = {n: np.array([anchors.get(f"{contacts[n].name}.{axis}", 0.0) for axis in "xy"]) for n in names}
+    if len(names) == 2:
+        return [(names[1],), (names[0],)], home
+    if len(names) != 4:
+        raise InputError(
+            f"This motion needs two or four feet; {robot.name!r} has {', '.join(names)}. Name them with feet=."
+        )
+    centre = np.mean(list(home.values()), axis=0)
+    diagonal = tuple(n for n in names if np.prod(home[n] - centre) > 0)
+    others = tuple(n for n in names if n not in diagonal)
+    if len(diagonal) != 2:
+        raise InputError(f"The feet {', '.join(names)} of {robot.name!r} are no two diagonal pairs; use rt.gait.steps.")
+    return [diagonal, others], home
+
+
+def _moved(place: Array, x: float, y: float) -> tuple[float, float]:
+    return float(place[0] + x), float(place[1] + y)
+
+
+def _check_space(robot: Robot, count: object, who: str) -> None:
+    if robot.root != "floating":
+        raise InputError(f"rt.gait.{who} moves sideways, but {robot.name!r} has a {robot.root} root; load it floating.")
+    if not isinstance(count, int) or count < 2 or count % 2:
+        raise InputError(f"rt.gait.{who}(count) is {count!r}; give an even number of steps.")
