@@ -24,7 +24,7 @@ import robotraj as rt
 SCHEME = rt.schemes.RadauIIA(3)
 HEAD = "# Adaptive and uniform meshes\n\n`python benchmarks/adaptive.py`, whose docstring defines the columns.\n\n"
 INTERVALS = [21, 27, 35, 45, 57, 73, 93, 117, 147, 187, 235, 295, 371, 465, 583]
-"""Odd numbers, each a quarter more than the last: no knot stands on a switch at half time."""
+"""Odd numbers, each a quarter more than the last: no knot is at a switch at half time."""
 
 
 def block(pull: float) -> Case:
@@ -39,7 +39,7 @@ def block(pull: float) -> Case:
 def hypersensitive() -> Case:
     """Rest for 50 s between two steep ends."""
     (case,) = (case for case in written(TABLE) if case.name == "hypersensitive")
-    # The table knows it to 1e-5; 800 equal intervals with 4 points and 600 with 6 agree in these digits.
+    # The table has it to 1e-5; 800 equal intervals with 4 points and 600 with 6 agree in these digits.
     return Case("hyper-sensitive", case.problem, case.guess, 1.33080690495, 1e-10, "two fine meshes")
 
 
@@ -59,7 +59,7 @@ class Reach:
 
 
 def adaptive(case: Case) -> Reach:
-    """Plan with the tolerance, from a mesh that knows nothing of the answer."""
+    """Plan with the tolerance, from a uniform mesh."""
     solution = rt.plan(case.problem, rt.Mesh(INTERVALS[0], SCHEME), case.guess, tolerance=TOLERANCE, progress=False)
     return Reach(len(solution.phases[0].points), abs(solution.objective / case.exact - 1))
 
@@ -86,7 +86,7 @@ def ratios(console: Console) -> tuple[str, list[float]]:
         found.append(theirs.points / ours.points)
         figures = (str(ours.points), f"{ours.error:.1e}", str(theirs.points), f"{theirs.error:.1e}")
         rows.append((case.name, *figures, f"{found[-1]:.1f}"))
-    return told(console, ("problem", "adaptive: points", "error", "uniform: points", "error", "ratio"), rows), found
+    return rendered(console, ("problem", "adaptive: points", "error", "uniform: points", "error", "ratio"), rows), found
 
 
 def switches(console: Console) -> tuple[str, list[float]]:
@@ -100,10 +100,10 @@ def switches(console: Console) -> tuple[str, list[float]]:
             found.append(max(off))
             shown = ", ".join(f"{time:.6f}" for time in times)
             rows.append((bang.case.name, str(bang.mesh.count), control, shown, f"{max(off):.1e}"))
-    return told(console, ("problem", "intervals", "control", "switches at (s)", "off by (s)"), rows), found
+    return rendered(console, ("problem", "intervals", "control", "switches at (s)", "off by (s)"), rows), found
 
 
-def told(console: Console, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def rendered(console: Console, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Print a table and give it as Markdown."""
     table = Table(*heads)
     for row in rows:

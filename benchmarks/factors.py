@@ -59,8 +59,8 @@ def main() -> None:
         runs.append((mumps, own))
         rows.append(row(task, mumps, own))
         print(rows[-1], flush=True)
-    said = summary(runs)
-    print(said)
+    sentence = summary(runs)
+    print(sentence)
     if names:
         return
     text = [
@@ -68,7 +68,7 @@ def main() -> None:
         "",
         f'`python benchmarks/factors.py`, {datetime.date.today().isoformat()}. `rt.Ipopt(linear_solver="mumps")` and '
         '`"ldl"`, the default: same problems, guesses and meshes as in [solvers.md](solvers.md), processor seconds '
-        f"inside the solver, evaluations by CasADi's virtual machine included. {said}",
+        f"inside the solver, evaluations by CasADi's virtual machine included. {sentence}",
         "",
         "| problem | kind | MUMPS | iterations | processor [s] | ldl | iterations | processor [s] | ratio |",
         "|---|---|---|---|---|---|---|---|---|",

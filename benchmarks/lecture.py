@@ -144,7 +144,7 @@ def table(measured: dict[str, Measured]) -> str:
 
 
 def ratios(methods: dict[str, Measured]) -> str:
-    """Against the lecture's own, and what issue 5 asks for."""
+    """Compare ratios of times with the lecture's and with the requirement."""
     small, middle, large = (methods[run.name].seconds for run in METHODS[:3])
     multiple, single = methods[METHODS[4].name].seconds, methods[METHODS[6].name].seconds
     rows = (
@@ -153,7 +153,7 @@ def ratios(methods: dict[str, Measured]) -> str:
         ("201 points by collocation against multiple shooting at 21", large / multiple, "290", ""),
         ("single against multiple shooting, 21 points", single / multiple, "", ""),
     )
-    lines = ["| seconds of | here | lecture | asked for |", "|---|---|---|---|"]
+    lines = ["| seconds of | here | lecture | required |", "|---|---|---|---|"]
     lines += [f"| {what} | {ratio:.2f} | {theirs} | {goal} |" for what, ratio, theirs, goal in rows]
     return "\n".join(lines) + "\n"
 
@@ -190,17 +190,17 @@ def against_points(adaptive_run: rt.Solution) -> dict[str, list[tuple[int, float
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--results", type=Path, help="write the methods' table between this file's lecture markers")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     methods = measure(METHODS)
     text = (
         f"Minimum time, |u| <= 1, exactly {optimum():.7f} s; `rt.plan` in one process, medians of {RUNS}, processor "
         f"seconds.\nPoints are collocation points, or knots of shooting.\n\n{table(methods)}\n{ratios(methods)}"
     )
     print(text)
-    if asked.results is not None:
+    if options.results is not None:
         begin, end = "<!-- lecture:begin -->", "<!-- lecture:end -->"
-        before, rest = asked.results.read_text().split(begin)
-        asked.results.write_text(f"{before}{begin}\n{text}{end}{rest.split(end)[1]}")
+        before, rest = options.results.read_text().split(begin)
+        options.results.write_text(f"{before}{begin}\n{text}{end}{rest.split(end)[1]}")
         return
     print(f"Adaptive against uniform, -{BRAKE:g} <= u <= 1, exactly {optimum(BRAKE):.7f} s.\n")
     meshes = measure(MESHES)

@@ -16,9 +16,9 @@
     Error of the duration and seconds against points: uniform meshes fall as the square of the length, the adaptive
     one by decades a mesh.
 
-The numbers follow the order in which the lecture's experiment is told (collocation at 51, 101 and 201 points, multiple
-shooting, single shooting, adaptive against uniform mesh). Its text was not at hand: which panel carries which number
-there is not known, and its curves were not compared.
+The numbers follow the order of the lecture's experiment (collocation at 51, 101 and 201 points, multiple
+shooting, single shooting, adaptive against uniform mesh). Its text was not available: the numbers of
+its panels are unknown, and its curves were not compared.
 """
 
 from __future__ import annotations

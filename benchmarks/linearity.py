@@ -94,7 +94,7 @@ def by_ipopt() -> None:
 
 def first_plan(count: int) -> None:
     """Plan task T4 once and print the processor time over its iterations [s]."""
-    # Names are imported when they are first asked for: asked for here, they count among the imports.
+    # Names are imported on first access; this access counts them among the imports.
     _ = rt.Phase, rt.State, rt.Effort, rt.Mesh, rt.InteriorPoint, rt.load, rt.plan
     began = time.process_time()
     solution = rt.plan(arm(), rt.Mesh(count), solver=rt.InteriorPoint(threads=1), check=False, progress=False)
@@ -105,8 +105,8 @@ def in_fresh_processes() -> None:
     seconds = np.full((RUNS, len(ARM)), np.inf)
     for run in range(RUNS):
         for i, count in enumerate(ARM):
-            told = subprocess.run([sys.executable, __file__, str(count)], capture_output=True, text=True, check=True)
-            seconds[run, i] = float(told.stdout)
+            ran = subprocess.run([sys.executable, __file__, str(count)], capture_output=True, text=True, check=True)
+            seconds[run, i] = float(ran.stdout)
     report("ur5, build and solve in a fresh process, over the iterations", ARM, seconds.min(axis=0))
 
 

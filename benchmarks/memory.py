@@ -1,4 +1,4 @@
-"""Peak memory of large plans, each in a process of its own: `python benchmarks/memory.py`.
+"""Peak memory of large plans, each in a fresh process: `python benchmarks/memory.py`.
 
 A ur5 on 2,000 intervals, solved; a whole-body Talos step (32 motors, flat feet) on 100 intervals, ten iterations, after
 which no solver takes more.

@@ -7,10 +7,10 @@ n_h inequalities, n = n_u + n_x (Vanroye et al., FATROP, IROS 2023; a multiplica
     Cholesky n_u^3 / 3,  its two products n_u^2 n_x + n_u n_x^2
 
 and of the point functions: the operations of CasADi's graphs of inverse dynamics, its Jacobian and its Hessian, which
-the native engine's formulas undercut. Both count dense matrices: the recursion leaves zeros out. The rate is that of
-products of matrices of 256 rows by SciPy's BLAS, on one core; ratios by that of 30 rows, a small arm's, stand beside.
-An iteration is in processor time, the least of several solves by a program that is there; inertia corrections,
-refinements and line search are in it.
+the native engine's formulas undercut. Both count dense matrices: the recursion skips zeros. The rate is that of
+products of matrices of 256 rows by SciPy's BLAS, on one core; the last column uses 30 rows, the size of a
+small arm. An iteration is in processor time, the least of several solves of a compiled program; inertia corrections,
+refinements and the line search are included.
 """
 
 from __future__ import annotations

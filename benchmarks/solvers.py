@@ -367,18 +367,18 @@ def main() -> None:
     """Run the problems named on the command line, or all."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", help="problems whose names contain one of these; all by default")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     lines = []
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         for task in tasks():
-            if asked.names and not any(name in task.name for name in asked.names):
+            if options.names and not any(name in task.name for name in options.names):
                 continue
             line = Line(task, {name: run(task, solver) for name, solver in SOLVERS.items()})
             print(cells(line), flush=True)
             lines.append(line)
     print("\n".join(counts(lines)))
-    if not asked.names:
+    if not options.names:
         write(lines, searched())
 
 

@@ -2,7 +2,7 @@
 
     python benchmarks/starts.py
 
-The acrobot's swing-up (T3) has dozens of optima. One fixed seed that finds a good one says little; ten do.
+The acrobot's swing-up (T3) has dozens of optima. One seed is no measure; ten seeds are.
 """
 
 from __future__ import annotations

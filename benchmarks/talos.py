@@ -1,6 +1,6 @@
 """Whole-body Talos, 32 motors and a floating base, walks one step on flat feet: time and memory of its plan.
 
-python benchmarks/talos.py            prints what benchmarks/talos.md quotes; writes talos.html where asked to
+python benchmarks/talos.py            prints the figures of benchmarks/talos.md; writes talos.html on request
 python benchmarks/talos.py --html     a replay of four steps as well
 """
 

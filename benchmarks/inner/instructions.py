@@ -3,8 +3,8 @@
 Processor time on a shared machine is noisy by tens of percent; the number of instructions is not. One process runs all
 pieces under ``valgrind --tool=callgrind`` (Debian package valgrind). Every piece is made and called once, so that
 nothing is left to be cached, and then called again a few times between two marks: callgrind writes its counter down,
-and starts again from zero, whenever the process calls getsid. The empty stretch between two marks is taken off.
-The table goes to ``instructions.md``; how far two runs of a piece lie apart stands in its last column.
+and starts again from zero, whenever the process calls getsid. The count of an empty interval is subtracted.
+The table goes to ``instructions.md``; its last column is the difference between two runs.
 """
 
 from __future__ import annotations

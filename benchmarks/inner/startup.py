@@ -1,8 +1,8 @@
 """Where a fresh process spends its time on task T4: ``python benchmarks/inner/startup.py``.
 
 Processor time [ms] of every stage from the start of the interpreter to the checked solution, medians of several
-processes; Python's bytecode is cached, as it is for users. What ``rt.plan`` tells of itself (``solution.times``, by the
-clock) stands below it, indented. The table goes to ``startup.md``.
+processes; Python's bytecode is cached, as it is for users. The times that ``rt.plan`` reports
+(``solution.times``, wall clock) follow, indented. The table goes to ``startup.md``.
 """
 
 from __future__ import annotations

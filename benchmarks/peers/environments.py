@@ -40,7 +40,7 @@ ENVIRONMENTS: dict[str, Environment] = {
     # Crocoddyl 3.2.1 was built against Pinocchio 4.0.0; pip's own choice of a later one gives wrong numbers silently.
     "crocoddyl": Environment(("crocoddyl==3.2.1", "pin==4.0.0", "example-robot-data-loaders==5.0.0")),
     "dymos": Environment(("dymos==1.15.1", "openmdao==3.45.1", "pin==4.1.0", IPOPT)),
-    # opty asks for cyipopt by that name.
+    # opty requires cyipopt by that name.
     "opty": Environment(("cython", "numpy", "scipy", "setuptools", "sympy", IPOPT), alone=("opty==1.5.0",)),
 }
 MINUTES = 15
@@ -73,13 +73,13 @@ def python_of(name: str | None, cache: Path) -> Path:
 
 
 def main() -> None:
-    """Make what is asked for."""
+    """Make the environments."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", help=f"of {', '.join(ENVIRONMENTS)}; all by default")
     parser.add_argument("--cache", type=Path, default=DEFAULT_CACHE)
-    asked = parser.parse_args()
-    for name in asked.names or ENVIRONMENTS:
-        print(name, python_of(name, asked.cache.resolve()), flush=True)
+    options = parser.parse_args()
+    for name in options.names or ENVIRONMENTS:
+        print(name, python_of(name, options.cache.resolve()), flush=True)
 
 
 if __name__ == "__main__":

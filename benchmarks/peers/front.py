@@ -17,7 +17,7 @@ LEAST_EXCESS = 0.5
 
 
 def tables(results: str) -> dict[str, list[dict[str, str]]]:
-    """Rows of every task's table by its title, each row by the names of its columns; failed runs are left out."""
+    """Rows of every task's table by its title, each row by the names of its columns; without failed runs."""
     found: dict[str, list[dict[str, str]]] = {}
     for title, body in re.findall(r"^### (T\d .*?)\n\n((?:\|.*\n)+)", results, re.MULTILINE):
         head, _, *lines = ([cell.strip() for cell in line.strip("|").split("|")] for line in body.splitlines())
@@ -44,7 +44,7 @@ def front(results: str) -> str:
 
 
 def main() -> None:
-    """Replace what stands between README's markers."""
+    """Replace the text between README's markers."""
     before, rest = README.read_text().split("<!-- peers:begin -->")
     after = rest.split("<!-- peers:end -->")[1]
     README.write_text(f"{before}<!-- peers:begin -->\n{front(RESULTS.read_text())}<!-- peers:end -->{after}")

@@ -63,7 +63,7 @@ GOALS = (
 
 
 def quickest(record: Mapping[str, Any], task: str, names: tuple[str, ...], figure: str) -> tuple[float, str]:
-    """Least median, and whose; infinite where nobody has one."""
+    """Return the least median and its tool; infinite where no tool has one."""
     found = [(value, name) for name in names if (value := of(record, task, name, figure)) == value]
     return min(found, default=(float("inf"), ""))
 

@@ -34,11 +34,11 @@ SWEEP = tuple(f"T4@{n}" for n in (25, 100, 200, 400))
 OTHERS = {"T6": "benchmarks/peers/legs/run.py", "lecture": "benchmarks/lecture.py"}
 """Comparisons with a script of their own."""
 LIMIT = 300.0
-"""Seconds after which a process is stopped; solvers are told to stop after 120 on the processor."""
+"""Seconds after which a process is stopped; solvers stop after 120 processor seconds."""
 
 
 def run_once(key: str, name: str, python: Path, cache: Path) -> dict[str, Any]:
-    """Run one script in a fresh process and judge what it hands back."""
+    """Run one script in a fresh process and judge its result."""
     tool, task = TOOLS[name], task_of(key)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "plan.npz"
@@ -72,9 +72,9 @@ def run_once(key: str, name: str, python: Path, cache: Path) -> dict[str, Any]:
     return figures | judge(task, cache / "urdf" / f"{task.urdf}.urdf", samples)
 
 
-def compare(key: str, pythons: dict[str, Path], asked: argparse.Namespace, cache: Path) -> dict[str, list[Any]]:
+def compare(key: str, pythons: dict[str, Path], options: argparse.Namespace, cache: Path) -> dict[str, list[Any]]:
     """All runs of one task, tools in turn."""
-    runs: dict[str, list[dict[str, Any]]] = {name: [] for name in asked.tools}
+    runs: dict[str, list[dict[str, Any]]] = {name: [] for name in options.tools}
     name_of_task, intervals = key.partition("@")[0], task_of(key).intervals
     for name, known in runs.items():
         tool = TOOLS[name]
@@ -88,10 +88,10 @@ def compare(key: str, pythons: dict[str, Path], asked: argparse.Namespace, cache
             filled = run_once(key, name, pythons[name], cache)
             if "failed" in filled:
                 known.append(filled)
-    for turn in range(asked.repeats):
+    for turn in range(options.repeats):
         for name, known in runs.items():
-            ended = known and ("failed" in known[0] or known[0]["total"] > asked.once)
-            if ended or (TOOLS[name].slow and turn >= asked.slow_repeats):
+            ended = known and ("failed" in known[0] or known[0]["total"] > options.once)
+            if ended or (TOOLS[name].slow and turn >= options.slow_repeats):
                 continue
             known.append(run_once(key, name, pythons[name], cache))
             shown = {k: round(v, 4) if isinstance(v, float) else v for k, v in known[-1].items()}
@@ -99,11 +99,11 @@ def compare(key: str, pythons: dict[str, Path], asked: argparse.Namespace, cache
     return runs
 
 
-def run_other(name: str, asked: argparse.Namespace) -> None:
-    """Run a comparison that has a script of its own."""
-    more = ["--results", str(asked.results)] if asked.results else []
+def run_other(name: str, options: argparse.Namespace) -> None:
+    """Run a comparison that is a separate script."""
+    more = ["--results", str(options.results)] if options.results else []
     if name == "T6":
-        more += ["--repeats", str(asked.repeats), "--cache", str(asked.cache), "--once", str(asked.once)]
+        more += ["--repeats", str(options.repeats), "--cache", str(options.cache), "--once", str(options.once)]
     variables = {**os.environ, "PYTHONPATH": str(ROOT)}
     subprocess.run([sys.executable, str(ROOT / OTHERS[name]), *more], check=True, env=variables)
 
@@ -120,13 +120,13 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("results.json"), help="record; added to where it exists")
     parser.add_argument("--commit", help="of what is measured; the checkout's by default")
     parser.add_argument("--results", type=Path, help="write all tables between this file's markers, plots beside it")
-    asked = parser.parse_args()
-    cache = asked.cache.resolve()
-    tasks = [key for key in asked.tasks if key not in OTHERS]
+    options = parser.parse_args()
+    cache = options.cache.resolve()
+    tasks = [key for key in options.tasks if key not in OTHERS]
     for key in tasks:
         urdf.write(task_of(key).urdf, cache / "urdf")
     pythons: dict[str, Path] = {}
-    for name in asked.tools if tasks else []:
+    for name in options.tools if tasks else []:
         try:
             pythons[name] = python_of(TOOLS[name].environment, cache)
         except RuntimeError as error:
@@ -135,24 +135,24 @@ def main() -> None:
     subprocess.run([sys.executable, "-m", "compileall", "-q", str(ROOT / "robotraj"), str(HERE)], check=True)
     record = {
         "date": datetime.date.today().isoformat(),
-        "commit": asked.commit or table.commit(ROOT),
-        "repeats": asked.repeats,
-        "slow repeats": asked.slow_repeats,
-        "once": asked.once,
+        "commit": options.commit or table.commit(ROOT),
+        "repeats": options.repeats,
+        "slow repeats": options.slow_repeats,
+        "once": options.once,
         "environments": {name: each.text for name, each in ENVIRONMENTS.items()},
         "versions": table.versions(pythons),
         "results": {},
     }
-    if asked.out.exists():
-        record["results"] = json.loads(asked.out.read_text())["results"]
+    if options.out.exists():
+        record["results"] = json.loads(options.out.read_text())["results"]
     for key in tasks:
-        record["results"][key] = record["results"].get(key, {}) | compare(key, pythons, asked, cache)
-        asked.out.write_text(json.dumps(record, indent=1))
-        if asked.results:
-            table.write_all(record, asked.results)
+        record["results"][key] = record["results"].get(key, {}) | compare(key, pythons, options, cache)
+        options.out.write_text(json.dumps(record, indent=1))
+        if options.results:
+            table.write_all(record, options.results)
     for name in OTHERS:
-        if name in asked.tasks:
-            run_other(name, asked)
+        if name in options.tasks:
+            run_other(name, options)
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ def commit(root: Path) -> str:
 
 
 def versions(pythons: Mapping[str, Path]) -> dict[str, str]:
-    """Versions of the packages that are measured, asked of each interpreter."""
+    """Return the versions of the measured packages in each interpreter."""
     code = (
         "import importlib.metadata as m\n"
         f"for name in {PACKAGES!r}:\n"
@@ -86,7 +86,7 @@ def full(record: Mapping[str, Any]) -> str:
             lines.append(
                 head + f"| {' | '.join(times)} | {seconds(median(runs, 'again solve cpu'))} "
                 f"| {seconds(median(runs, 'moved cpu'))} "
-                f"| {'not told' if iterations < 0 else round(iterations)} | {median(runs, 'objective'):.7g} "
+                f"| {'not reported' if iterations < 0 else round(iterations)} | {median(runs, 'objective'):.7g} "
                 f"| {over(runs)} | {median(runs, 'goal'):.1g} | {median(runs, 'drift'):.1g} "
                 f"| {median(runs, 'memory'):.0f} | {len(good(runs))} |"
             )
@@ -119,7 +119,7 @@ def growth(record: Mapping[str, Any]) -> list[str]:
 
 
 def between_markers(path: Path, text: str, name: str) -> None:
-    """Replace what stands between a file's markers of that name."""
+    """Replace the text between a file's markers of that name."""
     begin, end = f"<!-- {name}:begin -->", f"<!-- {name}:end -->"
     before, rest = path.read_text().split(begin)
     path.write_text(f"{before}{begin}\n{text}{end}{rest.split(end)[1]}")

@@ -25,9 +25,9 @@ class Tool:
     slow : bool
         Repeated less often.
     cannot : mapping of str to str
-        Tasks that it cannot express or that nobody wrote down for it, and why.
+        Tasks that it cannot express or that are not written for it, with the reason.
     largest : int
-        Most intervals it is asked for; more take minutes.
+        Largest number of intervals; larger meshes take minutes.
     """
 
     title: str

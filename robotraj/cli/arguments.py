@@ -35,11 +35,11 @@ def rest_to_rest(
 
 
 def limits_of(robot: Robot, own: bool, velocity: float | None, effort: float | None) -> Limits | None:
-    """Give the robot's limits, with one speed or torque for all joints where it is given; or none at all."""
+    """Return the robot's limits, with one speed or torque for all joints where it is given; or None."""
     if own:
         return robot.limits.with_(velocity=velocity, effort=effort)
     if velocity is not None or effort is not None:
-        raise InputError("--no-limits takes all limits away; leave out --velocity and --effort with it.")
+        raise InputError("--no-limits removes all limits: give it without --velocity and --effort.")
     return None
 
 
@@ -74,5 +74,5 @@ def _number(text: str, option: str) -> float:
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
-        raise InputError(f"{option} holds {text!r}, which is no number.")
+        raise InputError(f"{option} has {text!r}, which is no number; give a number such as 1.57.")
     return value

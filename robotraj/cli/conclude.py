@@ -81,5 +81,5 @@ def described(solution: Solution, report: Report | None, written: list[Path]) ->
 
 
 def number(value: float | None) -> float | None:
-    """Give a finite number, else None, which JSON writes as null."""
+    """Return a finite number, else None, which JSON writes as null."""
     return float(value) if value is not None and math.isfinite(value) else None

@@ -27,7 +27,7 @@ EXIT_CODES = "Exit codes: 0 done, 1 other errors, 2 bad input, 3 not solved, 4 s
 
 
 def code_of(error: RobotrajError | OSError) -> ExitCode:
-    """Give the exit code of an error."""
+    """Return the exit code of an error."""
     if isinstance(error, NoSolutionFound):
         return ExitCode.NOT_SOLVED
     if isinstance(error, ValidationFailed):

@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class Minimise(str, Enum):
-    """The objectives that ``robotraj plan`` knows by name."""
+    """The objectives of ``robotraj plan``."""
 
     effort = "effort"
     duration = "duration"

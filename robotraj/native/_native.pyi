@@ -1,4 +1,4 @@
-"""The compiled module. Arrays of many points are flat, point after point: element i of point e stands at e n + i."""
+"""The compiled module. Arrays of many points are flat, point after point: element i of point e has index e n + i."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, overload
@@ -124,7 +124,7 @@ class LinearPart:
     def pattern(self) -> Pattern:
         """Rows and columns of the nonzeros of A."""
     def at(self, constants: Array, count: int) -> Array:
-        """Give the nonzeros of A, then b, at each of ``count`` points c."""
+        """Return the nonzeros of A, then b, at each of ``count`` points c."""
 
 class StageGraph:
     """A stage function y = psi(v, c, r), where r = RNEA(x) with x = chi(v, c), and its derivatives by CasADi.
@@ -145,7 +145,7 @@ class StageGraph:
     Raises
     ------
     NotATape
-        Where tapes are asked for and the function calls others.
+        A tape is requested and the function calls other functions.
     """
 
     def __init__(self, v: int, c: int, r: int, y: int, x: int) -> None: ...
@@ -164,15 +164,15 @@ class StageGraph:
     def slopes(self, output: int | None = None) -> tuple[Tape, Pattern, Pattern]:
         """Nonzeros of dy/dv, then of dy/dr, of all outputs or of one."""
     def gradient(self, which: int) -> Tape:
-        """Give d y_i/dv as a dense column, for stages without torques."""
+        """Return d y_i/dv as a dense column, for stages without torques."""
     def curvature(self) -> tuple[Tape, Pattern, Pattern, Pattern]:
         """With l = d(m' y)/dr: l, then nonzeros of the lower triangle of d^2(m' y)/dv^2, dl/dv and dl/dr."""
     def places(self) -> Indices | None:
-        """Where in v every entry of x stands, -1 for zeros; None where one is something else."""
+        """Return the index in v of every entry of x, -1 for zeros; None where one is another expression."""
     def chain(self) -> tuple[Tape, Tape, Pattern, Pattern]:
-        """Give (v, c) -> x, dx/dv, and (v, c, g) -> lower triangle of sum_i g_i d^2 x_i/dv^2; then their patterns."""
+        """Return (v, c) -> x, dx/dv, and (v, c, g) -> lower triangle of sum_i g_i d^2 x_i/dv^2; then their patterns."""
     def curved(self) -> Indices:
-        """Give the outputs that are not affine in v, the torques being functions of v."""
+        """Return the outputs that are not affine in v, where torques are functions of v."""
     def constant_slopes(self) -> Array:
         """dy/dv, column after column: numbers where it is constant, NaN where it is not."""
     def linear(self, outputs: Indices) -> LinearPart: ...
@@ -184,7 +184,7 @@ class Torques:
     ----------
     robot : RigidTree
     places : ndarray of int
-        Where in v every entry of x stands, -1 where it is zero. Or else
+        The index in v of every entry of x, -1 where it is zero. Or else
     arguments, curvature : Tape
         (v, c) -> x, then the nonzeros of dx/dv, and (v, c, g) -> nonzeros of sum_i g_i d^2 x_i/dv^2.
     """
@@ -195,16 +195,16 @@ class Torques:
     def __init__(self, robot: RigidTree, arguments: Tape, curvature: Tape) -> None: ...
 
 class Call:
-    """A tape that many blocks have in common, with what it is given of one.
+    """A tape that several blocks share, with the indices of its arguments in one of them.
 
     Parameters
     ----------
     tape : Tape
         u -> numbers or, called by a recipe of the Hessian, (u, l) -> numbers.
     inputs : ndarray of int
-        Where in (v, c) every entry of u stands.
+        The index in (v, c) of every entry of u.
     multipliers : ndarray of int
-        Where in m every entry of l stands; empty but for the Hessian.
+        The index in m of every entry of l; empty except for the Hessian.
     """
 
     def __init__(self, tape: Tape, inputs: Indices, multipliers: Indices) -> None: ...
@@ -225,7 +225,7 @@ class Recipe:
     result, results : int
         The piece of the buffer that is the result.
     calls : list of Call
-        What they give stands one after the other in the buffer.
+        Their results follow each other in the buffer.
     """
 
     def __init__(
@@ -308,7 +308,7 @@ class Csr:
     """A sparse matrix in compressed rows, never changed; ``starts`` and ``indices`` of 32 or 64 bits.
 
     ``summed`` adds up entries (row[i], column[i]); it and products have ascending columns in every row. ``pruned``
-    leaves out entries that are exactly zero. ``resolved`` gives X of X = E + C X, the square matrix being C and row i
+    drops entries that are exactly zero. ``resolved`` gives X of X = E + C X, the square matrix being C and row i
     of E the unit vector ``variable[i]``, or zero where that is negative.
     """
 
@@ -367,9 +367,9 @@ class Combination:
         processor: str = "",
     ) -> None: ...
     def apply(self, x: Array, base: Array, threads: int = 1) -> Array:
-        """Give y = base + A x; with places, what they leave out of base stays."""
+        """Return y = base + A x; entries of base outside the places are unchanged."""
     def apply_kept(self, x: Array, size: int, threads: int = 1) -> Array:
-        """Give the ``size`` numbers y = kept_base + A x."""
+        """Return the ``size`` numbers y = kept_base + A x."""
     @property
     def entries(self) -> int: ...
 
@@ -486,7 +486,7 @@ class Outcome:
         Multipliers of the bounds, not negative; lam of the inequality rows is upper_duals - lower_duals.
     status : str
         "solved", "acceptable", "iteration limit", "infeasible", "line search failed", "step failed", "time limit",
-        "interrupted" (Ctrl-C), "stopped" (by the callback) or "failed" (then ``message`` says what was thrown).
+        "interrupted" (Ctrl-C), "stopped" (by the callback) or "failed" (then ``message`` is that of the exception).
     iterations : int
     objective, violation : float
         At y; the largest violated row, bounds of inequality rows included.
@@ -545,7 +545,7 @@ class SymmetricFactors:
 
     def __init__(self, starts: Indices, rows: Indices, processor: str = "") -> None: ...
     def factorise(self, values: Array, threshold: float = 1e-8, small: float = 1e-20) -> tuple[int, int, int]:
-        """Give the numbers of negative and of zero pivots, and how often one was delayed."""
+        """Return the numbers of negative and of zero pivots, and of delayed pivots."""
     def solve(self, b: Array) -> Array: ...
     @property
     def entries(self) -> int: ...
@@ -671,7 +671,7 @@ class Program:
     cost : ndarray (columns,)
     cost_offset : float
     jacobian_rows, jacobian_columns : ndarray of int
-        Entries of the Jacobian, in any order, each once; a dynamics row's -1 may be left out.
+        Entries of the Jacobian, in any order, each once; a dynamics row's -1 is optional.
     jacobian_constants : ndarray
         Their constant parts, those of ``linear`` included.
     hessian_rows, hessian_columns : ndarray of int

@@ -1,6 +1,6 @@
 """The algorithms of rigid bodies as CasADi functions, for any ``pinocchio.Model``.
 
-It stands by itself: whoever wants ``pinocchio.casadi`` from wheels can use only this.
+It replaces ``pinocchio.casadi``, which the wheels of Pinocchio lack, and can be used without the rest of robotraj.
 Start with ``model.py``. The room may import ``_util``.
 
 >>> import pinocchio, robotraj.symbolic

@@ -22,7 +22,7 @@ _Numbers = npt.NDArray[np.float64]
 
 
 class _Part(NamedTuple):
-    """A joint that the compiled module knows.
+    """A joint of a kind that the compiled module has.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ def main() -> None:
         gait = SimpleBipedGaitProblem(model, walk.feet[1], walk.feet[0])
         create = gait.createWalkingProblem
     problem = create(x0, walk.length, walk.height, walk.dt, walk.swing, walk.support)
-    # Its wheel takes two threads whatever OMP_NUM_THREADS says, and where cores are busy they spin.
+    # Its wheel uses two threads regardless of OMP_NUM_THREADS, which spin while cores are busy.
     problem.nthreads = 1
     solver = crocoddyl.SolverFDDP(problem)
     xs, us = [x0] * (problem.T + 1), problem.quasiStatic([x0] * problem.T)

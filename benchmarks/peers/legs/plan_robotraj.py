@@ -33,7 +33,7 @@ POSTURES = {
 class Swing(rt.constraints.RequiredHeight):
     """The parabola of a swing foot between two places, a tenth of a millimetre lower than ``rt.constraints.SwingApex``.
 
-    At both ends the phases before and after say as well that the foot is on the ground.
+    At both ends the phases before and after also require that the foot is on the ground.
     """
 
     apex: float
@@ -51,16 +51,16 @@ def periodic(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
     swings = [entry for entry in walk.swings if entry is not None]
     swinging = len(swings) // 2 * walk.swing * walk.dt
     one = walk.support * walk.dt + swinging
-    asked = {"step_length": 0.5 * walk.length, "duration": one, "clearance": walk.height, "feet": list(walk.feet)}
-    asked["objective"] = objective_of(walk, robot)
-    asked["contact"] = lambda foot: foot_of(walk, foot)
+    given = {"step_length": 0.5 * walk.length, "duration": one, "clearance": walk.height, "feet": list(walk.feet)}
+    given["objective"] = objective_of(walk, robot)
+    given["contact"] = lambda foot: foot_of(walk, foot)
     everyone = walk.support * walk.dt / one
     if walk.sole is not None:
-        problem = rt.gait.walk(robot, double_support=everyone, **asked)
+        problem = rt.gait.walk(robot, double_support=everyone, **given)
     elif len(swings[0][0]) == 1:
-        problem = rt.gait.crawl(robot, full_support=everyone, **asked)
+        problem = rt.gait.crawl(robot, full_support=everyone, **given)
     else:
-        problem = rt.gait.trot(robot, **asked)
+        problem = rt.gait.trot(robot, **given)
     stance, swing = INTERVALS[walk.robot]
     return problem, [rt.Mesh(stance if len(p.contacts) == len(walk.feet) else swing) for p in problem.phases]
 
@@ -115,7 +115,7 @@ def from_rest(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
                 objective=objective,
                 constraints=rows,
                 contacts=[foot_of(walk, foot) for foot in stands],
-                # Feet that came down stand where they were asked to; the others stand where they stood.
+                # Feet that touched down are at their prescribed footholds; the others have not moved.
                 parameters={
                     f"{foot}.{axis}": float(places[foot][k])
                     for foot in (plan[i - 1][0] if i else ())
@@ -172,7 +172,7 @@ ENGINES = {
 
 
 def value(name: str, **settings: Any) -> Any:
-    """Make what robotraj calls so, or say that it has no such thing."""
+    """Make an object of robotraj by name; exit where the name does not exist."""
     try:
         return getattr(rt, name)(**settings)
     except AttributeError as error:
@@ -180,7 +180,7 @@ def value(name: str, **settings: Any) -> Any:
 
 
 def clocked(solver: rt.Ipopt) -> rt.Ipopt:
-    """Have a solver's processor seconds noted, which a busy machine does not stretch."""
+    """Record a solver's processor seconds, which do not depend on the machine's load."""
 
     class Clocked(type(solver)):  # type: ignore[misc]
         def solve(self, nlp: rt.transcription.Nlp, *given: Any, **named: Any) -> Any:

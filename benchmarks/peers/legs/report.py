@@ -33,7 +33,7 @@ def _excess(unit: str) -> Callable[[float], str]:
     return lambda value: "hold" if value < 1e-6 else f"broken by {value:.2g} {unit}"
 
 
-# Row of the table: (what it says, figure, how it is written).
+# Row of the table: (label, figure, format).
 ROWS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
     ("solve, processor [s]", "worked", _number),
     ("solve, clock [s]", "solve", _number),

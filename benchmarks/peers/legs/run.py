@@ -39,7 +39,7 @@ TOOLS: dict[str, tuple[str, str | None, tuple[str, ...]]] = {
 
 
 def run_once(walk: str, tool: str, python: Path, limit: float) -> dict[str, Any]:
-    """Run one script in a fresh process and judge what it hands back."""
+    """Run one script in a fresh process and judge its result."""
     script, _, words = TOOLS[tool]
     variables = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": f"{HERE.parents[2]}:{HERE}"}
     variables.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -71,24 +71,24 @@ def main() -> None:
     parser.add_argument("--limit", type=float, default=900.0, help="what takes longer than this [s] is stopped")
     parser.add_argument("--out", type=Path, default=Path("legs.json"))
     parser.add_argument("--results", type=Path, help="write the full tables between this file's walks markers")
-    asked = parser.parse_args()
-    pythons = {tool: python_of(TOOLS[tool][1], asked.cache.resolve()) for tool in asked.tools}
+    options = parser.parse_args()
+    pythons = {tool: python_of(TOOLS[tool][1], options.cache.resolve()) for tool in options.tools}
     subprocess.run([sys.executable, "-m", "compileall", "-q", str(HERE.parents[2] / "robotraj"), str(HERE)], check=True)
     results: dict[str, dict[str, list[dict[str, Any]]]] = {}
-    record: dict[str, Any] = {"date": datetime.date.today().isoformat(), "repeats": asked.repeats, "results": results}
-    for walk in asked.walks:
-        runs = results[walk] = {tool: [] for tool in asked.tools}
-        for _ in range(asked.repeats):
+    record: dict[str, Any] = {"date": datetime.date.today().isoformat(), "repeats": options.repeats, "results": results}
+    for walk in options.walks:
+        runs = results[walk] = {tool: [] for tool in options.tools}
+        for _ in range(options.repeats):
             for tool, python in pythons.items():
-                if runs[tool] and ("failed" in runs[tool][0] or runs[tool][0]["total"] > asked.once):
+                if runs[tool] and ("failed" in runs[tool][0] or runs[tool][0]["total"] > options.once):
                     continue
-                runs[tool].append(run_once(walk, tool, python, asked.limit))
+                runs[tool].append(run_once(walk, tool, python, options.limit))
                 shown = {k: round(v, 6) if isinstance(v, float) else v for k, v in runs[tool][-1].items()}
                 print(walk, tool, shown, flush=True)
-                asked.out.write_text(json.dumps(record, indent=1))
-                asked.out.with_suffix(".md").write_text(full(record))
-    if asked.results is not None:
-        between_markers(asked.results, full(record), "walks")
+                options.out.write_text(json.dumps(record, indent=1))
+                options.out.with_suffix(".md").write_text(full(record))
+    if options.results is not None:
+        between_markers(options.results, full(record), "walks")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import crocoddyl
 import numpy as np
 import pinocchio as pin
-from report import SAMPLES, Clock, Report, asked, inside, urdf
+from report import SAMPLES, Clock, Report, inside, requested_task, urdf
 from tasks import Task
 
 GOAL, BARRIER = 1e6, 1e5
@@ -14,7 +14,7 @@ ITERATIONS = 500
 
 
 class Motors(crocoddyl.ActuationModelAbstract):
-    """Torques of the joints that have a motor; Crocoddyl brings no such model for a fixed base."""
+    """Torques of the joints that have a motor; Crocoddyl has no such model for a fixed base."""
 
     def __init__(self, state: crocoddyl.StateMultibody, motors: tuple[int, ...]) -> None:
         super().__init__(state, len(motors))
@@ -61,7 +61,7 @@ def solve(task: Task) -> None:
         action.u_lb, action.u_ub = -np.array(task.effort), np.array(task.effort)
         actions.append(action)
     problem = crocoddyl.ShootingProblem(start, [actions[0]] * n, actions[1])
-    # Its wheel takes two threads whatever OMP_NUM_THREADS says, and where cores are busy they spin.
+    # Its wheel uses two threads regardless of OMP_NUM_THREADS, which spin while cores are busy.
     problem.nthreads = 1
     solver = crocoddyl.SolverBoxFDDP(problem)
     solver.th_stop = 1e-7
@@ -96,4 +96,4 @@ def solve(task: Task) -> None:
 
 
 if __name__ == "__main__":
-    solve(asked())
+    solve(requested_task())

@@ -13,7 +13,7 @@ from pydrake.solvers import IpoptSolver, SnoptSolver, SolverOptions
 from pydrake.systems.framework import InputPortSelection
 from pydrake.systems.primitives import LinearSystem
 from pydrake.trajectories import PiecewisePolynomial
-from report import Clock, Report, asked, inside, urdf
+from report import Clock, Report, inside, requested_task, urdf
 from tasks import Task
 
 SECONDS = 120.0
@@ -84,4 +84,4 @@ def solve(task: Task) -> None:
 
 
 if __name__ == "__main__":
-    solve(asked())
+    solve(requested_task())

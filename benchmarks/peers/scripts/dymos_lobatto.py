@@ -9,7 +9,7 @@ import numpy as np
 import openmdao.api as om
 import pinocchio as pin
 from ipopt_driver import IpoptDriver
-from report import Report, asked, inside, urdf
+from report import Report, inside, requested_task, urdf
 from tasks import Task
 
 
@@ -17,7 +17,7 @@ class Motion(om.ExplicitComponent):
     """Accelerations and effort at all nodes."""
 
     def initialize(self) -> None:
-        """Declare what Dymos hands over."""
+        """Declare the inputs and outputs."""
         self.options.declare("num_nodes", types=int)
         self.options.declare("task")
 
@@ -134,4 +134,4 @@ def solve(task: Task) -> None:
 
 
 if __name__ == "__main__":
-    solve(asked())
+    solve(requested_task())

@@ -13,7 +13,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from report import Report, asked, inside, urdf
+from report import Report, inside, requested_task, urdf
 from rnea import rnea
 from scipy.sparse import coo_array, csc_array, hstack, kron, vstack
 from tasks import Task
@@ -201,4 +201,4 @@ def interpolate(report: Report, task: Task, total: float, *parts: np.ndarray) ->
 
 
 if __name__ == "__main__":
-    solve(asked())
+    solve(requested_task())

@@ -1,4 +1,4 @@
-"""IPOPT for OpenMDAO by way of cyipopt: pyOptSparse, which usually brings it, has no wheels."""
+"""IPOPT for OpenMDAO by way of cyipopt: pyOptSparse, the usual interface, has no wheels."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from report import Clock
 
 
 class IpoptDriver(Driver):
-    """Runs the model at what IPOPT asks for; sparse Jacobian by OpenMDAO's total coloring.
+    """Evaluates the model at IPOPT's iterates; sparse Jacobian by OpenMDAO's total coloring.
 
     Attributes
     ----------
     clock : Clock
         Around IPOPT.
     status, message, iterations
-        As IPOPT tells them.
+        As reported by IPOPT.
     """
 
     def __init__(self, **options: Any) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 from equations import rates_of
-from report import Report, asked, inside
+from report import Report, inside, requested_task
 from tasks import Task
 
 
@@ -72,4 +72,4 @@ def solve(task: Task) -> None:
 
 
 if __name__ == "__main__":
-    solve(asked())
+    solve(requested_task())

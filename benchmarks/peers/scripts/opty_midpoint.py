@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import sympy as sm
 from opty import Problem, create_objective_function
-from report import SAMPLES, Clock, Report, asked, inside
+from report import SAMPLES, Clock, Report, inside, requested_task
 from tasks import Task
 
 t, h = sm.symbols("t, h", real=True)
@@ -87,4 +87,4 @@ def solve(task: Task) -> None:
 
 
 if __name__ == "__main__":
-    solve(asked())
+    solve(requested_task())

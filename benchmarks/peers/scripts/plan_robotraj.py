@@ -1,7 +1,7 @@
 """A task with robotraj: PEERS_SOLVER, PEERS_ENGINE and PEERS_INTERVAL_LIMITS name values that rt.plan is given.
 
 PEERS_STARTS is a number of starts of rt.multistart, all in this process; 1 by default, rt.plan itself.
-PEERS_MESH=Chebyshev asks for a mesh that suits the minimum time of an arm.
+PEERS_MESH=Chebyshev selects a mesh for the minimum time of an arm.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
-from report import Clock, Report, asked, inside, urdf
+from report import Clock, Report, inside, requested_task, urdf
 from tasks import Task
 
 import robotraj as rt
@@ -28,15 +28,15 @@ USED = (
     rt.load,
     rt.plan,
 )
-"""Names are imported when they are first asked for: asked for here, they count among the imports."""
+"""Names are imported on first access; this access counts them among the imports."""
 
 
 AWAY = -0.05
 """How far every joint of another goal is [rad, m]."""
 SETTINGS: dict[str, dict[str, Any]] = {"InteriorPoint": {"threads": 1}, "BernsteinBounds": {"controls": True}}
-"""One thread, as all the others have; limits of torques held everywhere, as those of speeds."""
+"""One thread, as for all other tools; limits of torques are bounded on whole intervals, like those of speeds."""
 SEED = 0
-"""Of the starts; benchmarks/starts.py tells what others find."""
+"""Seed of the starts; benchmarks/starts.py has the results of others."""
 
 
 def value(name: str) -> Any:
@@ -113,7 +113,7 @@ def solve(task: Task, settings: dict[str, Any]) -> None:
     with Clock() as first:
         problem = rt.Problem([phase_of(task)])
         solution = plan(problem, rt.guess.StraightLine(task.guess))
-    # Its own clock tells seconds on the wall; the plan's share of the processor tells how many were its own.
+    # The solver reports wall-clock seconds; the plan's ratio of processor to wall-clock time converts them.
     solving = solution.times["solve"]
     spent = solving * first.processor / first.wall
     report = Report((solving, spent), solution.iterations, solution.success, solution.status.value)
@@ -133,14 +133,14 @@ def solve(task: Task, settings: dict[str, Any]) -> None:
 
 
 def main() -> None:
-    """Read what is asked for."""
+    """Read the environment and solve."""
     named = {what: os.environ.get(f"PEERS_{what.upper()}") for what in ("solver", "engine", "interval_limits")}
     settings = {what: value(name) for what, name in named.items() if name}
     starts = int(os.environ.get("PEERS_STARTS", "1"))
     if starts > 1:
-        solve_from_many(asked(), starts, settings)
+        solve_from_many(requested_task(), starts, settings)
     else:
-        solve(asked(), settings)
+        solve(requested_task(), settings)
 
 
 if __name__ == "__main__":

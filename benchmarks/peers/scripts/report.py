@@ -1,4 +1,4 @@
-"""What every script hands back: figures of the solve, and its own interpolant sampled densely."""
+"""The result of every script: figures of the solve, and samples of the tool's own interpolant."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ SAMPLES = 21
 _BEGAN: list[tuple[float, float]] = []
 
 
-def asked() -> Task:
-    """Give the task that PEERS_TASK names; called after all imports, it starts the clock."""
+def requested_task() -> Task:
+    """Return the task named by PEERS_TASK and start the clock; called after all imports."""
     _BEGAN.append((time.time(), processor()))
     return task_of(os.environ["PEERS_TASK"])
 
@@ -70,7 +70,7 @@ class Report:
     solve : (float, float)
         Wall and processor seconds inside the solver.
     iterations : int
-        Less than 0 where a tool does not tell.
+        Less than 0 where a tool does not report it.
     """
 
     def __init__(self, solve: tuple[float, float], iterations: int, success: bool, message: str = "") -> None:

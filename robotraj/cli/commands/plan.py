@@ -55,11 +55,11 @@ def plan_motion(
     plot: PlotOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Plan a motion from rest to rest between two configurations, prove it and write what was asked for.
+    """Plan a motion from rest to rest between two configurations, prove it and write the requested files.
 
     Example: robotraj plan ur5 --to 1,-1,1,0,0,0 --duration 0.5:3 --objective duration --html ur5.html
 
-    A plan that is not solved is written all the same, so that its last iterate can be looked at.
+    A plan that is not solved is also written, so that its last iterate can be inspected.
 
     Problems of your own are Python scripts: write one with rt.Phase and rt.plan, and run it with python.
     """

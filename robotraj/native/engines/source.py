@@ -191,7 +191,7 @@ def _parameters(function: ca.Function) -> str:
 
 
 def _entry(function: ca.Function, points: int, parts: int, slots: int) -> str:
-    """Write the exported function, with what ``casadi.external`` asks of it."""
+    """Write the exported function and the entries that ``casadi.external`` requires."""
     name = function.name()
     ins = [("x", "in", i, function.numel_in(i)) for i in range(function.n_in())]
     outs = [("y", "out", i, function.numel_out(i)) for i in range(function.n_out())]

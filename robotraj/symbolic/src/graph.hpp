@@ -1,4 +1,4 @@
-// The common ground of all algorithms: a model on casadi::SX, and the making of a Function.
+// What all algorithms share: a model on casadi::SX, and the construction of a Function.
 #pragma once
 
 #include "tree.hpp"
@@ -35,18 +35,18 @@ struct SymbolicModel {
   bool parametric;
   SX inertias;
   SX translations;
-  /// The motion of all joints, made for the first frame that asks (frames.cpp).
+  /// The motion of all joints, built for the first frame (frames.cpp).
   mutable std::shared_ptr<const Moving> moving;
 };
 
-/// One function being built: its inputs are symbols in the order asked for, its outputs any expressions of them.
+/// One function being built: its inputs are symbols in the order of the calls, its outputs expressions of them.
 class Graph {
  public:
   explicit Graph(const SymbolicModel& symbolic) : symbolic_(symbolic) {}
 
   Vector input(const std::string& name, Eigen::Index rows);
   Matrix input(const std::string& name, Eigen::Index rows, Eigen::Index columns);
-  /// Symbols that stand in expressions made before.
+  /// Symbols of expressions that exist already.
   void input(const std::string& name, const SX& symbols);
 
   template <typename Derived>

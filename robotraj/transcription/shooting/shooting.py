@@ -182,7 +182,7 @@ class _Interval:
     def __init__(self, phase: Phase, layout: PhaseLayout) -> None:
         scheme = layout.intervals[0].scheme
         assert isinstance(scheme, OneStep)
-        self._phase, self._scheme = phase, scheme
+        self._phase = phase
         self.nx = len(phase.dae.states)
         self.inner = _inner_states(scheme)
         path_at: list[float] = []
