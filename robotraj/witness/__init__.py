@@ -1,7 +1,7 @@
-"""A solution proved by other code: plain Pinocchio and SciPy check a plan that they did not make.
+"""Validation of plans by independent code: plain Pinocchio and SciPy.
 
-Start with ``validation.py``. The room reads solutions: it may import ``solution``, ``problem`` and what lies below, but
-neither ``transcription`` nor ``solvers``.
+Start with ``validation.py``. The room may import ``solution``, ``problem`` and the rooms below them, but neither
+``transcription`` nor ``solvers``.
 """
 
 from robotraj.solution.violation import Violation

@@ -15,7 +15,7 @@ class ProcessorClock:
     Parameters
     ----------
     limit : float or None
-        [s]; None for none.
+        [s]; None for no limit.
     """
 
     def __init__(self, limit: float | None) -> None:

@@ -1,4 +1,4 @@
-"""What is wrong with a plan, in sentences: one for each kind of figure that exceeds its tolerance."""
+"""Messages about a plan: one sentence for each kind of figure that exceeds its tolerance."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ ASYMMETRIC = "left and right of the robot differ in inertia: plan both halves of
 
 
 def complaints_about(figures: Figures, tolerances: Tolerances) -> tuple[str, ...]:
-    """Write one sentence for each kind of figure that exceeds its tolerance, naming the worst offender."""
+    """Return one sentence for each kind of figure that exceeds its tolerance, about the worst violation."""
     advice = _advice(figures.residual)
     found = [f"Not checked: {'; '.join(figures.unchecked)}."] if figures.unchecked else []
     if figures.local is not None and tolerances.local is not None:
-        what = "The plan does not obey the equations of motion: a short part, simulated by itself, misses its end:"
+        what = "The plan violates the equations of motion: a short part, simulated by itself, misses its end:"
         row = figures.local.worst
         found += _off(what, row, tolerances.local, ASYMMETRIC if row.phase.endswith(MIRRORED) else advice)
     if figures.closed_loop is not None and tolerances.tracking is not None:
@@ -37,7 +37,7 @@ def complaints_about(figures: Figures, tolerances: Tolerances) -> tuple[str, ...
 
 
 def _off(what: str, row: DriftRow, tolerance: float, advice: str) -> list[str]:
-    """Say by how much the worst state is off, where that is too much."""
+    """Return a sentence about the worst state, where its error exceeds the tolerance."""
     if row.relative <= tolerance:
         return []
     return [
@@ -47,11 +47,11 @@ def _off(what: str, row: DriftRow, tolerance: float, advice: str) -> list[str]:
 
 
 def _tracking(loop: ClosedLoop, tolerance: float, advice: str) -> list[str]:
-    """Say how far feedback lets the robot go from its plan, where that is too far."""
+    """Return a sentence about the deviation with feedback, where it exceeds the tolerance."""
     if loop.error is None:
         return []
     if loop.reason is not None:
-        return [f"With feedback, the robot does not get through the plan: {loop.reason}."]
+        return [f"With feedback, the robot does not complete the plan: {loop.reason}."]
     return _off("With feedback, the robot leaves the plan:", loop.error.worst, tolerance, advice)
 
 
@@ -67,7 +67,7 @@ def _limits(figures: Figures, tolerance: float) -> list[str]:
 
 
 def _balances(figures: Figures, tolerances: Tolerances) -> list[str]:
-    """Say by how much the energy balance and the equations between collocation points do not hold."""
+    """Return sentences about the energy balance and the residuals between collocation points."""
     found = []
     energy = figures.energy
     if tolerances.energy is not None and energy is not None and energy.relative > tolerances.energy:
@@ -79,19 +79,21 @@ def _balances(figures: Figures, tolerances: Tolerances) -> list[str]:
     peak = _largest(figures.residual)
     if tolerances.residual is not None and peak is not None and peak.value > tolerances.residual:
         found.append(
-            f"The dynamics do not hold between the collocation points: {peak.name} by {peak.value:.3g} "
+            f"The plan violates the equations between the collocation points: {peak.name} by {peak.value:.3g} "
             f"{peak.unit} at t = {peak.time:.4g} s in phase {peak.phase!r}; {tolerances.residual:.3g} is allowed."
         )
     return found
 
 
 def _advice(residual: Residual) -> str:
-    """Say what to do about an error: close the gaps of an unfinished solve first, else refine."""
+    """Return what to do about an error: converge an unfinished solve first, else refine."""
     jump = max(residual.jumps.values(), key=lambda peak: peak.value, default=None)
     if jump is not None and jump.value > SOLVER_NOISE:
         gap = f"{jump.name} by {jump.value:.3g} {jump.unit}".rstrip()
-        return f"the plan itself jumps at the knot at t = {jump.time:.4g} s, {gap}: its solve has not converged."
-    return "use a finer mesh or a scheme of higher order, or leave mesh= out, so that the planner refines."
+        return (
+            f"the plan jumps at the knot at t = {jump.time:.4g} s, {gap}: its solve has not converged; solve it again."
+        )
+    return "use a finer mesh or a scheme of higher order, or plan without mesh=, so that the planner refines."
 
 
 def _largest(residual: Residual) -> Peak | None:

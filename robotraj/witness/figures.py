@@ -1,4 +1,4 @@
-"""What the witness found, and the thresholds by which it is judged."""
+"""The figures of a validation, and the thresholds that judge them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robotraj.witness.simulation.drift import Drift
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Thresholds of ``Report.passed``; None reports a figure without judging it.
+    """Thresholds of ``Report.passed``; a figure whose threshold is None is reported but not judged.
 
     Attributes
     ----------
@@ -26,20 +26,20 @@ class Tolerances:
         Largest deviation with feedback: joint positions [rad, m] as they are, joint velocities divided by
         10 max(1, largest planned value).
     limits : float
-        Largest violation of a limit, constraint or boundary condition, as a part of half the range of a row with two
-        bounds, of max(1, |limit|) otherwise.
+        Largest violation of a limit, constraint, link or boundary condition, relative to half the range of a row with
+        two bounds and to max(1, |limit|) otherwise.
     contact : float or None
         Largest slip [m], sink [m] and turn [rad] of a contact between collocation points.
     forces : float or None
-        How far normal force, friction and centre of pressure may be broken between collocation points, as a part of the
-        robot's weight; of impacts, as a part of the impulse.
+        Largest violation of limits on normal force, friction and centre of pressure between collocation points,
+        relative to the robot's weight; of impacts, relative to the impulse.
     energy : float or None
         |imbalance| of the energy balance relative to the energy that moved.
     residual : float or None
         Residual of the equations between collocation points and jump at knots, in the unit of each.
     drift : float or None
         Largest open-loop drift through all phases, scaled as ``tracking``; the states of Systems divided by
-        max(1, largest planned value). An unstable motion drifts however good its plan is.
+        max(1, largest planned value). Drift of an unstable motion is large however good its plan is.
     """
 
     local: float | None = 1e-3
@@ -54,20 +54,20 @@ class Tolerances:
 
 @dataclass(frozen=True, repr=False)
 class Figures:
-    """Everything that was found out about a plan.
+    """All figures of a validation.
 
     Attributes
     ----------
     local : Drift or None
-        Local error by state: parts of the plan simulated one by one. None where time was up before.
+        Local error by state: parts of the plan simulated one by one. None where the time limit was reached before.
     closed_loop : ClosedLoop
-        The plan followed with its own feedback, and the growth of a small error without it.
+        The simulation with the plan's feedback, and the growth of a small error without it.
     drift : Drift or None
         Open loop, by state: final and largest distance between the simulated and the planned motion. Shown, not judged.
     breaches : tuple of Violation
-        Bounds broken by more than a solver's tolerance, the worst first; ``violations`` are those that count.
+        Bounds violated by more than a solver's tolerance, the worst first; ``violations`` exceed the threshold.
     energy : Energy or None
-        None for Systems, whose energy is not known.
+        None for Systems.
     residual : Residual
     failure : str or None
         Why and when the open-loop simulation stopped before the end; None if it did not.
@@ -84,14 +84,14 @@ class Figures:
     seconds : float
         Processor time of the validation [s].
     unchecked : tuple of str
-        What was not checked, and why: rows of the problem that a file could not keep, and checks for which there was
-        no time. With any of them the plan has not passed.
+        Checks that were not made, and why: rows of the problem that a file cannot store, and checks after the time
+        limit. With any of them the plan has not passed.
     unseen : tuple of str
-        Figures that are shown, not judged, for which there was no time.
+        Figures without a threshold that were not computed before the time limit.
     landings : tuple of Landing
-        Where the open-loop simulation set its contacts down.
+        Places at which the open-loop simulation set its contacts down.
     holdings : tuple of Holding
-        How every contact of every phase holds: slip, sink, forces.
+        Slip, sink and forces of every contact of every phase.
     impacts : tuple of Impact
     stiff : float or None
         Time [s] from which implicit steps simulated open loop, because the motion is stiff.
@@ -120,5 +120,5 @@ class Figures:
 
     @property
     def violations(self) -> tuple[Violation, ...]:
-        """Bounds broken by more than the tolerance, the worst first."""
+        """Bounds violated by more than the tolerance, the worst first."""
         return tuple(v for v in self.breaches if v.relative > self.tolerances.limits)

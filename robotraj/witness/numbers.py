@@ -1,9 +1,9 @@
-"""Whatever a user's expression returned on numbers, as floats."""
+"""Conversion of the values of a user's expression to floats."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import cast
 
 import casadi as ca
 import numpy as np
@@ -12,13 +12,13 @@ from robotraj._util.errors import InputError
 from robotraj.witness.protocols import Array
 
 
-def as_numbers(values: Any, what: str) -> Array:
-    """Flatten a scalar, a list, a NumPy array or a CasADi value without symbols into floats (n,).
+def as_numbers(values: object, what: str) -> Array:
+    """Flatten a scalar, a sequence, a NumPy array or a CasADi value without symbols into floats (n,).
 
     Raises
     ------
     InputError
-        The value is no number, or symbols are left in it; ``what`` names the expression.
+        A value is not a number, or contains symbols; ``what`` names the expression.
     """
     if isinstance(values, list) and all(isinstance(value, float) for value in values):
         return np.array(values)
@@ -27,11 +27,11 @@ def as_numbers(values: Any, what: str) -> Array:
     except (TypeError, ValueError, RuntimeError) as error:
         raise InputError(
             f"The {what} did not give numbers when evaluated on a numeric point, but {values!r}; "
-            f"use only the point and constants in it."
+            f"write it with the point and constants only."
         ) from error
 
 
-def _flat(values: Any) -> list[float]:
+def _flat(values: object) -> list[float]:
     if isinstance(values, ca.SX | ca.MX):
         values = ca.evalf(values)
     if isinstance(values, ca.DM):
@@ -41,4 +41,4 @@ def _flat(values: Any) -> list[float]:
         return [number for entry in values.ravel().tolist() for number in _flat(entry)]
     if isinstance(values, Sequence) and not isinstance(values, str):
         return [number for entry in values for number in _flat(entry)]
-    return [float(values)]
+    return [float(cast("float", values))]

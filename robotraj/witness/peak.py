@@ -1,4 +1,4 @@
-"""The largest value of a named quantity and when it occurred."""
+"""The largest value of a named quantity and its time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Peak:
     value : float
         Largest magnitude.
     time : float
-        When it occurred [s].
+        Time of it [s].
     phase : str
     """
 
@@ -32,7 +32,7 @@ class Peak:
 
 
 def peaks(names: Sequence[str], units: Sequence[str], times: Array, values: Array, phase: str) -> dict[str, Peak]:
-    """Largest magnitude of each column of values (m, n) at times (m,); NaN counts as infinite."""
+    """Return the largest magnitude of each column of values (m, n) at times (m,); NaN counts as infinite."""
     sizes = np.nan_to_num(np.abs(values), nan=np.inf)
     found = {}
     for i, (name, unit) in enumerate(zip(names, units, strict=True)):
@@ -42,7 +42,7 @@ def peaks(names: Sequence[str], units: Sequence[str], times: Array, values: Arra
 
 
 def largest(parts: Iterable[Mapping[str, Peak]]) -> dict[str, Peak]:
-    """Merge peaks of several phases by name, the larger kept."""
+    """Merge peaks of several phases by name: the largest of each name."""
     merged: dict[str, Peak] = {}
     for part in parts:
         for name, peak in part.items():

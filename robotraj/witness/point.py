@@ -1,14 +1,14 @@
-"""The Point with numbers in it: frames, centre of mass and momentum from plain double-precision Pinocchio."""
+"""A Point of numbers: frames, centre of mass and momentum by plain double-precision Pinocchio."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Named
@@ -16,9 +16,9 @@ from robotraj.witness.protocols import Array, RobotLike, SystemLike
 
 
 class NumericPoint(Point):
-    """What is known of a robot at one instant, in numbers.
+    """The state of a robot at one time, in numbers.
 
-    Reads like the symbolic point of the NLP, attribute by attribute; nothing is computed before it is read.
+    It has the attributes of the symbolic point of the NLP; each is computed when it is read.
 
     Parameters
     ----------
@@ -31,12 +31,12 @@ class NumericPoint(Point):
         Torques of the actuated joints [N m, N].
     parameters : mapping of str to float, optional
     forces : mapping of str to array_like, optional
-        Contact forces [N], with moments [N m] where the contact carries them, by contact name, in world axes.
+        Contact forces [N], with moments [N m] for contacts that transmit them, by contact name, in world axes.
     algebraic : mapping of str to float, optional
         Algebraic variables besides the accelerations: the components ``force.<contact>.<axis>`` of the contacts.
     columns : bool
-        Give vectors as CasADi columns (n, 1) instead of NumPy arrays (n,). An expression written for the
-        symbols of the NLP, ``ca.mtimes(point.q.T, point.q)`` for one, then means the same on numbers.
+        Return vectors as CasADi columns (n, 1) instead of NumPy arrays (n,). Expressions for the symbols of the NLP,
+        such as ``ca.mtimes(point.q.T, point.q)``, then accept the numbers.
 
     Attributes
     ----------
@@ -49,19 +49,19 @@ class NumericPoint(Point):
         self,
         robot: RobotLike,
         t: float,
-        q: Any,
-        v: Any,
-        a: Any,
-        tau: Any,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        tau: ArrayLike,
         *,
         parameters: Mapping[str, float] | None = None,
-        forces: Mapping[str, Any] | None = None,
+        forces: Mapping[str, ArrayLike] | None = None,
         algebraic: Mapping[str, float] | None = None,
         columns: bool = False,
     ) -> None:
         self._robot = robot
         self._q, self._v, self._a = (np.array(s, dtype=float) for s in (q, v, a))
-        self._vector = ca.DM if columns else np.asarray
+        self._vector: Callable[[Array], Array | ca.DM] = ca.DM if columns else np.asarray
         tau = np.array(tau, dtype=float)
         moved = robot.velocity_names
         parameters = parameters or {}
@@ -91,15 +91,15 @@ class NumericPoint(Point):
         self._frames: dict[str, NumericFrame] = {}
 
     @cached_property
-    def _data(self) -> Any:
-        """Kinematics of every frame; forwardKinematics alone would leave the frames where they were."""
+    def _data(self) -> pin.Data:
+        """Kinematics of every frame; ``forwardKinematics`` alone does not update frames."""
         data = self._robot.model.createData()
         pin.forwardKinematics(self._robot.model, data, self._q, self._v, self._a)
         pin.updateFramePlacements(self._robot.model, data)
         return data
 
     def frame(self, name: str) -> NumericFrame:
-        """Pose and motion of a frame of the robot, in world axes.
+        """Return pose and motion of a frame of the robot, in world axes.
 
         Raises
         ------
@@ -116,13 +116,13 @@ class NumericPoint(Point):
         return float(sum(inertia.mass for inertia in list(self._robot.model.inertias)[1:]))
 
     @cached_property
-    def com(self) -> Any:
+    def com(self) -> Array | ca.DM:
         """Centre of mass (3,) [m] in the world."""
         model = self._robot.model
         return self._vector(pin.centerOfMass(model, model.createData(), self._q).copy())
 
     @cached_property
-    def momentum(self) -> Any:
+    def momentum(self) -> Array | ca.DM:
         """Centroidal momentum (6,): linear [kg m/s], angular [kg m^2/s]."""
         model = self._robot.model
         momentum = pin.computeCentroidalMomentum(model, model.createData(), self._q, self._v)
@@ -137,36 +137,36 @@ class NumericFrame:
         self._index = index
 
     @cached_property
-    def position(self) -> Any:
+    def position(self) -> Array | ca.DM:
         """Origin of the frame in the world (3,) [m]."""
         return self._point._vector(self._point._data.oMf[self._index].translation.copy())
 
     @cached_property
-    def rotation(self) -> Any:
+    def rotation(self) -> Array | ca.DM:
         """Rotation matrix from frame to world (3, 3)."""
         return self._point._vector(self._point._data.oMf[self._index].rotation.copy())
 
     @property
-    def velocity(self) -> Any:
+    def velocity(self) -> Array | ca.DM:
         """Linear then angular velocity (6,) [m/s, rad/s], local-world-aligned."""
         return self._motion(pin.getFrameVelocity)
 
     @property
-    def acceleration(self) -> Any:
+    def acceleration(self) -> Array | ca.DM:
         """Classical acceleration (6,) [m/s^2, rad/s^2], local-world-aligned."""
         return self._motion(pin.getFrameClassicalAcceleration)
 
-    def _motion(self, read: Any) -> Any:
+    def _motion(self, read: Callable[[pin.Model, pin.Data, int, pin.ReferenceFrame], pin.Motion]) -> Array | ca.DM:
         point = self._point
         motion = read(point._robot.model, point._data, self._index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
         return point._vector(motion.vector.copy())
 
 
 def system_point(system: SystemLike, t: float, x: Array, z: Array, u: Array, parameters: Mapping[str, float]) -> Point:
-    """Wrap numbers as the point a System's equations read.
+    """Return the point that a System's equations take, in numbers.
 
-    Entries stay NumPy scalars: a square root of a negative trial value gives NaN, which shrinks the step,
-    where a Python float would turn complex or raise.
+    Entries are NumPy scalars: the square root of a negative trial value is NaN, which shortens the step. A Python
+    float would become complex or raise an error.
 
     Parameters
     ----------

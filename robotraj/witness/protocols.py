@@ -1,12 +1,19 @@
-"""What the witness reads of a solution: it knows plans by these attributes alone, never by their classes."""
+"""The attributes that the witness reads of a solution; tests make plans without a planner by providing them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
+
+from robotraj.dynamics.point import Point
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.solution.feedback.gains import Gains
+from robotraj.solution.sample import Sample
 
 Array = NDArray[np.float64]
 
@@ -15,11 +22,11 @@ Settle = Callable[[Array], Array]
 
 
 class RobotLike(Protocol):
-    """A robot: Pinocchio's model, the names of its joints and what drives and brakes them."""
+    """A robot: Pinocchio's model, the names of its joints, its motors and its dissipation."""
 
     @property
-    def model(self) -> Any:
-        """Pinocchio's model: one position and one velocity per joint, but for a free-flyer at the root."""
+    def model(self) -> pin.Model:
+        """Pinocchio's model: joints of one position and one velocity each, and a free-flyer at a floating root."""
 
     @property
     def nv(self) -> int:
@@ -27,11 +34,11 @@ class RobotLike(Protocol):
 
     @property
     def position_names(self) -> Sequence[str]:
-        """Entries of q."""
+        """Names of the entries of q."""
 
     @property
     def velocity_names(self) -> Sequence[str]:
-        """Entries of v."""
+        """Names of the entries of v."""
 
     @property
     def friction_speed(self) -> float:
@@ -42,30 +49,30 @@ class RobotLike(Protocol):
         """Joints in the order of tau."""
 
     @property
-    def actuation(self) -> Any:
+    def actuation(self) -> Array:
         """Selection B (nv, nu) of the actuated joints."""
 
     @property
     def units(self) -> Sequence[str]:
-        """``"rad"`` or ``"m"`` by velocity: what it moves along, per second."""
+        """``"rad"`` or ``"m"`` for every velocity: the unit of its displacement."""
 
     @property
     def position_units(self) -> Sequence[str]:
-        """Units of q, empty for a quaternion's entries."""
+        """Units of q, empty for the entries of a quaternion."""
 
     @property
-    def damping(self) -> Any:
+    def damping(self) -> Array:
         """Viscous damping (nv,) [N m s/rad, N s/m]."""
 
     @property
-    def friction(self) -> Any:
+    def friction(self) -> Array:
         """Coulomb friction (nv,) [N m, N]."""
 
-    def dissipation(self, v: Any) -> Any:
-        """Torque d(v) (nv,) of damping and friction [N m, N]."""
+    def dissipation(self, v: Array) -> Array:
+        """Return the torque d(v) (nv,) of damping and friction [N m, N]."""
 
     def frame(self, name: str) -> int:
-        """Index of a frame, or an error that names the valid ones."""
+        """Return the index of a frame; an unknown name raises an error that lists the valid ones."""
 
 
 class VariableLike(Protocol):
@@ -77,7 +84,7 @@ class VariableLike(Protocol):
 
     @property
     def unit(self) -> str:
-        """SI unit, empty when unknown."""
+        """SI unit, empty where it is not known."""
 
 
 class SystemLike(Protocol):
@@ -96,30 +103,30 @@ class SystemLike(Protocol):
         """Entries of z."""
 
     @property
-    def dynamics(self) -> Callable[[Any], Any]:
+    def dynamics(self) -> Callable[[Point], object]:
         """Rates of the states."""
 
     @property
-    def residual(self) -> Callable[[Any], Any] | None:
-        """Rows that hold z, None where there is no z."""
+    def residual(self) -> Callable[[Point], object] | None:
+        """Equations of the algebraic variables, None without these."""
 
 
 class PhaseSolutionLike(Protocol):
     """The planned trajectory of a phase."""
 
     @property
-    def phase(self) -> Any:
-        """The phase: name, robot or system, limits, bounds and rows, perhaps bound_design."""
+    def phase(self) -> Phase:
+        """The phase: its robot or System, limits, constraints and contacts."""
 
     @property
-    def knots(self) -> Any:
+    def knots(self) -> Array:
         """Ends of the intervals (K + 1,) [s]."""
 
     @property
     def parameters(self) -> Mapping[str, float]:
         """Values of the phase's parameters."""
 
-    def at(self, t: Any, interval: int | NDArray[np.int_] | None = None) -> Any:
+    def at(self, t: float | Array, interval: int | NDArray[np.int_] | None = None) -> Sample:
         """Evaluate the polynomials of an interval, or of one for each time: q, v, a, tau, forces or x, u, z."""
 
 
@@ -127,17 +134,17 @@ class SolutionLike(Protocol):
     """A planned motion."""
 
     @property
-    def phases(self) -> Sequence[Any]:
-        """Phases in the order they are moved through."""
+    def phases(self) -> Sequence[PhaseSolutionLike]:
+        """Phases in the order of the motion."""
 
     @property
-    def problem(self) -> Any:
-        """The problem that was solved; its ``bound_links`` say which states may jump between phases."""
+    def problem(self) -> Problem:
+        """The problem that was solved; its links join the phases."""
 
     @property
-    def gains(self) -> Any:
-        """Feedback along the plan; ``gains.phases[i].at(times)`` gives K (m, nu, 2 nv)."""
+    def gains(self) -> Gains:
+        """Feedback along the plan; ``gains.phases[i].at(times)`` returns K (m, nu, 2 nv)."""
 
     @property
     def impulses(self) -> Sequence[Mapping[str, float]]:
-        """For every link, the impulses of its impact by name; empty where it has none."""
+        """For every link, the impulses of its impact by name; empty for links without an impact."""

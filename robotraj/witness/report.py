@@ -1,4 +1,4 @@
-"""The verdict on a plan: figures that can refuse, and print themselves."""
+"""The report of a validation: figures with a verdict, which prints as text."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from robotraj.witness.table import coloured, render
 
 @dataclass(frozen=True, repr=False)
 class Report(Figures):
-    """The proof of a plan, or what is wrong with it; see ``Figures`` for what it holds."""
+    """The result of a validation; see ``Figures`` for its attributes."""
 
     @property
     def passed(self) -> bool:
-        """Whether everything that is judged was checked and lies within ``tolerances``."""
+        """Whether every figure with a threshold was computed and lies within ``tolerances``."""
         return not self.complaints(self.tolerances)
 
     def complaints(self, tolerances: Tolerances) -> tuple[str, ...]:
-        """Write one sentence for each kind of figure that exceeds its tolerance, naming the worst offender."""
+        """Return one sentence for each kind of figure that exceeds its tolerance, about the worst violation."""
         return complaints_about(self, tolerances)
 
     def check(self, **allowed: float | None) -> None:
-        """Raise unless the plan holds.
+        """Raise an error unless the plan passes.
 
         Parameters
         ----------
         **allowed : float or None
-            Thresholds by the names of ``Tolerances``: ``check(local=1e-4, contact=1e-5)``; the report's own where not
-            given.
+            Thresholds by the names of ``Tolerances``: ``check(local=1e-4, contact=1e-5)``. Others are those of the
+            report.
 
         Raises
         ------
         ValidationFailed
-            Names the worst offender of each kind, with its joint and time; carries this report.
+            States the worst violation of each kind with its joint and time; holds this report.
         """
         names = [entry.name for entry in fields(Tolerances)]
         for name in allowed:

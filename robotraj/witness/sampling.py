@@ -1,6 +1,6 @@
-"""Dense samples of a planned phase, interval by interval, both ends of each included.
+"""Dense samples of the intervals of a planned phase, both ends of each included.
 
-Written on NumPy's Chebyshev series, apart from the Lagrange polynomials that the plan itself was made with.
+NumPy's Chebyshev series are used, not the Lagrange polynomials of the planner.
 Source: Trefethen, Spectral Methods in MATLAB (2000), chapter 6.
 """
 
@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 
 CHUNK = 16
-"""Intervals that are sampled at once: one call for many, and the clock is looked at in between."""
+"""Intervals that are sampled in one call; the time limit is checked between calls."""
 
 
 class IntervalSamples(NamedTuple):
-    """Some intervals of a phase, with samples of each.
+    """Intervals of a phase with their sample times.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class IntervalSamples(NamedTuple):
     begins, ends : ndarray (k,)
         [s].
     sites : ndarray (m,)
-        Where each is sampled, in [0, 1].
+        Places of the samples in each interval, in [0, 1].
     """
 
     intervals: NDArray[np.int_]
@@ -53,14 +53,14 @@ class IntervalSamples(NamedTuple):
 def interval_samples(
     planned: PhaseSolutionLike, samples: int, sites: Array | None = None, only: Collection[int] | None = None
 ) -> Iterator[IntervalSamples]:
-    """Intervals that have a length, some at a time, sampled at ``samples`` Chebyshev-Lobatto points each.
+    """Yield the intervals whose length is not zero, ``CHUNK`` at a time, with Chebyshev-Lobatto points of each.
 
-    On these points a polynomial of degree below ``samples`` is differentiated exactly by ``time_derivative``.
+    At these points a polynomial of degree below ``samples`` is differentiated exactly by ``time_derivative``.
 
     Parameters
     ----------
     sites : ndarray (m,), optional
-        Other places in [0, 1] to sample at.
+        Other places of the samples, in [0, 1].
     only : collection of int, optional
         The intervals to sample.
     """
@@ -73,7 +73,7 @@ def interval_samples(
 
 
 def time_derivative(values: Array, part: IntervalSamples) -> Array:
-    """Differentiate the polynomials through values (k m, n) at the times of a part."""
+    """Return the derivatives (k m, n) of the polynomials through values (k m, n) at the times of ``part``."""
     count = len(part.sites)
     by_interval = values.reshape(len(part.intervals), count, -1)
     slopes = _differentiation(count) @ by_interval * (2.0 / (part.ends - part.begins))[:, None, None]
@@ -82,7 +82,7 @@ def time_derivative(values: Array, part: IntervalSamples) -> Array:
 
 @lru_cache(maxsize=16)
 def _differentiation(count: int) -> Array:
-    """Matrix from values on Chebyshev-Lobatto points of [-1, 1] to derivatives there."""
+    """Return the matrix from values at Chebyshev-Lobatto points of [-1, 1] to derivatives there."""
     sites = chebyshev.chebpts2(count)
     slopes = [chebyshev.chebval(sites, chebyshev.chebder(unit)) for unit in np.eye(count)]
     return np.column_stack(slopes) @ np.linalg.inv(chebyshev.chebvander(sites, count - 1))

@@ -1,4 +1,4 @@
-"""The proof of a plan: simulate it with code that did not make it, and look between its knots."""
+"""Validation of a plan: independent simulation, and checks between its knots."""
 
 from __future__ import annotations
 
@@ -48,51 +48,51 @@ def validate(
     drift: float | None = None,
     time_limit: float | None = TIME_LIMIT,
 ) -> Report:
-    """Prove a plan by code that did not make it, or say what is wrong with it.
+    """Validate a plan by independent code and report what is wrong with it.
 
-    A robot moves by plain double-precision Pinocchio, M(q) a + h(q, v) = B tau(t) - d(v), a System by its own
-    equations on numbers (algebraic variables are solved for at every evaluation). Where contacts hold,
+    Plain double-precision Pinocchio simulates robots, M(q) a + h(q, v) = B tau(t) - d(v), Systems move by
+    their own equations on numbers (algebraic variables are solved for at every evaluation). Where contacts hold,
     M a + h = B tau - d + J' f and J a + (dJ/dt) v = 0. DOP853 integrates; where the motion is
     stiff, an L-stable SDIRK method of order 4 does.
 
-    Four things decide:
+    Four figures decide:
 
     - the local error: short parts of the plan are simulated one by one, each from the plan's own state;
-    - limits, constraints, boundary conditions and contacts, between the knots too; and impacts,
+    - limits, constraints, links, boundary conditions and contacts, between the knots too; and impacts,
       M (v+ - v-) = J' L, J v+ = 0;
     - tracking: the robot follows the whole plan with ``solution.gains``, time-varying linear feedback;
-    - a mirrored half of a gait is simulated as a motion of its own, since a robot is seldom quite symmetric.
+    - the mirrored half of a gait, simulated as a motion of its own: the inertia of a robot is seldom symmetric.
 
-    The open-loop drift is shown, not judged, beside the growth of a small error along the plan, which explains it.
+    The open-loop drift is reported but not judged; the growth of a small error along the plan explains it.
 
     Parameters
     ----------
     solution : Solution
-        A failed one can be validated too.
+        Failed solutions are accepted.
     rtol, atol : float
         Tolerances of the steps of the open-loop simulation; those of the other simulations are 1e-6.
     samples_per_interval : int
-        Points of every interval at which limits, constraints and residuals are looked at.
+        Points of every interval at which limits, constraints and residuals are evaluated.
     local, tracking, limits, contact, forces, energy, residual, drift : float or None
-        Thresholds of ``Report.passed``, see ``Tolerances``; None reports without judging.
+        Thresholds of ``Report.passed``, see ``Tolerances``; None does not judge the figure.
     time_limit : float or None
-        Processor time [s] after which no further check begins; the report names what was not checked.
+        Processor time [s] after which no further check begins; the report lists the missing checks.
 
     Returns
     -------
     Report
-        A simulation that blows up is reported in it, not raised.
+        A diverging simulation is reported in it, not raised.
 
     Raises
     ------
     InputError
-        The solution has no phases, ``samples_per_interval`` is below 2, a constraint does not give numbers.
+        The solution has no phases, ``samples_per_interval`` is below 2, or a constraint does not return numbers.
     """
     require_solution(solution, "rt.validate")
     if not solution.phases:
-        raise InputError("There is nothing to validate: the solution has no phases.")
+        raise InputError("The solution has no phases: there is nothing to validate; plan a problem with a phase.")
     if samples_per_interval < 2:
-        raise InputError(f"samples_per_interval is {samples_per_interval}; look at 2 points of an interval or more.")
+        raise InputError(f"samples_per_interval is {samples_per_interval}; give 2 or more.")
     clock, samples = ProcessorClock(time_limit), samples_per_interval
     skipped: list[str] = []
     unseen: list[str] = []
@@ -126,7 +126,7 @@ def validate(
     knots = [np.asarray(planned.knots, dtype=float) for planned in phases]
     lost = [n for n in solution.problem.missing if n.startswith(("constraint ", "link ", "the equations "))]
     unkept = (
-        [f"{', '.join(lost)}, because the file could not keep it: give problem= to rt.load_solution"] if lost else []
+        [f"{', '.join(lost)}, because the file does not contain it: give problem= to rt.load_solution"] if lost else []
     )
     late = [f"{', '.join(skipped)}, because the time limit of {time_limit} s was reached"] if skipped else []
     return Report(

@@ -78,7 +78,7 @@ def test_a_plan_with_other_inertia_is_refused(passive, make):
     moved = type(planned)(phase, planned.mesh, planned.trajectory)
     report = validate(make.solution(moved))
     assert not report.passed
-    with pytest.raises(rt.ValidationFailed, match="does not obey the equations of motion"):
+    with pytest.raises(rt.ValidationFailed, match="violates the equations of motion"):
         report.check()
 
 

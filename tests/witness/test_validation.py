@@ -68,7 +68,7 @@ def test_a_wrong_torque_fails_naming_joint_and_time(make, swinging):
     assert report.drift["q.elbow"].largest > 1e-3 and report.drift["q.elbow"].time == pytest.approx(1.0, abs=0.2)
     # The local error is there alone.
     assert report.local.worst.largest > 0.01 and report.local.worst.time == pytest.approx(0.7875, abs=0.02)
-    with pytest.raises(ValidationFailed, match=r"does not obey .* misses its end: v\.\w+ by 0\.02") as caught:
+    with pytest.raises(ValidationFailed, match=r"violates .* misses its end: v\.\w+ by 0\.02") as caught:
         report.check()
     with pytest.raises(ValidationFailed, match=r"Open loop, .* drifts from the plan: q\.elbow by 0\.01.* at t = 1 s"):
         report.check(local=1.0, drift=1e-3)

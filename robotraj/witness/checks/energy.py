@@ -1,4 +1,4 @@
-"""The energy balance of a plan: what the actuators put in must be there in the end, or be dissipated."""
+"""The energy balance of a plan: work of the motors = change of energy + dissipation."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import pinocchio as pin
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.witness.contacts.stance import Stance, forces_in
+from robotraj.witness.planned import robot_sample
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import interval_samples
 
@@ -26,7 +27,7 @@ class Energy:
     work : float
         Work of the actuators, integral of (B tau)'v [J].
     dissipated : float
-        Energy lost to damping and friction, integral of d(v)'v, and to contacts that slide, of -(J' f)'v [J].
+        Energy dissipated by damping and friction, integral of d(v)'v, and by sliding contacts, of -(J' f)'v [J].
     change : float
         Change of kinetic plus potential energy over the intervals [J].
     scale : float
@@ -59,7 +60,7 @@ class Energy:
 def energy_of(
     planned: PhaseSolutionLike, samples: int = QUADRATURE_POINTS, clock: Callable[[], None] = lambda: None
 ) -> Energy:
-    """Integrate power over every interval of a robot's phase and compare with the change of energy."""
+    """Return the energy balance of a robot's phase: power, integrated over every interval, and change of energy."""
     robot: RobotLike = realised(planned)
     actuation = np.asarray(robot.actuation, dtype=float)
     nodes, weights = np.polynomial.legendre.leggauss(samples)
@@ -72,7 +73,7 @@ def energy_of(
     for part in interval_samples(planned, samples, 0.5 * (nodes + 1.0)):
         clock()
         half, shape = 0.5 * (part.ends - part.begins), (len(part.intervals), samples)
-        sample = planned.at(part.times, interval=part.interval)
+        sample = robot_sample(planned, part.times, part.interval)
         power = np.einsum("mi,mi->m", sample.tau @ actuation.T, sample.v).reshape(shape)
         loss = np.array([robot.dissipation(v) @ v for v in sample.v])
         if sliding:
@@ -81,7 +82,7 @@ def energy_of(
         inside = zip(sample.q, sample.v, strict=True)
         kinetic += [pin.computeKineticEnergy(robot.model, data, q, v) for q, v in inside]
         ends = part._replace(sites=np.array([0.0, 1.0]))
-        there = planned.at(ends.times, interval=ends.interval)
+        there = robot_sample(planned, ends.times, ends.interval)
         totals = np.array([_total(robot, data, q, v) for q, v in zip(there.q, there.v, strict=True)])
         terms = half * (power @ weights), half * (loss.reshape(shape) @ weights), totals[1::2] - totals[::2]
         work, dissipated, change = work + terms[0].sum(), dissipated + terms[1].sum(), change + terms[2].sum()
@@ -94,7 +95,7 @@ def energy_of(
 
 
 def add(parts: Sequence[Energy]) -> Energy | None:
-    """Sum the balances of several phases; None for none."""
+    """Return the sum of the balances of several phases, None without phases."""
     if not parts:
         return None
     worst = max(parts, key=lambda part: part.worst)
@@ -109,6 +110,6 @@ def add(parts: Sequence[Energy]) -> Energy | None:
 
 
 def _total(robot: RobotLike, data: object, q: Array, v: Array) -> float:
-    """Kinetic (armature included) plus potential energy [J]."""
+    """Return kinetic (armature included) plus potential energy [J]."""
     kinetic = pin.computeKineticEnergy(robot.model, data, q, v)
     return float(kinetic + pin.computePotentialEnergy(robot.model, data, q))

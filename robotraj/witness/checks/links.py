@@ -35,8 +35,9 @@ def link_violations(solution: SolutionLike) -> tuple[Violation, ...]:
     given = tuple(solution.problem.links)
     for k, bound in enumerate(solution.problem.bound_links):
         ends = [_ends(solution, i) for i in bound.phases]
-        if k < len(given) and isinstance(given[k], Touchdown):
-            rows, values = _placed(given[k], bound, solution, ends)
+        link = given[k] if k < len(given) else None
+        if isinstance(link, Touchdown):
+            rows, values = _placed(link, bound, solution, ends)
         else:
             names = [unknown.name for unknown in bound.unknowns]
             impulses = solution.impulses[k] if names else {}

@@ -14,6 +14,7 @@ from robotraj.dynamics.point import Point
 from robotraj.problem.constraints.base import BoundConstraint
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.numbers import as_numbers
+from robotraj.witness.planned import robot_sample, system_of
 from robotraj.witness.plants.system_plant import columns
 from robotraj.witness.point import NumericPoint, system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
@@ -24,23 +25,26 @@ Watched = tuple[BoundConstraint, list[Watch]]
 
 def points_of(planned: PhaseSolutionLike, times: Array, interval: int | NDArray[np.int_]) -> Sequence[Point]:
     """Return the points of a phase at times (m,), each of one interval."""
-    sample, phase = planned.at(times, interval=interval), planned.phase
+    phase = planned.phase
     if phase.robot is not None:
-        robot = realised(planned)
+        robot, motion = realised(planned), robot_sample(planned, times, interval)
         held = [force.name for contact in phase.bound_contacts for force in contact.forces]
         return [
             NumericPoint(
                 robot,
                 t,
-                *(getattr(sample, name)[i] for name in ("q", "v", "a", "tau")),
+                motion.q[i],
+                motion.v[i],
+                motion.a[i],
+                motion.tau[i],
                 parameters=planned.parameters,
-                forces={name: force[i] for name, force in sample.forces.items()},
-                algebraic={name: sample.z[name][i] for name in held},
+                forces={name: force[i] for name, force in motion.forces.items()},
+                algebraic={name: motion.z[name][i] for name in held},
                 columns=True,
             )
             for i, t in enumerate(times)
         ]
-    system = phase.system
+    system, sample = system_of(planned), planned.at(times, interval=interval)
     x, z, u = (
         columns(named, tuple(v.name for v in kind), len(times))
         for named, kind in (

@@ -1,4 +1,4 @@
-"""The defect of the dynamics between the collocation points."""
+"""The residual of the dynamics between the collocation points."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from robotraj.robot.tangent import velocities
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak, peaks
+from robotraj.witness.planned import robot_sample, system_of
 from robotraj.witness.plants.of_phase import plant_of
 from robotraj.witness.plants.plant import RATE_UNITS
 from robotraj.witness.plants.system_plant import columns
@@ -23,7 +24,7 @@ from robotraj.witness.sampling import interval_samples, time_derivative
 TORQUE_UNITS = {"rad": "N m", "m": "N"}
 
 FEWEST_SAMPLES = 25
-"""Samples of an interval below which its derivative could miss the degree of the plan's polynomial."""
+"""Least samples of an interval, enough for the degree of the planned polynomials."""
 
 
 Peaks = tuple[dict[str, Peak], dict[str, Peak]]
@@ -31,10 +32,10 @@ Peaks = tuple[dict[str, Peak], dict[str, Peak]]
 
 @dataclass(frozen=True)
 class Residual:
-    """How far the planned polynomials are from solving the differential equations.
+    """Residuals of the differential equations along the planned polynomials.
 
-    Both vanish at the collocation points up to the solver's tolerance; between them they measure the
-    discretisation.
+    Both are zero at the collocation points up to the solver's tolerance; between them they measure the
+    discretisation error.
 
     Attributes
     ----------
@@ -45,10 +46,9 @@ class Residual:
         Robots, by joint: max over t of |dq/dt - v| [rad/s, m/s]; of a floating root in its own axes.
         Systems, by state: |dx/dt - f(x, z, u, p, t)|.
     jumps : mapping of str to Peak
-        By state: largest gap at a knot between the polynomials of its two intervals, zero once a
-        solver has converged.
+        By state: largest gap at a knot between the polynomials of its two intervals, zero after convergence.
 
-    dq/dt, dv/dt and dx/dt are derivatives of the planned polynomials, not values the plan states.
+    dq/dt, dv/dt and dx/dt are derivatives of the planned polynomials.
     """
 
     dynamics: Mapping[str, Peak]
@@ -57,7 +57,7 @@ class Residual:
 
 
 def residual_of(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None) -> Residual:
-    """Evaluate both residuals at ``samples`` points of every interval, ``FEWEST_SAMPLES`` at least."""
+    """Return both residuals at ``samples`` points of every interval, ``FEWEST_SAMPLES`` at least."""
     samples = max(samples, FEWEST_SAMPLES)
     if not list(interval_samples(planned, samples)):
         return Residual({}, {}, {})
@@ -66,7 +66,7 @@ def residual_of(planned: PhaseSolutionLike, samples: int, clock: Callable[[], No
 
 
 def _jumps(planned: PhaseSolutionLike) -> dict[str, Peak]:
-    """Compare both ends of the polynomials that meet at each knot."""
+    """Return the gaps between the polynomials that meet at each knot."""
     plant, knots = plant_of(planned), np.asarray(planned.knots, dtype=float)
     used = np.flatnonzero(np.diff(knots) > 0.0)
     if len(used) < 2:
@@ -87,7 +87,7 @@ def _robot(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None]) 
     rate: list[Array] = []
     for part in interval_samples(planned, samples):
         clock()
-        sample = planned.at(part.times, interval=part.interval)
+        sample = robot_sample(planned, part.times, part.interval)
         acceleration = time_derivative(sample.v, part)
         for i, (q, v, a, tau) in enumerate(zip(sample.q, sample.v, acceleration, sample.tau, strict=True)):
             needed = pin.rnea(robot.model, data, q, v, a) + robot.dissipation(v) - actuation @ tau
@@ -103,7 +103,7 @@ def _robot(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None]) 
 
 
 def _system(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None]) -> Peaks:
-    system = planned.phase.system
+    system = system_of(planned)
     states, controls, algebraic = (
         tuple(v.name for v in kind) for kind in (system.states, system.controls, system.algebraic)
     )

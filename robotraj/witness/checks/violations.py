@@ -1,4 +1,4 @@
-"""Bounds of a phase that its planned polynomials break, between the collocation points as well as at them."""
+"""Bounds of a phase that its planned polynomials violate, at and between the collocation points."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.checks.soles import sole_watches
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.numbers import as_numbers
+from robotraj.witness.planned import system_of
 from robotraj.witness.plants.plant import RATE_UNITS
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import interval_samples
 
 FEW_SAMPLES = 9
-"""Points of every interval at which constraints are evaluated; where they come nearest to their bounds, more are."""
+"""Points of every interval at which constraints are evaluated; near their bounds more points are."""
 
 ACCELERATION_UNITS = {"rad": "rad/s^2", "m": "m/s^2"}
 
@@ -27,21 +28,21 @@ ACCELERATION_UNITS = {"rad": "rad/s^2", "m": "m/s^2"}
 def violations_of(
     planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None
 ) -> tuple[Violation, ...]:
-    """Every broken bound of a phase, the worst first: joint limits, constraints, and the states at both ends.
+    """Return every violated bound of a phase, the worst first: limits, constraints, states at both ends, parameters.
 
-    Each is reported once, where it is broken most among ``samples`` points of every interval.
+    Each is reported once, at the time of its largest violation among ``samples`` points of every interval.
 
     Raises
     ------
     InputError
-        A constraint's expression does not give numbers on a numeric point.
+        A constraint's expression does not return numbers on a numeric point.
     """
     phase = planned.phase
     limits = [] if phase.limits is None or phase.robot is None else list(_limit_rows(phase))
     watched = [Watch(row) for row, _ in limits]
     checked = {_key(row) for row, _ in limits}
-    # A phase may also state its limits as constraints; those rows are seen once.
-    # What contacts ask of their forces is measured against the weight, in ``holding_of``.
+    # A phase may also have its limits as constraints; those rows are checked once.
+    # Limits of contact forces are compared with the weight in ``holding_of``.
     contacts = {f"contact {contact.name}" for contact in phase.bound_contacts}
     bound = [
         c for c in phase.bound_constraints if c.name not in contacts and not all(_key(row) in checked for row in c.rows)
@@ -68,7 +69,7 @@ def _see_throughout(
     samples: int,
     clock: Callable[[], None],
 ) -> None:
-    """Look at a few points of every interval, and at many of those in which a row comes nearest to its bounds."""
+    """Evaluate constraints at few points of every interval, and at many where a row comes nearest to its bounds."""
 
     def look(count: int, only: Collection[int] | None = None) -> None:
         for part in interval_samples(planned, count, only=only):
@@ -89,10 +90,10 @@ def _key(row: Row) -> tuple[str, str | None, float, float]:
 
 
 def _limit_rows(phase: Any) -> Iterable[tuple[Row, Callable[[Any], Array]]]:
-    """Rows of the joint limits that bound something, and how each reads a sample of many times."""
+    """Yield the rows of finite joint limits, each with the function that reads its values from a sample."""
     limits, robot = phase.limits, phase.robot
     joints = list(robot.velocity_names)
-    shift = int(robot.model.nq) - len(joints)  # a floating root has one position more than velocities, and no limits
+    shift = int(robot.model.nq) - len(joints)  # A floating root has one position more than velocities, and no limits.
     symmetric = (
         ("velocity limit", "v", limits.velocity, RATE_UNITS, joints),
         ("acceleration limit", "a", limits.acceleration, ACCELERATION_UNITS, joints),
@@ -123,7 +124,7 @@ def _at_end(planned: PhaseSolutionLike, bound: Sequence[BoundConstraint], side: 
     watches = all_watches(entries)
     state = phase.start_bounds if where is Where.START else phase.end_bounds
     if state is not None:
-        units = [v.unit for v in phase.system.states] if phase.robot is None else _state_units(phase.robot)
+        units = [v.unit for v in system_of(planned).states] if phase.robot is None else _state_units(phase.robot)
         # States that the objective adds are the last of the bounds; they are not part of the motion.
         count = len(units)
         for name, unit, lower, upper in zip(point.x, units, state.lower[:count], state.upper[:count], strict=True):
@@ -149,7 +150,7 @@ def _scalars(planned: PhaseSolutionLike) -> list[Watch]:
 
 
 def _integrals(planned: PhaseSolutionLike, constraints: Sequence[BoundConstraint], samples: int) -> list[Watch]:
-    """Watch what integral constraints add up to, by Gauss-Legendre quadrature on every interval."""
+    """Watch the values of integral constraints, by Gauss-Legendre quadrature on every interval."""
     if not constraints:
         return []
     sites, weights = np.polynomial.legendre.leggauss(samples)

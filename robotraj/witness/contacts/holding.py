@@ -16,6 +16,7 @@ from robotraj.witness.checks.watch import Watch
 from robotraj.witness.contacts.stance import Instant, Stance, forces_in
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
+from robotraj.witness.planned import robot_sample
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import interval_samples
 
@@ -89,7 +90,7 @@ def holding_of(
     data = stance.robot.model.createData()
     for part in interval_samples(planned, min(samples, MOST_SAMPLES)):
         clock()
-        sample = planned.at(part.times, interval=part.interval)
+        sample = robot_sample(planned, part.times, part.interval)
         for i, t in enumerate(part.times):
             q, v = sample.q[i], sample.v[i]
             held = stance.rows(q, v)

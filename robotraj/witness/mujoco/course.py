@@ -15,6 +15,7 @@ from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.dynamics.design.binding import realised
 from robotraj.solution.gait_cycles import Return, closing_of
 from robotraj.witness.mujoco.roots import QUATERNION, RootCoordinates
+from robotraj.witness.planned import limits_of, robot_sample
 from robotraj.witness.protocols import Array, SolutionLike
 
 AXES = ("x", "y", "z")
@@ -75,8 +76,8 @@ class Course:
 
     def __init__(self, solution: SolutionLike, periods: int | None = None) -> None:
         self.phases = tuple(solution.phases)
-        robots = [planned.phase.robot for planned in self.phases]
-        if not robots or any(robot is None for robot in robots):
+        robots = [planned.phase.robot for planned in self.phases if planned.phase.robot is not None]
+        if not robots or len(robots) < len(self.phases):
             raise InputError("second_opinion() simulates robots; use validate() for Systems.")
         self.robot = realised(self.phases[0])
         names = list(self.robot.model.names)
@@ -91,6 +92,15 @@ class Course:
     def nu(self) -> int:
         """Number of motors."""
         return len(self.robot.actuated)
+
+    @property
+    def effort(self) -> Array:
+        """Effort limits of the motors (nu,) [N m, N], infinite where there is none."""
+        limits = limits_of(self.phases[0])
+        if limits is None:
+            return np.full(self.nu, np.inf)
+        found = np.asarray(self.robot.actuation, dtype=float).T @ np.nan_to_num(limits.effort, posinf=0.0)
+        return np.where(found > 0, found, np.inf)
 
     @property
     def starts(self) -> tuple[float, ...]:
@@ -150,8 +160,8 @@ class Course:
     def reference(self, phase: int, times: Array) -> Reference:
         """Sample a phase at times (m,) since its start [s]."""
         planned, start, duration = self.phases[phase], self.starts[phase], self.durations[phase]
-        sample = planned.at(start + np.clip(times, 0.0, duration))
-        return Reference(self._unit(sample.q), np.asarray(sample.v), np.asarray(sample.tau))
+        sample = robot_sample(planned, start + np.clip(times, 0.0, duration))
+        return Reference(self._unit(sample.q), sample.v, sample.tau)
 
     def onwards(self, q: Array, v: Array, periods: int) -> tuple[Array, Array]:
         """Positions (..., nq) and velocities (..., nv) of the plan as they are ``periods`` later."""

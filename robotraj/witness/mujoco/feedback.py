@@ -9,6 +9,7 @@ from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
+import scipy
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -17,6 +18,7 @@ from robotraj.witness.contacts.constrained import mass_and_bias
 from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.feet import feet_of
 from robotraj.witness.mujoco.linear import LinearPhase
+from robotraj.witness.planned import robot_sample
 from robotraj.witness.protocols import Array
 
 PIECE = 0.005
@@ -179,11 +181,12 @@ class _LinearPieces:
 def _entry(course: Course, phase: int, linear: LinearPhase) -> Array:
     """Matrix (2 nv, 2 nv) from a deviation at the end of the phase before to one at the start of a phase."""
     planned = course.phases[phase - 1]
-    end = planned.at(float(planned.knots[-1]))
-    rate = np.concatenate([end.v, end.a])
+    end = robot_sample(planned, planned.knots[-1:])
+    rate = np.concatenate([end.v[0], end.a[0]])
     # The end of a plan that repeats itself is seen from its start.
     around = course.closing is not None and phase == 0
-    seen = np.kron(np.eye(2), course.closing.velocities if around and course.closing else np.eye(len(end.v)))
+    mirrored = course.closing.velocities if around and course.closing else np.eye(course.robot.model.nv)
+    seen = scipy.linalg.block_diag(mirrored, mirrored)
     lands = course.lands(phase)
     feet = [foot for foot in feet_of(course) if foot.name in lands]
     return linear.touchdown(course.reference(phase, np.zeros(1)).q[0], seen @ rate, feet, course.root) @ seen
@@ -207,10 +210,8 @@ def _torque_scales(course: Course) -> Array:
     """
     planned = np.max([np.abs(course.reference(p, _middles(course, p)).tau).max(axis=0) for p in _all(course)], axis=0)
     scales = np.maximum(planned, IDLE * planned.max(initial=0.0))
-    limits = course.phases[0].phase.limits
-    if limits is not None:
-        bound = np.asarray(course.robot.actuation, dtype=float).T @ np.nan_to_num(limits.effort, posinf=0.0)
-        scales = np.where(bound > 0, np.where(scales > 0, np.minimum(scales, bound), bound), scales)
+    bound = course.effort
+    scales = np.where(np.isfinite(bound), np.where(scales > 0, np.minimum(scales, bound), bound), scales)
     return np.where(scales > 0, scales, 1.0)
 
 

@@ -78,9 +78,7 @@ class MujocoRun:
                     "there, or too unstable; check it by rt.validate, or give rt.witness.JointFeedback()."
                 )
         self._actuation = np.asarray(course.robot.actuation, dtype=float)
-        limits = course.phases[0].phase.limits
-        effort = np.full(course.nu, np.inf) if limits is None else self._actuation.T @ _finite(limits.effort)
-        self._effort = np.where(effort > 0, effort, np.inf)
+        self._effort = course.effort
         self._rows: list[tuple[Array, ...]] = []
         self._names: list[str] = []
         self._planned: dict[str, Array] = {}
@@ -226,7 +224,3 @@ class MujocoRun:
             str(self._feedback),
             f"MuJoCo {self._mujoco.__version__}, {self._how}",
         )
-
-
-def _finite(values: Any) -> Array:
-    return np.nan_to_num(np.asarray(values, dtype=float), posinf=0.0)

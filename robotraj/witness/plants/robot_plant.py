@@ -15,6 +15,7 @@ from robotraj.robot.robot import Robot
 from robotraj.robot.tangent import PLACE, difference, floats, normalised, rate_matrix
 from robotraj.solution.feedback.linearisation import Linearisation
 from robotraj.witness.contacts.stance import Stance, forces_in
+from robotraj.witness.planned import robot_sample
 from robotraj.witness.plants.plant import RATE_UNITS, Landing
 from robotraj.witness.protocols import Array, PhaseSolutionLike, Settle
 
@@ -75,7 +76,7 @@ class RobotPlant:
 
     def states(self, times: Array, interval: int | NDArray[np.int_] | None = None) -> Array:
         """Return the planned (q, v), (m, nq + nv)."""
-        sample = self._planned.at(times, interval=interval)
+        sample = robot_sample(self._planned, times, interval)
         return np.hstack([sample.q, sample.v])
 
     def gaps(self, states: Array, planned: Array) -> Array:
@@ -106,7 +107,7 @@ class RobotPlant:
 
     def given(self, times: Array) -> Array:
         """Return motor torques, forces of implicit contacts, and with feedback the planned states and gains."""
-        sample = self._planned.at(times)
+        sample = robot_sample(self._planned, times)
         rows = [sample.tau]
         rows += [forces_in(sample, [contact])[contact.name].T for contact in self._implicit]
         if self._feedback is not None:

@@ -9,6 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from robotraj.witness.numbers import as_numbers
+from robotraj.witness.planned import system_of
 from robotraj.witness.plants.plant import Landing
 from robotraj.witness.point import system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike, Settle, SystemLike
@@ -27,7 +28,7 @@ class SystemPlant:
     """
 
     def __init__(self, planned: PhaseSolutionLike) -> None:
-        self._system: SystemLike = planned.phase.system
+        self._system = system_of(planned)
         self.names = tuple(s.name for s in self._system.states)
         self.gap_names = self.names
         self.gap_units = tuple(s.unit for s in self._system.states)

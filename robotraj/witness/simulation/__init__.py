@@ -1,4 +1,4 @@
-"""Forward simulation of plans: short parts by themselves, the whole open loop, and the whole with feedback.
+"""Forward simulation of plans: short parts, the whole plan open loop, and the whole plan with feedback.
 
-Start with ``steps.py``; ``plant.py`` says what moves.
+Start with ``steps.py``; ``witness/plants`` holds the simulated models.
 """

@@ -1,4 +1,4 @@
-"""A plan followed with its own feedback: a robot that is held on a good plan stays there."""
+"""Simulation of a plan with its own feedback, which keeps a robot on a good plan."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import realised
 from robotraj.witness.plants.robot_plant import RobotPlant
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation import drift as drifts
@@ -24,11 +25,11 @@ class ClosedLoop:
     Attributes
     ----------
     error : Drift or None
-        By state: final and largest distance from the plan; None where it could not be simulated.
+        By state: final and largest distance from the plan; None where there is no simulation.
     growth : float or None
-        Largest factor by which a small deviation grows along the plan without feedback: what explains open-loop drift.
+        Largest factor by which a small deviation grows along the plan without feedback; it explains open-loop drift.
     reason : str or None
-        Why there is no closed loop, or why it stopped early.
+        Why there is no simulation, or why it stopped early.
     """
 
     error: Drift | None
@@ -42,15 +43,13 @@ def closed_loop_of(
     atol: float,
     clock: Callable[[], None],
 ) -> ClosedLoop:
-    """Follow a plan from its first state through all phases with its own feedback."""
+    """Simulate a plan from its first state through all phases with its own feedback."""
     if any(planned.phase.robot is None for planned in solution.phases):
-        return ClosedLoop(None, None, "feedback is found for robots, and a phase moves a System")
-    if not all(planned.phase.robot.actuated for planned in solution.phases):
+        return ClosedLoop(None, None, "a phase moves a System, and feedback is computed for robots only")
+    if not all(realised(planned).actuated for planned in solution.phases):
         return ClosedLoop(None, None, "the robot has no motors")
     if any(not contact.holds for planned in solution.phases for contact in planned.phase.bound_contacts):
-        return ClosedLoop(
-            None, None, "contacts come and go, and the forces that they give to a deviating robot are not known"
-        )
+        return ClosedLoop(None, None, "contacts are implicit, and their forces on a deviating robot are not known")
     clock()
     try:
         gains = solution.gains

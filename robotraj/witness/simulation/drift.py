@@ -1,4 +1,4 @@
-"""How far the simulated motion leaves the plan."""
+"""Distance of a simulated motion from the plan."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ class DriftRow:
     Attributes
     ----------
     name : str
-        ``q.<joint>``, ``v.<joint>``, or the state's name. A floating root is shifted by q.root_x, q.root_y, q.root_z
-        in the world and turned by the rotation vector q.root_rx, q.root_ry, q.root_rz in its own axes.
+        ``q.<joint>``, ``v.<joint>``, or the state's name. A floating root drifts by q.root_x, q.root_y, q.root_z in
+        the world and by the rotation vector q.root_rx, q.root_ry, q.root_rz in its own axes.
     unit : str
     final : float
-        |simulated - planned| at the end; infinite if the simulation did not get there.
+        |simulated - planned| at the end; infinite if the simulation did not reach it.
     largest : float
         Largest |simulated - planned|; infinite if the simulation did not reach the end.
     time : float
-        When it was largest, or when the simulation stopped [s].
+        Time of the largest drift, or at which the simulation stopped [s].
     phase : str
-        The phase it was largest in.
+        Phase of the largest drift.
     scale : float
-        What a tolerance is multiplied by: 1 for joint positions, 10 max(1, largest planned value) for joint
+        Factor of a tolerance: 1 for joint positions, 10 max(1, largest planned value) for joint
         velocities, max(1, largest planned value) for the states of Systems.
     """
 
@@ -45,7 +45,7 @@ class DriftRow:
 
     @property
     def relative(self) -> float:
-        """``largest`` / ``scale``, what a tolerance is compared with."""
+        """``largest`` / ``scale``, which is compared with a tolerance."""
         return self.largest / self.scale
 
 
@@ -69,11 +69,11 @@ class Drift(Mapping[str, DriftRow]):
 
     @property
     def worst(self) -> DriftRow:
-        """The row that is largest relative to its scale."""
+        """The row of largest drift relative to its scale."""
         return max(self.rows, key=lambda row: row.relative)
 
     def largest(self, prefix: str = "") -> float:
-        """Largest drift of the states whose names start with ``prefix``, such as ``"q."`` [rad, m]."""
+        """Return the largest drift of the states whose names start with ``prefix``, such as ``"q."`` [rad, m]."""
         return max((row.largest for row in self.rows if row.name.startswith(prefix)), default=0.0)
 
 
@@ -96,7 +96,7 @@ def _row(name: str, unit: str, gaps: Array, motion: Motion, phase: str, scale: f
 
 
 def merge(phases: list[tuple[DriftRow, ...]]) -> Drift:
-    """Join the drift of consecutive phases: the largest of all, the final of the last that has the state."""
+    """Join the drift of consecutive phases: the largest of all, and the final drift of the last one with the state."""
     merged: dict[str, DriftRow] = {}
     for rows in phases:
         for row in rows:

@@ -1,8 +1,8 @@
-"""Initial value problems whose right-hand side is smooth between knots only.
+"""Initial value problems under any torque, whose right-hand side is smooth between knots only.
 
-DOP853 is restarted at every knot: its error estimate never looks across a corner of the planned control. Friction of
-light wrists makes robots stiff, and an explicit method then takes steps as short as its stability wants them; from the
-first interval on where it takes too many, LSODA goes on, which turns to backward differences where that is cheaper.
+DOP853 is restarted at every knot, since its error estimate holds for smooth right-hand sides. Friction of light links
+makes robots stiff, and stability then shortens explicit steps. From the first interval with too many of them, LSODA
+integrates, which uses backward differences for stiff motions. Plans are simulated by ``steps.py`` instead.
 Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.10; Petzold, Automatic
 selection of methods for solving stiff and nonstiff systems of ordinary differential equations, SIAM J. Sci. Stat.
 Comput. 4 (1983).
@@ -26,20 +26,20 @@ MOST_EVALUATIONS = 200_000
 """Evaluations of the rates one interval may take before the motion counts as too stiff or divergent."""
 
 MOST_EXPLICIT = 2_000
-"""Evaluations by DOP853 in one interval from which on LSODA is asked; an interval of a smooth motion takes about 50."""
+"""Evaluations by DOP853 in one interval above which LSODA integrates; a smooth motion takes about 50."""
 
 SHARPER = 0.1
-"""LSODA's tolerances over DOP853's, with which its errors over an interval are as small."""
+"""Ratio of the tolerances of LSODA and DOP853 at which their errors over an interval are equal."""
 
 FINEST = 1e-13
-"""Smallest relative tolerance that LSODA is given: below, it refuses."""
+"""Smallest relative tolerance that LSODA accepts."""
 
 _LSODA = threading.Lock()
-"""ODEPACK keeps its state in one place for all threads."""
+"""ODEPACK has one state for all threads."""
 
 
 class TooMany(Stopped):
-    """It took more evaluations than it may."""
+    """The integration takes too many evaluations."""
 
 
 def integrate(
@@ -55,21 +55,21 @@ def integrate(
     """Integrate xdot = rates(t, x, k) over the intervals k between knots, by DOP853 or, where it is stiff, LSODA.
 
     A state or rate that is not finite, a step below round-off and more than ``MOST_EVALUATIONS`` evaluations
-    in one interval end the motion early; they are reported in ``failure``, not raised.
+    in one interval end the motion early; ``failure`` reports it, no error is raised.
 
     Parameters
     ----------
     rates : callable
-        ``rates(t, x, k)`` gives (n,), smooth in interval k.
+        ``rates(t, x, k)`` returns (n,), smooth in interval k.
     x0 : ndarray (n,)
     knots : ndarray (K + 1,)
         Ascending times [s]; intervals of no length are skipped.
     rtol, atol : float
         Tolerances of each step.
     samples_per_interval : int
-        Samples kept of an interval.
+        Samples of each interval.
     settle : callable, optional
-        ``settle(x)`` gives the state (n,) to go on from at every knot that was reached.
+        ``settle(x)`` returns the state (n,) from which to continue at each knot.
     """
     times: list[Array] = []
     states: list[Array] = []
@@ -111,7 +111,7 @@ def integrate(
 def stiff_interval(
     rates: Rates, x: Array, sampled: Array, k: int, rtol: float, atol: float
 ) -> tuple[Array, Array, Array, str | None]:
-    """Integrate one interval by LSODA: its samples but the last, the state at its end, and why it stopped early."""
+    """Integrate one interval by LSODA; return its samples without the last, its last state, and why it stopped."""
     finer = max(SHARPER * rtol, FINEST), SHARPER * atol
     with _LSODA, warnings.catch_warnings():
         # A warning ends the motion early, and its reason is returned.
@@ -122,7 +122,7 @@ def stiff_interval(
 def _interval(
     rates: Rates, x: Array, sampled: Array, k: int, method: str, rtol: float, atol: float, most: int
 ) -> tuple[Array, Array, Array, str | None]:
-    """Return the samples of one interval but its end, the state there, and why it stopped early if it did."""
+    """Return the samples of one interval without its end, the state there, and why it stopped early."""
     begin, end = float(sampled[0]), float(sampled[-1])
     count = 0
 
@@ -131,16 +131,16 @@ def _interval(
         count += 1
         if count > most:
             raise TooMany(t, f"more than {most} evaluations in one interval: too stiff or divergent")
-        # The search for a first step may look beyond the interval, where its polynomials mean nothing.
+        # The search for a first step may leave the interval, where its polynomials are not defined.
         return rates(min(t, end), state, k)
 
     with np.errstate(all="ignore"):
-        # A first step chosen from NaN would never end; later ones only shrink it until it underflows.
+        # The search for a first step does not end on NaN; later NaN shrinks the step until it underflows.
         if not np.isfinite(x).all() or not np.isfinite(rates(begin, x, k)).all():
             raise Stopped(begin, "the state or its rates are not finite")
         done = scipy.integrate.solve_ivp(counted, (begin, end), x, method=method, t_eval=sampled, rtol=rtol, atol=atol)
     found = done.y.T
-    # LSODA goes on through numbers that are none.
+    # LSODA continues after NaN.
     whole = int(np.isfinite(found).all(axis=1).cumprod().sum())
     if not done.success or whole < len(found):
         reached = max(whole, 1)

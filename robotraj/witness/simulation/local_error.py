@@ -1,8 +1,8 @@
 """The local error of a plan: short parts of it simulated one by one, each from the plan's own state.
 
-A small error of an unstable motion grows without bound when it is simulated open loop; over one interval it does not.
-So the local error says whether the plan is a motion of the robot, and on any mesh it means the same: intervals longer
-than a window are simulated in equal parts, shorter ones are joined.
+A small error of an unstable motion grows without bound in an open-loop simulation, but not over a short window. So the
+local error decides whether the plan is a motion of the robot, on any mesh alike: intervals longer than a window are
+simulated in equal parts, shorter ones are joined.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from robotraj.witness.simulation.spans import Span, Stopped
 from robotraj.witness.simulation.steps import Stepper
 
 WINDOWS = 40
-"""Parts of the whole plan that are simulated one by one."""
+"""Windows of a whole plan, which are simulated one by one."""
 
 SHORTEST_WINDOW, LONGEST_WINDOW = 0.05, 0.1
-"""Bounds of such a part [s] for robots: an error can be seen after this time, and gravity lets it grow by little."""
+"""Bounds of a window [s] for robots: long enough to show an error, too short for gravity to amplify it."""
 
 
 def windows_of(knots: Array, longest: float) -> list[list[Span]]:
@@ -36,7 +36,7 @@ def windows_of(knots: Array, longest: float) -> list[list[Span]]:
     for k, (begin, end) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
         if end <= begin:
             continue
-        # Round-off must not cut an interval of just this length in two.
+        # Round-off does not cut an interval of exactly this length in two.
         count = max(1, int(np.ceil((end - begin) / longest * (1.0 - 1e-9))))
         if current and (count > 1 or end - current[0].begin > longest * (1.0 + 1e-9)):
             windows.append(current)
@@ -51,7 +51,7 @@ def windows_of(knots: Array, longest: float) -> list[list[Span]]:
 
 
 def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callable[[], None]) -> Drift:
-    """Find the local errors of all phases, and of the mirror images of those of half a gait."""
+    """Return the local errors of all phases, and of their mirror images where half a gait is planned."""
     mirror = mirror_of(solution)
     before: tuple[Plant, Array, Array] | None = None
     whole = sum(float(planned.knots[-1] - planned.knots[0]) for planned in solution.phases)
@@ -83,13 +83,13 @@ def local_error_of(
     atol: float,
     clock: Callable[[], None],
 ) -> tuple[DriftRow, ...]:
-    """Simulate the windows of a phase, and compare each with the plan where it ends.
+    """Simulate the windows of a phase and compare each with the plan at its end.
 
     Returns
     -------
     tuple of DriftRow
         By state: largest |simulated - planned| at the end of any window, or jump of the plan there. Its scale is
-        1 + |planned|; for place and turn of a floating root 1. Infinite where a window could not be simulated.
+        1 + |planned|; for position and orientation of a floating root 1. Infinite where a simulation stopped.
     """
     windows = windows_of(knots, longest)
     begins = _ends(plant, windows, 0)
@@ -108,7 +108,7 @@ def local_error_of(
         reached[i] = x
     gaps = np.nan_to_num(np.abs(plant.gaps(reached, ends)), nan=np.inf)
     if len(windows) > 1:
-        # What the plan jumps by at a knot is no motion either.
+        # A jump of the plan at a knot is an error too.
         jumps = np.abs(plant.gaps(begins[1:], ends[:-1]))
         gaps[:-1] = np.maximum(gaps[:-1], np.nan_to_num(jumps, nan=np.inf))
     scales = plant.sizes(ends)
@@ -120,7 +120,7 @@ def local_error_of(
 
 
 def _seam(plant: Plant, handed: Array, own: Array, time: float, phase: str) -> tuple[DriftRow, ...]:
-    """Compare the first state of a phase with what the phase before hands on to it, impact included."""
+    """Compare the first state of a phase with the last state of the phase before, impact included."""
     x, _ = plant.begin(handed)
     gaps = np.nan_to_num(np.abs(plant.gaps(x[None], own[None])), nan=np.inf)
     return tuple(
@@ -130,7 +130,7 @@ def _seam(plant: Plant, handed: Array, own: Array, time: float, phase: str) -> t
 
 
 def _ends(plant: Plant, windows: Sequence[Sequence[Span]], side: int) -> Array:
-    """Planned states (m, n) at the beginnings (0) or ends (-1) of windows."""
+    """Return the planned states (m, n) at the beginnings (0) or ends (-1) of windows."""
     spans = [window[side] for window in windows]
     times = np.array([span.begin if side == 0 else span.end for span in spans])
     return plant.states(times, np.array([span.interval for span in spans]))

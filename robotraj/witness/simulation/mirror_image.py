@@ -1,8 +1,8 @@
 """The mirror image of a robot: the mirrored half of a gait is the planned half, moved by the image of the robot.
 
-Half a gait is planned and the other half mirrored. Geometry is symmetric where ``rt.gait.mirror`` accepts it, inertia
-seldom is: batteries and computers lie where there is room. Mirroring the world instead of the motion keeps the plan as
-it is and puts the image of its partner's body in the place of every body.
+Half a gait is planned and the other half mirrored. ``rt.gait.mirror`` checks geometry, and inertia is seldom symmetric.
+The plan is kept, and every body of the robot is replaced by the mirror image of its partner: this mirrors the world
+instead of the motion.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from robotraj.robot.robot import Robot
 from robotraj.witness.protocols import Array, SolutionLike
 
 REFLECTION = np.diag([1.0, -1.0, 1.0])
-"""Left and right change places: the mirror is the world's x-z plane."""
+"""Reflection in the x-z plane of the world."""
 
 MIRRORED = " (mirrored)"
-"""What the name of a phase ends with where its mirrored half is meant."""
+"""Suffix of the name of a phase whose mirrored half is simulated."""
 
 SAME = 1e-9
-"""Relative difference below which inertias count as equal."""
+"""Largest relative difference of equal inertias."""
 
 
 def mirror_of(solution: SolutionLike) -> Mirror | None:
-    """Find the link that closes the plan on its own mirror image."""
+    """Return the link that closes the plan on its mirror image, None without one."""
     for link in solution.problem.links:
         repeat = link.repeat if isinstance(link, Touchdown) else link
         if isinstance(repeat, Mirror):
@@ -38,7 +38,7 @@ def mirror_of(solution: SolutionLike) -> Mirror | None:
 
 
 def mirror_image(robot: Robot, mirror: Mirror) -> Robot | None:
-    """Give a robot the mirrored inertias of its partners' bodies; None where they are the same.
+    """Return the robot with the mirrored inertias of its partners' bodies, None where they are equal.
 
     At q = 0, which is its own image, a body with mass m, centre c and inertia I about it, in world axes, has the image
     m, R c, R I R with R = diag(1, -1, 1). Armature, damping and friction come from the partner.
@@ -72,7 +72,7 @@ def _partner(model: pin.Model, joint: int, both: Mapping[str, str]) -> int:
 
 
 def _velocity_order(model: pin.Model, both: Mapping[str, str]) -> Array:
-    """For every velocity the one of its partner."""
+    """Return for every velocity the index of its partner."""
     order = np.arange(model.nv)
     for i in range(1, model.njoints):
         own, other = model.joints[i], model.joints[_partner(model, i, both)]

@@ -1,4 +1,4 @@
-"""A plan's controls without feedback: through all phases, and through each phase from its own first state."""
+"""Simulation of all phases of a plan under its controls, without feedback."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from robotraj.witness.simulation.steps import march
 
 @dataclass(frozen=True)
 class OpenLoop:
-    """What became of a plan that was simulated without feedback.
+    """The result of a simulation without feedback.
 
     Attributes
     ----------
@@ -27,9 +27,9 @@ class OpenLoop:
     failure : str or None
         Why and when the simulation stopped before the end.
     landings : tuple of Landing
-        Where the simulation through all phases set its contacts down.
+        Places at which the simulation set its contacts down.
     stiff : float or None
-        Time [s] of the first interval that was too stiff for DOP853.
+        Time [s] of the first interval that implicit steps passed.
     """
 
     drift: Drift
@@ -41,10 +41,9 @@ class OpenLoop:
 def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[[], None]) -> OpenLoop:
     """Simulate a plan under its controls alone.
 
-    The simulated state is handed on where the next phase has the same states, so that a jump of the plan between phases
-    shows as drift. Where a link lets states jump, the planned jump is added; where contacts take hold, an impact of the
-    simulation's own brings them to rest where they are. A phase with other states, and one that sees the end of the
-    last displaced or mirrored, starts from its own plan.
+    A phase with the same states as the phase before starts from the simulated state, so that a jump of the plan between
+    phases is drift. Jumps that a link permits are added. Where contacts begin to hold, a simulated impact stops them.
+    A phase with other states, or after a displaced or mirrored end, starts from its own plan.
     """
     rows: list[tuple[DriftRow, ...]] = []
     landings: list[Landing] = []
@@ -70,7 +69,7 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[
 def handed_on(
     solution: SolutionLike, phase: int, plant: Plant, own: Array, before: tuple[Plant, Array, Array] | None
 ) -> Array:
-    """First state of a phase: what the phase before ended with, and planned jumps; or its own plan's."""
+    """Return the first state of a phase: the last one of the phase before with planned jumps, or its planned one."""
     if before is None or before[0].names != plant.names:
         return own
     _, reached, planned = before

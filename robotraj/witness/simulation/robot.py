@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -18,13 +18,13 @@ from robotraj.witness.protocols import Array, RobotLike
 from robotraj.witness.simulation.integration import Rates, integrate
 from robotraj.witness.simulation.spans import Motion
 
-Torque = Callable[[float, int, Array, Array], Any]
+Torque = Callable[[float, int, Array, Array], ArrayLike]
 
 Acceleration = Callable[[Array, Array, Array], Array]
 """``acceleration(q, v, applied)`` (nv,) under the torques applied to all joints."""
 
 Push = Callable[[float, int, Array], Array]
-"""``push(t, k, q)``: torques (nv,) on all joints besides those of the motors [N m, N]."""
+"""``push(t, k, q)`` returns further torques (nv,) on all joints [N m, N]."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,10 @@ class Simulation:
 def robot_rates(
     robot: RobotLike, torque: Torque, acceleration: Acceleration | None = None, push: Push | None = None
 ) -> Rates:
-    """Rates of (q, v): q' and a = ABA(q, v, B tau - d(v)), with d the joint damping and friction.
+    """Return the rates of (q, v): q' and a = ABA(q, v, B tau - d(v)), with d the joint damping and friction.
 
-    q' is v; of a quaternion it is half its product with (omega, 0), omega in the body's axes. A robot whose contacts
-    hold brings its own ``acceleration`` in the place of ABA, and one on which known forces act their torques, ``push``.
+    q' is v; of a quaternion it is half its product with (omega, 0), omega in the body's axes. ``acceleration`` replaces
+    ABA for robots with contacts, and ``push`` adds known forces.
 
     Pinocchio's own algorithms ignore damping and friction, so they are subtracted from the torque.
     Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
@@ -90,8 +90,8 @@ def robot_rates(
 
 def simulate(
     robot: RobotLike,
-    q0: Any,
-    v0: Any,
+    q0: ArrayLike,
+    v0: ArrayLike,
     torque: Torque,
     t_span: tuple[float, float],
     knots: Sequence[float] | None = None,
@@ -100,28 +100,28 @@ def simulate(
     atol: float = 1e-12,
     samples_per_interval: int = 20,
 ) -> Simulation:
-    """Integrate M(q) a + h(q, v) = B tau - d(v) with DOP853, where it is stiff with LSODA, restarted at every knot.
+    """Integrate M(q) a + h(q, v) = B tau - d(v) by DOP853, or LSODA where it is stiff, restarted at every knot.
 
     Parameters
     ----------
     robot : Robot
     q0, v0 : array_like (nq,), (nv,)
-        First positions [rad, m] and velocities [rad/s, m/s]; quaternions have length 1.
+        Initial positions [rad, m] and velocities [rad/s, m/s]; quaternions have length 1.
     torque : callable
-        ``torque(t, k, q, v)`` gives the torques (nu,) [N m, N] of the actuated joints in interval k.
+        ``torque(t, k, q, v)`` returns the torques (nu,) [N m, N] of the actuated joints in interval k.
     t_span : (float, float)
         Begin and end [s].
     knots : sequence of float, optional
-        Times where the torque may have a corner or a jump; those outside ``t_span`` are dropped.
+        Times at which the torque may have a corner or a jump; those outside ``t_span`` are ignored.
     rtol, atol : float
         Tolerances of each step.
     samples_per_interval : int
-        Samples kept between two knots.
+        Samples between two knots.
 
     Raises
     ------
     InputError
-        Sizes or times do not fit. A motion that blows up is reported in ``Simulation.failure``, not raised.
+        Sizes or times do not match. ``Simulation.failure`` reports a diverging motion; no error is raised.
     """
     begin, end = float(t_span[0]), float(t_span[1])
     if not begin < end:
@@ -144,7 +144,7 @@ def split(motion: Motion, model: pin.Model) -> Simulation:
     return Simulation(motion.times, q, v, motion.failure, motion.stopped)
 
 
-def _vector(value: Any, names: Sequence[str], what: str) -> Array:
+def _vector(value: ArrayLike, names: Sequence[str], what: str) -> Array:
     array = np.array(value, dtype=float).ravel()
     if array.size != len(names):
         raise InputError(f"{what} has {array.size} values; it needs {len(names)}: {', '.join(names)}.")

@@ -1,13 +1,13 @@
-"""Closed-loop simulation: joint feedback around a plan, as a controller on the machine would add it."""
+"""Simulation of a plan with joint feedback, as a controller of the machine adds it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.values import dataclass
@@ -25,7 +25,7 @@ from robotraj.witness.simulation.robot import Simulation, split
 
 @dataclass(frozen=True)
 class TrackingResult:
-    """How well feedback holds a robot on its plan.
+    """The motion of a robot under a plan and joint feedback.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class TrackingResult:
     failure: str | None
 
     def __str__(self) -> str:
-        """Give the largest error, the largest torque added, and when and why the simulation stopped."""
+        """Return the largest error, the largest added torque, and when and why the simulation stopped."""
         error, added = self.error.worst, max(self.feedback.values(), key=lambda peak: peak.value)
         return (
             f"With feedback: {error.name} by {error.largest:.3g} {error.unit} from the plan at t = {error.time:.4g} s "
@@ -59,15 +59,15 @@ def track(
     kp: float | Sequence[float],
     kd: float | Sequence[float],
     *,
-    offset: Any = 0.0,
+    offset: ArrayLike = 0.0,
     rtol: float = 1e-8,
     atol: float = 1e-10,
     samples_per_interval: int = 10,
 ) -> TrackingResult:
     """Simulate tau = tau_plan + kp (q_plan - q) + kd (v_plan - v) of the actuated joints.
 
-    Open-loop drift of an unstable motion grows whatever the mesh; this asks whether feedback keeps it. Contacts hold
-    and touch down as in ``validate``, when the plan says so.
+    Open-loop drift of an unstable motion grows on any mesh; feedback may keep it small. Contacts hold and touch down
+    at the planned times, as in ``validate``.
 
     Parameters
     ----------
@@ -76,19 +76,18 @@ def track(
     kp, kd : float or sequence (nu,)
         Gains [N m/rad, N/m] and [N m s/rad, N s/m], at least 0.
     offset : float or array_like (2 nv,)
-        Moves the plan's first state: q by ``pin.integrate``, which adds to all but a floating root, and v; a
-        disturbance to recover from.
+        Disturbance of the first state of the plan: of q in the tangent space (``pin.integrate``), then of v.
     rtol, atol, samples_per_interval
         As for ``simulate``.
 
     Raises
     ------
     InputError
-        The solution moves a System, or the gains do not fit the actuated joints.
+        The solution moves a System, or the number of gains is not that of the actuated joints.
     """
     require_solution(solution, "rt.witness.track")
     if not solution.phases or any(planned.phase.robot is None for planned in solution.phases):
-        raise InputError("track() adds joint feedback: it needs a plan of a robot; use validate() for Systems.")
+        raise InputError("The solution moves a System, and track() adds joint feedback to robots: use validate().")
     rows: list[tuple[DriftRow, ...]] = []
     added: list[dict[str, Peak]] = []
     motions: list[Simulation] = []
@@ -139,12 +138,12 @@ def track(
 
 
 def _always(gain: Array, times: Array) -> Array:
-    """Repeat one gain for all times."""
+    """Return one gain for all times."""
     return np.broadcast_to(gain, (len(times), *gain.shape))
 
 
-def _moved(model: pin.Model, x: Array, offset: Any) -> Array:
-    """Move a state (q, v) by an offset (2 nv,)."""
+def _moved(model: pin.Model, x: Array, offset: ArrayLike) -> Array:
+    """Return a state (q, v) moved by an offset (2 nv,)."""
     nq, nv = model.nq, model.nv
     try:
         away = np.array(np.broadcast_to(np.asarray(offset, dtype=float).ravel(), 2 * nv))
@@ -153,7 +152,7 @@ def _moved(model: pin.Model, x: Array, offset: Any) -> Array:
     return np.concatenate([pin.integrate(model, x[:nq], away[:nv]), x[nq:] + away[nv:]])
 
 
-def _gains(value: Any, what: str, joints: Sequence[str]) -> Array:
+def _gains(value: ArrayLike, what: str, joints: Sequence[str]) -> Array:
     array = np.asarray(value, dtype=float).ravel()
     if array.size not in (1, len(joints)):
         raise InputError(f"{what} has {array.size} values; give one, or one for each of: {', '.join(joints)}.")

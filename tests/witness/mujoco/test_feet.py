@@ -29,7 +29,10 @@ def resting(robot, contacts, q):
         return SimpleNamespace(
             q=np.broadcast_to(q, (*many, robot.nq)),
             v=np.zeros((*many, robot.nv)),
+            a=np.zeros((*many, robot.nv)),
             tau=np.zeros((*many, robot.nu)),
+            z={},
+            forces={},
         )
 
     bound = tuple(contact.bind(robot) for contact in contacts)

@@ -44,7 +44,7 @@ def test_a_wrong_parameter_is_seen_in_the_state_it_moves(make):
     assert report.residual.rate["v"].value == pytest.approx(0.1, abs=1e-8)
     assert report.residual.rate["x"].value < 1e-9
     assert report.drift["x"].unit == "m"
-    with pytest.raises(ValidationFailed, match=r"does not obey .* misses its end: v by 0\.0025 m/s"):
+    with pytest.raises(ValidationFailed, match=r"violates .* misses its end: v by 0\.0025 m/s"):
         report.check()
 
 

@@ -62,5 +62,5 @@ def test_gains_that_do_not_fit_are_refused(make, swinging, kp, kd, message):
 def test_systems_have_no_joints_to_feed_back(make):
     block = System(states=["x"], controls=["u"], dynamics=lambda point: [point.u["u"]])
     planned = make.plan(make.phase(system=block), [0, 1], x=lambda t, k: t, u=lambda t, k: 1.0)
-    with pytest.raises(InputError, match="needs a plan of a robot"):
+    with pytest.raises(InputError, match="moves a System"):
         track(make.solution(planned), 1.0, 1.0)
