@@ -41,8 +41,8 @@ QUADRUPEDS = {
 }
 
 
-def step(name: str, froude: float) -> rt.Problem:
-    """One step at a speed of froude sqrt(g h)."""
+def step(name: str, froude: float, repeat: rt.Periodic | None = None) -> rt.Problem:
+    """One step at a speed of froude sqrt(g h); two where ``repeat`` is given, as halves of unlike inertia need."""
     robot = rt.load(name, root="floating")
     if name in SOLES:
         feet, sole = SOLES[name]
@@ -66,6 +66,7 @@ def step(name: str, froude: float) -> rt.Problem:
         duration=duration,
         speed=froude * np.sqrt(9.81 * h),
         clearance=0.06 * h,
+        repeat=repeat,
         **more,
     )
 

@@ -41,7 +41,8 @@ class Measured:
     intervals : int
         Of the phase with most intervals.
     errors, broken : tuple of ndarray
-        For each phase: relative error and relative violation of path rows of every interval, (K,).
+        For each phase, of every interval (K,): the larger of its relative error and of the error of its part of the
+        objective's integral, scaled to the same goal; relative violation of path rows.
     """
 
     proof: Proof
@@ -82,12 +83,15 @@ def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measu
         gained = abs(before.objective - true) / size
         unsettled = gained / ((count / before.intervals) ** ORDER - 1.0)
     errors = tuple(errors_of(p.phase, p.trajectory, p.mesh) for p in parts)
+    # An interval's share of what the objective's integral may err by counts as much as its error may.
+    share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
+    needs = tuple(np.maximum(own, share * np.abs(of_objective)) for own, of_objective in zip(errors, left, strict=True))
     broken = tuple(broken_rows(p.phase, p.trajectory, p.torques) for p in parts)
     excess = [v.relative for v in (*solution.interval_violations, *solution.control_interval_violations)]
     excess += [float(rows.max()) for rows in broken]
     quadrature = abs(solution.objective - true) / size
     proof = Proof(max(float(e.max()) for e in errors), max(0.0, *excess), quadrature, unsettled, goals)
-    return Measured(proof, true, count, errors, broken)
+    return Measured(proof, true, count, needs, broken)
 
 
 def _assessment(errors: Array, broken: Array, growth: float) -> Assessment:

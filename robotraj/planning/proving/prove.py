@@ -10,7 +10,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from robotraj.guess.base import InitialGuess
+from robotraj.planning.deadline import Deadline
 from robotraj.planning.proving.measures import Measured, measured
+from robotraj.planning.proving.soft_friction import SPEEDS, needs_softening, softened
 from robotraj.planning.restarts import WHENCE
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
@@ -26,7 +28,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 MOST_MESHES = 4
 """Meshes tried before a plan is given back as it is."""
-PATIENCE = 200
+PATIENCE = 100
 """Iterations of a solve that may improve an objective and nothing else."""
 MOST_MARGINS = 4
 """Times that limits are lowered on one mesh."""
@@ -71,11 +73,14 @@ class _Refining:
         """Solve on one mesh after the other."""
         mesh = self.settings.mesh
         meshes = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
+        soft = self._with_soft_friction(guess, meshes)
+        if soft is not None:
+            guess, meshes = soft, tuple(part.mesh for part in soft.phases)
         last: Solution | None = None
         for number in range(MOST_MESHES):
             first = number == 0
             try:
-                last = self._on(meshes, self.best or guess, first)
+                last = self._on(meshes, self.best or guess, first, nearby=soft is not None or not first)
             except KeyboardInterrupt:
                 if last is None:
                     raise
@@ -88,39 +93,70 @@ class _Refining:
                 break
             if not first and last.proof is not None and last.proof.holds:
                 break
-            finer = self._finer(meshes, first)
+            if soft is not None and last.proof is not None and last.proof.motion_holds:
+                # Joints that stick creep from point to point: finer meshes take hundreds of iterations for a percent.
+                break
+            finer = self._finer(meshes, 1.0 if not first else self._second if soft is None else SECOND)
             if finer == meshes:
                 break
             meshes = finer
         assert last is not None
         return self._concluded(self.best or last)
 
-    def _finer(self, meshes: tuple[Mesh, ...], first: bool) -> tuple[Mesh, ...]:
+    @property
+    def _second(self) -> float:
+        """Growth from the first mesh to the second."""
+        refinement = self.settings.refinement
+        return refinement.second if isinstance(refinement, Equidistribute) else SECOND
+
+    def _finer(self, meshes: tuple[Mesh, ...], least: float) -> tuple[Mesh, ...]:
         """Return the next meshes: of the same knots, more closely, where there is nothing to measure."""
         refinement = self.settings.refinement
         assert refinement is not None
-        second = refinement.second if isinstance(refinement, Equidistribute) else SECOND
         if self.best is None or self.measures is None:
-            return tuple(evenly_finer(mesh, second) for mesh in meshes)
-        growth = max(second if first else 1.0, self.measures.growth)
-        return self.measures.next_meshes(self.best.phases, refinement, growth)
+            return tuple(evenly_finer(mesh, max(least, SECOND)) for mesh in meshes)
+        return self.measures.next_meshes(self.best.phases, refinement, max(least, self.measures.growth))
 
-    def _on(self, meshes: tuple[Mesh, ...], start: InitialGuess | Solution | None, first: bool) -> Solution:
+    def _with_soft_friction(self, guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Solution | None:
+        """Solve with dry friction that saturates at larger speeds; None without friction, or where that failed."""
+        if not needs_softening(self.problem) or isinstance(guess, Solution):
+            return None
+        limits = replace(self.settings.interval_limits, rounds=0)
+        settings = replace(self.settings, restarts=Restarts(0), interval_limits=limits)
+        found: Solution | None = None
+        for factor in SPEEDS:
+            own = replace(settings, mesh=meshes, solver=settings.solver.from_nearby() if found else settings.solver)
+            try:
+                softer = self._solve(softened(self.problem, factor), found or guess, own, {})
+            except KeyboardInterrupt:
+                if not isinstance(self.progress, Deadline):
+                    raise
+                break
+            if not softer.success:
+                break
+            found, meshes = softer, tuple(evenly_finer(mesh, self._second) if not found else mesh for mesh in meshes)
+        if isinstance(self.progress, Deadline):
+            self.progress.begin()
+        return found
+
+    def _on(
+        self, meshes: tuple[Mesh, ...], start: InitialGuess | Solution | None, first: bool, nearby: bool
+    ) -> Solution:
         """Solve on meshes; where torques exceed their limits between the points, lower the limits there.
 
         The first meshes only find a start: a failure there is met on the next, and so is what exceeds limits.
         """
         settings = replace(self.settings, mesh=meshes)
-        if self.best is not None:
+        if nearby:
             settings = replace(settings, solver=settings.solver.from_nearby())
-        if len(self.steps) > 1:
+        if self.best is not None and self.best.proof is not None and self.best.proof.motion_holds:
             # The motion is known by now, and only its objective is left to settle.
             settings = replace(settings, solver=settings.solver.at_most(PATIENCE), restarts=Restarts(0))
         if first:
             plain = replace(settings.interval_limits, rounds=0)
-            return self._solve(start, replace(settings, restarts=Restarts(0), interval_limits=plain), {})
-        found = self._solve(start, settings, {})
-        nearby = replace(settings, solver=settings.solver.from_nearby(), restarts=Restarts(0))
+            return self._solve(self.problem, start, replace(settings, restarts=Restarts(0), interval_limits=plain), {})
+        found = self._solve(self.problem, start, settings, {})
+        again_settings = replace(settings, solver=settings.solver.from_nearby(), restarts=Restarts(0))
         margins: dict[LimitedInterval, float] = {}
         for _ in range(MOST_MARGINS):
             if not found.success or not found.control_interval_violations:
@@ -129,14 +165,16 @@ class _Refining:
                 for violation in variable_violations(part.phase, i, part.trajectory, part.torques):
                     place = LimitedInterval(i, violation.interval, violation.row.number)
                     margins[place] = margins.get(place, 0.0) + MORE * violation.amount
-            again = self._solve(found, nearby, margins)
+            again = self._solve(self.problem, found, again_settings, margins)
             if not again.success:
                 break
             found = again
         return found
 
-    def _solve(self, start: InitialGuess | Solution | None, settings: Settings, margins: Margins) -> Solution:
-        found = solve(self.problem, start, settings, self.progress, margins=margins)
+    def _solve(
+        self, problem: Problem, start: InitialGuess | Solution | None, settings: Settings, margins: Margins
+    ) -> Solution:
+        found = solve(problem, start, settings, self.progress, margins=margins)
         self.times = added_times(self.times, found.times)
         self.iterations += found.iterations
         _, _, whence = found.message.partition(WHENCE)

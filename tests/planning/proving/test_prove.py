@@ -110,3 +110,16 @@ def test_a_goal_that_no_mesh_reaches_is_not_proved_and_the_plan_is_kept() -> Non
     kept = caught.value.solution
     assert kept.status is rt.solvers.Status.NOT_PROVED and kept.proof is not None
     assert "allowed 1e-14" in str(kept) and kept.objective == pytest.approx(58.80767, rel=1e-3)
+
+
+def test_dry_friction_is_met_step_by_step() -> None:
+    """From a straight line at once, the solver ends in an optimum that costs more."""
+    robot = rt.load("z1", locked={"jointGripper": 0.0})
+    start, end = rt.State(q=[0, 1.0, -1.0, 0.2, 0, 0], v=0), rt.State(q=[1.2, 1.8, -1.6, -0.6, 0.8, 0.9], v=0)
+    phase = rt.Phase(robot, 1.5, start, end, rt.Effort())
+    solution = rt.plan(phase)
+    assert solution.success and solution.proof is not None and solution.proof.motion_holds
+    assert solution.problem.phases[0].robot.friction_speed == robot.friction_speed
+    at_once = rt.plan(phase, solution.phases[0].mesh)
+    assert solution.objective < at_once.objective
+    assert rt.validate(solution).passed
