@@ -23,7 +23,7 @@ from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import default_guess
 from robotraj.guess.perturbed import Perturbed
 from robotraj.guess.straight_line import StraightLine
-from robotraj.planning.diagnosis.elastic import stretched
+from robotraj.planning.diagnosis.elastic import relaxed_motion
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
 from robotraj.solution.settings import Restarts
@@ -51,7 +51,7 @@ def restarted(
 ) -> Solution:
     """Solve a problem that failed once more: from longer motions, variations, and a motion that meets every row.
 
-    A stretched problem (``robotraj.planning.diagnosis.elastic``) shows which limits conflict; where they are limits of
+    A relaxed problem (``robotraj.planning.diagnosis.elastic``) shows which limits conflict; where they are limits of
     joints or of a fixed duration alone, no variation is tried: no other beginning makes a motor stronger.
 
     Parameters
@@ -66,7 +66,7 @@ def restarted(
     solve : callable
     restarts : Restarts
     coarsely : callable
-        Solves on a coarse mesh, for the stretched problem.
+        Solves on a coarse mesh, for the relaxed problem.
 
     Returns
     -------
@@ -98,11 +98,11 @@ def _from_elsewhere(
 ) -> Iterator[tuple[Solution, str]]:
     """Start from variations of the default guess, then from a motion that meets every row on a coarse mesh.
 
-    Before that, the stretched problem shows which rows conflict. Limits of joints at a fixed duration end the search.
+    Before that, the relaxed problem shows which rows conflict. Limits of joints at a fixed duration end the search.
     """
     if not seeds or guess is not None:
         return
-    motion, conflicts = stretched(problem, coarsely)
+    motion, conflicts = relaxed_motion(problem, coarsely)
     if motion is not None and (conflicts or motion.status is Status.INTERRUPTED):
         yield replace(motion, conflicts=conflicts), ""
     fixed = all(low == high for low, high in (phase.duration_bounds for phase in problem.phases))

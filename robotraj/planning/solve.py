@@ -45,7 +45,7 @@ from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.transcribe import transcribe
 
 COARSE = 15
-"""Intervals a phase on which the problem is stretched to find what stands in its way."""
+"""Intervals a phase of the relaxed problem, which shows the limits that conflict."""
 ROW_TOLERANCE = 1e-6
 """Largest violation of a scaled row or bound that counts as held, when rows are evaluated outside the solver."""
 NEAR = 1e-2

@@ -1,6 +1,6 @@
 """Numbering of the unknowns of a phase: a column of the decision vector for each.
 
-States stand at knots and at the inner nodes of each interval, algebraic variables at nodes, controls at the control's
+States have columns at knots and at the inner nodes of each interval, algebraic variables at nodes, controls at their
 sites. Where the schemes on both sides of a knot have a node or a control site there, the neighbours share the value.
 """
 

@@ -230,7 +230,7 @@ def _columns_by_variable(phase: Phase, layout: PhaseLayout) -> dict[str, NDArray
     )
     found: dict[str, NDArray[np.int_]] = {}
     for variables, parts in groups:
-        # Columns were numbered in the order of time; all variables of a group stand at the same places.
+        # Columns are numbered in the order of time; all variables of a group have the same places.
         if variables:
             columns = np.sort(np.concatenate([part.reshape(-1, len(variables)) for part in parts]), axis=0)
             fresh = np.ones(len(columns), dtype=bool)

@@ -1,1 +1,1 @@
-"""Why a problem has no solution: what its ends need before it is solved, and which limits must give after it failed."""
+"""Causes of failed plans: ends that motors cannot hold, and limits that conflict with each other."""

@@ -1,8 +1,8 @@
-"""Which limits must give: the problem with every bound allowed to stretch, at the least total stretch.
+"""Limits that conflict with each other: the problem with relaxed rows, at the least total relaxation.
 
-Each inequality l <= c(point) <= u of a phase becomes l - w s <= c <= u + w s with one stretch s >= 0 for the row and a
-scale w in its unit, and the sum of the stretches is minimised. Dynamics, ends of the state, contacts and links stay
-exact. The least sum of absolute values leaves most stretches at zero; one reweighted solve sharpens the choice.
+Each inequality l <= c(point) <= u of a phase becomes l - w s <= c <= u + w s with a slack s >= 0 of the row and a scale
+w in its unit, and the sum of the slacks is minimised. Dynamics, ends of the state, contacts and links stay exact. The
+least sum leaves most slacks at zero; a second, reweighted solve reduces their number further.
 Source: Candes, Wakin and Boyd, Enhancing sparsity by reweighted l1 minimization, J. Fourier Anal. Appl. 14 (2008);
 Gill, Murray and Saunders, SNOPT, SIAM Review 47 (2005), for the elastic mode.
 """
@@ -38,14 +38,14 @@ Solve = Callable[[Problem, "Solution | None"], Solution]
 """(problem, guess) -> Solution, on a mesh and with a solver of the caller's choice."""
 
 SMALL = 1e-3
-"""Stretches below this share of a row's scale do not count."""
+"""Slacks, relative to the row's scale, that count as zero."""
 LONGEST = 30.0
-"""How many times longer than allowed a stretched motion may take."""
+"""Longest duration of a relaxed motion, relative to the longest allowed one."""
 
 
 @dataclass(frozen=True)
-class _Stretchable:
-    """One row that may stretch: the table that evaluates it, its parameter, and the scale of the stretch."""
+class _RelaxedRow:
+    """One row to relax: the table that evaluates it, and the parameter that is its slack."""
 
     table: RowTable
     row: PhaseRow
@@ -53,55 +53,56 @@ class _Stretchable:
 
     @property
     def scale(self) -> float:
-        """Size in which a stretch is counted: the larger finite bound, else 1, in the row's unit."""
+        """Unit of the slack: the larger finite bound, else 1, in the row's unit."""
         return self.row.size or 1.0
 
 
 @dataclass(frozen=True)
-class _Stretched(Constraint):
-    """A constraint whose inequalities stretch by parameters of the phase: c + w s >= l and c - w s <= u."""
+class _RelaxedConstraint(Constraint):
+    """A constraint relaxed by slacks, which are parameters of the phase: c + w s >= l and c - w s <= u."""
 
-    stretchable: tuple[_Stretchable, ...]
+    entries: tuple[_RelaxedRow, ...]
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
-        """Write one row for every finite side."""
+        """Return one row for every finite side."""
         sides = [
             (i, sign, Row(entry.row.name, entry.row.unit, lower, upper, entry.row.joint))
-            for i, entry in enumerate(self.stretchable)
+            for i, entry in enumerate(self.entries)
             for sign, lower, upper in ((1.0, entry.row.lower, np.inf), (-1.0, -np.inf, entry.row.upper))
             if np.isfinite(lower) or np.isfinite(upper)
         ]
-        table, rows = self.stretchable[0].table, [entry.row for entry in self.stretchable]
+        table, rows = self.entries[0].table, [entry.row for entry in self.entries]
 
         def expression(point: Point) -> list[ca.SX]:
             values = table.values(rows, point)
-            stretches = [entry.scale * point.p[entry.name] for entry in self.stretchable]
-            return [values[i] + sign * stretches[i] for i, sign, _ in sides]
+            slacks = [entry.scale * point.p[entry.name] for entry in self.entries]
+            return [values[i] + sign * slacks[i] for i, sign, _ in sides]
 
         bound = table.constraints[rows[0].constraint]
         return BoundConstraint(bound.name, tuple(row for *_, row in sides), expression, bound.where)
 
 
 def _last_time(longest: float) -> BoundConstraint:
-    """End of a motion that begins at 0, t <= longest [s]."""
+    """Return the row of the end of a motion that starts at 0, t <= longest [s]."""
     row = Row("duration", "s", -np.inf, longest)
     return BoundConstraint("duration", (row,), lambda point: [point.t], Where.END)
 
 
-def stretched(problem: Problem, solve: Solve) -> tuple[Solution | None, tuple[Conflict, ...]]:
-    """Find a motion with the smallest stretches.
+def relaxed_motion(problem: Problem, solve: Solve) -> tuple[Solution | None, tuple[Conflict, ...]]:
+    """Return the motion of the relaxed problem, and the rows that it relaxes.
 
     Parameters
     ----------
     problem : Problem
     solve : callable
+        ``solve(problem, guess)``.
 
     Returns
     -------
     motion : Solution or None
-        Of the stretched problem; None where that was not solved either, unless it was interrupted.
+        Solution of the relaxed problem; None if it was not solved either, unless it was interrupted.
     conflicts : tuple of Conflict
-        Largest relative stretch first; empty where no stretch is needed: then the motion meets every row.
+        Largest relative slack first; empty if no slack is needed: then the motion satisfies every row.
     """
     try:
         relaxed, entries = _relaxed(problem, {})
@@ -110,27 +111,27 @@ def stretched(problem: Problem, solve: Solve) -> tuple[Solution | None, tuple[Co
         return None, ()
     if not found.success:
         return (found if found.status is Status.INTERRUPTED else None), ()
-    stretches = _stretches(found, entries)
-    if sum(value > SMALL for value in stretches.values()) > 1:
-        weights = {name: 1.0 / (value + SMALL) for name, value in stretches.items()}
+    slacks = _slacks(found, entries)
+    if sum(value > SMALL for value in slacks.values()) > 1:
+        weights = {name: 1.0 / (value + SMALL) for name, value in slacks.items()}
         again = solve(_relaxed(problem, weights)[0], found)
         if again.success:
-            found, stretches = again, _stretches(again, entries)
+            found, slacks = again, _slacks(again, entries)
     listed = [
-        _conflict(found, i, entry, stretches[entry.name])
+        _conflict(found, i, entry, slacks[entry.name])
         for i, of_phase in enumerate(entries)
         for entry in of_phase
-        if stretches[entry.name] > SMALL
+        if slacks[entry.name] > SMALL
     ]
     return found, tuple(sorted(listed, key=lambda conflict: -conflict.relative))
 
 
-def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, list[list[_Stretchable]]]:
-    """Write the stretched problem, and list for each phase what stretches."""
-    phases, stretchable = [], []
+def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, list[list[_RelaxedRow]]]:
+    """Return the relaxed problem, and the relaxed rows of each phase."""
+    phases, relaxed_rows = [], []
     alone = len(problem.phases) == 1
     for i, phase in enumerate(problem.phases):
-        # Contacts impose their limits again, and rows that the objective adds go with the objective.
+        # Contacts of the phase impose their limits themselves; rows of the objective are removed with it.
         given = [bound for bound in phase.rows.constraints if bound.source is not None]
         least, longest = phase.duration_bounds
         duration = phase.duration
@@ -139,10 +140,10 @@ def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, l
             duration = (least, LONGEST * longest)
         table = replace(phase.rows, dae=phase.body, constraints=tuple(given))
         entries = [
-            _Stretchable(table, row, f"stretch.{i}.{row.number}") for row in table if row.where is not Where.INTEGRAL
+            _RelaxedRow(table, row, f"slack.{i}.{row.number}") for row in table if row.where is not Where.INTEGRAL
         ]
         of_each = groupby(entries, lambda entry: entry.row.constraint)
-        wrapped: list[Constraint] = [_Stretched(tuple(group)) for _, group in of_each]
+        wrapped: list[Constraint] = [_RelaxedConstraint(tuple(group)) for _, group in of_each]
         wrapped += [bound.source for bound in given if bound.where is Where.INTEGRAL and bound.source is not None]
         names = [entry.name for entry in entries]
         cost: Objective = Mayer(partial(_total, names=names, weights=[weights.get(name, 1.0) for name in names]))
@@ -158,25 +159,25 @@ def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, l
                 parameters={**phase.parameters, **{name: between(0.0, None) for name in names}},
             )
         )
-        stretchable.append(entries)
-    return Problem(phases, problem.links), stretchable
+        relaxed_rows.append(entries)
+    return Problem(phases, problem.links), relaxed_rows
 
 
 def _total(start: Point, end: Point, names: Sequence[str], weights: Sequence[float]) -> ca.SX:
-    """Sum of the weighted stretches."""
+    """Return the sum of the weighted slacks."""
     return ca.sum1(ca.vertcat(0, *(weight * end.p[name] for name, weight in zip(names, weights, strict=True))))
 
 
-def _stretches(found: Solution, stretched: Sequence[Sequence[_Stretchable]]) -> dict[str, float]:
+def _slacks(found: Solution, relaxed: Sequence[Sequence[_RelaxedRow]]) -> dict[str, float]:
     return {
         entry.name: part.parameters[entry.name]
-        for part, entries in zip(found.phases, stretched, strict=True)
+        for part, entries in zip(found.phases, relaxed, strict=True)
         for entry in entries
     }
 
 
-def _conflict(found: Solution, index: int, entry: _Stretchable, stretch: float) -> Conflict:
-    """Locate a stretched row: where along the motion it is furthest beyond its bounds, and the value it needs there."""
+def _conflict(found: Solution, index: int, entry: _RelaxedRow, slack: float) -> Conflict:
+    """Return the time at which a relaxed row is furthest beyond its bounds, and a bound that suffices."""
     part = found.phases[index]
     phase: Phase = part.phase
     p = np.array([part.parameters[name] for name in entry.table.parameters])
@@ -190,7 +191,7 @@ def _conflict(found: Solution, index: int, entry: _Stretchable, stretch: float) 
     worst = int(np.argmax(np.maximum(low, high)))
     upper = bool(high[worst] >= low[worst])
     bound = entry.row.upper if upper else entry.row.lower
-    amount = stretch * entry.scale
+    amount = slack * entry.scale
     return Conflict(
         phase.name,
         entry.row.label,
@@ -198,7 +199,7 @@ def _conflict(found: Solution, index: int, entry: _Stretchable, stretch: float) 
         bound,
         bound + amount if upper else bound - amount,
         entry.row.unit,
-        stretch,
+        slack,
         entry.row.label == "duration" or entry.row.kind is Kind.BOUND or entry.row.joint in _joints(phase),
     )
 

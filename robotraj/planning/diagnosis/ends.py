@@ -1,7 +1,7 @@
-"""What the ends of a motion need: the torques that hold a robot still there, beside the limits of its motors.
+"""Ends of a motion at rest that the motors cannot hold: static torques beyond their limits.
 
-A robot may pass through a pose that its motors cannot hold: it arrives while gravity slows it down. What is found here
-is a suspicion, which names the cause where a solve fails, and no refusal.
+A robot can pass through such a pose, and even reach it while gravity slows it down. The ends are therefore not refused;
+they are reported as a likely cause where a solve fails.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Unheld:
         ``"start"`` or ``"end"``.
     joint : str
     needed, limit : float
-        Torque or force that holds the pose, and what the motor has [N m, N].
+        Torque or force that holds the pose, and the limit of the motor [N m, N].
     unit : str
     """
 
@@ -46,9 +46,9 @@ class Unheld:
 
 
 def unheld_ends(problem: Problem) -> tuple[Unheld, ...]:
-    """List the fixed ends at rest whose gravity torques exceed the motors, tau = g(q), the largest excess first.
+    """Return the fixed ends at rest whose gravity torques tau = g(q) exceed the motors, the largest excess first.
 
-    Looks at robots on a fixed root without contacts and design parameters; other ends are held by forces that are
+    Robots have a fixed root and neither contacts nor design parameters; other poses are held by forces that are
     unknowns of the plan.
     """
     found = [entry for phase in problem.phases for end in ("start", "end") for entry in _unheld(phase, end)]
@@ -67,7 +67,7 @@ def _unheld(phase: Phase, end: str) -> list[Unheld]:
     torques = pin.computeGeneralizedGravity(robot.model, robot.model.createData(), lower[: robot.nq])
     entries = []
     for i, (joint, unit) in enumerate(zip(robot.velocity_names, robot.units, strict=True)):
-        # Dry friction holds a joint that rests.
+        # Dry friction supports a joint at rest.
         needed = max(abs(float(torques[i])) - float(robot.friction[i]), 0.0)
         limit = float(limits.effort[i]) if joint in robot.actuated else np.inf
         if needed > limit * (1 + 1e-9):

@@ -36,7 +36,7 @@ class CompressedHermiteSimpson(OneStep):
 
     @property
     def piece_sites(self) -> Array:
-        """Knots and mid-point, unless the control says otherwise."""
+        """Knots and mid-point by default; else the sites of the control."""
         return self.control.sites(legendre_lobatto(3))
 
     @property

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.elastic import stretched
+from robotraj.planning.diagnosis.elastic import relaxed_motion
 
 A = np.array([-1.1, -1.8, 1.6, -1.2, -1.57, 0.0])
 B = np.array([1.1, -0.8, 0.6, -0.6, -0.6, 1.2])
@@ -31,12 +31,12 @@ def reach(ur5: rt.Robot, **changes: Any) -> rt.Problem:
 
 
 def test_a_problem_that_has_a_solution_needs_no_stretch(ur5: rt.Robot) -> None:
-    assert stretched(reach(ur5), coarse)[1] == ()
+    assert relaxed_motion(reach(ur5), coarse)[1] == ()
 
 
 def test_the_weak_motor_is_named_with_a_torque_that_would_do(ur5: rt.Robot) -> None:
     limits = ur5.limits.with_(effort={"shoulder_lift_joint": 20.0})
-    (conflict,) = stretched(reach(ur5, limits=limits), coarse)[1]
+    (conflict,) = relaxed_motion(reach(ur5, limits=limits), coarse)[1]
     assert conflict.name == "effort limit, shoulder_lift_joint" and conflict.unit == "N m"
     assert abs(conflict.bound) == 20.0 and 20.0 < abs(conflict.needed) < 60.0
     stronger = ur5.limits.with_(effort={"shoulder_lift_joint": 1.02 * abs(conflict.needed)})
@@ -45,7 +45,7 @@ def test_the_weak_motor_is_named_with_a_torque_that_would_do(ur5: rt.Robot) -> N
 
 def test_a_pose_out_of_reach_is_told_with_the_miss(ur5: rt.Robot) -> None:
     far = rt.AtEnd(rt.FramePosition("tool0", [1.5, 0.0, 0.3]))
-    _, found = stretched(reach(ur5, end=rt.State(v=0), constraints=[far]), coarse)
+    _, found = relaxed_motion(reach(ur5, end=rt.State(v=0), constraints=[far]), coarse)
     assert found and found[0].name.startswith("frame position") and found[0].time == pytest.approx(1.0)
     assert abs(found[0].bound - found[0].needed) > 0.3
 
@@ -60,6 +60,6 @@ def test_a_duration_below_what_the_motors_allow_is_told() -> None:
         end=rt.State({"x": 1, "v": 0}),
         controls={"u": rt.between(-1, 1)},
     )
-    _, found = stretched(rt.Problem([phase]), coarse)
+    _, found = relaxed_motion(rt.Problem([phase]), coarse)
     assert [conflict.name for conflict in found] == ["duration"]
     assert found[0].needed == pytest.approx(2.0, rel=0.02)
