@@ -285,7 +285,7 @@ class SwingArc(RequiredHeight):
 def split_duration(duration: TimeSpan, parts: Sequence[float]) -> list[float | Sequence[float]]:
     """Return parts of a duration [s], fixed or bounded, in proportion; None in a pair is an open side."""
     if isinstance(duration, Between):
-        duration = duration.lower, duration.upper
+        duration = cast("tuple[float | None, float | None]", (duration.lower, duration.upper))
     if isinstance(duration, tuple | list) and len(duration) == 2:
         low, high = duration
         duration = 0.0 if low is None else low, np.inf if high is None else high

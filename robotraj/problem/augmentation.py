@@ -30,6 +30,7 @@ from robotraj.dynamics.dae import Dynamics, TimeOrders
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rigid_body import InverseDynamics, RigidBody
 from robotraj.dynamics.variable import Variable
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)
@@ -290,7 +291,7 @@ class RunningIntegral(Augmented):
         return ca.vertcat(self.inner.rates(point), self.rate(point))
 
 
-def _robot(dynamics: Dynamics) -> Any:
+def _robot(dynamics: Dynamics) -> Robot:
     body = body_of(dynamics)
     if not isinstance(body, RigidBody):
         raise InputError(

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
 import numpy as np
 
 from robotraj._util.errors import InputError
@@ -13,7 +10,7 @@ from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.problem.augmentation import body_of
-from robotraj.problem.constraints.bounds import Bounds, as_bounds
+from robotraj.problem.constraints.bounds import Bounds, BoundsLike, as_bounds
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.root import QUATERNION
 
@@ -35,9 +32,9 @@ class State(OneLine):
     name stay free. Arrays, lists and mappings are copied: what is written to them later changes no state.
     """
 
-    values: Mapping[str, Any] | Sequence[Any] | None = None
-    q: Any = None
-    v: Any = None
+    values: BoundsLike = None
+    q: BoundsLike = None
+    v: BoundsLike = None
 
     def __post_init__(self) -> None:
         own_fields(self)

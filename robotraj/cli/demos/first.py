@@ -86,7 +86,7 @@ def acrobot() -> Demo:
         name="swing-up",
     )
     half = np.pi / 2
-    poses = [[0, 0], [-half, half], [half, half], [np.pi, 0]]
+    poses: list[list[float]] = [[0, 0], [-half, half], [half, half], [np.pi, 0]]
     return Demo(
         swing_up,
         (Mesh(20, HermiteSimpson()), Mesh(100, FifthDegree())),

@@ -18,6 +18,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.problem.scalars import Scalar
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
@@ -87,7 +88,7 @@ class BoundConstraint(OneLine):
 
     name: str
     rows: tuple[Row, ...]
-    expression: Callable[[Any], Sequence[Any]]
+    expression: Callable[[Any], Sequence[Scalar]]
     where: Where = Where.THROUGHOUT
     source: Constraint | None = None
 
@@ -138,7 +139,7 @@ class AtEnd(Constraint):
         return replace(self.constraint.bind(dynamics, parameters), where=Where.END)
 
 
-def _require_constraint(value: Any, who: str) -> None:
+def _require_constraint(value: object, who: str) -> None:
     if not isinstance(value, Constraint):
         raise InputError(f"{who} imposes a constraint such as rt.FramePosition(...) at one end; got {value!r}.")
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from numbers import Real
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeAlias, TypeGuard
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
@@ -16,20 +16,26 @@ from robotraj._util.values import dataclass, own
 UNBOUNDED = 1e20
 """Numbers above this mean infinity, as URDF readers write 1.8e308 for a joint without limits."""
 
+SideLike: TypeAlias = float | Sequence[float] | NDArray[np.float64] | None
+"""Lower or upper bounds of one value or several; None leaves the side open."""
+
 
 @dataclass(frozen=True)
 class Between(OneLine):
     """An interval [lower, upper]; make one with ``rt.between``."""
 
-    lower: Any
-    upper: Any
+    lower: SideLike
+    upper: SideLike
 
 
 Interval = float | Between | None
 """How a user bounds one scalar: a number fixes it, ``rt.between`` bounds it, None leaves it free."""
 
+BoundsLike: TypeAlias = Interval | Sequence[Interval] | NDArray[np.float64] | Mapping[str, Interval]
+"""How a user bounds n scalars: one value for all, one for each, or some by name."""
 
-def between(lower: Any, upper: Any) -> Between:
+
+def between(lower: SideLike, upper: SideLike) -> Between:
     """Bound a value: ``lower <= value <= upper``.
 
     Parameters
@@ -64,7 +70,7 @@ class Bounds(NamedTuple):
     upper: NDArray[np.float64]
 
 
-def as_bounds(value: Any, names: Sequence[str], what: str, kind: str = "joint") -> Bounds:
+def as_bounds(value: object, names: Sequence[str], what: str, kind: str = "joint") -> Bounds:
     """Read what a user wrote for n named scalars into bounds.
 
     Parameters
@@ -159,18 +165,18 @@ def as_duration(value: float | Sequence[float] | Between, phase: str) -> tuple[f
     return max(low, 0.0), high
 
 
-def _is_mapping(value: Any) -> bool:
+def _is_mapping(value: object) -> TypeGuard[Mapping[str, object]]:
     """Whether entries go by name; the abstract class takes its time with every type that it has not seen."""
     plain = isinstance(value, int | float | tuple | list | np.ndarray | Between | None)
     return not plain and isinstance(value, Mapping)
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: object) -> bool:
     """Whether the value is a scalar of any kind, a string among them."""
     return isinstance(value, int | float) or (not isinstance(value, tuple | list) and np.isscalar(value))
 
 
-def _is_plain_array(value: Any) -> bool:
+def _is_plain_array(value: object) -> bool:
     """Whether the value is an array or list of numbers alone."""
     if isinstance(value, str) or _is_mapping(value):
         return False
@@ -180,7 +186,7 @@ def _is_plain_array(value: Any) -> bool:
         return False
 
 
-def _pair(value: Any, what: str) -> tuple[Any, Any]:
+def _pair(value: object, what: str) -> tuple[ArrayLike, ArrayLike]:
     if value is None:
         return -np.inf, np.inf
     if isinstance(value, Between):
@@ -199,7 +205,7 @@ def _pair(value: Any, what: str) -> tuple[Any, Any]:
     return number, number
 
 
-def _numbers(value: Any) -> NDArray[np.float64]:
+def _numbers(value: object) -> NDArray[np.float64]:
     """Read numbers; NumPy would also take text that looks like some."""
     if np.asarray(value).dtype.kind in "SU":
         raise TypeError(f"{value!r} is text")

@@ -19,6 +19,8 @@ from robotraj.problem.constraints.heights import RequiredHeight, required_height
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ class GroundClearance(Constraint):
         labels = [spot.label for spot in spots]
         height = required_height(self.height, f"GroundClearance of {', '.join(labels[:3])}")
 
-        def gaps(point: Any) -> list[tuple[Any, Any]]:
+        def gaps(point: RobotPoint) -> list[tuple[Any, Any]]:
             places = [spot.position(point) for spot in spots]
             return [(spot.gap(point, place, ground), place) for spot, place in zip(spots, places, strict=True)]
 
@@ -68,7 +70,7 @@ class GroundClearance(Constraint):
             rows = tuple(Row("ground clearance", "m", height, np.inf, label) for label in labels)
             return BoundConstraint("ground clearance", rows, lambda point: [gap for gap, _ in gaps(point)])
 
-        def expression(point: Any) -> list[Any]:
+        def expression(point: RobotPoint) -> list[Scalar]:
             return [gap - h for gap, place in gaps(point) for h in height.heights(point, place).values()]
 
         point = symbols_of(dynamics, parameters)

@@ -13,6 +13,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
 
 if TYPE_CHECKING:
+    from robotraj.problem.scalars import Scalar
     from robotraj.robot.robot import Robot
 
 Vector = tuple[float, float, float]
@@ -44,13 +45,13 @@ class ClearancePoint(OneLine):
     radius: float = 0.0
     axis: Vector | None = None
 
-    def position(self, point: Any) -> list[Any]:
+    def position(self, point: Any) -> list[Scalar]:
         """Centre in the world [m]."""
         view = point.frame(self.frame)
         place, turned = view.position, _turned(view, self.offset)
         return [place[i] + turned[i] for i in range(3)]
 
-    def gap(self, point: Any, position: Sequence[Any], ground: Ground) -> Any:
+    def gap(self, point: Any, position: Sequence[Any], ground: Ground) -> Scalar:
         """Least vertical distance z - h(x, y) [m] over the ground's tangent plane below the spot's ``position``.
 
         With g = (-h_x, -h_y, 1), a ball's lowest point lies r |g| below its centre, a disc's
@@ -68,7 +69,7 @@ class ClearancePoint(OneLine):
         return z - height - self.radius * steep**0.5
 
 
-def _turned(view: Any, vector: Vector) -> Any:
+def _turned(view: Any, vector: Vector) -> Sequence[Any]:
     """Turn a frame's vector into world axes; its zeros leave no trace in the graph."""
     return view.rotation @ np.array(vector) if any(vector) else (0.0, 0.0, 0.0)
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj.dynamics.holding import anchors
 from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.problem.scalars import Scalar
 
 if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact, LimitRow
+    from robotraj.dynamics.point import RobotPoint
 
 
 def contact_limits(contact: BoundContact) -> tuple[BoundConstraint, BoundConstraint]:
@@ -18,11 +20,11 @@ def contact_limits(contact: BoundContact) -> tuple[BoundConstraint, BoundConstra
     def rows(limits: Sequence[LimitRow]) -> tuple[Row, ...]:
         return tuple(Row(r.name, r.unit, r.lower, r.upper, r.joint, r.variable) for r in limits)
 
-    def expression(point: Any) -> Sequence[Any]:
+    def expression(point: RobotPoint) -> Sequence[Scalar]:
         forces = [point.z[force.name] for force in contact.forces]
         return contact.limits(point, forces, anchors(contact, point.p))
 
-    def footing(point: Any) -> Sequence[Any]:
+    def footing(point: RobotPoint) -> Sequence[Scalar]:
         return contact.footing(anchors(contact, point.p))
 
     return (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -12,10 +12,17 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
-from robotraj.problem.constraints.bounds import as_bounds
+from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
+
+Triple: TypeAlias = Sequence[float] | NDArray[np.float64]
+
+PoseLike: TypeAlias = "pin.SE3 | tuple[Triple, Triple | pin.Quaternion]"
+"""A pose, or a position and a rotation: a matrix, or a quaternion (x, y, z, w)."""
 
 AXES = ("x", "y", "z")
 
@@ -36,7 +43,7 @@ class FramePosition(Constraint):
     """
 
     frame: str
-    position: Any
+    position: BoundsLike
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Write one row for each bounded axis."""
@@ -48,7 +55,7 @@ class FramePosition(Constraint):
         rows = tuple(Row(f"frame position {AXES[i]}", "m", lower[i], upper[i], self.frame) for i in kept)
         frame = self.frame
 
-        def expression(point: Any) -> list[Any]:
+        def expression(point: RobotPoint) -> list[Scalar]:
             position = point.frame(frame).position
             return [position[i] for i in kept]
 
@@ -72,7 +79,7 @@ class FramePose(Constraint):
     """
 
     frame: str
-    pose: Any
+    pose: PoseLike
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -89,7 +96,7 @@ class FramePose(Constraint):
         rows.append(Row("frame orientation half turn", "", 1.0, np.inf, self.frame))
         frame = self.frame
 
-        def expression(point: Any) -> list[Any]:
+        def expression(point: RobotPoint) -> list[Scalar]:
             view = point.frame(frame)
             error = rotation.T @ view.rotation
             skew = [error[2, 1] - error[1, 2], error[0, 2] - error[2, 0], error[1, 0] - error[0, 1]]
@@ -99,12 +106,12 @@ class FramePose(Constraint):
         return BoundConstraint("frame pose", tuple(rows), expression)
 
 
-def own_pose(pose: Any) -> Any:
+def own_pose(pose: PoseLike) -> PoseLike:
     """Copy a ``pinocchio.SE3``, which its owner may move; poses of arrays are copied with their constraint."""
     return pin.SE3(pose) if isinstance(pose, pin.SE3) else pose
 
 
-def as_pose(pose: Any, what: str) -> tuple[Any, NDArray[np.float64]]:
+def as_pose(pose: object, what: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Read a pose as its position and rotation matrix; ``what`` names it in errors."""
     if isinstance(pose, pin.SE3):
         return pose.translation, np.array(pose.rotation)
@@ -113,7 +120,7 @@ def as_pose(pose: Any, what: str) -> tuple[Any, NDArray[np.float64]]:
     return pose[0], _rotation(pose[1], what)
 
 
-def _rotation(value: Any, what: str) -> NDArray[np.float64]:
+def _rotation(value: Triple | pin.Quaternion, what: str) -> NDArray[np.float64]:
     """Read a matrix or a quaternion (x, y, z, w); refuse what is not a rotation."""
     if isinstance(value, pin.Quaternion):
         value = value.coeffs()

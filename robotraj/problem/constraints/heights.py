@@ -13,6 +13,7 @@ from robotraj._util.errors import InputError, called
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.path import flat
+from robotraj.problem.scalars import Scalar
 
 
 class RequiredHeight(OneLine, ABC):
@@ -116,7 +117,7 @@ def _entries(place: Any, name: str) -> tuple[Any, ...]:
     return entries
 
 
-def _read(value: Any, point: Any) -> Any:
+def _read(value: Any, point: Any) -> Scalar:
     if isinstance(value, str):
         return point.p[value]
     return called("foothold of rt.constraints.SwingApex", value, point) if callable(value) else value

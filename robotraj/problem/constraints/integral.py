@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
+from robotraj.problem.constraints.bounds import SideLike
 from robotraj.problem.constraints.path import PathConstraint
 
 if TYPE_CHECKING:
@@ -29,8 +30,8 @@ class IntegralConstraint(Constraint):
     """
 
     expression: Callable[[Any], Any]
-    lower: Any = None
-    upper: Any = None
+    lower: SideLike = None
+    upper: SideLike = None
     name: str = "integral"
     unit: str = ""
 

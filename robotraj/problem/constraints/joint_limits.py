@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import RATE_UNITS
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
-from robotraj.problem.constraints.bounds import Between, as_bounds
+from robotraj.problem.constraints.bounds import Between, BoundsLike, as_bounds
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
     from robotraj.robot.limits import Limits
 
 RATES = ("v", "a", "tau")
@@ -36,7 +39,7 @@ class JointLimit(Constraint):
         ``rt.between(-1, 1)`` for all joints, ``{"elbow": rt.between(0, 2)}`` for some.
     """
 
-    bounds: Any
+    bounds: BoundsLike
 
     prefix: ClassVar[str]
     quantity: ClassVar[str]
@@ -61,7 +64,7 @@ class JointLimit(Constraint):
         indices = [joints.index(str(row.joint)) for row in rows]
         prefix = self.prefix
 
-        def expression(point: Any) -> list[Any]:
+        def expression(point: RobotPoint) -> list[Scalar]:
             values = getattr(point, prefix)
             return [values[i] for i in indices]
 
@@ -104,7 +107,7 @@ def own_limits(limits: Limits, actuated: Sequence[str]) -> tuple[JointLimit, ...
     """Write a robot's limits as constraints: position, velocity, acceleration, effort."""
     indices = [list(limits.joints).index(joint) for joint in actuated]
 
-    def symmetric(values: Any) -> Between:
+    def symmetric(values: NDArray[np.float64]) -> Between:
         return Between(-np.asarray(values), np.asarray(values))
 
     return (

@@ -11,9 +11,12 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import rows_of
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, symbols_of
+from robotraj.problem.constraints.bounds import SideLike
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import Point
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -40,8 +43,8 @@ class PathConstraint(Constraint):
     """
 
     expression: Callable[[Any], Any]
-    lower: Any = None
-    upper: Any = None
+    lower: SideLike = None
+    upper: SideLike = None
     name: str = "path constraint"
     unit: str = ""
 
@@ -62,13 +65,13 @@ class PathConstraint(Constraint):
         rows = tuple(Row(n, self.unit, lo, up) for n, lo, up in zip(names, lower, upper, strict=True))
         user = self.expression
 
-        def expression(point: Any) -> list[Any]:
+        def expression(point: Point) -> list[Scalar]:
             return flat(user(point))
 
         return BoundConstraint(self.name, rows, expression)
 
 
-def side(value: Any, default: float, count: int, name: str) -> list[float]:
+def side(value: SideLike, default: float, count: int, name: str) -> list[float]:
     """Broadcast one side of the bounds to the rows of an expression."""
     array = np.asarray(default if value is None else value, dtype=float).ravel()
     if array.size not in (1, count):
@@ -78,7 +81,7 @@ def side(value: Any, default: float, count: int, name: str) -> list[float]:
     return [float(b) for b in np.broadcast_to(array, (count,))]
 
 
-def flat(values: Any) -> list[Any]:
+def flat(values: Any) -> list[Scalar]:
     """Entries of a scalar, list or column, symbolic or numeric, left as they are."""
     if hasattr(values, "numel"):
         return [values[i] for i in range(values.numel())]

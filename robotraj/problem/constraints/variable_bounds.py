@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row
-from robotraj.problem.constraints.bounds import as_bounds
+from robotraj.problem.constraints.bounds import Interval, as_bounds
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import Point
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class VariableBounds(Constraint):
     """
 
     kind: str
-    bounds: Mapping[str, Any]
+    bounds: Mapping[str, Interval]
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Write one row for each variable that is bounded on a side."""
@@ -41,7 +43,7 @@ class VariableBounds(Constraint):
             if np.isfinite(low) or np.isfinite(high)
         )
 
-        def expression(point: Any) -> list[Any]:
+        def expression(point: Point) -> list[Scalar]:
             return [getattr(point, vector)[row.variable] for row in rows]
 
         return BoundConstraint(f"{self.kind} bounds", rows, expression)

@@ -15,6 +15,7 @@ from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import Row
+from robotraj.problem.scalars import Scalar
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -73,11 +74,11 @@ class BoundLink(OneLine):
     name: str
     phases: tuple[int, ...]
     rows: tuple[Row, ...]
-    expression: Callable[[Sequence[Ends], Mapping[str, Any]], Sequence[Any]]
+    expression: Callable[[Sequence[Ends], Mapping[str, Scalar]], Sequence[Scalar]]
     unknowns: tuple[Variable, ...] = ()
     carries: tuple[Carry, ...] = ()
 
-    def values(self, ends: Sequence[Ends], unknowns: Mapping[str, Any]) -> list[ca.SX]:
+    def values(self, ends: Sequence[Ends], unknowns: Mapping[str, Scalar]) -> list[ca.SX]:
         """Evaluate the expression on ends and unknowns of symbols, as a list of scalars."""
         return as_rows(self.expression(ends, unknowns), f"expression of {self.name}")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -12,11 +12,12 @@ import numpy as np
 from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 from robotraj.problem.constraints.base import Row, ends_of
-from robotraj.problem.constraints.bounds import as_bounds
+from robotraj.problem.constraints.bounds import Interval, as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, check_order, normal, phase_at, same_states
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
+    from robotraj.problem.scalars import Scalar
 
 
 TIME = Row("continuity", "s", 0.0, 0.0, "time")
@@ -56,14 +57,14 @@ class Jump(Link):
 
     first: int
     second: int
-    jumps: Mapping[str, Any] = field(default_factory=dict)
+    jumps: Mapping[str, Interval] = field(default_factory=dict)
 
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Write one row of time and one per state that is not free to jump."""
         return _follow(phases, self.first, self.second, self.jumps, f"Jump({self.first}, {self.second})")
 
 
-def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str, Any], who: str) -> BoundLink:
+def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str, Interval], who: str) -> BoundLink:
     before, after = phase_at(phases, first, who), phase_at(phases, second, who)
     check_order(phases, first, second, who)
     names = same_states(before, after, who)
@@ -74,7 +75,7 @@ def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str
         Row(what[i], before.body.states[i].unit, float(bounds.lower[i]), float(bounds.upper[i]), names[i]) for i in kept
     )
 
-    def expression(ends: Sequence[Ends], _: Mapping[str, Any]) -> list[Any]:
+    def expression(ends: Sequence[Ends], _: Mapping[str, Scalar]) -> list[Scalar]:
         end, start = ends[0].end, ends[1].start
         return [start.t - end.t, *(start.x[names[i]] - end.x[names[i]] for i in kept)]
 

@@ -9,11 +9,13 @@ from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rows import rows_of
 from robotraj.problem.constraints.base import Row, ends_of
+from robotraj.problem.constraints.bounds import SideLike
 from robotraj.problem.constraints.path import flat, side
 from robotraj.problem.links.base import BoundLink, Ends, Link, normal, phase_at
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -34,8 +36,8 @@ class Linkage(Link):
 
     phases: Sequence[int]
     expression: Callable[..., Any]
-    lower: Any = 0.0
-    upper: Any = 0.0
+    lower: SideLike = 0.0
+    upper: SideLike = 0.0
     name: str = "linkage"
     unit: str = ""
 
@@ -67,7 +69,7 @@ class EqualDuration(Link):
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Write one row of time."""
 
-        def difference(a: Ends, b: Ends) -> Any:
+        def difference(a: Ends, b: Ends) -> Scalar:
             return (b.end.t - b.start.t) - (a.end.t - a.start.t)
 
         return Linkage((self.first, self.second), difference, name="equal duration", unit="s").bind(phases)
@@ -101,7 +103,7 @@ class SameParameter(Link):
             raise InputError(f"{who}: {len(sharing)} phase(s) declare it; it takes two to share.")
         name = self.name
 
-        def differences(*ends: Ends) -> list[Any]:
+        def differences(*ends: Ends) -> list[Scalar]:
             return [b.start.p[name] - a.start.p[name] for a, b in zip(ends[:-1], ends[1:], strict=True)]
 
         return Linkage(sharing, differences, name=f"same parameter {name}").bind(phases)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,11 +12,13 @@ from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import Row
-from robotraj.problem.constraints.bounds import as_bounds
+from robotraj.problem.constraints.bounds import Interval, as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
 
 if TYPE_CHECKING:
+    from robotraj.dynamics.point import Point
     from robotraj.problem.phase import Phase
+    from robotraj.problem.scalars import Scalar
 
 
 ALONG_THE_GROUND = {"q.root_x", "q.root_y"}
@@ -59,7 +61,7 @@ class Repeat(OneLine):
         """States whose displacement is not free."""
         return [i for i in range(len(self.names)) if np.isfinite(self.lower[i]) or np.isfinite(self.upper[i])]
 
-    def image(self, point: Any) -> list[Any]:
+    def image(self, point: Point) -> list[Scalar]:
         """Give the states of a point as seen from the start."""
         return [sign * point.x[name] for name, sign in self.sources]
 
@@ -77,7 +79,7 @@ class Periodic(Link):
         The phases that open and close the period; all of the problem by default.
     """
 
-    displacement: Mapping[str, Any] = field(default_factory=dict)
+    displacement: Mapping[str, Interval] = field(default_factory=dict)
     first: int = 0
     last: int = -1
 
@@ -110,7 +112,7 @@ class Mirror(Link):
 
     partners: Mapping[str, str] = field(default_factory=dict)
     negated: Sequence[str] = ()
-    displacement: Mapping[str, Any] = field(default_factory=dict)
+    displacement: Mapping[str, Interval] = field(default_factory=dict)
     first: int = 0
     last: int = -1
 
@@ -175,7 +177,7 @@ def _is_frame(phase: Phase, name: str) -> bool:
 def _displaced(
     names: list[str],
     sources: list[tuple[str, float]],
-    displacement: Mapping[str, Any],
+    displacement: Mapping[str, Interval],
     partners: Mapping[str, str],
     who: str,
 ) -> Repeat:
@@ -210,7 +212,7 @@ def _repeat(link: Periodic | Mirror, phases: Sequence[Phase], who: str) -> Bound
         Row(who.lower(), opening.body.states[i].unit, repeat.lower[i], repeat.upper[i], names[i]) for i in kept
     )
 
-    def expression(ends: Sequence[Ends], _: Mapping[str, Any]) -> list[Any]:
+    def expression(ends: Sequence[Ends], _: Mapping[str, Scalar]) -> list[Scalar]:
         image = repeat.image(ends[1].end)
         return [ends[0].start.x[names[i]] - image[i] for i in kept]
 

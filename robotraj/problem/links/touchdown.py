@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 
@@ -22,6 +22,7 @@ from robotraj.problem.links.periodic import Mirror, Periodic, Repeat, check_part
 if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact
     from robotraj.problem.phase import Phase
+    from robotraj.problem.scalars import Scalar
 
 IMPULSE_UNITS = {"N": "N s", "N m": "N m s"}
 
@@ -92,14 +93,14 @@ class Touchdown(Link):
             ]
         timed = self.repeat is None
 
-        def expression(ends: Sequence[Ends], impulses: Mapping[str, Any]) -> list[Any]:
+        def expression(ends: Sequence[Ends], impulses: Mapping[str, Scalar]) -> list[Scalar]:
             end, start = ends[0].end, ends[1].start
             image = repeat.image(end)
-            values: list[Any] = [start.t - end.t] if timed else []
+            values: list[Scalar] = [start.t - end.t] if timed else []
             values += [start.x[names[i]] - image[i] for i in placed]
             jump = ca.vertcat(*(start.x[name] - value for name, value in zip(names[nq:], image[nq:], strict=True)))
             momentum = ca.mtimes(start.symbolic.mass_matrix(start.q), jump)
-            limits: list[Any] = []
+            limits: list[Scalar] = []
             for contact in body.contacts:
                 own = [impulses[name] for name in impulse_names(contact)]
                 momentum -= torques(contact, start, own)

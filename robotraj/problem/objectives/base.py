@@ -15,6 +15,7 @@ from robotraj._util.values import dataclass, own_fields
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
     from robotraj.problem.constraints.base import BoundConstraint
+    from robotraj.problem.scalars import Scalar
 
 
 class Objective(OneLine, ABC):
@@ -25,7 +26,7 @@ class Objective(OneLine, ABC):
     def terms(self) -> tuple[tuple[float, Integral | EndCost], ...]:
         """Weights and the elementary terms they multiply."""
 
-    def __add__(self, other: Any) -> Objective:
+    def __add__(self, other: object) -> Objective:
         # sum([...]) starts from the integer 0.
         if isinstance(other, int | float) and other == 0:
             return self
@@ -35,7 +36,7 @@ class Objective(OneLine, ABC):
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Objective:
+    def __sub__(self, other: object) -> Objective:
         return self + (-other) if isinstance(other, Objective) else NotImplemented
 
     def __neg__(self) -> Objective:
@@ -98,7 +99,7 @@ class Integral(Term):
         return ((1.0, self),)
 
     @abstractmethod
-    def rate(self, point: Any) -> Any:
+    def rate(self, point: Any) -> Scalar:
         """Integrand at a point, a scalar."""
 
 
@@ -111,5 +112,5 @@ class EndCost(Term):
         return ((1.0, self),)
 
     @abstractmethod
-    def value(self, start: Any, end: Any) -> Any:
+    def value(self, start: Any, end: Any) -> Scalar:
         """Cost of the two end points, a scalar."""

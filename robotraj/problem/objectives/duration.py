@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import Point
 from robotraj.problem.objectives.base import EndCost
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,7 @@ class Duration(EndCost):
     found with weight w and effort E lies in T* <= T <= T* + w (E* - E).
     """
 
-    def value(self, start: Any, end: Any) -> Any:
+    def value(self, start: Point, end: Point) -> Scalar:
         """Duration [s]."""
         return end.t - start.t
 

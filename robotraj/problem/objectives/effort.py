@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.problem.objectives.base import Integral
-from robotraj.problem.objectives.weights import weights_of
+from robotraj.problem.objectives.weights import WeightsLike, weights_of
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -27,9 +29,9 @@ class Effort(Integral):
         does not name weigh 0.
     """
 
-    weights: Any = None
+    weights: WeightsLike = None
 
-    def rate(self, point: Any) -> Any:
+    def rate(self, point: RobotPoint) -> Scalar:
         """Weighted sum of squared controls."""
         names = list(point.u)
         weights = self._resolved(names)

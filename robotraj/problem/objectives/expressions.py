@@ -13,6 +13,8 @@ from robotraj.problem.objectives.base import EndCost, Integral
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import Point
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,7 @@ class Lagrange(Integral):
 
     expression: Callable[[Any], Any]
 
-    def rate(self, point: Any) -> Any:
+    def rate(self, point: Point) -> Scalar:
         """Integrand at a point."""
         return self.expression(point)
 
@@ -42,7 +44,7 @@ class Mayer(EndCost):
 
     expression: Callable[[Any, Any], Any]
 
-    def value(self, start: Any, end: Any) -> Any:
+    def value(self, start: Point, end: Point) -> Scalar:
         """Cost of the end points."""
         return self.expression(start, end)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 
@@ -17,10 +17,12 @@ from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import Augmented, body_of, has
 from robotraj.problem.constraints.base import BoundConstraint, Row, Where, robot_of
 from robotraj.problem.objectives.base import Integral
-from robotraj.problem.objectives.weights import weights_of
+from robotraj.problem.objectives.weights import WeightsLike, weights_of
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ class ForceRates(Augmented):
             point.extra |= {v.name: u[nu + i] for i, v in enumerate(self.rate_variables)}
         return point
 
-    def rates(self, point: Any) -> ca.SX:
+    def rates(self, point: RobotPoint) -> ca.SX:
         """Inner rates, then r."""
         return ca.vertcat(self.inner.rates(point), *(point.extra[v.name] for v in self.rate_variables))
 
@@ -91,10 +93,10 @@ class ForceRate(Integral):
         A phase without contacts, unknown contacts, a bound that is not positive.
     """
 
-    weights: Any = None
+    weights: WeightsLike = None
     most: float | None = None
 
-    def rate(self, point: Any) -> Any:
+    def rate(self, point: RobotPoint) -> Scalar:
         """Weighted sum of squared rates."""
         names = [name for name in point.extra if name.startswith("rate.force.")]
         contacts = list(dict.fromkeys(_contact(name) for name in names))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from robotraj.problem.objectives.base import Integral
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class CentroidalMomentum(Integral):
     angular: float | Sequence[float] = 1.0
     linear: float | Sequence[float] = 0.0
 
-    def rate(self, point: Any) -> Any:
+    def rate(self, point: RobotPoint) -> Scalar:
         """Weighted sum of squares."""
         h = point.momentum
         return sum((w * h[i] ** 2 for i, w in enumerate(self._weights()) if w), 0.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 
@@ -12,10 +12,12 @@ from robotraj._util.values import dataclass
 from robotraj.problem.augmentation import ControlRates, Jerks, body_of, has
 from robotraj.problem.constraints.base import robot_of
 from robotraj.problem.objectives.base import Integral
-from robotraj.problem.objectives.weights import weights_of
+from robotraj.problem.objectives.weights import WeightsLike, weights_of
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -31,9 +33,9 @@ class TorqueRate(Integral):
         One weight per actuated joint (per control of a System), 1 by default.
     """
 
-    weights: Any = None
+    weights: WeightsLike = None
 
-    def rate(self, point: Any) -> Any:
+    def rate(self, point: RobotPoint) -> Scalar:
         """Weighted sum of squared rates."""
         names = list(point.u)
         weights = weights_of(self.weights, [n.removeprefix("tau.") for n in names], "TorqueRate")
@@ -63,9 +65,9 @@ class Jerk(Integral):
         One weight per moving joint, 1 by default.
     """
 
-    weights: Any = None
+    weights: WeightsLike = None
 
-    def rate(self, point: Any) -> Any:
+    def rate(self, point: RobotPoint) -> Scalar:
         """Weighted sum of squared jerks."""
         joints = [name.removeprefix("jerk.") for name in point.extra if name.startswith("jerk.")]
         weights = weights_of(self.weights, joints, "Jerk")

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import robot_of
 from robotraj.problem.objectives.base import Integral
-from robotraj.problem.objectives.weights import weights_of
+from robotraj.problem.objectives.weights import WeightsLike, weights_of
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -28,13 +30,13 @@ class FrameSmoothness(Integral):
     """
 
     frames: str | Sequence[str]
-    weights: Any = None
+    weights: WeightsLike = None
 
     @property
     def _names(self) -> list[str]:
         return [self.frames] if isinstance(self.frames, str) else list(self.frames)
 
-    def rate(self, point: Any) -> Any:
+    def rate(self, point: RobotPoint) -> Scalar:
         """Weighted sum of squared accelerations."""
         weighed = zip(self._names, weights_of(self.weights, self._names, "FrameSmoothness"), strict=True)
         accelerations = [(w, point.frame(name).acceleration) for name, w in weighed if w]

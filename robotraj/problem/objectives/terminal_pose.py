@@ -9,12 +9,14 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import RobotPoint
 from robotraj.problem.constraints.base import robot_of
 from robotraj.problem.constraints.frame_pose import as_pose, own_pose
 from robotraj.problem.objectives.base import EndCost
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class TerminalPose(EndCost):
         super().__post_init__()
         object.__setattr__(self, "pose", own_pose(self.pose))
 
-    def value(self, start: Any, end: Any) -> Any:
+    def value(self, start: RobotPoint, end: RobotPoint) -> Scalar:
         """Weighted squared distance."""
         view = end.frame(self.frame)
         position, rotation = target_of(self.pose, self._what)

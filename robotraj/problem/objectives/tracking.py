@@ -20,6 +20,8 @@ from robotraj.problem.objectives.weights import weights_of
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import Point, RobotPoint
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Tracking(Integral):
     frames: Mapping[str, float] = field(default_factory=dict)
     states: Any = None
 
-    def rate(self, point: Any) -> Any:
+    def rate(self, point: Any) -> Scalar:
         """Weighted squared distance at a point."""
         robot = getattr(point, "robot", None)
         entries = self._robot_entries(point, robot) if robot is not None else self._system_entries(point)
@@ -78,7 +80,7 @@ class Tracking(Integral):
         if rate.is_zero():
             raise InputError("Tracking weighs nothing; give a weight above 0.")
 
-    def _robot_entries(self, point: Any, robot: Any) -> list[tuple[str, Any, list[float]]]:
+    def _robot_entries(self, point: RobotPoint, robot: Any) -> list[tuple[str, Any, list[float]]]:
         q = (0.0 if self.frames or np.any(self._array(self.v)) else 1.0) if self.q is None else self.q
         entries = [
             ("q", point.q, weights_of(q, robot.position_names, "Tracking(q)")),
@@ -89,10 +91,10 @@ class Tracking(Integral):
         return [entry for entry in entries if any(entry[2])]
 
     @staticmethod
-    def _array(weights: Any) -> Any:
+    def _array(weights: Any) -> Scalar:
         return list(weights.values()) if isinstance(weights, Mapping) else weights
 
-    def _system_entries(self, point: Any) -> list[tuple[str, Any, list[float]]]:
+    def _system_entries(self, point: Point) -> list[tuple[str, Any, list[float]]]:
         names = list(point.x)
         weights = weights_of(self.states, names, "Tracking(states)")
         return [(name, [point.x[name]], [w]) for name, w in zip(names, weights, strict=True) if w]

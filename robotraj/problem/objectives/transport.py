@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import RunningIntegral, body_of, has
 from robotraj.problem.constraints.base import BoundConstraint, robot_of
@@ -18,6 +19,7 @@ from robotraj.problem.objectives.work import MechanicalWork
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class CostOfTransport(EndCost):
     direction: Sequence[float] = (1.0, 0.0, 0.0)
     work: Integral = field(default_factory=MechanicalWork)
 
-    def value(self, start: Any, end: Any) -> Any:
+    def value(self, start: RobotPoint, end: RobotPoint) -> Scalar:
         """W / (m g d)."""
         weight = end.mass * float(np.linalg.norm(end.robot.model.gravity.linear))
         direction = np.asarray(self.direction, dtype=float) / np.linalg.norm(self.direction)

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, unknown_name
 
+WeightsLike: TypeAlias = float | Sequence[float] | NDArray[np.float64] | Mapping[str, float] | None
+"""One weight for all joints, one for each, or some by name; None weighs all joints by 1."""
 
-def weights_of(given: Any, joints: Sequence[str], who: str) -> list[float]:
+
+def weights_of(given: WeightsLike, joints: Sequence[str], who: str) -> list[float]:
     """One weight per joint from None (all 1), a number, a sequence, or a mapping (joints left out weigh 0).
 
     Raises
@@ -26,7 +30,7 @@ def weights_of(given: Any, joints: Sequence[str], who: str) -> list[float]:
                 raise unknown_name("joint or variable", key, joints, f"{who} weighs these.")
         values = [given.get(joint, 0.0) for joint in joints]
     else:
-        values = [given] if np.ndim(given) == 0 else list(np.ravel(given))
+        values = list(np.ravel(given))
         values = values * len(joints) if len(values) == 1 else values
     if len(values) != len(joints):
         raise InputError(f"{who} has {len(values)} weights, but there are {len(joints)} to give: {', '.join(joints)}.")

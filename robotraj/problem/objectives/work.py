@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -15,10 +15,12 @@ from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import Slacks, body_of, has
 from robotraj.problem.constraints.base import BoundConstraint, Row, Where
 from robotraj.problem.objectives.base import Integral
-from robotraj.problem.objectives.weights import weights_of
+from robotraj.problem.objectives.weights import WeightsLike, weights_of
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ class MechanicalWork(Integral):
     Control (2010), section 1.16, for slacks in place of absolute values.
     """
 
-    weights: Any = None
+    weights: WeightsLike = None
     braking: float = 0.0
     smoothing: float | None = None
     speeds: Mapping[str, str] | None = None
@@ -65,7 +67,7 @@ class MechanicalWork(Integral):
         if self.smoothing is not None and not 0.0 < self.smoothing < np.inf:
             raise InputError(f"MechanicalWork: smoothing is {self.smoothing}; it must be a power above 0 W, or None.")
 
-    def rate(self, point: Any) -> Any:
+    def rate(self, point: RobotPoint) -> Scalar:
         """Weighted price of the powers [W]."""
         total = ca.SX(0)
         for weight, (control, speed) in self._weighed(tuple(point.u)):
@@ -139,7 +141,7 @@ def _define(control: str, speed: str) -> BoundConstraint:
         Row(f"{name} plus power", "W", 0.0, np.inf),
     )
 
-    def expression(point: Any) -> list[Any]:
+    def expression(point: RobotPoint) -> list[Scalar]:
         slack = point.extra[_slack(control)]
         return [slack, point.u[control] * point.x[speed] + slack]
 
