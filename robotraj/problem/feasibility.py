@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
-from robotraj.dynamics.missing import MissingEquations
+from robotraj.dynamics.placeholder_dynamics import MissingEquations
 from robotraj.dynamics.system import System
 from robotraj.problem.constraints.base import Row, Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds

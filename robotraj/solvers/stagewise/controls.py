@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
 from robotraj.solvers.stagewise.form import Eliminated, Form, Mask, taller, with_rows
-from robotraj.solvers.stagewise.kept import Kept
 from robotraj.solvers.stagewise.matrices import array, entries, entries_of, native, summed
+from robotraj.solvers.stagewise.stage_cache import Kept
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.function_parts import solved_for
 from robotraj.transcription.assembly.point_functions import PointFunctions

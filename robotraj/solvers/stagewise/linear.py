@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.form import Form
-from robotraj.solvers.stagewise.kept import Kept
 from robotraj.solvers.stagewise.matrices import array, entries, native, summed
+from robotraj.solvers.stagewise.stage_cache import Kept
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.function_parts import restricted
 from robotraj.transcription.assembly.point_functions import PointFunctions

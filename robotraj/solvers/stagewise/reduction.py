@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.controls import eliminate_controls
 from robotraj.solvers.stagewise.form import Form, Mask
+from robotraj.solvers.stagewise.free_durations import Stretch, stretch
 from robotraj.solvers.stagewise.linear import take_out_linear
 from robotraj.solvers.stagewise.order import Order, homes, order
 from robotraj.solvers.stagewise.program import Program, build
@@ -21,7 +22,6 @@ from robotraj.solvers.stagewise.program import with_values as program_with_value
 from robotraj.solvers.stagewise.redundant_rows import leave_out_surplus
 from robotraj.solvers.stagewise.slots import Slots, make_slots
 from robotraj.solvers.stagewise.slots import with_values as slots_with_values
-from robotraj.solvers.stagewise.stretch import Stretch, stretch
 from robotraj.transcription.schemes.onestep import OneStep
 
 if TYPE_CHECKING:

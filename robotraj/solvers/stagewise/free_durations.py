@@ -24,8 +24,8 @@ from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.problem.augmentation import Augmented
 from robotraj.solvers.stagewise.form import Form, taller, with_rows
-from robotraj.solvers.stagewise.kept import Kept
 from robotraj.solvers.stagewise.matrices import entries_of, summed
+from robotraj.solvers.stagewise.stage_cache import Kept
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.schemes.mesh import MovingMesh

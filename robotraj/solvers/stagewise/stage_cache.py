@@ -1,7 +1,6 @@
-"""What is made of a stage once, however often its problem is reduced.
+"""Values that are computed once for each stage, however often its problem is reduced.
 
-A phase keeps its stage from one transcription to the next, and what is made of a stage keeps the derivatives made so
-far.
+A phase keeps its stage from one transcription to the next, and with the stage the derivatives that belong to it.
 """
 
 from __future__ import annotations
