@@ -11,7 +11,6 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.violation import Side, Violation, violated
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
 from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.refinement.path_violations import row_size
 from robotraj.transcription.table import Scalars
 
 Array = NDArray[np.float64]
@@ -41,7 +40,7 @@ def between_points(problem: Problem, found: Sequence[IntervalViolation]) -> tupl
     for each in found:
         row = each.row
         side: Side = "off" if row.is_equality else "over" if each.upper else "under"
-        measured = (each.time, each.amount, row.unit, each.limit, side, row_size(row))
+        measured = (each.time, each.amount, row.unit, each.limit, side, row.size)
         listed.append(Violation(problem.phases[each.phase].name, row.name, row.joint, *measured))
     return tuple(sorted(listed, key=lambda violation: -violation.relative))
 

@@ -7,6 +7,7 @@ replay read it. The witness does not: it evaluates the definitions of the constr
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import field
 from enum import Enum
 from functools import cached_property
 
@@ -68,9 +69,15 @@ class PhaseRow(Row):
         return self.lower == self.upper
 
     @property
-    def size(self) -> float:
+    def greatest_bound(self) -> float:
         """Largest absolute value of the finite bounds, in ``unit``; 0 without any."""
         return max((abs(bound) for bound in (self.lower, self.upper) if np.isfinite(bound)), default=0.0)
+
+    @property
+    def size(self) -> float:
+        """Amount of a relative violation of 1: half the range of two bounds, else max(1, abs(bound)), in ``unit``."""
+        width = self.upper - self.lower
+        return 0.5 * width if 0.0 < width < np.inf else max(1.0, self.greatest_bound)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +101,8 @@ class RowTable(OneLine):
     dae: Dynamics
     parameters: tuple[str, ...]
     constraints: tuple[BoundConstraint, ...]
+    _known: dict[int, list[ca.SX]] = field(default_factory=dict, init=False, repr=False)
+    _functions: dict[tuple[int, ...], ca.Function] = field(default_factory=dict, init=False, repr=False)
 
     def __iter__(self) -> Iterator[PhaseRow]:
         return iter(self.rows)
@@ -260,15 +269,6 @@ class RowTable(OneLine):
     def point(self) -> Point:
         """The point of ``symbols``."""
         return self.dae.point(*self.symbols, self.parameters)
-
-    @cached_property
-    def _known(self) -> dict[int, list[ca.SX]]:
-        """Expressions in ``symbols``, by constraint."""
-        return {}
-
-    @cached_property
-    def _functions(self) -> dict[tuple[int, ...], ca.Function]:
-        return {}
 
     def expressions(self, rows: Sequence[PhaseRow]) -> list[ca.SX]:
         """Return the expressions of rows in ``symbols``; each constraint is evaluated once."""

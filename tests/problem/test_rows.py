@@ -12,7 +12,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.problem.constraints.base import Where, symbols_of
-from robotraj.problem.rows import Kind
+from robotraj.problem.rows import Kind, PhaseRow
 
 
 def block(**options: Any) -> rt.Phase:
@@ -61,7 +61,14 @@ def test_each_row_has_the_kind_by_which_it_is_imposed() -> None:
     }
     assert [row.number for row in table.at(Where.END)] == [5] and not table.at(Where.START)
     assert table.rows[5].is_equality and not table.rows[3].is_equality
-    assert [row.size for row in table] == [3, 1, 1, 2, 5, 0]
+    assert [row.greatest_bound for row in table] == [3, 1, 1, 2, 5, 0]
+
+
+@pytest.mark.parametrize(
+    ("bounds", "size"), [((-100.0, 100.0), 100.0), ((0.0, np.inf), 1.0), ((-np.inf, 50.0), 50.0), ((3.0, 3.0), 3.0)]
+)
+def test_a_row_is_measured_by_half_its_range_or_its_bound(bounds: tuple[float, float], size: float) -> None:
+    assert PhaseRow("torque", "N m", *bounds).size == size
 
 
 def test_rows_that_depend_on_algebraic_variables_are_no_rows_of_the_state() -> None:

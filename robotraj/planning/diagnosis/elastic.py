@@ -54,7 +54,7 @@ class _RelaxedRow:
     @property
     def scale(self) -> float:
         """Unit of the slack: the larger finite bound, else 1, in the row's unit."""
-        return self.row.size or 1.0
+        return self.row.greatest_bound or 1.0
 
 
 @dataclass(frozen=True)

@@ -122,7 +122,7 @@ def variable_violations(
     for variables, curve, share in curves:
         bounds = phase.rows.bounds_of(variables)
         rows, columns = [row for row, _ in bounds], [column for _, column in bounds]
-        allowed = share * np.array([row.size for row in rows])
+        allowed = share * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, _Columns(curve, columns), PLACES, allowed)
     return found
 

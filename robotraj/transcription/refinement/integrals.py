@@ -53,7 +53,7 @@ def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence
         weights.append((breaks[k + 1] - breaks[k]) * np.concatenate([scheme.objective_weights, -0.5 * gauss]))
         owner.append(np.full(len(places[-1]), k))
     values = _integrands(phase, trajectory, places)
-    bounds = [row.size for row in rows]
+    bounds = [row.greatest_bound for row in rows]
     left = np.zeros((len(errors), len(rows)))
     np.add.at(left, np.concatenate(owner), np.concatenate(weights)[:, None] * values)
     return np.asarray(np.max(np.abs(left) / (1.0 + np.array(bounds)), axis=1))

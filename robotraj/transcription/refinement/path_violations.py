@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.problem.constraints.base import Row
 from robotraj.problem.rows import PhaseRow
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.interval_violations import Curve, input_violations
@@ -26,14 +25,6 @@ FORCE_POWERS = {"N": 1, "N m": 1, "N^2": 2}
 """Power of the force in the unit of a row of a contact, which is measured against that power of the weight."""
 
 
-def row_size(row: Row) -> float:
-    """Return what a violation of a row is relative to: half the range of two bounds, else max(1, abs(bound))."""
-    width = row.upper - row.lower
-    if 0.0 < width < np.inf:
-        return 0.5 * width
-    return max(1.0, *(abs(bound) for bound in (row.lower, row.upper) if np.isfinite(bound)))
-
-
 def broken_rows(phase: Phase, trajectory: PhaseTrajectory, torques: Curve | None = None) -> Array:
     """Measure violations of path rows that read more than the state, and of bounds of contact forces.
 
@@ -47,8 +38,8 @@ def broken_rows(phase: Phase, trajectory: PhaseTrajectory, torques: Curve | None
     Returns
     -------
     ndarray (K,)
-        Largest violation on every interval, relative to ``row_size``, of contacts to the weight of the robot; 0 where
-        all rows hold.
+        Largest violation on every interval, relative to ``PhaseRow.size``, of contacts to the weight of the robot; 0
+        where all rows hold.
     """
     excess = np.zeros(len(trajectory.x.values))
     for violation in input_violations(phase, 0, trajectory, torques):
@@ -60,5 +51,5 @@ def broken_rows(phase: Phase, trajectory: PhaseTrajectory, torques: Curve | None
 def _size(phase: Phase, row: PhaseRow) -> float:
     contacts = {f"contact {contact.name}" for contact in phase.bound_contacts}
     if phase.robot is None or phase.rows.constraints[row.constraint].name not in contacts:
-        return row_size(row)
+        return row.size
     return float((GRAVITY * phase.robot.mass) ** FORCE_POWERS.get(row.unit, 1))

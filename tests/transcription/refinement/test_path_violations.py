@@ -6,16 +6,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.problem.constraints.base import Row
 from robotraj.transcription.interval_limits.interval_violations import INNER_PLACES
-from robotraj.transcription.refinement.path_violations import broken_rows, row_size
-
-
-@pytest.mark.parametrize(
-    ("bounds", "size"), [((-100.0, 100.0), 100.0), ((0.0, np.inf), 1.0), ((-np.inf, 50.0), 50.0), ((3.0, 3.0), 3.0)]
-)
-def test_a_row_is_measured_by_half_its_range_or_its_bound(bounds: tuple[float, float], size: float) -> None:
-    assert row_size(Row("torque", "N m", *bounds)) == size
+from robotraj.transcription.refinement.path_violations import broken_rows
 
 
 def test_power_between_the_points_is_seen() -> None:
