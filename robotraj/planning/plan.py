@@ -10,9 +10,8 @@ from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.continuation import ContinuationStep, found_by, run_steps
-from robotraj.planning.deadline import Deadline
 from robotraj.planning.diagnosis.ends import unheld_ends
-from robotraj.planning.progress import watching
+from robotraj.planning.progress import Deadline, watching
 from robotraj.planning.proving.prove import prove
 from robotraj.planning.refine import adapt
 from robotraj.planning.settings import resolve

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from robotraj.guess.base import InitialGuess
-from robotraj.planning.deadline import Deadline
+from robotraj.planning.progress import Deadline
 from robotraj.planning.proving.measures import Measured, measured
 from robotraj.planning.proving.soft_friction import SPEEDS, needs_softening, softened
 from robotraj.planning.restarts import WHENCE
@@ -36,6 +36,8 @@ LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
 """Ends of a solve after which no other mesh is tried."""
 SECOND = 1.5
 """Growth from a first mesh that could not be solved to the second one."""
+STUCK = 0.7
+"""Share of the error of one mesh that is left on the next, beyond which the plan is given back as it is."""
 MORE = 1.1
 """Margins are this many times the excess: what they change moves the motion, and its excess with it."""
 
@@ -96,12 +98,19 @@ class _Refining:
             if soft is not None and last.proof is not None and last.proof.motion_holds:
                 # Joints that stick creep from point to point: finer meshes take hundreds of iterations for a percent.
                 break
+            if self._stuck():
+                break
             finer = self._finer(meshes, 1.0 if not first else self._second if soft is None else SECOND)
             if finer == meshes:
                 break
             meshes = finer
         assert last is not None
         return self._concluded(self.best or last)
+
+    def _stuck(self) -> bool:
+        """Whether the error exceeds its goal and hardly fell on the last mesh, so that the next would not do."""
+        errors = [step.error for step in self.steps[-2:]]
+        return len(errors) == 2 and errors[1] > self.goals.error and errors[1] > STUCK * errors[0]
 
     @property
     def _second(self) -> float:

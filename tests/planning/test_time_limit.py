@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.deadline import Deadline, TimeLimitReached
+from robotraj.planning.progress import Deadline, TimeLimitReached
 from robotraj.solvers.base import Iteration
 
 

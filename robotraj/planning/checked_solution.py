@@ -1,0 +1,84 @@
+"""The solution of one solve: every row is evaluated again, outside the solver."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from robotraj.planning.nlp_violations import violations
+from robotraj.solution.costates.duals import LateDuals, PhaseDuals
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.solution import Solution
+from robotraj.solvers.base import Outcome
+from robotraj.solvers.status import Status
+from robotraj.transcription.extract import extract
+from robotraj.transcription.nlp import Nlp
+
+ROW_TOLERANCE = 1e-6
+"""Largest violation of a scaled row or bound that counts as met, when rows are evaluated outside the solver."""
+
+
+def checked_solution(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
+    """Evaluate every row again, outside the solver, and return the solution.
+
+    Parameters
+    ----------
+    nlp : Nlp
+    outcome : Outcome
+        What the solver returned.
+    times : dict of str to float
+        Seconds spent before it, by part.
+
+    Returns
+    -------
+    Solution
+        Its status is ``Status.ROWS_VIOLATED`` where the solver claims success and a row is violated.
+    """
+    outputs = nlp.outputs(outcome.w)
+    broken = violations(nlp, outcome.w, ROW_TOLERANCE, outputs)
+    status = outcome.status
+    if status is Status.SOLVED and broken:
+        status = Status.ROWS_VIOLATED
+    if status is Status.INFEASIBLE and _more_equations_than_unknowns(nlp):
+        status = Status.OVERDETERMINED
+    trajectories = extract(nlp, outcome.w, outputs)
+    phases = tuple(
+        PhaseSolution(phase, layout.mesh, trajectory)
+        for phase, layout, trajectory in zip(nlp.problem.phases, nlp.layouts, trajectories, strict=True)
+    )
+    return Solution(
+        nlp.problem,
+        phases,
+        status,
+        outcome.message,
+        nlp.objective(outcome.w, outputs),
+        outcome.iterations,
+        times | outcome.times,
+        broken,
+        outcome.multipliers,
+        duals=_late_duals(nlp, outcome) if status is Status.SOLVED else (),
+        impulses=tuple(
+            {unknown.name: float(value) for unknown, value in zip(link.unknowns, outcome.w[columns], strict=True)}
+            for link, columns in zip(nlp.problem.bound_links, nlp.link_columns, strict=True)
+        ),
+    )
+
+
+def _more_equations_than_unknowns(nlp: Nlp) -> bool:
+    equations = np.sum(nlp.rows.lower == nlp.rows.upper)
+    return bool(equations > np.sum(nlp.variables.lower < nlp.variables.upper))
+
+
+def _late_duals(nlp: Nlp, outcome: Outcome) -> LateDuals:
+    # Costates are not unique where invariants are held. A copy of the NLP is without the functions that it has made.
+    held = any(phase.dae.invariants for phase in nlp.problem.phases)
+    return LateDuals(partial(_duals, replace(nlp), outcome), 0 if held else len(nlp.layouts))
+
+
+def _duals(nlp: Nlp, outcome: Outcome) -> tuple[PhaseDuals, ...]:
+    """Return duals as functions of time."""
+    from robotraj.solution.costates.covector import covectors
+
+    return covectors(nlp, outcome.w, outcome.multipliers)

@@ -1,0 +1,132 @@
+"""What an earlier solution gives to a solve: its program, its rows between the points, its multipliers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from robotraj.guess.base import InitialGuess
+from robotraj.native.engines.base import Engine
+from robotraj.planning.many.starts import Start
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.solution.solution import Solution
+from robotraj.solvers.base import LateMultipliers, Multipliers
+from robotraj.transcription.interval_limits.constraint_generation import AddedRow
+from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.reuse import transcribed_again
+from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
+
+NEAR = 1e-2
+"""Largest violation of a scaled row at a guess from another problem whose multipliers are still taken over."""
+
+
+def earlier_program(
+    problem: Problem,
+    mesh: Mesh | Sequence[Mesh],
+    guess: InitialGuess | Solution | None,
+    engine: Engine | None,
+    interval_limits: ConstraintGeneration,
+) -> Nlp | None:
+    """Return the NLP of an earlier solution of a problem like this one, or of earlier starts, with this one's numbers.
+
+    None is returned where that has another structure, or rows were added between its points.
+    """
+    if isinstance(guess, Start):
+        return guess.shared.transcribed(problem, mesh, guess, engine, interval_limits)
+    if (
+        not isinstance(guess, Solution)
+        or guess.added_rows
+        or guess.multipliers is None
+        or guess.multipliers.origin is None
+    ):
+        return None
+    origin = guess.multipliers.origin
+    return transcribed_again(origin.nlp, problem, mesh, engine, interval_limits, origin.w)
+
+
+def earlier_rows(
+    problem: Problem, mesh: Mesh | Sequence[Mesh], guess: InitialGuess | Solution | None
+) -> tuple[list[AddedRow], bool]:
+    """Return rows added for an earlier solution that this problem has as well; and whether all are on the same mesh.
+
+    On another mesh, rows are taken over on the intervals that begin and end as before, whatever their schemes.
+    """
+    if not isinstance(guess, Solution) or not guess.added_rows or len(guess.phases) != len(problem.phases):
+        return [], False
+    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+
+    def rows(phase: Phase) -> list[tuple[str, str | None]]:
+        return [(row.name, row.joint) for row in phase.rows]
+
+    pairs = list(zip(guess.phases, problem.phases, strict=True))
+    if not all(rows(part.phase) == rows(phase) for part, phase in pairs):
+        return [], False
+    # A row of the same name may hold at another time, or depend on what is not known between the points.
+    held = [{row.number for row in phase.rows.of_state} for phase in problem.phases]
+    added = [each for each in guess.added_rows if each.row in held[each.phase]]
+    if all(part.mesh == here for part, here in zip(guess.phases, meshes, strict=True)):
+        return added, len(added) == len(guess.added_rows)
+    kept = [_kept_intervals(part.mesh, here) for part, here in zip(guess.phases, meshes, strict=True)]
+    return [
+        replace(each, interval=kept[each.phase][each.interval]) for each in added if each.interval in kept[each.phase]
+    ], False
+
+
+def _kept_intervals(before: Mesh, after: Mesh) -> dict[int, int]:
+    """Intervals of a mesh that another mesh has as well: number here -> number there; none where knots move."""
+    if isinstance(before, MovingMesh) or isinstance(after, MovingMesh):
+        return {}
+    numbers = {ends: k for k, ends in enumerate(_ends(after))}
+    return {k: numbers[ends] for k, ends in enumerate(_ends(before)) if ends in numbers}
+
+
+def _ends(mesh: Mesh) -> Iterator[tuple[float, float]]:
+    knots = [round(float(knot), 12) for knot in mesh.knots]
+    return zip(knots[:-1], knots[1:], strict=True)
+
+
+def _broken_by(nlp: Nlp) -> float:
+    """Return the largest violation of a scaled row at the guess."""
+    values = nlp.values(nlp.guess)
+    return float(np.max(np.maximum(nlp.rows.lower - values, values - nlp.rows.upper) * nlp.row_scale, initial=0.0))
+
+
+def earlier_multipliers(guess: InitialGuess | Solution | None, nlp: Nlp, extended: bool) -> Multipliers | None:
+    """Return multipliers of an earlier solution of the same NLP, or of one nearby; those of added rows start at zero.
+
+    Far from the earlier problem its multipliers, and the small barrier that belongs to them, cost more than they save.
+    """
+    if not isinstance(guess, Solution) or guess.multipliers is None or not guess.success:
+        return None
+    same = guess.problem is nlp.problem
+    if not same and _broken_by(nlp) > NEAR:
+        return None
+    known, sizes = guess.multipliers, (len(nlp.rows), len(nlp.variables))
+    more = sizes[0] - known.sizes[0], sizes[1] - known.sizes[1]
+    if min(more) >= 0 and (extended or more == (0, 0)):
+        return lengthened(known, nlp)
+    if not same:
+        return None
+    from robotraj.solution.costates.transfer import transfer
+
+    return transfer(guess.duals, nlp)
+
+
+def lengthened(known: Multipliers, nlp: Nlp) -> Multipliers:
+    """Return multipliers with zeros for the rows and columns that were added last.
+
+    They are found when they are first read: not every solver reads them, and finding them may take a further solve.
+    """
+    return LateMultipliers(partial(_extended, known, nlp), (len(nlp.rows), len(nlp.variables)), known.origin)
+
+
+def _extended(known: Multipliers, nlp: Nlp) -> Multipliers:
+    """Add zeros for the rows and columns that came last."""
+    rows, bounds = np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables))
+    rows[: len(known.rows)], bounds[: len(known.bounds)] = known.rows, known.bounds
+    return Multipliers(rows, bounds)
