@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -14,9 +13,9 @@ from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.checks.soles import sole_watches
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.numbers import as_numbers
-from robotraj.witness.planned import system_of
+from robotraj.witness.planned import RobotSample, limits_of, robot_sample, system_of
 from robotraj.witness.plants.plant import RATE_UNITS
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import interval_samples
 
 FEW_SAMPLES = 9
@@ -38,7 +37,7 @@ def violations_of(
         A constraint's expression does not return numbers on a numeric point.
     """
     phase = planned.phase
-    limits = [] if phase.limits is None or phase.robot is None else list(_limit_rows(phase))
+    limits = list(_limit_rows(planned))
     watched = [Watch(row) for row, _ in limits]
     checked = {_key(row) for row, _ in limits}
     # A phase may also have its limits as constraints; those rows are checked once.
@@ -50,7 +49,7 @@ def violations_of(
     throughout = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where is Where.THROUGHOUT]
     if limits:
         for part in interval_samples(planned, samples):
-            sample = planned.at(part.times, interval=part.interval)
+            sample = robot_sample(planned, part.times, part.interval)
             for watch, (_, read) in zip(watched, limits, strict=True):
                 watch.see(part.times, read(sample))
     if throughout:
@@ -89,9 +88,11 @@ def _key(row: Row) -> tuple[str, str | None, float, float]:
     return row.name, row.joint, float(row.lower), float(row.upper)
 
 
-def _limit_rows(phase: Any) -> Iterable[tuple[Row, Callable[[Any], Array]]]:
+def _limit_rows(planned: PhaseSolutionLike) -> Iterable[tuple[Row, Callable[[RobotSample], Array]]]:
     """Yield the rows of finite joint limits, each with the function that reads its values from a sample."""
-    limits, robot = phase.limits, phase.robot
+    limits, robot = limits_of(planned), planned.phase.robot
+    if limits is None or robot is None:
+        return
     joints = list(robot.velocity_names)
     shift = int(robot.model.nq) - len(joints)  # A floating root has one position more than velocities, and no limits.
     symmetric = (
@@ -111,7 +112,7 @@ def _limit_rows(phase: Any) -> Iterable[tuple[Row, Callable[[Any], Array]]]:
                 yield Row(name, units[robot.units[i]], -bound, bound, joint), _column(kind, column)
 
 
-def _column(kind: str, index: int) -> Callable[[Any], Array]:
+def _column(kind: str, index: int) -> Callable[[RobotSample], Array]:
     return lambda sample: np.asarray(getattr(sample, kind)[:, index])
 
 
@@ -172,5 +173,5 @@ def _integrals(planned: PhaseSolutionLike, constraints: Sequence[BoundConstraint
     return watches
 
 
-def _state_units(robot: Any) -> list[str]:
+def _state_units(robot: RobotLike) -> list[str]:
     return [*robot.position_units, *(RATE_UNITS[unit] for unit in robot.units)]

@@ -1,4 +1,4 @@
-"""What is wrong with the contacts and impacts of a plan, in sentences."""
+"""Messages about the contacts and impacts of a plan."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ def contact_complaints(
     forces: float | None,
     limits: float,
 ) -> list[str]:
-    """Write one sentence for each kind of figure that exceeds its tolerance, naming the worst offender.
+    """Return one sentence for each kind of figure that exceeds its tolerance, about the worst violation.
 
     Parameters
     ----------
     contact, forces, limits : float or None
-        As in ``Tolerances``; None does not judge.
+        Thresholds of ``Tolerances``; None does not judge.
     """
     return [
         *([] if contact is None else _moves(holdings, contact)),
@@ -52,7 +52,7 @@ def _forces(holdings: Sequence[Holding], allowed: float) -> list[str]:
     part, worst = over[0]
     others = f", and {len(over) - 1} more" if len(over) > 1 else ""
     return [
-        f"A contact asks of the ground what it cannot give: {worst} in phase {worst.phase!r}{others}; "
+        f"A contact force violates its limits: {worst} in phase {worst.phase!r}{others}; "
         f"that is {part:.3g} of the weight, {allowed:.3g} is allowed."
     ]
 
@@ -64,12 +64,12 @@ def _impacts(impacts: Sequence[Impact], forces: float | None, limits: float) -> 
         momentum, rest = impact.momentum, impact.rest
         if forces is not None and momentum.value > forces * impact.scale:
             found.append(
-                f"{who} does not keep momentum: {momentum.name} by {momentum.value:.3g} N s, "
+                f"{who} does not conserve momentum: {momentum.name} by {momentum.value:.3g} N s, "
                 f"{forces * impact.scale:.3g} is allowed."
             )
         if rest.value > limits:
             found.append(f"{who} leaves {rest.name} moving at {rest.value:.3g} {rest.unit}; {limits:.3g} is allowed.")
         worst = max(impact.broken, key=lambda v: part_of(v, impact.scale), default=None)
         if forces is not None and worst is not None and part_of(worst, impact.scale) > forces:
-            found.append(f"{who} breaks a row: {worst}; {forces:.3g} of the impulse is allowed.")
+            found.append(f"{who} violates a limit: {worst}; {forces:.3g} of the impulse is allowed.")
     return found

@@ -1,12 +1,12 @@
-"""Motion of a robot whose contacts hold: accelerations, impacts and states that obey the held rows.
+"""Constrained motion of a robot with contacts: accelerations, impacts, and projection of states on the contacts.
 
-All three are one least-squares problem in the metric of the mass matrix, solved by one singular value decomposition,
-so that rows that say the same thing twice (closed loops, four corners of a foot) share their force evenly.
+All three are one least-squares problem in the metric of the mass matrix, solved by a singular value decomposition.
+Redundant rows (closed loops, four corners of a foot) share their force evenly.
 
-The rows are held at the level of accelerations and the state is put back on them at every knot, without Baumgarte's
-terms. Measured on a swinging body pinned by a contact, 5 s, DOP853 at rtol 1e-10: rows alone drift 1e-11 m, with
-projection at knots 2e-12 m between them, after every step no better; Baumgarte's alpha = 10 / s takes 1.7 times and
-100 / s 17 times as many evaluations for rows that hold no better than the plan they check.
+The rows are imposed on accelerations, and the state is projected on them at every knot, without Baumgarte's terms.
+Measured on a swinging body pinned by a contact, 5 s, DOP853 at rtol 1e-10: rows drift by 1e-11 m, with projection at
+knots by 2e-12 m, and no less with projection after every step. Baumgarte's alpha = 10 / s takes 1.7 times and 100 / s
+17 times as many evaluations without a gain.
 
 Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 3.2 and chapter 11; Udwadia and Kalaba, Analytical
 Dynamics (1996); Eich-Soellner and Fuehrer, Numerical Methods in Multibody Dynamics (1998), section 5.3 (projection).
@@ -15,7 +15,7 @@ Dynamics (1996); Eich-Soellner and Fuehrer, Numerical Methods in Multibody Dynam
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -23,14 +23,14 @@ import pinocchio as pin
 from robotraj.witness.protocols import Array
 
 RANK_TOLERANCE = 1e-9
-"""Singular values below this, relative to the largest, belong to rows that others imply."""
+"""Singular values below this, relative to the largest, belong to redundant rows."""
 
 PROJECTIONS = 10
-"""Gauss-Newton steps a state may take back to its rows; from a drift of 1e-3 m it takes 3."""
+"""Largest number of Gauss-Newton steps of a projection; a drift of 1e-3 m takes 3."""
 
 
 class Held(NamedTuple):
-    """Rows phi(q) = 0 that hold, at one state.
+    """Rows phi(q) = 0 of contacts at one state.
 
     Attributes
     ----------
@@ -51,20 +51,20 @@ HeldRows = Callable[[Array, Array], Held]
 """``rows(q, v)`` evaluates the rows at a state."""
 
 
-def accelerate(model: Any, data: Any, q: Array, v: Array, applied: Array, held: Held) -> tuple[Array, Array]:
+def accelerate(model: pin.Model, data: pin.Data, q: Array, v: Array, applied: Array, held: Held) -> tuple[Array, Array]:
     """Solve M a + h = applied + J' f, J a + bias = 0.
 
     Parameters
     ----------
     applied : ndarray (nv,)
-        B tau - d(v), what acts besides gravity and the rows [N m, N].
+        B tau - d(v): applied torques without gravity and contact forces [N m, N].
 
     Returns
     -------
     a : ndarray (nv,)
         The acceleration.
     f : ndarray (m,)
-        The force of every row [N, N m], the least one where rows are redundant.
+        Force of every row [N, N m], of least norm where rows are redundant.
     """
     mass, bias = mass_and_bias(model, data, q, v)
     try:
@@ -74,13 +74,13 @@ def accelerate(model: Any, data: Any, q: Array, v: Array, applied: Array, held: 
     return obey(mass, held.jacobian, free, -held.bias)
 
 
-def impact(model: Any, data: Any, q: Array, v: Array, held: Held) -> tuple[Array, Array]:
-    """Solve M (v+ - v) = J' impulse, J v+ = 0: the inelastic impact that brings the rows to rest.
+def impact(model: pin.Model, data: pin.Data, q: Array, v: Array, held: Held) -> tuple[Array, Array]:
+    """Solve M (v+ - v) = J' impulse, J v+ = 0: an inelastic impact that stops the contacts.
 
     Returns
     -------
     after : ndarray (nv,)
-        v+, the velocity after it.
+        Velocity v+ after the impact.
     impulse : ndarray (m,)
         Of every row [N s, N m s].
 
@@ -91,10 +91,10 @@ def impact(model: Any, data: Any, q: Array, v: Array, held: Held) -> tuple[Array
     return obey(mass, held.jacobian, v, np.zeros(len(held.gap)))
 
 
-def project(model: Any, data: Any, q: Array, v: Array, rows: HeldRows) -> tuple[Array, Array]:
-    """Put a state back on its rows: the nearest positions by Gauss-Newton, then the nearest velocities.
+def project(model: pin.Model, data: pin.Data, q: Array, v: Array, rows: HeldRows) -> tuple[Array, Array]:
+    """Project a state on its rows: the nearest positions by Gauss-Newton steps, then the nearest velocities.
 
-    Near is measured by the mass matrix. Rows that cannot be met are left as near as they came.
+    The mass matrix is the metric. Where rows contradict each other, the last iterate is returned.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def project(model: Any, data: Any, q: Array, v: Array, rows: HeldRows) -> tuple[
 def obey(mass: Array, jacobian: Array, free: Array, target: Array) -> tuple[Array, Array]:
     """Minimise (x - free)' M (x - free) / 2 subject to J x = target: Gauss's principle of least constraint.
 
-    What is not finite, and a mass matrix that is not positive, give no numbers back: a simulation then says so.
+    The result is NaN where an argument is not finite or the mass matrix is not positive definite.
 
     Returns
     -------
@@ -138,8 +138,8 @@ def obey(mass: Array, jacobian: Array, free: Array, target: Array) -> tuple[Arra
     return x, left[:, kept] @ (along / sizes[kept])
 
 
-def mass_and_bias(model: Any, data: Any, q: Array, v: Array) -> tuple[Array, Array]:
-    """M(q), armature included, and h(q, v): gravity, Coriolis and centrifugal torques [N m, N]."""
-    # Only the upper triangle is promised.
+def mass_and_bias(model: pin.Model, data: pin.Data, q: Array, v: Array) -> tuple[Array, Array]:
+    """Return M(q), armature included, and h(q, v): gravity, Coriolis and centrifugal torques [N m, N]."""
+    # Only the upper triangle is defined.
     upper = np.triu(pin.crba(model, data, q))
     return upper + np.triu(upper, 1).T, np.array(pin.nonLinearEffects(model, data, q, v))

@@ -1,13 +1,13 @@
-"""How the contacts of a planned phase hold between collocation points: places, forces, and forces solved for anew."""
+"""Contacts of a planned phase between collocation points: places, planned forces, and forces of the equations."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.problem.constraints.base import Row
@@ -17,41 +17,41 @@ from robotraj.witness.contacts.stance import Instant, Stance, forces_in
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
 from robotraj.witness.planned import robot_sample
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import interval_samples
 
 NEWTONS = {"N": 1, "N m": 1, "N^2": 2, "N s": 1, "N m s": 1, "N^2 s^2": 2, "m": 0, "m/s": 0, "W": 1}
-"""Power of the force in the unit of a row, by which it is measured against the robot's weight; rest in SI units."""
+"""Power of the force in the unit of a row, with which it is compared with the robot's weight."""
 
 FORCE_NOISE = 1e-6
-"""Rows of forces broken by less, as parts of the weight, are a solver's tolerance and are not listed."""
+"""Violations by less than this part of the weight are a solver's tolerance and not listed."""
 
 GRAVITY = 9.81
 
 MOST_SAMPLES = 9
-"""Points of an interval at which contacts are looked at: planned polynomials have no more extremes than that."""
+"""Points of an interval at which contacts are evaluated, more than the extremes of planned polynomials."""
 
 
 @dataclass(frozen=True)
 class Holding:
-    """How one contact holds in one phase.
+    """Slip, sink, turn and forces of one contact in one phase.
 
     Attributes
     ----------
     contact, phase : str
     slip : Peak
-        Along the planned polynomials: largest distance from the anchor along the ground [m]; for what stands on no
-        ground, in any direction.
+        Largest distance from the anchor along the ground [m], along the planned polynomials; in any direction for
+        contacts without a ground.
     sink : Peak
         Largest distance from the ground, into it or above it [m].
     turn : Peak
         Largest angle from the anchor [rad], 0 for contacts that may turn.
     planned : tuple of Violation
-        Normal force, friction and centre of pressure: rows that the planned forces break, each where it is worst.
+        Limits of normal force, friction and centre of pressure that the planned forces violate.
     solved : tuple of Violation
-        Rows that the forces break which hold the contact under the planned q, v and tau, solved for by the witness.
+        The same for the forces that the equations of motion require under the planned q, v and tau.
     difference : Peak or None
-        Largest difference of planned and solved force [N, N m]; None where contacts share forces in many ways.
+        Largest difference of planned and solved force [N, N m]; None where forces are not unique.
     weight : float
         Of the robot [N].
     """
@@ -68,19 +68,19 @@ class Holding:
 
 
 def part_of(violation: Violation, weight: float) -> float:
-    """Amount of a violation as a part of the weight [N], of its square for rows of squares; moments at 1 m."""
+    """Return a violation relative to the weight [N], to its square for rows of squares; moments at 1 m."""
     return violation.amount / weight ** NEWTONS.get(violation.unit, 1)
 
 
-def weight_of(robot: Any) -> float:
-    """Weight of all bodies that move [N]."""
+def weight_of(robot: RobotLike) -> float:
+    """Return the weight of all moving bodies [N]."""
     return GRAVITY * float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:]))
 
 
 def holding_of(
     planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None
 ) -> tuple[Holding, ...]:
-    """Look at every contact of a phase at ``samples`` points of every interval."""
+    """Evaluate every contact of a phase at ``samples`` points of every interval."""
     phase = planned.phase
     if not phase.bound_contacts:
         return ()
@@ -102,16 +102,16 @@ def holding_of(
             instant = Instant(stance.robot, data, q, v)
             for watch in watched:
                 name = watch.contact.name
-                # Forces of contacts that come and go act over an interval: they are what they are at its end.
+                # Forces of implicit contacts are constant over an interval: they are evaluated at its end.
                 if watch.contact.holds or (i + 1) % len(part.sites) == 0:
                     watch.see(instant, float(t), gaps[name], forces[name], None if solved is None else solved[name])
     return tuple(watch.result(phase.name) for watch in watched)
 
 
 class _Watched:
-    """A contact and what was seen of it."""
+    """A contact and its values at sampled times."""
 
-    def __init__(self, contact: Any, stance: Stance, index: int) -> None:
+    def __init__(self, contact: BoundContact, stance: Stance, index: int) -> None:
         self.contact = contact
         self._weight = weight_of(stance.robot)
         self._anchors = stance.anchors[index]
@@ -164,8 +164,10 @@ class _Watched:
         return tuple(sorted(found, key=lambda v: -part_of(v, self._weight)))
 
 
-def split(contact: Any, anchors: Any, instant: Instant, gap: Array) -> tuple[float, float, float]:
-    """Split the gap of a contact's rows into slip [m], sink [m] and turn [rad]; without a ground all of it slips."""
+def split(
+    contact: BoundContact, anchors: Mapping[str, float], instant: Instant, gap: Array
+) -> tuple[float, float, float]:
+    """Return slip [m], sink [m] and turn [rad] of the gap of a contact's rows; without a ground all of it is slip."""
     axes = {f"{contact.name}.{axis}": i for i, axis in enumerate("xyz")}
     away, turned = np.zeros(3), []
     for row, value in zip(contact.holds, gap, strict=True):

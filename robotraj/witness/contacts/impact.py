@@ -1,15 +1,15 @@
-"""The impacts of a plan, checked on both sides: M (v+ - v-) = J' L, J v+ = 0 and L in the friction cones."""
+"""Impacts of a plan: M (v+ - v-) = J' L, J v+ = 0 and L in the friction cones."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.constraints.base import Row
+from robotraj.problem.links.base import BoundLink
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.contacts.constrained import mass_and_bias
@@ -18,12 +18,12 @@ from robotraj.witness.contacts.stance import Instant, Stance
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
 from robotraj.witness.plants.of_phase import plant_of
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import Array, PhaseSolutionLike, SolutionLike
 
 IMPULSE_UNITS = {"N": "N s", "N m": "N m s", "N^2": "N^2 s^2"}
 
 LEAST_IMPULSE = 1e-4
-"""Seconds of the robot's weight below which an impulse is not measured against itself, but against this."""
+"""Least scale of an impulse, in seconds of the robot's weight."""
 
 
 @dataclass(frozen=True)
@@ -38,17 +38,17 @@ class Impact:
     impulses : mapping of str to float
         Planned, by name [N s, N m s].
     solved : mapping of str to float or None
-        Solved for by the witness from the planned q and v-; None where they are not unique.
+        Of the equations of impact at the planned q and v-; None where they are not unique.
     momentum : Peak
         Largest |M (v+ - v-) - J' L| of the plan [N s, N m s], by velocity.
     rest : Peak
         Largest |J v+| of the plan [m/s, rad/s], by held row.
     lost : float
-        Kinetic energy that the impact takes [J].
+        Kinetic energy lost in the impact [J].
     broken : tuple of Violation
-        Normal impulse and friction cones that the planned impulses break.
+        Limits of normal impulse and friction that the planned impulses violate.
     scale : float
-        Size of the planned impulses [N s], what ``broken`` is measured against.
+        Norm of the planned impulses [N s], the scale of ``broken``.
     """
 
     link: str
@@ -68,7 +68,7 @@ def impacts_of(solution: SolutionLike) -> tuple[Impact, ...]:
     return tuple(_check(solution, k, link) for k, link in links if any(row.name == "impact" for row in link.rows))
 
 
-def _check(solution: SolutionLike, index: int, link: Any) -> Impact:
+def _check(solution: SolutionLike, index: int, link: BoundLink) -> Impact:
     before, after = (solution.phases[i] for i in link.phases)
     robot, contacts = realised(after), after.phase.bound_contacts
     stance = Stance(robot, contacts, after.parameters)
@@ -106,8 +106,8 @@ def _check(solution: SolutionLike, index: int, link: Any) -> Impact:
     )
 
 
-def _image(solution: SolutionLike, index: int, before: Any, ended: Array) -> Array:
-    """See the state before the impact from the phase after it: displaced or mirrored where the link says so."""
+def _image(solution: SolutionLike, index: int, before: PhaseSolutionLike, ended: Array) -> Array:
+    """Return the state before the impact, displaced or mirrored as the link repeats."""
     repeat = getattr(solution.problem.links[index], "repeat", None)
     if repeat is None:
         return ended
@@ -120,7 +120,7 @@ def _image(solution: SolutionLike, index: int, before: Any, ended: Array) -> Arr
 def _broken(
     stance: Stance, q: Array, v: Array, parts: Mapping[str, Array], time: float, where: str, scale: float
 ) -> tuple[Violation, ...]:
-    """Find which limits of the contacts impulses break, as far as they hold for impulses."""
+    """Return the limits of contacts that impulses violate, of those that apply to impulses."""
     instant = Instant(stance.robot, stance.robot.model.createData(), q, v)
     found = []
     for contact, anchors in zip(stance.contacts, stance.anchors, strict=True):
@@ -137,7 +137,7 @@ def _broken(
     return tuple(sorted(found, key=lambda v: -part_of(v, scale)))
 
 
-def _largest(names: Any, units: Any, values: Array, time: float, phase: str) -> Peak:
+def _largest(names: Sequence[str], units: Sequence[str], values: Array, time: float, phase: str) -> Peak:
     sizes = np.nan_to_num(np.abs(values), nan=np.inf)
     i = int(np.argmax(sizes))
     return Peak(names[i], units[i], float(sizes[i]), float(time), phase)

@@ -1,13 +1,14 @@
-"""The contacts of a phase in numbers: held rows, their Jacobians and forces, read from plain Pinocchio's frames."""
+"""The contacts of a phase in numbers: rows, Jacobians and forces by plain Pinocchio."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import pinocchio as pin
 
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.witness.contacts.constrained import RANK_TOLERANCE, Held, accelerate, impact, project
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.protocols import Array, RobotLike
@@ -15,8 +16,16 @@ from robotraj.witness.protocols import Array, RobotLike
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
+class Sampled(Protocol):
+    """A sample with algebraic variables by name."""
+
+    @property
+    def z(self) -> Mapping[str, Array]:
+        """Each a float or (m,)."""
+
+
 class Frame(NamedTuple):
-    """Pose and motion of a frame, as the rows of a contact read them."""
+    """Pose and motion of a frame in world axes, for the rows of contacts."""
 
     position: Array
     rotation: Array
@@ -25,16 +34,16 @@ class Frame(NamedTuple):
 
 
 class Instant:
-    """The frames of a robot at one state, its joints not accelerating.
+    """The frames of a robot at one state with zero joint accelerations.
 
     Attributes
     ----------
     q, v : ndarray
     by_joint : bool
-        Give velocities of frames as their Jacobians (6, nv): rows are linear in them, and so become rows of J.
+        Return Jacobians (6, nv) of frames as their velocities: rows are linear in these and become rows of J.
     """
 
-    def __init__(self, robot: RobotLike, data: Any, q: Array, v: Array) -> None:
+    def __init__(self, robot: RobotLike, data: pin.Data, q: Array, v: Array) -> None:
         self._robot, self._data = robot, data
         self.q, self.v = q, v
         self.by_joint = False
@@ -43,7 +52,7 @@ class Instant:
         pin.updateFramePlacements(robot.model, data)
 
     def frame(self, name: str) -> Frame:
-        """Pose and motion of a frame in world axes."""
+        """Return pose and motion of a frame in world axes."""
         index, model, data = self._robot.frame(name), self._robot.model, self._data
         place = data.oMf[index]
         acceleration = pin.getFrameClassicalAcceleration(model, data, index, WORLD).vector
@@ -51,12 +60,12 @@ class Instant:
         return Frame(place.translation, place.rotation, velocity, acceleration)
 
     def jacobian(self, name: str) -> Array:
-        """Jacobian (6, nv) of a frame, world axes."""
+        """Return the Jacobian (6, nv) of a frame, world axes."""
         return np.array(pin.getFrameJacobian(self._robot.model, self._data, self._robot.frame(name), WORLD))
 
 
-def forces_in(sample: Any, contacts: Sequence[Any], index: int | None = None) -> dict[str, Array]:
-    """Read the planned forces of contacts from a sample, one of many times where an index is given."""
+def forces_in(sample: Sampled, contacts: Sequence[BoundContact], index: int | None = None) -> dict[str, Array]:
+    """Return the planned forces of contacts in a sample, at one of its times where an index is given."""
     found = {}
     for contact in contacts:
         values = [np.asarray(sample.z[force.name], dtype=float) for force in contact.forces]
@@ -65,22 +74,22 @@ def forces_in(sample: Any, contacts: Sequence[Any], index: int | None = None) ->
 
 
 class Stance:
-    """A robot whose contacts hold.
+    """A robot with its contacts.
 
     Parameters
     ----------
     robot : Robot
     contacts : sequence of BoundContact
     parameters : mapping of str to float
-        Of the phase; the anchors of the contacts are among them.
+        Of the phase, with the anchors of the contacts.
 
     Attributes
     ----------
     anchors : list of dict of str to float
-        Where each contact stands, by anchor name [m, rad].
+        Place of each contact, by anchor name [m, rad].
     """
 
-    def __init__(self, robot: RobotLike, contacts: Sequence[Any], parameters: Mapping[str, float]) -> None:
+    def __init__(self, robot: RobotLike, contacts: Sequence[BoundContact], parameters: Mapping[str, float]) -> None:
         self.robot = robot
         self.contacts = tuple(contacts)
         self.anchors = [{anchor.name: float(parameters[anchor.name]) for anchor in c.anchors} for c in self.contacts]
@@ -88,13 +97,13 @@ class Stance:
         self._shift = np.zeros(sum(len(contact.holds) for contact in self.contacts))
 
     def stand(self, q: Array) -> Array:
-        """Hold the contacts where they are at q from now on, and return how far that is from their anchors (m,)."""
+        """Hold the contacts at their places in q from now on; return the distances from their anchors (m,)."""
         self._shift = np.zeros_like(self._shift)
         self._shift = self.rows(q, np.zeros(self.robot.nv)).gap
         return self._shift.copy()
 
     def rows(self, q: Array, v: Array) -> Held:
-        """Evaluate all held rows."""
+        """Return gaps, Jacobian and bias of all rows."""
         instant = Instant(self.robot, self._data, q, v)
         gaps = [
             as_numbers(contact.position(instant, anchors), f"contact {contact.name!r}")
@@ -103,7 +112,7 @@ class Stance:
         return Held(np.concatenate([*gaps, np.zeros(0)]) - self._shift, *self._rates(instant))
 
     def _rates(self, instant: Instant) -> tuple[Array, Array]:
-        """Jacobian and bias of all held rows."""
+        """Return Jacobian and bias of all rows."""
         biases = [as_numbers(c.acceleration(instant), f"contact {c.name!r}") for c in self.contacts]
         instant.by_joint = True
         rows = [np.broadcast_to(row, self.robot.nv) for c in self.contacts for row in c.velocity(instant)]
@@ -112,34 +121,34 @@ class Stance:
         return jacobian, np.concatenate([*biases, np.zeros(0)])
 
     def acceleration(self, q: Array, v: Array, applied: Array) -> Array:
-        """Acceleration (nv,) under torques on all joints while the contacts hold."""
+        """Return the acceleration (nv,) under torques on all joints while the contacts hold."""
         instant = Instant(self.robot, self._data, q, v)
         held = Held(np.zeros_like(self._shift), *self._rates(instant))
         return accelerate(self.robot.model, self._data, q, v, applied, held)[0]
 
     def forces(self, q: Array, v: Array, applied: Array, held: Held) -> Array | None:
-        """Solve for the forces (m,) that hold the rows ``held`` at this state; None where they are not unique.
+        """Solve for the forces (m,) of the rows ``held`` at this state; None where they are not unique.
 
-        Forces are dual to the rows: J' f does the power f . (J v). Rows that repeat each other, four corners of one
-        foot, leave the forces inside of the foot open.
+        Forces are dual to the rows: J' f has the power f . (J v). Redundant rows, such as four corners of one foot, do
+        not determine the internal forces.
         """
-        # NumPy before 2.4 knows no rank of no rows.
+        # NumPy before 2.4 has no rank of an empty matrix.
         known = len(held.gap) > 0 and np.isfinite(held.jacobian).all()
         if known and np.linalg.matrix_rank(held.jacobian, rtol=RANK_TOLERANCE) < len(held.gap):
             return None
         return accelerate(self.robot.model, self._data, q, v, applied, held)[1]
 
     def strike(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Velocities (nv,) after all contacts came to rest, and the least impulses (m,) that do it [N s, N m s]."""
+        """Return the velocities (nv,) after an impact that stops all contacts, and its impulses (m,) [N s, N m s]."""
         return impact(self.robot.model, self._data, q, v, self.rows(q, v))
 
     def settle(self, x: Array) -> Array:
-        """Put a state (q, v) back on the rows."""
+        """Project a state (q, v) on the rows."""
         nq = self.robot.model.nq
         return np.concatenate(project(self.robot.model, self._data, x[:nq], x[nq:], self.rows))
 
     def torques(self, q: Array, forces: Mapping[str, Array]) -> Array:
-        """Torques J' f (nv,) on the joints by values of the contacts' forces, from the wrenches they say they are."""
+        """Return the torques J' f (nv,) of contact forces on the joints, from the wrenches of the contacts."""
         instant = Instant(self.robot, self._data, q, np.zeros(self.robot.nv))
         total = np.zeros(self.robot.nv)
         for contact in self.contacts:
@@ -149,6 +158,6 @@ class Stance:
         return total
 
     def by_contact(self, rows: Array) -> dict[str, Array]:
-        """Split values (..., m) of the held rows by contact name."""
+        """Return values (..., m) of the rows by contact name."""
         ends = np.cumsum([len(contact.holds) for contact in self.contacts])[:-1]
         return {c.name: part for c, part in zip(self.contacts, np.split(rows, ends, axis=-1), strict=True)}

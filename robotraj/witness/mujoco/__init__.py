@@ -1,4 +1,7 @@
-"""The second witness: MuJoCo follows the plan with feedback, on its own dynamics and its own contacts."""
+"""A second simulation of plans: MuJoCo with feedback, its own dynamics and its own contacts.
+
+Start with ``following.py``.
+"""
 
 from robotraj.witness.mujoco.feedback import Feedback, JointFeedback, LinearQuadratic, NoFeedback
 from robotraj.witness.mujoco.feet import SoftGround

@@ -1,7 +1,7 @@
-"""Between Pinocchio's coordinates and MuJoCo's: the one place where their conventions meet.
+"""Conversion between the coordinates of Pinocchio and MuJoCo.
 
-MuJoCo orders joints as its own tree does, writes quaternions (w, x, y, z), and gives the linear velocity of a free
-joint in the world's axes; Pinocchio writes (x, y, z, w) and gives both velocities of a free-flyer in the body's.
+MuJoCo has its own order of joints, quaternions (w, x, y, z), and the linear velocity of a free joint in the world's
+axes; Pinocchio has quaternions (x, y, z, w) and both velocities of a free-flyer in the body's axes.
 Angular velocity is in the body's axes in both. With R the rotation of the body and w its angular velocity,
 
     v_mj = R v,    a_mj = R (a + w x v),    f_mj = R f    (linear parts; the angular ones are equal).
@@ -29,7 +29,7 @@ class Coordinates:
     ----------
     model : pinocchio.Model
     compiled : mujoco.MjModel
-        With a joint for each of ``model``, of the same names.
+        With the joints of ``model``, by the same names.
     """
 
     def __init__(self, model: pin.Model, compiled: Any) -> None:
@@ -62,7 +62,7 @@ class Coordinates:
             self.dofs[linear.start : linear.start + 6] = np.arange(linear_there.start, linear_there.start + 6)
 
     def qpos(self, q: Array) -> Array:
-        """Position of MuJoCo (its nq,) at Pinocchio's q (nq,)."""
+        """Return MuJoCo's position (its nq,) for Pinocchio's q (nq,)."""
         there = np.empty(self._sizes[0])
         there[self._qpos] = q[self._q]
         for place, turn, place_there, turn_there, *_ in self._free:
@@ -71,7 +71,7 @@ class Coordinates:
         return there
 
     def q(self, qpos: Array) -> Array:
-        """Pinocchio's q (nq,) at MuJoCo's position, the quaternion normalised."""
+        """Return Pinocchio's q (nq,) for MuJoCo's position, with a unit quaternion."""
         here = np.empty(self._nq)
         here[self._q] = qpos[self._qpos]
         for place, turn, place_there, turn_there, *_ in self._free:
@@ -80,25 +80,25 @@ class Coordinates:
         return here
 
     def qvel(self, q: Array, v: Array) -> Array:
-        """Velocity of MuJoCo (nv,) of Pinocchio's v (nv,) at q."""
+        """Return MuJoCo's velocity (nv,) for Pinocchio's v (nv,) at q."""
         return self._to(q, v)
 
     def v(self, q: Array, qvel: Array) -> Array:
-        """Pinocchio's v (nv,) of MuJoCo's velocity at Pinocchio's q."""
+        """Return Pinocchio's v (nv,) for MuJoCo's velocity at Pinocchio's q."""
         here = np.asarray(qvel, dtype=float)[self.dofs]
         for _, turn, _, _, linear, _ in self._free:
             here[linear] = rotation(q[turn]).T @ here[linear]
         return here
 
     def acceleration(self, q: Array, v: Array, qacc: Array) -> Array:
-        """Pinocchio's acceleration (nv,) of MuJoCo's, at Pinocchio's q and v."""
+        """Return Pinocchio's acceleration (nv,) for MuJoCo's, at Pinocchio's q and v."""
         here = self.v(q, qacc)
         for *_, linear, _ in self._free:
             here[linear] -= np.cross(v[linear.stop : linear.stop + 3], v[linear])
         return here
 
     def force(self, q: Array, tau: Array) -> Array:
-        """MuJoCo's generalised force (nv,) of Pinocchio's tau (nv,) at q."""
+        """Return MuJoCo's generalised force (nv,) for Pinocchio's tau (nv,) at q."""
         return self._to(q, tau)
 
     def _to(self, q: Array, here: Array) -> Array:
@@ -110,5 +110,5 @@ class Coordinates:
 
 
 def rotation(quaternion: Array) -> Array:
-    """Rotation (3, 3) of a quaternion (x, y, z, w)."""
+    """Return the rotation (3, 3) of a quaternion (x, y, z, w)."""
     return np.asarray(pin.Quaternion(np.asarray(quaternion, dtype=float)).toRotationMatrix())

@@ -1,12 +1,11 @@
 """Feedback that holds a robot on its plan: tau = tau_plan - K(t) e, with e the deviation in position and velocity.
 
-A value each; a new kind of feedback is one new class.
+A new kind of feedback is one new class.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any
 
 import numpy as np
 import scipy
@@ -15,30 +14,30 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.solution.feedback.riccati import backwards
 from robotraj.witness.contacts.constrained import mass_and_bias
-from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.feet import feet_of
 from robotraj.witness.mujoco.linear import LinearPhase
+from robotraj.witness.mujoco.reference_motion import ReferenceMotion
 from robotraj.witness.planned import robot_sample
 from robotraj.witness.protocols import Array
 
 PIECE = 0.005
-"""Gains are constant for so long [s], or a little less."""
+"""Longest time [s] for which gains are constant."""
 
 
 class Feedback(ABC):
-    """How torques answer a deviation e = (difference(q_plan, q), v - v_plan), 2 nv entries."""
+    """Feedback on the deviation e = (difference(q_plan, q), v - v_plan), 2 nv entries."""
 
     @abstractmethod
-    def gains(self, course: Course) -> tuple[Array, ...]:
-        """For each phase, gains (n, nu, 2 nv) on n pieces of equal duration, in the coordinates of the plan."""
+    def gains(self, course: ReferenceMotion) -> tuple[Array, ...]:
+        """Return gains (n, nu, 2 nv) of each phase on n pieces of equal duration, in the coordinates of the plan."""
 
 
 @dataclass(frozen=True)
 class NoFeedback(Feedback):
     """The planned torques alone."""
 
-    def gains(self, course: Course) -> tuple[Array, ...]:
-        """Give zeros."""
+    def gains(self, course: ReferenceMotion) -> tuple[Array, ...]:
+        """Return zeros."""
         shape = (1, course.nu, 2 * course.robot.model.nv)
         return tuple(np.zeros(shape) for _ in course.phases)
 
@@ -48,9 +47,9 @@ class NoFeedback(Feedback):
 
 @dataclass(frozen=True)
 class JointFeedback(Feedback):
-    """Each motor for itself: tau_j = tau_plan_j - M_jj (w^2 e_j + 2 z w edot_j), as motor drives do.
+    """Decoupled joint feedback: tau_j = tau_plan_j - M_jj (w^2 e_j + 2 z w edot_j), as motor drives do.
 
-    M_jj is the inertia that the joint feels with all others locked, at the planned position.
+    M_jj is the inertia of the joint with all others locked, at the planned position.
 
     Parameters
     ----------
@@ -71,8 +70,8 @@ class JointFeedback(Feedback):
     def __post_init__(self) -> None:
         _positive(self, "frequency", "damping")
 
-    def gains(self, course: Course) -> tuple[Array, ...]:
-        """Evaluate inertias along the plan."""
+    def gains(self, course: ReferenceMotion) -> tuple[Array, ...]:
+        """Return gains from the inertias along the plan."""
         model = course.robot.model
         data = model.createData()
         actuation = np.asarray(course.robot.actuation, dtype=float)
@@ -99,11 +98,11 @@ class LinearQuadratic(Feedback):
     Parameters
     ----------
     position : float
-        Deviation of a position [rad, m] that costs as much as ...
+        Deviation of a position [rad, m] with cost 1.
     velocity : float
-        ... this deviation of a velocity [rad/s, m/s] and ...
+        Deviation of a velocity [rad/s, m/s] with cost 1.
     effort : float
-        ... this fraction of tau_scale.
+        Torque with cost 1, as a fraction of tau_scale.
 
     Raises
     ------
@@ -118,8 +117,8 @@ class LinearQuadratic(Feedback):
     def __post_init__(self) -> None:
         _positive(self, "position", "velocity", "effort")
 
-    def gains(self, course: Course) -> tuple[Array, ...]:
-        """Run Riccati's recursion backwards, period after period until it repeats itself."""
+    def gains(self, course: ReferenceMotion) -> tuple[Array, ...]:
+        """Return the gains of Riccati's recursion, over as many periods as it takes to converge."""
         nv = course.robot.model.nv
         weight = np.repeat([1.0 / self.position, 1.0 / self.velocity], nv)
         price = np.diag(1.0 / (self.effort * _torque_scales(course)))
@@ -143,10 +142,10 @@ class LinearQuadratic(Feedback):
 
 
 IDLE = 0.2
-"""A motor that rests in the plan may be used as if it gave this share of the largest torque."""
+"""Least scale of a motor's torque, as a share of the largest."""
 
 _MOST_SWEEPS = 50
-"""Periods after which Riccati's recursion has repeated itself, or never will."""
+"""Largest number of periods of Riccati's recursion."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +157,7 @@ class _LinearPieces:
     duration: float
 
     @classmethod
-    def of(cls, course: Course, phase: int) -> _LinearPieces:
+    def of(cls, course: ReferenceMotion, phase: int) -> _LinearPieces:
         planned = course.phases[phase]
         linear = LinearPhase(course.robot, planned.phase.bound_contacts)
         middles = _middles(course, phase)
@@ -178,12 +177,12 @@ class _LinearPieces:
         return root, np.array(gains)
 
 
-def _entry(course: Course, phase: int, linear: LinearPhase) -> Array:
-    """Matrix (2 nv, 2 nv) from a deviation at the end of the phase before to one at the start of a phase."""
+def _entry(course: ReferenceMotion, phase: int, linear: LinearPhase) -> Array:
+    """Return the matrix (2 nv, 2 nv) from a deviation at the end of the phase before to one at the start of a phase."""
     planned = course.phases[phase - 1]
     end = robot_sample(planned, planned.knots[-1:])
     rate = np.concatenate([end.v[0], end.a[0]])
-    # The end of a plan that repeats itself is seen from its start.
+    # At the start of a periodic plan the phase before is the last one, mirrored where the plan is half a gait.
     around = course.closing is not None and phase == 0
     mirrored = course.closing.velocities if around and course.closing else np.eye(course.robot.model.nv)
     seen = scipy.linalg.block_diag(mirrored, mirrored)
@@ -192,21 +191,21 @@ def _entry(course: Course, phase: int, linear: LinearPhase) -> Array:
     return linear.touchdown(course.reference(phase, np.zeros(1)).q[0], seen @ rate, feet, course.root) @ seen
 
 
-def _all(course: Course) -> range:
+def _all(course: ReferenceMotion) -> range:
     return range(len(course.phases))
 
 
-def _middles(course: Course, phase: int) -> Array:
-    """Middles of the pieces of a phase, since its start [s]."""
+def _middles(course: ReferenceMotion, phase: int) -> Array:
+    """Return the middles of the pieces of a phase, since its start [s]."""
     duration = course.durations[phase]
     count = max(1, int(np.ceil(duration / PIECE)))
     return duration * (np.arange(count) + 0.5) / count
 
 
-def _torque_scales(course: Course) -> Array:
-    """Torque (nu,) that counts as much for every motor [N m, N]: what it gives in the plan, or a share of the largest.
+def _torque_scales(course: ReferenceMotion) -> Array:
+    """Return the scales (nu,) of the motors [N m, N]: the largest planned torque, or ``IDLE`` of the largest of all.
 
-    A URDF's effort limits are too often placeholders to weigh with, but no motor gives more.
+    Effort limits of URDFs are often placeholders, so they bound the scales only.
     """
     planned = np.max([np.abs(course.reference(p, _middles(course, p)).tau).max(axis=0) for p in _all(course)], axis=0)
     scales = np.maximum(planned, IDLE * planned.max(initial=0.0))
@@ -215,7 +214,7 @@ def _torque_scales(course: Course) -> Array:
     return np.where(scales > 0, scales, 1.0)
 
 
-def _positive(value: Any, *names: str) -> None:
+def _positive(value: Feedback, *names: str) -> None:
     for name in names:
         number = getattr(value, name)
         if not (isinstance(number, int | float) and np.isfinite(number) and number > 0):

@@ -1,8 +1,8 @@
-"""Feet and ground for MuJoCo: what touches, where it is, how soft.
+"""Feet and ground for MuJoCo: shapes, places and stiffness.
 
 A point foot is a small sphere about its contact point, a flat one a thin box, a line a capsule, all with the same
-radius r; the ground lies lower by r along its normal. So each touches where the plan holds it, and a foot that turns
-rolls by no more than r times its angle. Feet touch the ground only, each that of its contact.
+radius r; the ground is lower by r along its normal. So each foot touches the ground at its planned place, and a foot
+that turns rolls by at most r times its angle. Each foot collides with the ground of its contact only.
 """
 
 from __future__ import annotations
@@ -23,43 +23,43 @@ from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
 from robotraj.dynamics.contacts.point_contact import BoundPointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.model import wxyz
 from robotraj.witness.mujoco.package import load_mujoco
+from robotraj.witness.mujoco.reference_motion import ReferenceMotion
 from robotraj.witness.protocols import Array
 
 MARGIN = 0.5
-"""A height field reaches so far [m] beyond the feet."""
+"""Margin of a height field around the places of the feet [m]."""
 
 CELL = 0.01
-"""Size of its cells [m], unless it would need more than ``MOST_CELLS`` a side."""
+"""Size of the cells of a height field [m], larger where a side had more than ``MOST_CELLS``."""
 
 MOST_CELLS = 600
 
 PLANAR_WIDTH = 0.04
-"""Width [m] of a flat foot that has none, on a robot in a plane."""
+"""Width [m] of a flat foot of a planar robot, which has none."""
 
 PLANE_TOLERANCE = 1e-9
-"""A ground whose heights [m] leave a plane by less is one."""
+"""Largest deviation of a ground from a plane [m] with which it becomes a plane of MuJoCo."""
 
 SAMPLES = 50
-"""Places at which feet are looked for, by phase and period."""
+"""Times of each phase and period at which the places of feet are computed."""
 
 
 @dataclass(frozen=True)
 class SoftGround:
-    """The ground in MuJoCo: how far from rigid, and how rough.
+    """Stiffness and friction of the ground in MuJoCo.
 
     Parameters
     ----------
     time : float
         Time constant of the critically damped contact [s], MuJoCo's ``solref``; its own default is 0.02. Smaller is
-        harder: below two simulation steps MuJoCo takes two steps.
+        harder; the least is two simulation steps.
     radius : float
         r [m].
     grip : float
-        Friction in MuJoCo as a multiple of what the plan counts on. A plan uses all that it is allowed, and soft
-        contacts slide at the edge of the cone; plan with less than there is.
+        Ratio of the friction in MuJoCo and in the plan. Soft contacts slide at the edge of the friction cone, which
+        plans use fully: plan with less friction than there is.
 
     Raises
     ------
@@ -80,18 +80,18 @@ class SoftGround:
 
 @dataclass(frozen=True)
 class Foot:
-    """A contact as MuJoCo has it.
+    """The shape of a contact in MuJoCo.
 
     Attributes
     ----------
     name : str
-        The contact's.
+        Name of the contact.
     frame : int
         Pinocchio's index of its frame.
     pose : pinocchio.SE3
-        Of the shape in that frame; its origin is where a point foot touches, or the middle of the sole.
+        Of the shape in that frame; its origin is the contact point, or the middle of the sole.
     shape : str
-        ``"SPHERE"``, ``"CAPSULE"`` along z or ``"BOX"``, whose z is up: MuJoCo's words.
+        ``"SPHERE"``, ``"CAPSULE"`` along z or ``"BOX"``, whose z is up.
     half : tuple of float
         Half the length of a capsule, half the length and half the width of a box [m].
     friction : float
@@ -107,18 +107,18 @@ class Foot:
     ground: Ground
 
     def size(self, radius: float) -> list[float]:
-        """Sizes (3,) as MuJoCo wants them: a box's radius is half its height."""
+        """Return the sizes (3,) of MuJoCo's shape; half the height of a box is the radius."""
         sizes = [*self.half, radius] if self.shape == "BOX" else [radius, *self.half]
         return sizes + [0.0] * (3 - len(sizes))
 
 
-def feet_of(course: Course) -> tuple[Foot, ...]:
-    """All feet of a plan, and those that take their places in mirrored periods.
+def feet_of(course: ReferenceMotion) -> tuple[Foot, ...]:
+    """Return all feet of a plan, and their partners in mirrored periods.
 
     Raises
     ------
     InputError
-        A contact that MuJoCo is not given here, or a mirror that does not name a foot's partner.
+        A contact of another kind, or a mirror without the partner of a foot.
     """
     found: dict[str, Foot] = {}
     for planned in course.phases:
@@ -137,11 +137,13 @@ def feet_of(course: Course) -> tuple[Foot, ...]:
 
 
 def place(foot: Foot, poses: Sequence[Any]) -> Array:
-    """Where a foot touches, given the poses of all frames, (3,) [m]."""
+    """Return the contact point of a foot (3,) [m] for the poses of all frames."""
     return np.array((poses[foot.frame] * foot.pose).translation)
 
 
-def furnish(course: Course, feet: Sequence[Foot], soft: SoftGround, spec: Any, bodies: Mapping[int, Any]) -> None:
+def furnish(
+    course: ReferenceMotion, feet: Sequence[Foot], soft: SoftGround, spec: Any, bodies: Mapping[int, Any]
+) -> None:
     """Add feet and their grounds to a specification of MuJoCo."""
     mujoco = load_mujoco()
     grounds: list[Ground] = []
@@ -163,8 +165,8 @@ def furnish(course: Course, feet: Sequence[Foot], soft: SoftGround, spec: Any, b
         _add_ground(mujoco, spec, ground, low, high, soft.radius, i)
 
 
-def _foot(course: Course, bound: Any) -> Foot:
-    """Read a contact's shape, whose own axes say how it lies in its frame."""
+def _foot(course: ReferenceMotion, bound: Any) -> Foot:
+    """Return the shape of a contact, in the axes of the contact."""
     contact: Any = bound.contact
     half: tuple[float, ...] = ()
     if isinstance(bound, BoundFlatFoot):
@@ -181,26 +183,26 @@ def _foot(course: Course, bound: Any) -> Foot:
         pose, shape = pin.SE3(np.eye(3), np.array(bound.spot.offset)), "SPHERE"
     else:
         raise InputError(
-            f"second_opinion() knows points, lines and flat feet on the ground, and loops; {type(contact).__name__} "
-            f"{bound.name!r} is none."
+            f"{type(contact).__name__} {bound.name!r} cannot be simulated in MuJoCo; second_opinion() accepts points, "
+            f"lines and flat feet on the ground, and loops. Use rt.validate."
         )
     frame, ground = course.robot.frame(bound.frame), as_ground(contact.ground)
     return Foot(bound.name, frame, pose, shape, half, float(contact.friction), ground)
 
 
-def _partner(course: Course, frame: str, name: str, partners: Mapping[str, str]) -> int:
-    """Frame of a mirrored foot: the partner of its frame, else the frame of its name."""
+def _partner(course: ReferenceMotion, frame: str, name: str, partners: Mapping[str, str]) -> int:
+    """Return the frame of a mirrored foot: the partner of its frame, else the frame of its name."""
     other = partners.get(frame, name)
     if not course.robot.model.existFrame(other):
         raise InputError(
-            f"The mirror puts contact {name!r} where frame {frame!r} was, but does not say with which frame; add "
-            f"{frame!r} to its partners."
+            f"The mirror names no partner of frame {frame!r}, in whose place contact {name!r} stands; add {frame!r} to "
+            f"its partners."
         )
     return course.robot.frame(other)
 
 
-def _reach(course: Course, feet: Sequence[Foot]) -> tuple[Array, Array]:
-    """Corners (2,) [m] of the part of the ground that the feet come over."""
+def _reach(course: ReferenceMotion, feet: Sequence[Foot]) -> tuple[Array, Array]:
+    """Return the corners (2,) [m] of the rectangle over which the feet move."""
     model = course.robot.model
     data = model.createData()
     places = []
@@ -214,7 +216,7 @@ def _reach(course: Course, feet: Sequence[Foot]) -> tuple[Array, Array]:
 
 
 def _add_ground(mujoco: Any, spec: Any, ground: Ground, low: Array, high: Array, radius: float, index: int) -> None:
-    """Add a plane, or a height field where the ground is none."""
+    """Add a plane, or a height field where the ground is not plane."""
     own = {"name": f"ground {index}", "contype": 0, "conaffinity": 1 << index, "friction": [0.0, 0.0, 0.0]}
     middle = 0.5 * (low + high)
     normal = np.array(ground.normal(*middle), dtype=float)
@@ -229,7 +231,7 @@ def _add_ground(mujoco: Any, spec: Any, ground: Ground, low: Array, high: Array,
             type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0.0, 0.0, 1.0], pos=centre - radius * normal, quat=wxyz(turn), **own
         )
         return
-    # Straight down by as much as the surface moves along its normal.
+    # A shift along the normal by r is one along z by r / n_z.
     up = np.array([np.broadcast_to(part, heights.shape) for part in ground.normal(x[None, :], y[:, None])])[2]
     heights = heights - radius / up
     bottom, top = heights.min(), heights.max()

@@ -1,21 +1,23 @@
-"""The second opinion: MuJoCo moves the robot under the planned torques and a feedback, period after period."""
+"""Simulation of a plan in MuJoCo, with feedback, over one or several periods."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.deviation import Fall
 from robotraj.witness.mujoco.feedback import Feedback, LinearQuadratic
 from robotraj.witness.mujoco.feet import SoftGround, feet_of, furnish
 from robotraj.witness.mujoco.loops import close, loops_of
 from robotraj.witness.mujoco.model import mujoco_robot
+from robotraj.witness.mujoco.reference_motion import ReferenceMotion
 from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.mujoco.run import MujocoRun
+from robotraj.witness.planned import limits_of
 from robotraj.witness.protocols import SolutionLike
 
 
@@ -24,45 +26,45 @@ def second_opinion(
     periods: int | None = None,
     feedback: Feedback | None = None,
     *,
-    offset: Any = 0.0,
+    offset: ArrayLike = 0.0,
     ground: SoftGround | None = None,
     step: float = 5e-4,
 ) -> SecondOpinion:
-    """Let MuJoCo follow a plan: tau = tau_plan - K(t) e, cut off at the effort limits.
+    """Simulate a plan in MuJoCo under tau = tau_plan - K(t) e, saturated at the effort limits.
 
-    The robot is written out for MuJoCo from its Pinocchio model, its feet from the contacts of the phases. MuJoCo's
-    contacts are soft and know nothing of the plan's schedule: feet land when they land, and the next phase begins then,
-    seen from where they stand. Without contacts MuJoCo integrates by RK4, with them by its implicit Euler steps. Loops
-    are nearly rigid; position limits are MuJoCo's soft ones.
+    The MuJoCo model is built from the Pinocchio model, its feet from the contacts of the phases. MuJoCo's contacts are
+    soft, and touchdowns happen when feet reach the ground: then the next phase begins, shifted to the places of these
+    feet. Without contacts MuJoCo integrates by RK4, with contacts by implicit Euler steps. Loops are nearly rigid;
+    position limits are MuJoCo's soft ones.
 
     Parameters
     ----------
     solution : Solution
         Of a robot.
     periods : int, optional
-        How often a periodic plan is run through, each time displaced, and mirrored if it is half a gait. Default: three
-        times if a link closes it (``rt.Periodic``, ``rt.Mirror``, ``rt.Touchdown(repeat=...)``), else once.
+        Number of periods, each displaced, and mirrored if the plan is half a gait. Default: three for a plan closed by
+        a link (``rt.Periodic``, ``rt.Mirror``, ``rt.Touchdown(repeat=...)``), else one.
     feedback : Feedback, optional
         ``LinearQuadratic()`` by default; ``JointFeedback()``, ``NoFeedback()``.
     offset : float or array_like (2 nv,)
-        Added to the plan's first state, a disturbance to recover from: positions in tangent space, then velocities.
+        Disturbance of the first state of the plan: positions in tangent space, then velocities.
     ground : SoftGround, optional
-        How soft and how rough MuJoCo's ground is.
+        Stiffness and friction of the ground in MuJoCo.
     step : float
         Longest simulation step [s]; every interval of the plan is a whole number of steps.
 
     Returns
     -------
     SecondOpinion
-        ``print(...)`` shows it.
+        Prints as a report.
 
     Raises
     ------
     InputError
-        MuJoCo is not installed, the plan is one of a System, or does not repeat as often as asked.
+        MuJoCo is not installed, the plan moves a System, or is not periodic though several periods are asked.
     """
     require_solution(solution, "rt.witness.second_opinion")
-    course = Course(solution, periods)
+    course = ReferenceMotion(solution, periods)
     if not (isinstance(step, int | float) and np.isfinite(step) and step > 0):
         raise InputError(f"step = {step!r}; give a positive time [s].")
     if not (feedback is None or isinstance(feedback, Feedback)):
@@ -72,7 +74,7 @@ def second_opinion(
         )
     if not (ground is None or isinstance(ground, SoftGround)):
         raise InputError(
-            f"ground = {ground!r}; give rt.witness.SoftGround(...): where the ground is, the contacts say."
+            f"ground = {ground!r}; give rt.witness.SoftGround(...); its place is that of the contacts' grounds."
         )
     away = np.asarray(offset, dtype=float).ravel()
     if away.size not in (1, 2 * course.robot.model.nv):
@@ -82,7 +84,7 @@ def second_opinion(
     feet = feet_of(course)
     soft = ground if ground is not None else SoftGround()
     feedback = feedback if feedback is not None else LinearQuadratic()
-    limits = course.phases[0].phase.limits
+    limits = limits_of(course.phases[0])
 
     loops = loops_of(course)
 

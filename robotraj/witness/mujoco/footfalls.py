@@ -1,4 +1,4 @@
-"""What happens under each foot while MuJoCo runs: forces, slip, sink, and how often it comes down."""
+"""Forces, slip, sink and touchdowns of each foot during a simulation in MuJoCo."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from robotraj.witness.mujoco.report import FootReport
 from robotraj.witness.protocols import Array
 
 LEAST = 1e-3
-"""A foot that carries less than this share of the weight is off the ground."""
+"""Share of the weight below which a foot is off the ground."""
 
 BOUNCE = 0.01
-"""A foot that is off the ground for less time [s] has not left it."""
+"""Shortest time [s] without load that ends a stance."""
 
 
 class Footfalls:
-    """Watch the feet, step by step.
+    """Records the feet at every step.
 
     Parameters
     ----------
@@ -41,13 +41,13 @@ class Footfalls:
         self._stances, self._off, self._time = np.zeros(count, dtype=int), np.full(count, np.inf), 0.0
 
     def watch(self, data: Any, duration: float) -> None:
-        """Account for a step of that duration [s], whose contacts and forces are in ``data``."""
+        """Add a step of that duration [s] with the contacts and forces in ``data``."""
         self._time += duration
         count = len(self._feet)
         force, normal, motion = np.zeros((count, 3)), np.zeros(count), np.zeros((count, 3))
         for c in range(data.ncon):
             contact = data.contact[c]
-            # MuJoCo puts planes and height fields first: the second geom is the foot, and the force is that on it.
+            # Planes and height fields are MuJoCo's first geom: the second is the foot, and the force acts on it.
             foot = self._of_geom[int(contact.geom[1])]
             self._sink[foot] = max(self._sink[foot], -float(contact.dist))
             axes, parts = contact.frame.reshape(3, 3), np.zeros(6)
@@ -66,7 +66,7 @@ class Footfalls:
             self._off[i] = 0.0
             self._loaded[i] += duration
             self._impulse[i] += force[i] * duration
-            # Where a foot touches at several points, where most of the load is.
+            # The slip of a foot with several contact points is the mean, weighted by load.
             self._slid[i] += motion[i] / normal[i] * duration
             self._slip[i] = max(self._slip[i], float(np.linalg.norm(self._slid[i])))
 
@@ -75,7 +75,7 @@ class Footfalls:
         return any(self._now[i] > self._least for i, foot in enumerate(self._feet) if foot.name in names)
 
     def _sliding(self, data: Any, contact: Any, axes: Array) -> Array:
-        """Velocity (3,) of the foot's surface along the ground [m/s]; rolling is none."""
+        """Return the velocity (3,) of the foot's surface along the ground [m/s], zero for rolling."""
         geom, twist = int(contact.geom[1]), np.zeros(6)
         self._mujoco.mj_objectVelocity(self._model, data, self._mujoco.mjtObj.mjOBJ_GEOM, geom, twist, 0)
         wx, wy, wz = twist[:3]
@@ -84,7 +84,7 @@ class Footfalls:
         return np.asarray(velocity - axes[0] * (axes[0] @ velocity))
 
     def reports(self, planned: Mapping[str, Array]) -> tuple[FootReport, ...]:
-        """Sum up, beside the planned mean forces (3,) by foot."""
+        """Return the reports of all feet, with the planned mean forces (3,) by foot."""
         time = max(self._time, 1e-12)
         return tuple(
             FootReport(

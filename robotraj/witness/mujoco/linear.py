@@ -1,8 +1,7 @@
-"""A phase linearised along its plan: how a small deviation from it moves on.
+"""The motion of small deviations from a planned phase, with all contacts that carry load.
 
 A deviation is e = (difference(q_plan, q), v - v_plan), 2 nv entries, in Pinocchio's tangent space; its rate is
-A e + B u, with u what is added to the planned torques. Contacts hold in it, pulled back by Baumgarte's terms as by a
-soft ground.
+A e + B u, with u the torques added to the planned ones. Contacts are held by Baumgarte's terms, like a soft ground.
 Source: Baumgarte, Stabilization of constraints and integrals of motion, Comp. Meth. Appl. Mech. Eng. 1 (1972).
 """
 
@@ -10,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
+from robotraj.robot.robot import Robot
 from robotraj.solution.feedback.riccati import transition
 from robotraj.witness.contacts.constrained import Held, accelerate, impact
 from robotraj.witness.mujoco.feet import Foot, place
@@ -27,16 +27,16 @@ STEP = 1e-6
 """Finite difference of positions [rad, m] and velocities [rad/s, m/s]."""
 
 SLOWEST = 0.05
-"""A foot that comes down more slowly [m/s] does so at the planned time: its moment says nothing."""
+"""Speed of touchdown [m/s] below which its time does not depend on the deviation."""
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 STIFFNESS = 50.0
-"""Rate [1/s] at which held rows come back in the linearised motion."""
+"""Rate [1/s] at which violations of contacts decay in the linearised motion."""
 
 
 class LinearPhase:
-    """Linearise the motion of a robot with the contacts of a phase.
+    """The linearised motion of a robot with the contacts of a phase.
 
     Parameters
     ----------
@@ -45,16 +45,16 @@ class LinearPhase:
     contacts : sequence of BoundContact
     """
 
-    def __init__(self, robot: Any, contacts: Any) -> None:
+    def __init__(self, robot: Robot, contacts: Sequence[BoundContact]) -> None:
         self.robot = robot
         self._actuation = np.asarray(robot.actuation, dtype=float)
         self._data = robot.model.createData()
         self._contacts = tuple(contacts)
 
     def rates(self, q: Array, v: Array, tau: Array, pushing: Collection[str] = ()) -> tuple[Array, Array]:
-        """Matrices A (2 nv, 2 nv) and B (2 nv, nu) of the rate of a deviation at a planned state.
+        """Return A (2 nv, 2 nv) and B (2 nv, nu) of the rate of a deviation at a planned state.
 
-        Of contacts that come and go within the phase those named ``pushing`` hold.
+        Of implicit contacts those named ``pushing`` hold.
         """
         model, nv = self.robot.model, self.robot.model.nv
         joints = self._actuation @ tau
@@ -64,7 +64,7 @@ class LinearPhase:
         rate = np.zeros((2 * nv, 2 * nv))
         rate[:nv, nv:] = np.eye(nv)
         if model.nq > nv:
-            # In the axes of a body that moves, a deviation that stays where it is turns and shifts.
+            # In the axes of a moving body, a deviation that is constant in the world turns and shifts.
             rate[:6, :6] -= pin.Motion(v[:6]).action
         for i, unit in enumerate(STEP * np.eye(nv)):
             there = pin.integrate(model, q, unit)
@@ -72,21 +72,21 @@ class LinearPhase:
             rate[nv:, nv + i] = (self._acceleration(q, v + unit, joints, self._held(rows, q, v + unit)) - here) / STEP
         push = np.zeros((2 * nv, self._actuation.shape[1]))
         for j, column in enumerate(self._actuation.T):
-            # Linear in the torque, so that a whole newton metre makes no error.
+            # The acceleration is linear in the torque: a difference of 1 N m is exact.
             push[nv:, j] = self._acceleration(q, v, joints + column, held) - here
         return rate, push
 
     def step(
         self, q: Array, v: Array, tau: Array, duration: float, pushing: Collection[str] = ()
     ) -> tuple[Array, Array]:
-        """Transition matrices (2 nv, 2 nv) and (2 nv, nu) over a short time [s], u constant."""
+        """Return transition matrices (2 nv, 2 nv) and (2 nv, nu) over a short time [s], u constant."""
         return transition(*self.rates(q, v, tau, pushing), duration)
 
     def touchdown(self, q: Array, rate: Array, feet: Sequence[Foot], root: RootCoordinates) -> Array:
-        """Matrix (2 nv, 2 nv) that takes a deviation through the impact as the phase begins.
+        """Return the matrix (2 nv, 2 nv) from a deviation before the impact at the start of the phase to one after it.
 
-        The impact comes when the feet reach the ground, not at its planned time; afterwards the plan is followed from
-        where they stand. So what is left of a deviation is what it is at that moment, impact and shift included.
+        The impact occurs when the feet reach the ground, not at its planned time; afterwards the plan is shifted to
+        their places. The matrix contains impact, change of time and shift.
         Source: Saccon, van de Wouw and Nijmeijer, Sensitivity analysis of hybrid systems with state jumps, CDC 2014.
 
         Parameters
@@ -96,7 +96,7 @@ class LinearPhase:
         rate : ndarray (2 nv,)
             Planned rate of (q, v) just before it.
         feet : sequence of Foot
-            Those that come down.
+            Those that touch down.
         root : RootCoordinates
         """
         nv = self.robot.model.nv
@@ -126,14 +126,15 @@ class LinearPhase:
         return np.asarray(shift @ landed)
 
     def _rows(self, q: Array, pushing: Collection[str] = ()) -> list[tuple[int, str, Array]]:
-        """Frames and matrices (m, 6): what each contact holds of their motion, constant for small deviations."""
+        """Return frames and matrices (m, 6) from their motion to the rows of each contact."""
         pin.framesForwardKinematics(self.robot.model, self._data, q)
         found = []
         for contact in self._contacts:
-            found_out = isinstance(contact, BoundImplicitContact)
-            if found_out and contact.name not in pushing:
-                continue
-            velocity = contact.spot.velocity if found_out else contact.velocity
+            velocity = contact.velocity
+            if isinstance(contact, BoundImplicitContact):
+                if contact.name not in pushing:
+                    continue
+                velocity = contact.spot.velocity
             point = _SingleFrameMotion(self.robot, self._data)
             as_numbers(velocity(point), contact.name)
             for name, index in tuple(point.read.items()):
@@ -142,7 +143,7 @@ class LinearPhase:
         return found
 
     def _held(self, rows: list[tuple[int, str, Array]], q: Array, v: Array) -> Held | None:
-        """Evaluate what the contacts hold at a state near the planned one."""
+        """Return the rows of the contacts at a state near the planned one."""
         if not rows:
             return None
         model, data, nv = self.robot.model, self._data, self.robot.model.nv
@@ -154,29 +155,35 @@ class LinearPhase:
         for index, name, matrix in rows:
             bias = matrix @ pin.getFrameClassicalAcceleration(model, data, index, WORLD).vector
             jacobian = matrix @ pin.getFrameJacobian(model, data, index, WORLD)
-            # The rows of a closed loop read two frames.
+            # The rows of a closed loop depend on two frames.
             biases[name] = biases.get(name, 0.0) + bias
             jacobians[name] = jacobians.get(name, 0.0) + jacobian
         bias = np.concatenate(list(biases.values()))
         return Held(np.zeros_like(bias), np.concatenate(list(jacobians.values())), bias)
 
     def _acceleration(
-        self, q: Array, v: Array, joints: Array, held: Held | None, planned: Held | None = None, away: Any = 0.0
+        self,
+        q: Array,
+        v: Array,
+        joints: Array,
+        held: Held | None,
+        planned: Held | None = None,
+        away: Array | float = 0.0,
     ) -> Array:
-        """Acceleration (nv,) under torques of all joints; ``away`` is how far q is from the planned one."""
+        """Return the acceleration (nv,) under torques of all joints; ``away`` is the deviation of q."""
         applied = joints - self.robot.dissipation(v)
         if held is None:
             return np.array(pin.aba(self.robot.model, self._data, q, v, applied))
-        # The planned state obeys the rows up to the error of the plan, which is not to be steered against.
+        # The planned state satisfies the rows up to the error of the plan, which is not corrected.
         gap = np.zeros_like(held.bias) if planned is None else planned.jacobian @ away
         pull = 2.0 * STIFFNESS * (held.jacobian @ v) + STIFFNESS**2 * gap
         return accelerate(self.robot.model, self._data, q, v, applied, held._replace(bias=held.bias + pull))[0]
 
 
 class _SingleFrameMotion:
-    """A point at which one frame moves and all others stand still: the rows of contacts are linear in such motions."""
+    """A point at which one frame moves and all others are at rest: rows of contacts are linear in such motions."""
 
-    def __init__(self, robot: Any, data: Any) -> None:
+    def __init__(self, robot: Robot, data: pin.Data) -> None:
         self._robot, self._data = robot, data
         self._moving: tuple[str, Array] = ("", np.zeros(6))
         self.read: dict[str, int] = {}
@@ -186,7 +193,8 @@ class _SingleFrameMotion:
         self._moving = name, motion
         return self
 
-    def frame(self, name: str) -> Any:
+    def frame(self, name: str) -> SimpleNamespace:
+        """Return pose of a frame and its velocity in world axes."""
         index = self.read.setdefault(name, self._robot.frame(name))
         place, (moving, motion) = self._data.oMf[index], self._moving
         velocity = motion if name == moving else np.zeros(6)

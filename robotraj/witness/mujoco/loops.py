@@ -1,4 +1,4 @@
-"""Closed loops for MuJoCo: two spots of the robot that a tree keeps apart, held together as a joint of a machine is."""
+"""Closed loops for MuJoCo: pairs of points of the robot that equality constraints hold together."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
-from robotraj.witness.mujoco.course import Course
 from robotraj.witness.mujoco.model import wxyz
 from robotraj.witness.mujoco.package import load_mujoco
+from robotraj.witness.mujoco.reference_motion import ReferenceMotion
 
 IMPEDANCE = [0.999, 0.9999, 0.001, 0.5, 2.0]
-"""MuJoCo's ``solimp`` of a loop: nearly rigid, where its default gives way by a twentieth."""
+"""MuJoCo's ``solimp`` of a loop, nearly rigid; its default is softer by a twentieth."""
 
 
-def loops_of(course: Course) -> tuple[BoundLoopClosure, ...]:
-    """Loops that the robot closes.
+def loops_of(course: ReferenceMotion) -> tuple[BoundLoopClosure, ...]:
+    """Return the closed loops of the robot.
 
     Raises
     ------
@@ -34,15 +34,16 @@ def loops_of(course: Course) -> tuple[BoundLoopClosure, ...]:
         for name in every:
             if name not in loops:
                 raise InputError(
-                    f"second_opinion() keeps loops closed all the time; phase {planned.phase.name!r} opens {name!r}."
+                    f"Phase {planned.phase.name!r} opens the loop {name!r}; second_opinion() needs closed loops. "
+                    "Use rt.validate."
                 )
     return tuple(every.values())
 
 
 def close(
-    course: Course, loops: tuple[BoundLoopClosure, ...], time: float, spec: Any, bodies: Mapping[int, Any]
+    course: ReferenceMotion, loops: tuple[BoundLoopClosure, ...], time: float, spec: Any, bodies: Mapping[int, Any]
 ) -> None:
-    """Add the loops to a specification of MuJoCo, as hard as a time constant [s] makes them."""
+    """Add the loops to a specification of MuJoCo, with a time constant [s]."""
     mujoco = load_mujoco()
     for loop in loops:
         ends = []

@@ -1,7 +1,7 @@
-"""A robot's Pinocchio model written out for MuJoCo: bodies, joints, inertias, losses and limits, number by number.
+"""The MuJoCo model of a robot, built from its Pinocchio model: bodies, joints, inertias, friction and limits.
 
-The URDF is not read again: joints that were locked, mirrored frames, a designed robot and rotor inertias are in the
-model already, and a contact simulation needs no meshes.
+The URDF is not read again: the Pinocchio model contains locked joints, mirrored frames, design parameters and rotor
+inertias, and the contact simulation needs no meshes.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.robot.limits import Limits
 from robotraj.witness.mujoco.coordinates import Coordinates
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.protocols import Array, RobotLike
@@ -27,7 +28,7 @@ class MujocoRobot:
     ----------
     model : mujoco.MjModel
     coordinates : Coordinates
-        Between Pinocchio's q, v, a, tau and MuJoCo's.
+        Conversion between Pinocchio's q, v, a, tau and MuJoCo's.
     """
 
     model: Any
@@ -35,12 +36,12 @@ class MujocoRobot:
 
 
 def mujoco_robot(
-    robot: RobotLike, limits: Any = None, furnish: Callable[[Any, dict[int, Any]], None] | None = None
+    robot: RobotLike, limits: Limits | None = None, furnish: Callable[[Any, dict[int, Any]], None] | None = None
 ) -> MujocoRobot:
     """Build a robot's MuJoCo model from its Pinocchio model.
 
-    Without contacts and limits its accelerations are Pinocchio's ABA. Viscous damping becomes MuJoCo's ``damping``,
-    Coulomb friction its ``frictionloss``: dry friction that can hold a joint still, where plans smooth it by tanh.
+    Without contacts and limits its accelerations are those of Pinocchio's ABA. Viscous damping becomes MuJoCo's
+    ``damping``, Coulomb friction its ``frictionloss``: dry friction, which plans smooth by tanh.
 
     Parameters
     ----------
@@ -54,7 +55,7 @@ def mujoco_robot(
     Raises
     ------
     InputError
-        MuJoCo is not installed, or a joint is neither a hinge, a slide nor a free-flyer.
+        MuJoCo is not installed, or a joint is neither a hinge nor a slide nor a free-flyer.
     """
     mujoco = load_mujoco()
     model = robot.model
@@ -71,8 +72,8 @@ def mujoco_robot(
     compiled = spec.compile()
     coordinates = Coordinates(model, compiled)
 
-    # MuJoCo's compiler refuses massless bodies and inertias that only a point mass or a planar model has, its
-    # dynamics do not: the bodies were compiled with stand-ins, and the model's own numbers are written in here.
+    # MuJoCo's compiler refuses massless bodies and the inertias of point masses and planar models, but its dynamics
+    # accept them: the bodies are compiled with placeholders, which are replaced here.
     for joint in range(1, model.njoints):
         body = compiled.body(model.names[joint]).id
         compiled.body_mass[body] = model.inertias[joint].mass
@@ -86,7 +87,7 @@ def mujoco_robot(
 
 
 def _body(mujoco: Any, model: pin.Model, joint: int, parent: Any) -> Any:
-    """Add the body that moves with a joint."""
+    """Add the body of a joint."""
     name, placement, inertia = model.names[joint], model.jointPlacements[joint], model.inertias[joint]
     body = parent.add_body(name=name, pos=placement.translation, quat=wxyz(placement.rotation))
     body.explicitinertial = True
@@ -99,8 +100,8 @@ def _body(mujoco: Any, model: pin.Model, joint: int, parent: Any) -> Any:
     angular, linear = _axes(model, joint)
     if angular.any() == linear.any():
         raise InputError(
-            f"Joint {name!r} is a {kind.removeprefix('JointModel')}; the second opinion knows hinges, slides and a "
-            "free-flyer at the root."
+            f"Joint {name!r} is a {kind.removeprefix('JointModel')}; second_opinion() accepts hinges, slides and a "
+            "free-flyer at the root. Use rt.validate."
         )
     hinge = angular.any()
     kind = mujoco.mjtJoint.mjJNT_HINGE if hinge else mujoco.mjtJoint.mjJNT_SLIDE
@@ -109,7 +110,7 @@ def _body(mujoco: Any, model: pin.Model, joint: int, parent: Any) -> Any:
 
 
 def _axes(model: pin.Model, joint: int) -> tuple[Array, Array]:
-    """Angular and linear part (3,) of the velocity a joint of one degree of freedom allows; zeros for others."""
+    """Return the angular and linear axis (3,) of a joint of one degree of freedom, zeros for others."""
     moving = model.joints[joint]
     if moving.nq != 1:
         return np.zeros(3), np.zeros(3)
@@ -120,19 +121,19 @@ def _axes(model: pin.Model, joint: int) -> tuple[Array, Array]:
 
 
 def _principal(inertia: pin.Inertia) -> tuple[Array, Array]:
-    """Principal moments (3,) [kg m^2] about the centre of mass and the rotation (3, 3) to their axes."""
+    """Return principal moments (3,) [kg m^2] about the centre of mass and the rotation (3, 3) to their axes."""
     moments, axes = np.linalg.eigh(inertia.inertia)
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     return moments, axes
 
 
 def _losses(robot: RobotLike) -> Array:
-    """Damping and Coulomb friction, (2, nv)."""
+    """Return damping and Coulomb friction, (2, nv)."""
     return np.array([np.broadcast_to(value, robot.nv) for value in (robot.damping, robot.friction)], dtype=float)
 
 
-def _limit(mujoco: Any, spec: Any, robot: RobotLike, limits: Any) -> None:
-    """Write position limits into the joints that have both ends."""
+def _limit(mujoco: Any, spec: Any, robot: RobotLike, limits: Limits) -> None:
+    """Set the position limits of joints with two finite ones."""
     for i, name in enumerate(limits.joints):
         low, high = float(limits.position_lower[i]), float(limits.position_upper[i])
         joint = spec.joint(name)
@@ -141,6 +142,6 @@ def _limit(mujoco: Any, spec: Any, robot: RobotLike, limits: Any) -> None:
 
 
 def wxyz(rotation: Array) -> Array:
-    """Quaternion (w, x, y, z) of a rotation (3, 3)."""
+    """Return the quaternion (w, x, y, z) of a rotation (3, 3)."""
     x, y, z, w = pin.Quaternion(np.ascontiguousarray(rotation)).coeffs()
     return np.array([w, x, y, z])

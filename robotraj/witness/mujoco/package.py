@@ -1,4 +1,4 @@
-"""MuJoCo itself, which is an extra: loaded where it is wanted, never before."""
+"""Import of MuJoCo, an optional dependency."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ def load_mujoco() -> Any:
     Raises
     ------
     InputError
-        It is not installed; the message says how to get it.
+        MuJoCo is not installed.
     """
     try:
         import mujoco
     except ImportError as error:
         raise InputError(
-            "The second opinion simulates with MuJoCo, which is not installed: pip install 'robotraj[mujoco]' "
+            "MuJoCo is not installed, and rt.witness.second_opinion simulates with it: pip install 'robotraj[mujoco]' "
             "(one wheel, 10 MB)."
         ) from error
     return mujoco

@@ -1,8 +1,6 @@
-"""The root of a robot: whether it moves, how it is shifted in the world, which of its velocities turn it."""
+"""The coordinates of a robot's root: fixed, planar or floating."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -11,13 +9,13 @@ from robotraj.witness.mujoco.coordinates import rotation
 from robotraj.witness.protocols import Array
 
 QUATERNION = slice(3, 7)
-"""Where q of a floating root holds the quaternion."""
+"""Entries of the quaternion of a floating root in q."""
 
 PLANAR = ["root_x", "root_z", "root_pitch"]
 
 
 class RootCoordinates:
-    """A root that is fixed, planar (x, z and pitch first) or floating.
+    """The coordinates of a root that is fixed, planar (x, z and pitch first) or floating.
 
     Parameters
     ----------
@@ -27,7 +25,7 @@ class RootCoordinates:
     ----------
     floating, moves : bool
     turns : slice
-        The velocities that turn it; none of a fixed one.
+        Its angular velocities in v; empty for a fixed root.
     """
 
     def __init__(self, model: pin.Model) -> None:
@@ -37,7 +35,7 @@ class RootCoordinates:
         self.turns = slice(3, 6) if self.floating else slice(2, 3) if self.moves else slice(0, 0)
 
     def moved(self, q: Array, shift: Array) -> Array:
-        """Positions (..., nq) of the robot elsewhere, by (3,) along world axes [m]; a planar one stays in its plane."""
+        """Return positions (..., nq) shifted by (3,) along world axes [m]; a planar root stays in its plane."""
         there = np.array(q)
         if self.floating:
             there[..., :3] += shift
@@ -46,7 +44,7 @@ class RootCoordinates:
         return there
 
     def along(self, q: Array) -> Array:
-        """Velocities (nv, 3) that move the robot along world axes."""
+        """Return velocities (nv, 3) that move the robot along world axes."""
         found = np.zeros((self._nv, 3))
         if self.floating:
             found[:3] = rotation(q[QUATERNION]).T
@@ -54,8 +52,8 @@ class RootCoordinates:
             found[0, 0] = found[1, 2] = 1.0
         return found
 
-    def upright(self, q: Array, gap: Any) -> Array:
-        """Deviation (2 nv,) from q with the shift of a floating root along world axes instead of its own."""
+    def upright(self, q: Array, gap: Array) -> Array:
+        """Return a deviation (2 nv,) from q with the shift of a floating root along world axes, not its own."""
         shown = np.array(gap)
         if self.floating:
             shown[:3] = rotation(q[QUATERNION]) @ shown[:3]

@@ -1,63 +1,68 @@
-"""One simulation: MuJoCo steps along the plan, under planned torques and feedback, and what it sees on the way.
+"""One simulation in MuJoCo, under planned torques and feedback, with its records.
 
-A foot lands when it lands, so the clock of the plan goes by the feet: a phase that begins with a touchdown begins when
-one of its new feet carries load, and until then the one before runs on, its last velocities and torques held. From
-there the plan is followed as seen from where these feet stand. This is how walking machines are controlled, and why
-their steps may be a little longer or later than planned.
+Touchdowns set the time of the plan: a phase that begins with a touchdown begins when one of its new feet carries load.
+Until then the phase before is continued with its last velocities and torques. Then the plan is shifted to the places
+of these feet, as controllers of walking machines do; steps may be longer or later than planned.
 Source: Westervelt et al., Feedback Control of Dynamic Bipedal Robot Locomotion (2007), section 3.4 (hybrid systems).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.witness.checks.residual import TORQUE_UNITS
-from robotraj.witness.mujoco.course import Course, PeriodPhase
 from robotraj.witness.mujoco.deviation import Fall, deviation_of
 from robotraj.witness.mujoco.feedback import Feedback
 from robotraj.witness.mujoco.feet import Foot, place
 from robotraj.witness.mujoco.footfalls import Footfalls
 from robotraj.witness.mujoco.model import MujocoRobot
 from robotraj.witness.mujoco.package import load_mujoco
+from robotraj.witness.mujoco.reference_motion import PeriodPhase, ReferenceMotion
 from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.peak import peaks
 from robotraj.witness.protocols import Array
 from robotraj.witness.simulation.robot import Simulation
 
 DIVERGED = 1e6
-"""A velocity [rad/s, m/s] that no robot reaches: the simulation has blown up."""
+"""Velocity [rad/s, m/s] above which the simulation has diverged."""
 
 GLANCE = 0.005
-"""Every so often [s] the robot is looked at, whether it has fallen."""
+"""Time between checks for a fall [s]."""
 
 IMPEDANCE_RATIO = 10.0
-"""How much harder friction is than the normal direction: soft contacts creep, this makes it a tenth."""
+"""Ratio of the stiffness of friction and normal direction; it reduces the creep of soft contacts to a tenth."""
 
 EARLY, LATE = 0.6, 1.3
-"""Shares of a phase's duration: before the first a touchdown is a stumble, after the second the foot is not coming."""
+"""Shares of a phase's duration between which a touchdown ends it."""
 
 
 class MujocoRun:
-    """The state of a simulation, and what it has seen.
+    """The state and the records of a simulation.
 
     Parameters
     ----------
-    course : Course
+    course : ReferenceMotion
     robot : MujocoRobot
     feedback : Feedback
     feet : sequence of Foot
     held : bool
-        Whether contacts or loops hold the robot, softly: RK4 gains nothing then.
+        Whether soft contacts or loops act on the robot: then RK4 is not more accurate.
     fall : Fall
     """
 
     def __init__(
-        self, course: Course, robot: MujocoRobot, feedback: Feedback, feet: Sequence[Foot], held: bool, fall: Fall
+        self,
+        course: ReferenceMotion,
+        robot: MujocoRobot,
+        feedback: Feedback,
+        feet: Sequence[Foot],
+        held: bool,
+        fall: Fall,
     ) -> None:
         self._mujoco = mujoco = load_mujoco()
         self._course, self._robot, self._feedback, self._fall = course, robot, feedback, fall
@@ -66,7 +71,7 @@ class MujocoRun:
         option = self._model.opt
         option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST if held else mujoco.mjtIntegrator.mjINT_RK4
         option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, IMPEDANCE_RATIO
-        # A blown-up simulation is told, not started again.
+        # A diverged simulation is reported, not reset.
         option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self._how = "implicit Euler, soft contacts" if held else "RK4"
         self._data = mujoco.MjData(self._model)
@@ -79,7 +84,7 @@ class MujocoRun:
                 )
         self._actuation = np.asarray(course.robot.actuation, dtype=float)
         self._effort = course.effort
-        self._rows: list[tuple[Array, ...]] = []
+        self._rows: list[tuple[NDArray[np.generic], ...]] = []
         self._names: list[str] = []
         self._planned: dict[str, Array] = {}
         self._shift = np.zeros(3)
@@ -88,7 +93,7 @@ class MujocoRun:
         self._fell: float | None = None
 
     def place(self, offset: Array) -> None:
-        """Start on the plan, or beside it by (2 nv,) or one number."""
+        """Start at the first state of the plan, moved by (2 nv,) or one number."""
         nv = self._pin.nv
         start = self._course.reference(0, np.zeros(1))
         away = np.broadcast_to(offset, 2 * nv)
@@ -97,7 +102,7 @@ class MujocoRun:
         self._data.qvel[:] = self._robot.coordinates.qvel(q, start.v[0] + away[nv:])
 
     def through(self, passage: PeriodPhase, step: float) -> bool:
-        """Pass through a phase; False if the robot fell or the simulation blew up."""
+        """Simulate a phase; return whether it was completed."""
         course, name = self._course, self._course.phases[passage.phase].phase.name
         times, coming = course.grid(passage.phase, step), self._coming(passage)
         duration = float(times[-1])
@@ -107,7 +112,7 @@ class MujocoRun:
         sizes = np.diff(times)
         self._longest = max(self._longest, float(sizes.max()))
         q, v = self._extended(passage, times, duration)
-        # The torque is held over a step: the planned one of its middle leaves an error of second order.
+        # The torque is constant over a step; the planned one at its middle has an error of second order.
         middles = times[:-1] + 0.5 * sizes
         tau = course.torques_onwards(course.reference(passage.phase, middles).tau, passage.period)
         gains = course.gains_onwards(self._gains[passage.phase], passage.period)
@@ -132,7 +137,7 @@ class MujocoRun:
             self._footfalls.watch(self._data, float(size))
             self._time += float(size)
             if not np.max(np.abs(self._data.qvel)) < DIVERGED:
-                self._failure = f"MuJoCo's velocities blew up at t = {self._time:.4g} s, in phase {name!r}"
+                self._failure = f"MuJoCo's velocities diverged at t = {self._time:.4g} s, in phase {name!r}"
                 return False
             if times[last] > EARLY * duration and self._footfalls.carry(coming):
                 break
@@ -144,7 +149,7 @@ class MujocoRun:
         return True
 
     def _coming(self, passage: PeriodPhase) -> tuple[str, ...]:
-        """Feet whose touchdown ends a passage."""
+        """Return the feet whose touchdown ends a phase."""
         following = passage.phase + 1
         over, phase = divmod(following, len(self._course.phases))
         if over and self._course.closing is None:
@@ -152,7 +157,7 @@ class MujocoRun:
         return tuple(self._course.foot_onwards(name, passage.period + over)[0] for name in self._course.lands(phase))
 
     def _extended(self, passage: PeriodPhase, times: Array, duration: float) -> tuple[Array, Array]:
-        """Planned positions and velocities; beyond the end of the phase the last velocity goes on."""
+        """Return planned positions and velocities; after the end of the phase the last velocity is constant."""
         sample = self._course.reference(passage.phase, times)
         q, v = self._course.onwards(sample.q, sample.v, passage.period)
         for k in np.flatnonzero(times > duration):
@@ -160,7 +165,7 @@ class MujocoRun:
         return q, v
 
     def _anchor(self, passage: PeriodPhase, planned: Array) -> None:
-        """See the plan from where the feet stand that have come down, not from where they should."""
+        """Shift the plan to the places of the feet that have touched down."""
         landed = self._course.lands(passage.phase)
         if not landed or (passage.phase, passage.period) == (0, 0):
             return
@@ -173,20 +178,20 @@ class MujocoRun:
         self._shift = places[0] - places[1]
 
     def _look(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """State (q, v) of the robot, and its deviation (2 nv,) from a planned one."""
+        """Return the state (q, v) of the robot, and its deviation (2 nv,) from a planned one."""
         position = self._robot.coordinates.q(self._data.qpos)
         velocity = self._robot.coordinates.v(position, self._data.qvel)
         gap = np.concatenate([pin.difference(self._pin, q, position), velocity - v])
         return np.concatenate([position, velocity]), gap
 
-    def _keep(self, name: str, q: Array, v: Array, here: Array, added: Array, full: Any) -> None:
-        """Note down an instant: the plan, the robot, and what the motors do about it."""
+    def _keep(self, name: str, q: Array, v: Array, here: Array, added: Array, full: NDArray[np.bool_]) -> None:
+        """Record the plan, the robot, the added torques and the saturated motors."""
         away = np.concatenate([pin.difference(self._pin, q, here[: self._pin.nq]), here[self._pin.nq :] - v])
         self._names.append(name)
         self._rows.append((np.array([self._time]), q, v, here, away, added, full))
 
     def _expect(self, passage: PeriodPhase, times: Array, sizes: Array) -> None:
-        """Add up the impulses of the planned contact forces, those of impacts included."""
+        """Sum the impulses of the planned contact forces and impacts."""
         planned = self._course.phases[passage.phase]
         forces = planned.at(self._course.starts[passage.phase] + times).forces
         impulses = {name: sizes @ np.asarray(forces[name], dtype=float)[:, :3] for name in forces}
@@ -199,7 +204,7 @@ class MujocoRun:
             self._planned[foot] = self._planned.get(foot, np.zeros(3)) + impulse
 
     def report(self) -> SecondOpinion:
-        """Sum up."""
+        """Return the report."""
         course, robot = self._course, self._course.robot
         times, q, v, states, gaps, added, full = (np.array(column) for column in zip(*self._rows, strict=True))
         times = times[:, 0]

@@ -1,6 +1,7 @@
-"""A plan run through several times: every period displaced from the last, and mirrored if the plan is half a gait.
+"""The motion that MuJoCo follows: a plan repeated over several periods.
 
-How the plan closes on itself, and so what a later period is, says ``robotraj.solution.gait_cycles``.
+Every period is displaced from the last, and mirrored if the plan is half a gait; ``robotraj.solution.gait_cycles``
+defines how.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from robotraj.witness.protocols import Array, SolutionLike
 AXES = ("x", "y", "z")
 
 LEAST_PUSH = 0.2
-"""Force [N] for every kilogram of the robot from which on a contact counts as pushing: a fiftieth of its weight."""
+"""Force [N] per kilogram of the robot above which a contact carries load: a fiftieth of its weight."""
 
 
 class PeriodPhase(NamedTuple):
@@ -32,7 +33,7 @@ class PeriodPhase(NamedTuple):
     phase : int
     period : int
     begin : float
-        When it starts, counted from the start of the first period [s].
+        Start since the start of the first period [s].
     """
 
     phase: int
@@ -48,15 +49,15 @@ class Reference(NamedTuple):
     tau: Array
 
 
-class Course:
-    """What is to be followed.
+class ReferenceMotion:
+    """A plan over several periods.
 
     Parameters
     ----------
     solution : Solution
         Of a robot.
     periods : int or None
-        How often; None: three times if the plan is periodic, else once.
+        Number of periods; None means three for a periodic plan, else one.
 
     Attributes
     ----------
@@ -65,24 +66,24 @@ class Course:
     phases : tuple of PhaseSolution
     periods : int
     closing : Return or None
-        How the plan closes on itself, None if it does not.
+        Map from a period to the next, None for a plan that is not periodic.
 
     Raises
     ------
     InputError
-        The solution moves a System, or robots that differ between phases; several periods of a plan that does not
-        end as it starts.
+        The solution moves a System, or robots that differ between phases, or several periods are asked of a plan that
+        is not periodic.
     """
 
     def __init__(self, solution: SolutionLike, periods: int | None = None) -> None:
         self.phases = tuple(solution.phases)
         robots = [planned.phase.robot for planned in self.phases if planned.phase.robot is not None]
         if not robots or len(robots) < len(self.phases):
-            raise InputError("second_opinion() simulates robots; use validate() for Systems.")
+            raise InputError("The solution moves a System, and second_opinion() simulates robots: use rt.validate.")
         self.robot = realised(self.phases[0])
         names = list(self.robot.model.names)
         if any(list(robot.model.names) != names for robot in robots):
-            raise InputError("The phases move different robots; second_opinion() follows one robot.")
+            raise InputError("The phases move different robots, and second_opinion() follows one: use rt.validate.")
         self.closing = closing_of(solution)
         self._impulses = _impulses(solution)
         self.periods = _count(periods, self.closing)
@@ -113,19 +114,19 @@ class Course:
         return tuple(float(planned.knots[-1] - planned.knots[0]) for planned in self.phases)
 
     def pushing(self, phase: int, times: Array) -> list[set[str]]:
-        """Contacts that push at times (m,) since the start of a phase, as planned."""
+        """Return the contacts that carry load at times (m,) since the start of a phase, as planned."""
         forces = self.phases[phase].at(self.starts[phase] + times).forces
         carried = {name: np.linalg.norm(np.asarray(forces[name])[:, :3], axis=1) for name in forces}
         least = LEAST_PUSH * sum(inertia.mass for inertia in self.robot.model.inertias)
         return [{name for name, force in carried.items() if force[i] > least} for i in range(len(times))]
 
     def stands(self, phase: int) -> tuple[str, ...]:
-        """Contacts with the ground that a phase holds all the time."""
+        """Return the contacts with the ground that hold throughout a phase."""
         held = getattr(self.phases[phase].phase, "bound_contacts", ())
         return tuple(b.name for b in held if hasattr(b.contact, "ground") and not isinstance(b, BoundImplicitContact))
 
     def lands(self, phase: int) -> tuple[str, ...]:
-        """Contacts that come down as a phase begins; none as a plan begins that does not repeat itself."""
+        """Return the contacts that touch down at the start of a phase, none at the start of a plan without period."""
         if phase > 0:
             before = self.stands(phase - 1)
         elif self.closing is None:
@@ -135,12 +136,12 @@ class Course:
         return tuple(name for name in self.stands(phase) if name not in before)
 
     def strikes(self, phase: int) -> Mapping[str, Array]:
-        """Planned impulses (3,) [N s] of the contacts that come down as a phase begins, world axes."""
+        """Return planned impulses (3,) [N s] of the touchdowns at the start of a phase, world axes."""
         return self._impulses.get(phase, {})
 
     @property
     def passages(self) -> Iterator[PeriodPhase]:
-        """All phases of all periods, in the order they are passed through."""
+        """All phases of all periods in their order."""
         begin = 0.0
         for period in range(self.periods):
             for phase, duration in enumerate(self.durations):
@@ -148,7 +149,7 @@ class Course:
                 begin += duration
 
     def grid(self, phase: int, step: float) -> Array:
-        """Give times since the start of a phase (m,) [s], no more than a step apart, its knots among them."""
+        """Return times since the start of a phase (m,) [s], at most a step apart, with all knots."""
         knots = np.asarray(self.phases[phase].knots, dtype=float) - self.starts[phase]
         knots = knots[np.concatenate([[True], np.diff(knots) > 0])]
         parts = [
@@ -164,36 +165,36 @@ class Course:
         return Reference(self._unit(sample.q), sample.v, sample.tau)
 
     def onwards(self, q: Array, v: Array, periods: int) -> tuple[Array, Array]:
-        """Positions (..., nq) and velocities (..., nv) of the plan as they are ``periods`` later."""
+        """Return positions (..., nq) and velocities (..., nv) of the plan ``periods`` later."""
         for _ in range(periods):
             q, v = self._return.onwards(q), v @ self._return.velocities
         return self._unit(q), v
 
     def torques_onwards(self, tau: Array, periods: int) -> Array:
-        """Torques (..., nu) of the plan as they are ``periods`` later."""
+        """Return torques (..., nu) of the plan ``periods`` later."""
         return tau @ self._torques(periods)
 
     def gains_onwards(self, gains: Array, periods: int) -> Array:
-        """Gains (..., nu, 2 nv) of the plan as they are ``periods`` later."""
+        """Return gains (..., nu, 2 nv) of the plan ``periods`` later."""
         if periods == 0:
             return gains
         moved = np.linalg.matrix_power(self._return.velocities, periods)
         return np.asarray(self._torques(periods).T @ gains @ np.kron(np.eye(2), moved))
 
     def foot_onwards(self, name: str, periods: int) -> tuple[str, Array]:
-        """Contact that stands for another one ``periods`` later, and the signs (3,) of its force."""
+        """Return the contact in the place of another one ``periods`` later, and the signs (3,) of its force."""
         if not self.mirrored(periods):
             return name, np.ones(3)
         return self._return.partners.get(name, name), np.array([1.0, -1.0, 1.0])
 
     def _torques(self, periods: int) -> Array:
-        """Matrix (nu, nu) from torques (rows) of the plan to those ``periods`` later."""
+        """Return the matrix (nu, nu) from torques (rows) of the plan to those ``periods`` later."""
         actuation = np.asarray(self.robot.actuation, dtype=float)
         once = np.eye(actuation.shape[1]) if periods == 0 else actuation.T @ self._return.velocities @ actuation
         return np.linalg.matrix_power(once, periods)
 
     def mirrored(self, periods: int) -> bool:
-        """Whether left and right are swapped after so many periods."""
+        """Return whether left and right are swapped after so many periods."""
         return (
             bool(periods % 2)
             and self.closing is not None
@@ -202,7 +203,7 @@ class Course:
 
     @property
     def _return(self) -> Return:
-        assert self.closing is not None, "a plan that does not close on itself is followed once"
+        assert self.closing is not None, "a plan that is not periodic is followed once"
         return self.closing
 
     def _unit(self, q: Array) -> Array:
@@ -213,7 +214,7 @@ class Course:
 
 
 def _impulses(solution: SolutionLike) -> dict[int, dict[str, Array]]:
-    """Read the impulses of all touchdowns, by the phase that begins with them: ``impulse.<contact>.<axis>``."""
+    """Return the impulses of all touchdowns by the phase that starts with them."""
     read: dict[int, dict[str, Array]] = {}
     links, found = getattr(solution.problem, "links", ()), getattr(solution, "impulses", ())
     for link, impulses in zip(links, found, strict=False):
@@ -229,10 +230,10 @@ def _count(periods: int | None, closing: Return | None) -> int:
     if periods is None:
         return 1 if closing is None else 3
     if not isinstance(periods, int) or isinstance(periods, bool) or periods < 1:
-        raise InputError(f"periods = {periods!r}; give a whole number, 1 or more.")
+        raise InputError(f"periods = {periods!r}; give a whole number of at least 1.")
     if periods > 1 and closing is None:
         raise InputError(
             f"periods = {periods}, but the plan does not end as it starts: no rt.Periodic, rt.Mirror or "
-            "rt.Touchdown(repeat=...) closes it. Follow it once."
+            "rt.Touchdown(repeat=...) closes it. Give periods=1."
         )
     return periods
