@@ -1,0 +1,85 @@
+"""Violations between collocation points: found where the polynomials have them, with their amounts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.interval_limits.interval_violations import (
+    SHARE,
+    IntervalViolation,
+    input_violations,
+    state_violations,
+    variable_violations,
+)
+
+BREAKS = np.array([0.0, 1.0, 3.0])
+SITES = np.array([0.0, 0.5, 1.0])
+
+
+def block(**options: Any) -> rt.Phase:
+    system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    return rt.Phase(system, 3.0, **options)
+
+
+def parabolas(x: list[list[float]], u: list[list[float]]) -> PhaseTrajectory:
+    """One parabola for each interval through values at its ends and its middle."""
+    states, controls, none = (
+        PiecewisePolynomial(BREAKS, [SITES] * 2, [np.array(values)[:, None][:, :size] for values in each])
+        for each, size in ((x, 1), (u, 1), (x, 0))
+    )
+    return PhaseTrajectory(0.0, 3.0, states, none, controls, BREAKS, {})
+
+
+FLAT = [[0.0, 0.0, 0.0]] * 2
+
+
+def test_the_peak_of_a_parabola_is_found_between_the_places() -> None:
+    """x = 4 tau (1 - tau) + 0.1 tau peaks at tau = 0.5125, with 1.050625."""
+    phase = block(states={"x": rt.between(-9, 1)})
+    (found,) = state_violations(phase, 4, parabolas([[0, 0.5, 0.1], [0, 1.05, 0.1]], FLAT), 0.01)
+    assert (found.phase, found.interval, found.row.name, found.upper, found.limit) == (4, 1, "state bound", True, 1)
+    assert found.tau == pytest.approx(0.5125, abs=1e-9)
+    assert found.time == pytest.approx(1 + 2 * 0.5125, abs=1e-9)
+    assert found.amount == pytest.approx(0.050625, abs=1e-12)
+
+
+def test_a_bound_and_the_same_path_row_have_the_same_violations() -> None:
+    motion = parabolas([[0, -0.5, 0.1], [0, -1.05, 0.1]], FLAT)
+    same = rt.PathConstraint(lambda point: point.x["x"], lower=-1)
+    bound, row = (
+        state_violations(phase, 0, motion, 0.01)
+        for phase in (block(states={"x": rt.between(-1, 9)}), block(constraints=[same]))
+    )
+    assert [(each.interval, each.upper) for each in bound] == [(1, False)]
+    assert [(each.interval, each.tau, each.amount) for each in row] == [
+        (each.interval, pytest.approx(each.tau), pytest.approx(each.amount)) for each in bound
+    ]
+
+
+def test_violations_within_what_is_allowed_are_not_listed() -> None:
+    phase = block(states={"x": rt.between(-9, 1)})
+    motion = parabolas([[0, 0.5, 0.1], [0, 1.05, 0.1]], FLAT)
+    assert state_violations(phase, 0, motion, 0.0506) and not state_violations(phase, 0, motion, 0.0507)
+
+
+@pytest.mark.parametrize(("height", "listed"), [(2.0 * (1 + 1.01 * SHARE), True), (2.0 * (1 + 0.99 * SHARE), False)])
+def test_controls_may_exceed_their_limit_by_a_share(height: float, listed: bool) -> None:
+    phase = block(controls={"u": rt.between(-2, 2)})
+    assert bool(variable_violations(phase, 0, parabolas(FLAT, [[0, height, 0], [0, 0, 0]]))) is listed
+
+
+def test_rows_of_controls_are_read_along_all_polynomials() -> None:
+    """x u = (1 - 4 (tau - 1/2)^2)^2 peaks with 1 at the middle of the second interval."""
+    phase = block(constraints=[rt.PathConstraint(lambda point: point.x["x"] * point.u["u"], upper=0.75, name="power")])
+    motion = parabolas([[0, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 1, 0]])
+    found: list[IntervalViolation] = input_violations(phase, 0, motion)
+    assert [(each.interval, each.row.name) for each in found] == [(1, "power")]
+    assert found[0].time == pytest.approx(2.0, abs=1e-9)
+    assert found[0].amount == pytest.approx(0.25, abs=1e-9)
+    assert not state_violations(phase, 0, motion, 0.0)
