@@ -650,6 +650,7 @@ class Options:
     pivot_tolerance: float
     first_correction: float
     row_correction: float
+    least_row_correction: float
 
     def __init__(self, **options: float) -> None: ...
 

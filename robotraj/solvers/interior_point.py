@@ -1,7 +1,7 @@
-"""The interior-point method over stages: a Riccati recursion instead of a general factorisation.
+"""Our primal-dual interior-point method, in C++; an iteration runs no Python.
 
-The problem is rewritten in stages (``robotraj.solvers.stagewise``) and handed to C++ once. An iteration runs no
-Python, and its time grows with the number of intervals and no faster.
+Newton's systems of a problem in stages (``robotraj.solvers.stagewise``) are solved by a Riccati recursion, those of any
+other problem (``robotraj.solvers.assembled``) by a sparse factorisation; see ``robotraj.solvers.formulation``.
 
 Source: Waechter and Biegler, On the implementation of an interior-point filter line-search algorithm for large-scale
 nonlinear programming, Mathematical Programming 106, 2006; Vanroye, Sathya, De Schutter, Decre, FATROP: a fast
@@ -11,7 +11,6 @@ constrained optimal control problem solver for robot trajectory optimization and
 from __future__ import annotations
 
 import os
-import threading
 import time
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
@@ -21,14 +20,14 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
-from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
+from robotraj.solvers.base import LateMultipliers, Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted
+from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, origin_of, report, warm_start
+from robotraj.solvers.formulation import Formulation, formulate, options
+from robotraj.solvers.formulation import multipliers as original_multipliers
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
-from robotraj.solvers.stagewise.multipliers import recover
 from robotraj.solvers.stagewise.native import native_program, refresh
-from robotraj.solvers.stagewise.reduction import NotStagewise, Reduction, reduce
-from robotraj.solvers.stagewise.warm import carried_over
 from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
@@ -52,8 +51,6 @@ FACTORS = (100.0, 10.0)
 """How far the problem of one barrier is solved before the barrier falls.
 
 The first takes a quarter fewer iterations; where its line search fails, the second begins again from the guess."""
-WIDEST = 10_000
-"""Variables times equalities of a stage from which on their fully pivoted elimination takes longer than IPOPT."""
 SHORTEST = 1e-3
 """Seconds that a fallback is given at least."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
@@ -65,7 +62,10 @@ RUN_OFF = 1e12
 
 @dataclass(frozen=True)
 class InteriorPoint(Solver):
-    """A primal-dual interior-point method with a filter line search, whose steps are found stage by stage.
+    """A primal-dual interior-point method with a filter line search.
+
+    A motion whose unknowns join neighbouring intervals alone is solved stage by stage; contacts, closed gaits, design
+    parameters, integrals and shooting by a sparse factorisation.
 
     Parameters
     ----------
@@ -88,9 +88,8 @@ class InteriorPoint(Solver):
         That evaluate points side by side; as many as the process has processors by default. The answers are the same,
         bit by bit, for any number.
     fallback : Solver or None
-        Solves what has no form in stages, such as shooting, and what remains unsolved, unless its variables ran off or
-        a ``max_iterations`` of the user's own was reached; the message names the reason. None refuses the former and
-        leaves the latter.
+        Solves what remains unsolved, unless its variables ran off or a ``max_iterations`` of the user's own was
+        reached; the message names the reason. None leaves it unsolved.
     objective_scale : float, optional
         What the objective is multiplied by; by default a number that makes the first barrier weigh alike whatever the
         mesh and, but for small objectives on coarse meshes, the unit: see ``robotraj.solvers.objective_scale``.
@@ -147,33 +146,18 @@ class InteriorPoint(Solver):
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
         """Solve from ``nlp.guess``."""
         began = time.perf_counter()
-        try:
-            reduction = reduce(nlp)
-        except NotStagewise as reason:
-            return self._fall_back(nlp, progress, multipliers, str(reason), began)
-        program = reduction.program
-        unknowns = program.nu + program.nx
-        stage = int(np.argmax(program.equalities - unknowns))
-        if program.equalities[stage] > unknowns[stage]:
-            why = f"a stage has {program.equalities[stage]} equations for {unknowns[stage]} unknowns"
+        formulation = formulate(nlp)
+        program = formulation.program
+        equations, unknowns = int(program.equalities.sum() + program.nx[1:].sum()), int((program.nu + program.nx).sum())
+        if equations > unknowns:
+            why = f"there are {equations} equations for {unknowns} unknowns"
             if self.fallback is None:
                 zeros = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
                 return Outcome(Status.OVERDETERMINED, f"interior point: {why}", nlp.guess, zeros, 0)
-            return self._fall_back(nlp, progress, multipliers, why, began)
-        widths = unknowns * program.equalities
-        stage = int(np.argmax(widths))
-        if widths[stage] > WIDEST and self.fallback is not None:
-            return self._fall_back(
-                nlp,
-                progress,
-                multipliers,
-                f"a stage has {unknowns[stage]} variables and {program.equalities[stage]} "
-                "equalities, whose elimination is slow",
-                began,
-            )
-        compiled = _Compiled(native_program(program, nlp.engine, self._threads), self._threads)
+            return self._fall_back(self.fallback, nlp, progress, multipliers, why, began)
+        compiled = CompiledProgram(native_program(program, nlp.engine, self._threads), self._threads)
         with compiled.alone:
-            return self._run(reduction, compiled, began, progress, multipliers)
+            return self._run(formulation, compiled, began, progress, multipliers)
 
     def resolve(
         self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
@@ -182,16 +166,16 @@ class InteriorPoint(Solver):
         began = time.perf_counter()
         origin = known.origin
         # An NLP with guards, or of another transcription, has other blocks: nothing of the earlier program fits it.
-        if not isinstance(origin, _Origin) or origin.nlp.blocks is not nlp.blocks:
+        if not isinstance(origin, CompiledOrigin) or origin.nlp.blocks is not nlp.blocks:
             return self.solve(nlp, progress, multipliers)
         compiled = origin.compiled
-        reduction = origin.reduction.refreshed(nlp) if compiled.threads == self._threads else None
+        formulation = origin.formulation.refreshed(nlp) if compiled.threads == self._threads else None
         # Plans in other threads may start from the same solution: the first one has its program.
-        if reduction is None or not compiled.alone.acquire(blocking=False):
+        if formulation is None or not compiled.alone.acquire(blocking=False):
             return self.solve(nlp, progress, multipliers)
         try:
-            refresh(compiled.native, reduction.program)
-            return self._run(reduction, compiled, began, progress, multipliers)
+            refresh(compiled.native, formulation.program)
+            return self._run(formulation, compiled, began, progress, multipliers)
         finally:
             compiled.alone.release()
 
@@ -201,15 +185,15 @@ class InteriorPoint(Solver):
 
     def _run(
         self,
-        reduction: Reduction,
-        compiled: _Compiled,
+        formulation: Formulation,
+        compiled: CompiledProgram,
         began: float,
         progress: Progress | None,
         multipliers: Multipliers | None,
     ) -> Outcome:
-        nlp, program, native = reduction.nlp, reduction.program, compiled.native
+        nlp, program, native = formulation.nlp, formulation.program, compiled.native
         ready = time.perf_counter()
-        start = reduction.start(nlp.guess)
+        start = formulation.start(nlp.guess)
         scale = self.objective_scale or of_program(native, start, program, self.initial_barrier, nlp)
         tried = []
         iterations = 0
@@ -219,11 +203,11 @@ class InteriorPoint(Solver):
                 start,
                 program.lower,
                 program.upper,
-                self._options(factor, self.max_iterations - iterations, multipliers),
+                self._options(factor, self.max_iterations - iterations, multipliers, formulation),
                 objective_scale=scale,
-                callback=_report(progress),
+                callback=report(progress),
                 time_limit=left,
-                **_warm(multipliers, reduction),
+                **warm_start(multipliers, formulation),
             )
             tried.append(found)
             iterations += found.iterations
@@ -237,7 +221,12 @@ class InteriorPoint(Solver):
         exhausted = status is Status.ITERATION_LIMIT and self.max_iterations == InteriorPoint.max_iterations
         if (status in UNSOLVED or exhausted) and self.fallback is not None:
             outcome = self._fall_back(
-                nlp, progress, multipliers, f"the interior-point method ended with {found.status!r}", ready
+                self.fallback,
+                nlp,
+                progress,
+                multipliers,
+                f"the interior-point method ended with {found.status!r}",
+                ready,
             )
             times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent, "solve: interior point": spent}
             return replace(outcome, iterations=iterations + outcome.iterations, times=times)
@@ -246,22 +235,24 @@ class InteriorPoint(Solver):
         parts["solve: steps"] = max(0.0, spent - sum(parts.values()))
         y, lam = found.y, found.lam
         sizes = len(nlp.rows), len(nlp.variables)
-        w = reduction.columns(y)
-        origin = _Origin(nlp, w, reduction, lam, compiled)
+        w = formulation.columns(y)
+        origin = CompiledOrigin(nlp, w, formulation, lam, compiled)
         return Outcome(
             status,
             f"interior point: {found.status}" + (f" ({found.message})" if found.message else ""),
             w,
-            LateMultipliers(lambda: Multipliers(*recover(reduction, y, lam)), sizes, origin),
+            LateMultipliers(lambda: Multipliers(*original_multipliers(formulation, y, lam)), sizes, origin),
             iterations,
             {"setup": ready - began, "solve": spent, **parts},
         )
 
-    def _options(self, barrier_factor: float, iterations: int, multipliers: Multipliers | None) -> Any:
+    def _options(
+        self, barrier_factor: float, iterations: int, multipliers: Multipliers | None, formulation: Formulation
+    ) -> Any:
         return load_native().Options(
             tolerance=self.tolerance,
             max_iterations=iterations,
-            initial_barrier=self.initial_barrier if _origin(multipliers) is None else WARM_BARRIER,
+            initial_barrier=self.initial_barrier if origin_of(multipliers) is None else WARM_BARRIER,
             barrier_factor=barrier_factor,
             adaptive_barrier=self.adaptive_barrier,
             # Pivots of a last interval that must reach the goal are of the order of its length squared: with a larger
@@ -269,16 +260,22 @@ class InteriorPoint(Solver):
             elimination_tolerance=1e-10,
             # Bounds hold at the answer: a wider relaxation shows in the eighth digit of minimum times.
             bound_relaxation=1e-10,
+            **options(formulation),
         )
 
-    def _fall_back(self, nlp: Nlp, progress: Progress | None, multipliers: Any, reason: str, began: float) -> Outcome:
-        if self.fallback is None:
-            raise InputError(f"InteriorPoint takes problems in stages, but {reason}; use rt.Ipopt().")
-        fallback = self.fallback
+    def _fall_back(
+        self,
+        fallback: Solver,
+        nlp: Nlp,
+        progress: Progress | None,
+        multipliers: Multipliers | None,
+        reason: str,
+        began: float,
+    ) -> Outcome:
+        by = type(fallback).__name__
         if self.time_limit is not None:
             fallback = fallback.within(max(SHORTEST, began + self.time_limit - time.perf_counter()))
         outcome = fallback.solve(nlp, progress, multipliers)
-        by = type(self.fallback).__name__
         return Outcome(
             outcome.status,
             f"{outcome.message} (by {by}, since {reason})",
@@ -287,45 +284,3 @@ class InteriorPoint(Solver):
             outcome.iterations,
             outcome.times,
         )
-
-
-@dataclass(frozen=True, eq=False)
-class _Compiled:
-    """A program in C++, that one solve at a time writes its numbers to."""
-
-    native: Any
-    threads: int
-    alone: threading.Lock = field(default_factory=threading.Lock)
-
-
-@dataclass(frozen=True, eq=False)
-class _Origin(Origin):
-    """What is kept of a solve: a program, the multipliers of its rows, and its compiled form."""
-
-    reduction: Reduction
-    lam: np.ndarray
-    compiled: _Compiled
-
-
-def _origin(multipliers: Multipliers | None) -> _Origin | None:
-    """Give what is kept of the solve that found the multipliers, where it was one of this solver's."""
-    origin = None if multipliers is None else multipliers.origin
-    return origin if isinstance(origin, _Origin) else None
-
-
-def _warm(multipliers: Multipliers | None, reduction: Reduction) -> dict[str, Any]:
-    """Start from multipliers that this solver found, where there are any."""
-    origin = _origin(multipliers)
-    return {} if origin is None else {"lam": carried_over(origin.reduction, origin.lam, reduction)}
-
-
-def _report(progress: Progress | None) -> Any:
-    """Turn a progress callback into one that never asks to stop."""
-    if progress is None:
-        return None
-
-    def report(number: int, objective: float, infeasibility: float) -> bool:
-        progress(Iteration(number, objective, infeasibility))
-        return False
-
-    return report

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +13,8 @@ import pytest
 
 import robotraj as rt
 from robotraj.solvers import interior_point as module
+from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
+from robotraj.transcription.nlp import Nlp
 from tests.solvers.stagewise.problems import EVERY
 
 MESH = rt.Mesh(8)
@@ -74,7 +77,7 @@ def test_the_acrobot_swings_up_as_with_ipopt(duration: float, intervals: int) ->
     assert staged.objective == pytest.approx(ipopt.objective, rel=1e-6)
 
 
-def test_a_contact_and_a_mirror_are_solved_in_stages() -> None:
+def test_a_contact_and_a_mirror_are_solved() -> None:
     from tests.gait.test_five_link import guess
 
     problem = EVERY["step"]()
@@ -89,21 +92,14 @@ def test_a_contact_and_a_mirror_are_solved_in_stages() -> None:
     assert solution.objective == pytest.approx(469.547244, abs=2e-6)
 
 
-def test_shooting_falls_back_and_says_why() -> None:
-    solution = rt.plan(
-        EVERY["pendulum"](), rt.Mesh(10, rt.schemes.MultipleShooting()), solver=rt.InteriorPoint(), progress=False
+def test_shooting_finds_the_optimum_of_ipopt() -> None:
+    shooting = rt.Mesh(10, rt.schemes.MultipleShooting())
+    ours, ipopt = (
+        rt.plan(EVERY["pendulum"](), shooting, solver=solver, progress=False)
+        for solver in (rt.InteriorPoint(fallback=None), rt.Ipopt())
     )
-    assert solution.success
-    assert "by Ipopt, since phase 'phase' is planned by MultipleShooting" in solution.message
-    with pytest.raises(rt.InputError, match="MultipleShooting"):
-        rt.plan(EVERY["pendulum"](), rt.Mesh(10, rt.schemes.MultipleShooting()), solver=rt.InteriorPoint(fallback=None))
-
-
-def test_wide_stages_fall_back_and_say_why(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robotraj.solvers.interior_point.WIDEST", 10)
-    solution = rt.plan(EVERY["arm"](), rt.Mesh(4), solver=rt.InteriorPoint(), progress=False)
-    assert solution.success
-    assert "variables and 12 equalities" in solution.message
+    assert "interior point" in ours.message
+    assert ours.objective == pytest.approx(ipopt.objective, rel=1e-6)
 
 
 def test_an_impossible_plan_is_said_to_be_by_the_other_solver() -> None:
@@ -162,16 +158,28 @@ def test_the_parts_of_a_solve_do_not_overlap(engine: rt.engines.Native | rt.engi
     assert sum(parts) + times["solve: steps"] == pytest.approx(times["solve"], rel=1e-9)
 
 
-def test_another_solver_gets_the_time_that_is_left() -> None:
-    def plan(time_limit: float | None) -> rt.Solution:
-        solver = rt.InteriorPoint(time_limit=time_limit, fallback=rt.Ipopt(time_limit=50.0))
-        mesh = rt.Mesh(100, rt.schemes.MultipleShooting())
-        return rt.plan(EVERY["pendulum"](), mesh, solver=solver, check=False, progress=False)
+@dataclass(frozen=True)
+class Recorded(Solver):
+    """IPOPT, which keeps the seconds that it is given."""
 
-    assert plan(None).success
-    cut = plan(1e-4)
-    assert cut.status is rt.solvers.Status.TIME_LIMIT
-    assert "by Ipopt" in cut.message
+    seconds: list[float] = field(default_factory=list)
+
+    def within(self, seconds: float) -> Recorded:
+        self.seconds.append(seconds)
+        return self
+
+    def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
+        return rt.Ipopt(max_iterations=1).solve(nlp, progress, multipliers)
+
+
+def test_another_solver_gets_the_time_that_is_left() -> None:
+    (phase,) = EVERY["arm"]().phases
+    weak = phase.with_(limits=phase.robot.limits.with_(effort=5.0))
+    other = Recorded()
+    solver = rt.InteriorPoint(time_limit=50.0, fallback=other)
+    solution = rt.plan(weak, rt.Mesh(5), solver=solver, check=False, progress=False)
+    assert "by Recorded" in solution.message
+    assert all(0 < seconds < 50 for seconds in other.seconds) and other.seconds
     assert rt.Ipopt(time_limit=2.0).within(3.0).time_limit == 2.0
     assert rt.InteriorPoint().within(3.0).time_limit == 3.0
 

@@ -35,7 +35,7 @@ class StageSystem {
                   const Doubles& f, const Doubles& g) {
     Numbers z(columns()), lam(rows());
     const double* residuals = checked(g, rows(), "g");
-    const RiccatiSolver::System system{dx ? checked(*dx, columns(), "dx") : nullptr,
+    const NewtonSystem system{dx ? checked(*dx, columns(), "dx") : nullptr,
                                        de ? de->data() : nullptr,
                                        ds.data(),
                                        checked(f, columns(), "f"),
@@ -44,7 +44,7 @@ class StageSystem {
                                        z.data(),
                                        lam.data()};
     Pivots pivots = Pivots::good;
-    if (dx) pivots = solver_.factorise_and_solve(jacobian_, hessian_, system);
+    if (dx) pivots = solver_.factorise_and_solve(jacobian_, hessian_, system, nullptr);
     else solver_.solve(jacobian_, system);
     const char* const names[] = {"good", "indefinite", "dependent"};
     return nb::make_tuple(names[static_cast<int>(pivots)], to_numpy(std::move(z)), to_numpy(std::move(lam)));

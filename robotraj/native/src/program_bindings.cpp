@@ -147,6 +147,7 @@ static void each_option(Use&& use) {
   use("pivot_tolerance", &Options::pivot_tolerance);
   use("first_correction", &Options::first_correction);
   use("row_correction", &Options::row_correction);
+  use("least_row_correction", &Options::least_row_correction);
 }
 
 /// Options by their names; what is not named keeps its default.

@@ -70,7 +70,7 @@ void RiccatiSolver::make_room(std::size_t index, StageFactor& factor, int most) 
   factor.most = most;
 }
 
-StageVectors RiccatiSolver::vectors(std::size_t k, const System& system) const {
+StageVectors RiccatiSolver::vectors(std::size_t k, const NewtonSystem& system) const {
   const Layout& layout = matrices_.layout();
   const auto equalities = layout.first_equality[k], inequalities = layout.first_inequality[k];
   const auto dynamics = k + 1 < matrices_.count() ? layout.first_dynamics[k] : 0;
@@ -89,7 +89,7 @@ StageVectors RiccatiSolver::vectors(std::size_t k, const System& system) const {
 }
 
 Pivots RiccatiSolver::factorise_and_solve(const StageValues& jacobian, const StageValues& hessian,
-                                          const System& system, Along* along) {
+                                          const NewtonSystem& system, Along* along) {
   for (std::size_t k = matrices_.count(); k-- > 0;) {
     if (along && ends_part(k)) along->before(k - k % Along::at_a_time, k + 1);
     const StageView stage = matrices_.view(k, &jacobian, &hessian);
@@ -109,14 +109,14 @@ Pivots RiccatiSolver::factorise_and_solve(const StageValues& jacobian, const Sta
   return Pivots::good;
 }
 
-void RiccatiSolver::solve(const StageValues& jacobian, const System& system) {
+void RiccatiSolver::solve(const StageValues& jacobian, const NewtonSystem& system) {
   for (std::size_t k = matrices_.count(); k-- > 0;)
     run_.backward_stage(matrices_.view(k, &jacobian, nullptr), vectors(k, system), next(k), memory_, factors_[k]);
   run_.backward_start(factors_.front(), memory_, start_);
   forward(jacobian, system, nullptr);
 }
 
-void RiccatiSolver::forward(const StageValues& jacobian, const System& system, Along* along) {
+void RiccatiSolver::forward(const StageValues& jacobian, const NewtonSystem& system, Along* along) {
   const Layout& layout = matrices_.layout();
   run_.forward_start(start_, system.z + layout.first_state[0], left_.data(), memory_);
   for (std::size_t k = 0; k < matrices_.count(); ++k) {
@@ -127,7 +127,7 @@ void RiccatiSolver::forward(const StageValues& jacobian, const System& system, A
   }
 }
 
-double RiccatiSolver::residual(const StageValues& jacobian, const StageValues& hessian, const System& system,
+double RiccatiSolver::residual(const StageValues& jacobian, const StageValues& hessian, const NewtonSystem& system,
                                std::size_t begin, std::size_t end, StageResidual left) {
   const Layout& layout = matrices_.layout();
   double most = 0.0;

@@ -1,5 +1,7 @@
 #include "stage_matrices.hpp"
 
+#include "riccati_solver.hpp"
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -33,7 +35,7 @@ bool StageMatrices::Shape::operator==(const Shape& other) const {
 
 StageMatrices::StageMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian,
                              const RiccatiKernels& run)
-    : layout_(layout), run_(run), jacobian_entries_(jacobian.size()), hessian_entries_(hessian.size()) {
+    : NewtonMatrices(layout), run_(run), jacobian_entries_(jacobian.size()), hessian_entries_(hessian.size()) {
   const auto by_rows = [](const Pattern& pattern) {
     for (std::size_t e = 1; e < pattern.size(); ++e)
       if (pattern.rows[e] < pattern.rows[e - 1] ||
@@ -54,6 +56,8 @@ StageMatrices::StageMatrices(const Layout& layout, const Pattern& jacobian, cons
     length = std::max({length, padded(shape.nu + shape.nx), shape.next, shape.equality_count, shape.inequality_count});
   memory_.resize(2 * static_cast<std::size_t>(padded(length)));
 }
+
+std::unique_ptr<NewtonSolver> StageMatrices::solver() const { return std::make_unique<RiccatiSolver>(*this); }
 
 void StageMatrices::append(Runs& runs, std::size_t place, std::int32_t entry) {
   const auto at = static_cast<std::int32_t>(place);

@@ -5,20 +5,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "pack.hpp"
+#include "newton_system.hpp"
 #include "program.hpp"
-#include "stages.hpp"
-#include "riccati.hpp"
 
 namespace robotraj::native {
 
-/// Values of one Jacobian or Hessian, of all stages in one block.
-using StageValues = Packs;
-
 /// Where the program's entries stand, stage after stage; stages of equal patterns share them.
-class StageMatrices {
+class StageMatrices final : public NewtonMatrices {
  public:
-
   /// Of entries that lie within stages, row by row. Throws std::invalid_argument where they come in another order or
   /// there are more than 2^31 numbers.
   StageMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian,
@@ -26,21 +20,21 @@ class StageMatrices {
 
   void fill_jacobian(const Numbers& entries, StageValues& values) const { fill(entries, jacobian_runs_, values); }
   void fill_hessian(const Numbers& entries, StageValues& values) const { fill(entries, hessian_runs_, values); }
-  /// Where each entry of the program's stands among the values, -1 where the recursion knows it by itself.
-  std::vector<std::int32_t> jacobian_places() const { return places(jacobian_entries_, jacobian_runs_); }
-  std::vector<std::int32_t> hessian_places() const { return places(hessian_entries_, hessian_runs_); }
-  StageValues empty_jacobian() const { return StageValues(jacobian_size_, 0.0); }
-  StageValues empty_hessian() const { return StageValues(hessian_size_, 0.0); }
+  std::vector<std::int32_t> jacobian_places() const override { return places(jacobian_entries_, jacobian_runs_); }
+  std::vector<std::int32_t> hessian_places() const override { return places(hessian_entries_, hessian_runs_); }
+  StageValues empty_jacobian() const override { return StageValues(jacobian_size_, 0.0); }
+  StageValues empty_hessian() const override { return StageValues(hessian_size_, 0.0); }
+  std::unique_ptr<NewtonSolver> solver() const override;
 
   std::size_t count() const { return stages_.size(); }
-  const Layout& layout() const { return layout_; }
   const RiccatiKernels& run() const { return run_; }
   /// Either may be null where its matrices are not asked for.
   StageView view(std::size_t stage, const StageValues* jacobian, const StageValues* hessian) const;
 
   /// out = alpha y + A x; y may be out.
   void jacobian_times(const StageValues& values, const double* x, double alpha, const double* y, double* out) const;
-  void transposed_times(const StageValues& values, const double* lam, double alpha, const double* y, double* out) const;
+  void transposed_times(const StageValues& values, const double* lam, double alpha, const double* y,
+                        double* out) const override;
   void hessian_times(const StageValues& values, const double* x, double alpha, const double* y, double* out) const;
 
  private:
@@ -74,7 +68,6 @@ class StageMatrices {
   void place_jacobian(const Pattern& pattern);
   void place_hessian(const Pattern& pattern);
 
-  const Layout& layout_;
   const RiccatiKernels& run_;
   std::vector<Shape> shapes_;
   std::vector<Stage> stages_;

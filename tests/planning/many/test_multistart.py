@@ -92,14 +92,14 @@ def test_seeds_decide_the_answer() -> None:
 
 def test_starts_share_a_transcription_and_the_compiled_program(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
-    for module, name in ((starts, "transcribe"), (interior_point, "reduce")):
+    for module, name in ((starts, "transcribe"), (interior_point, "formulate")):
         original = getattr(module, name)
         monkeypatch.setattr(module, name, lambda *a, f=original, n=name, **k: made.append(n) or f(*a, **k))
     system = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], ca.sin(point.u["u"])])
     phase = rt.Phase(system, duration=1.0, start=rt.State([0, 0]), end=rt.State([0.1, 0]), objective=rt.Effort())
     found = search(phase, solver=rt.InteriorPoint(fallback=None))
     assert sum(len(optimum.starts) for optimum in found.optima) > 1
-    assert sorted(made) == ["reduce", "transcribe"]
+    assert sorted(made) == ["formulate", "transcribe"]
 
 
 @pytest.mark.parametrize("solver", [rt.InteriorPoint(), rt.Ipopt()])

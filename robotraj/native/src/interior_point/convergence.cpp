@@ -9,14 +9,6 @@ namespace {
 
 constexpr double kLargestMean = 100.0;  // s_max
 
-int count_bounds(const Problem& problem) {
-  int count = 0;
-  for (int i = 0; i < problem.slacks(); ++i)
-    count += std::isfinite(problem.lower[static_cast<std::size_t>(i)]) +
-             std::isfinite(problem.upper[static_cast<std::size_t>(i)]);
-  return count;
-}
-
 double mean(double sum, int count) { return count > 0 ? sum / count : 0.0; }
 
 }  // namespace
@@ -24,7 +16,7 @@ double mean(double sum, int count) { return count > 0 ? sum / count : 0.0; }
 double error(Iterate& iterate, double mu) {
   const VectorKernels& run = native::vector_kernels_of();
   Problem& problem = iterate.problem();
-  const int bounds = count_bounds(problem), slacks = problem.slacks();
+  const int bounds = problem.bound_count(), slacks = problem.slacks();
   const double of_bounds =
       run.absolute_sum(iterate.at->lower, slacks) + run.absolute_sum(iterate.at->upper, slacks);
   const double of_rows = run.absolute_sum(iterate.at->rows, problem.rows());
@@ -49,7 +41,7 @@ double system_error(Iterate& iterate, double mu) {
     if (std::isfinite(problem.upper[k])) complementarity += std::abs(iterate.at->upper[i] * above[i] - mu);
   }
   return mean(dual, problem.columns() + slacks) + mean(iterate.violation(), problem.rows()) +
-         mean(complementarity, count_bounds(problem));
+         mean(complementarity, problem.bound_count());
 }
 
 double mean_complementarity(Iterate& iterate) {
@@ -59,7 +51,7 @@ double mean_complementarity(Iterate& iterate) {
   // Multipliers of bounds that there are not are zero.
   for (int i = 0; i < problem.slacks(); ++i)
     sum += iterate.at->lower[i] * below[i] + iterate.at->upper[i] * above[i];
-  return mean(sum, count_bounds(problem));
+  return mean(sum, problem.bound_count());
 }
 
 Converged Convergence::check(Iterate& iterate) {

@@ -64,14 +64,15 @@ bool Direction::find(Iterate& iterate, double mu, const Vectors& step) {
   const Side side = this->side(iterate, mu, iterate.residual());
   problem_.hessian(iterate.at->x, iterate.at->rows, newton.hessian());
   newton.options = {options_.elimination_tolerance, options_.pivot_tolerance};
-  double delta_w = 0.0, delta_c = 0.0;
-  bool corrected = false;
+  const double root = std::pow(std::max(mu, options_.tolerance), kPower);
+  double delta_w = 0.0, delta_c = options_.least_row_correction * root;
+  bool corrected = options_.row_correction <= options_.least_row_correction;
   const Timed timed(seconds);
   while (delta_w <= kLargest) {
     switch (newton.solve(iterate, side, delta_w, delta_c, step)) {
       case Solved::indefinite: delta_w = larger(delta_w); break;
       case Solved::dependent:
-        if (!corrected) delta_c = options_.row_correction * std::pow(mu, kPower);
+        if (!corrected) delta_c = options_.row_correction * root;
         else delta_w = larger(delta_w);
         corrected = true;
         break;

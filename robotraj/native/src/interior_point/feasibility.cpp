@@ -16,6 +16,7 @@ Feasibility::Feasibility(ProgramProblem& original) : Problem(original.shared_mat
 void Feasibility::start_from(const double* x) {
   std::copy(original_.lower.begin(), original_.lower.end(), lower.begin());
   std::copy(original_.upper.begin(), original_.upper.end(), upper.begin());
+  bounds_changed();
   reference_.assign(x, x + columns());
   for (std::size_t i = 0; i < reference_.size(); ++i) {
     const double size = std::max(1.0, std::abs(reference_[i]));

@@ -7,7 +7,6 @@ namespace robotraj::interior_point {
 
 using native::padded;
 using native::Pivots;
-using native::RiccatiSolver;
 using native::SlackSystem;
 
 namespace {
@@ -38,7 +37,7 @@ class Parts {
 Newton::Newton(Problem& problem)
     : problem_(problem),
       run_(native::vector_kernels_of()),
-      solver_(problem.matrices()),
+      solver_(problem.matrices().solver()),
       hessian_(problem.matrices().empty_hessian()),
       own_slacks_(problem.layout().slacks),
       relaxed_(problem.rows() - problem.layout().equality_rows),
@@ -107,7 +106,7 @@ int Newton::first_slack(std::size_t stage) const {
   return stage < problem_.layout().count() ? problem_.layout().first_slack[stage] : own_slacks_;
 }
 
-RiccatiSolver::System Newton::system(const Side& side, bool reduced, const Vectors& step) const {
+native::NewtonSystem Newton::system(const Side& side, bool reduced, const Vectors& step) const {
   // Where slacks are eliminated, rows are no longer the side's.
   const bool elastic = reduced && problem_.elastic();
   const double* rows = elastic ? elastic_rows_ : side.rows;
@@ -198,7 +197,7 @@ double Newton::elastic_residual(const Side& side, const Vectors& step, const Lef
 double Newton::residual(const Side& side, const Vectors& step, std::size_t begin, std::size_t end, const Left& left) {
   const int first = first_slack(begin), count = first_slack(end) - first;
   const double of_stages =
-      solver_.residual(*jacobian_, hessian_, system(side, false, step), begin, end, left.stages);
+      solver_->residual(*jacobian_, hessian_, system(side, false, step), begin, end, left.stages);
   const double of_slacks = run_.slack_residual(
       slacks(first, relaxation_), {side.s + first, side.lower + first, side.upper + first, nullptr},
       {step.s + first, step.lower + first, step.upper + first},
@@ -265,8 +264,8 @@ Solved Newton::factorise() {
     reduce(side, 0, problem_.layout().count());
   }
   const auto system = this->system(side, true, step);
-  solver_.options = options;
-  switch (solver_.factorise_and_solve(*jacobian_, hessian_, system, elastic ? nullptr : this)) {
+  solver_->options = options;
+  switch (solver_->factorise_and_solve(*jacobian_, hessian_, system, elastic ? nullptr : this)) {
     case Pivots::indefinite: return Solved::indefinite;
     case Pivots::dependent: return Solved::dependent;
     default: break;
@@ -283,7 +282,7 @@ Solved Newton::factorise() {
 void Newton::solve_reduced(const Side& side, const Vectors& step) {
   if (problem_.elastic()) reduce_elastic(side);
   reduce(side, 0, problem_.layout().count());
-  solver_.solve(*jacobian_, system(side, true, step));
+  solver_->solve(*jacobian_, system(side, true, step));
   recover(side, step, 0, problem_.layout().count());
   if (problem_.elastic()) recover_elastic(side, step);
 }

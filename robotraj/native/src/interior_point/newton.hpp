@@ -1,7 +1,6 @@
 // Newton's step of the primal-dual system, by the recursion over stages and passes over the slacks.
 #pragma once
 
-#include "../riccati_solver.hpp"
 #include "iterate.hpp"
 
 namespace robotraj::interior_point {
@@ -51,7 +50,7 @@ class Newton : private native::Along {
   void set_damping(double delta_w, double delta_c);
   Left whole(const Vectors& step) const;
   int first_slack(std::size_t stage) const;
-  native::RiccatiSolver::System system(const Side& side, bool reduced, const Vectors& step) const;
+  native::NewtonSystem system(const Side& side, bool reduced, const Vectors& step) const;
   native::SlackSystem slacks(int first, const double* relaxation) const;
   // All of them for stages [begin, end).
   void reduce(const Side& side, std::size_t begin, std::size_t end);
@@ -73,7 +72,7 @@ class Newton : private native::Along {
 
   Problem& problem_;
   const VectorKernels& run_;
-  native::RiccatiSolver solver_;
+  std::unique_ptr<native::NewtonSolver> solver_;
   StageValues hessian_;
   int own_slacks_, relaxed_;
   Packs memory_, part_memory_, elastic_memory_;

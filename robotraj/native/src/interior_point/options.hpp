@@ -31,6 +31,7 @@ struct Options {
 
   double first_correction = 1e-4;  ///< delta_w^0 of the Hessian's diagonal
   double row_correction = 1e-6;    ///< delta_c where rows depend on each other, times mu^(1/4)
+  double least_row_correction = 0.0;  ///< the same everywhere
 };
 
 }  // namespace robotraj::interior_point

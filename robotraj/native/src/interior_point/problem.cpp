@@ -1,6 +1,10 @@
 #include "problem.hpp"
 
+#include "../sparse_system.hpp"
+#include "../stage_matrices.hpp"
+
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -78,18 +82,30 @@ void check_hessian(const Program& program, const Layout& layout) {
   }
 }
 
-std::shared_ptr<native::StageMatrices> matrices_of(Program& program, const Layout& layout) {
+/// Of one stage without states as a sparse matrix, of all others by stages.
+std::shared_ptr<native::NewtonMatrices> matrices_of(Program& program, const Layout& layout) {
   need(program.columns(), layout.columns, "controls and states");
   need(program.rows(), layout.rows, "rows");
   check_jacobian(program, layout);
   check_hessian(program, layout);
-  auto matrices =
-      std::make_shared<native::StageMatrices>(layout, program.jacobian_pattern(), program.hessian_pattern());
+  const Pattern &jacobian = program.jacobian_pattern(), &hessian = program.hessian_pattern();
+  std::shared_ptr<native::NewtonMatrices> matrices;
+  if (layout.count() == 1 && layout.states[0] == 0)
+    matrices = std::make_shared<native::SparseMatrices>(layout, jacobian, hessian);
+  else
+    matrices = std::make_shared<native::StageMatrices>(layout, jacobian, hessian);
   program.place(matrices->jacobian_places(), matrices->hessian_places());
   return matrices;
 }
 
 }  // namespace
+
+void Problem::bounds_changed() {
+  bound_count_ = 0;
+  for (const Numbers* bounds : {&lower, &upper})
+    bound_count_ += static_cast<int>(
+        std::count_if(bounds->begin(), bounds->end(), [](double bound) { return std::isfinite(bound); }));
+}
 
 ProgramProblem::ProgramProblem(std::shared_ptr<Program> program, const Layout& layout)
     : Problem(matrices_of(*program, layout)), program_(std::move(program)) {

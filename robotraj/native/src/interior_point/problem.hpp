@@ -4,9 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "../newton_system.hpp"
 #include "../program.hpp"
-#include "../stage_matrices.hpp"
-#include "../stages.hpp"
 #include "../vector_kernels.hpp"
 
 namespace robotraj::interior_point {
@@ -21,8 +20,8 @@ class Problem {
  public:
   virtual ~Problem() = default;
 
-  const native::StageMatrices& matrices() const { return *matrices_; }
-  const std::shared_ptr<native::StageMatrices>& shared_matrices() const { return matrices_; }
+  const native::NewtonMatrices& matrices() const { return *matrices_; }
+  const std::shared_ptr<native::NewtonMatrices>& shared_matrices() const { return matrices_; }
   const Layout& layout() const { return matrices_->layout(); }
   int columns() const { return layout().columns; }
   int rows() const { return layout().rows; }
@@ -44,12 +43,20 @@ class Problem {
   /// Told before what depends on it is evaluated.
   virtual void set_barrier(double) {}
 
+  /// Finite bounds of the slacks.
+  int bound_count() const { return bound_count_; }
+  /// Called after `lower` or `upper` were written.
+  void bounds_changed();
+
   Numbers lower, upper;  ///< bounds of the slacks, infinite where there is none
 
  protected:
-  explicit Problem(std::shared_ptr<native::StageMatrices> matrices) : matrices_(std::move(matrices)) {}
+  explicit Problem(std::shared_ptr<native::NewtonMatrices> matrices) : matrices_(std::move(matrices)) {}
 
-  std::shared_ptr<native::StageMatrices> matrices_;
+  std::shared_ptr<native::NewtonMatrices> matrices_;
+
+ private:
+  int bound_count_ = 0;
 };
 
 /// A program with its objective scaled; inequality rows are d(x) - s = 0.

@@ -56,6 +56,7 @@ void Solver::begin(const Start& start) {
     problem_.upper[i] = std::isfinite(start.upper[i]) ? start.upper[i] + room(start.upper[i])
                                                       : std::numeric_limits<double>::infinity();
   }
+  problem_.bounds_changed();
   algorithm_.run.mu = options_.initial_barrier;
   if (!start.lam) return start_cold(algorithm_.run, start.y);
   Numbers rows(start.lam, start.lam + layout_.rows), lower(slacks), upper(slacks);

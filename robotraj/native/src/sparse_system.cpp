@@ -1,0 +1,186 @@
+#include "sparse_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace robotraj::native {
+
+namespace {
+
+constexpr double kThreshold = 1e-6;  // of pivots, beside the largest entry of their column
+constexpr double kSmall = 1e-20;     // pivots below it are zero
+
+std::vector<std::int32_t> in_order(std::size_t count) {
+  std::vector<std::int32_t> places(count);
+  std::iota(places.begin(), places.end(), 0);
+  return places;
+}
+
+/// Collects entries of the lower triangle; the number of an entry is its place once they are sorted.
+class Entries {
+ public:
+  explicit Entries(int n) : n_(n) {}
+
+  /// Returns a number for `places`.
+  int add(int row, int column) {
+    keys_.push_back({std::min(row, column), std::max(row, column), static_cast<int>(keys_.size())});
+    return keys_.back().number;
+  }
+  ldl::Pattern pattern() {
+    std::sort(keys_.begin(), keys_.end(), [](const Key& a, const Key& b) {
+      return a.column != b.column ? a.column < b.column : a.row != b.row ? a.row < b.row : a.number < b.number;
+    });
+    ldl::Pattern pattern;
+    pattern.n = n_;
+    pattern.starts.assign(static_cast<std::size_t>(n_) + 1, 0);
+    places_.resize(keys_.size());
+    for (std::size_t k = 0; k < keys_.size(); ++k) {
+      if (k == 0 || keys_[k].row != keys_[k - 1].row || keys_[k].column != keys_[k - 1].column) {
+        pattern.rows.push_back(keys_[k].row);
+        ++pattern.starts[static_cast<std::size_t>(keys_[k].column) + 1];
+      }
+      places_[static_cast<std::size_t>(keys_[k].number)] = static_cast<std::int32_t>(pattern.rows.size()) - 1;
+    }
+    std::partial_sum(pattern.starts.begin(), pattern.starts.end(), pattern.starts.begin());
+    return pattern;
+  }
+  std::int32_t place(int number) const { return places_[static_cast<std::size_t>(number)]; }
+
+ private:
+  struct Key {
+    int column, row, number;
+  };
+  int n_;
+  std::vector<Key> keys_;
+  std::vector<std::int32_t> places_;
+};
+
+}  // namespace
+
+std::vector<std::int32_t> SparseMatrices::jacobian_places() const { return in_order(jacobian_.size()); }
+std::vector<std::int32_t> SparseMatrices::hessian_places() const { return in_order(hessian_.size()); }
+std::unique_ptr<NewtonSolver> SparseMatrices::solver() const { return std::make_unique<SparseSolver>(*this); }
+
+void SparseMatrices::transposed_times(const StageValues& values, const double* lam, double alpha, const double* y,
+                                      double* out) const {
+  for (int i = 0; i < layout_.columns; ++i) out[i] = alpha * y[i];
+  for (std::size_t e = 0; e < jacobian_.size(); ++e) out[jacobian_.columns[e]] += values[e] * lam[jacobian_.rows[e]];
+}
+
+SparseSolver::SparseSolver(const SparseMatrices& matrices) : matrices_(matrices) {
+  const Layout& layout = matrices.layout();
+  const Pattern &jacobian = matrices.jacobian(), &hessian = matrices.hessian();
+  // Rows of the matrix, -1 for those that are eliminated.
+  std::vector<int> row_of(static_cast<std::size_t>(layout.rows), -1);
+  int size = layout.columns;
+  for (int row = 0; row < layout.inequality_rows; ++row) row_of[static_cast<std::size_t>(row)] = size++;
+  auto entry = std::lower_bound(jacobian.rows.begin(), jacobian.rows.end(), layout.inequality_rows);
+  for (int i = 0; i < layout.slacks; ++i) {
+    const int row = layout.inequality_rows + i;
+    const auto end = std::upper_bound(entry, jacobian.rows.end(), row);
+    const auto at = static_cast<int>(entry - jacobian.rows.begin());
+    if (end - entry > 1) {
+      row_of[static_cast<std::size_t>(row)] = size++;
+      kept_.push_back(i);
+    } else if (entry == end) {
+      bounds_.push_back({i, -1, -1});
+    } else {
+      bounds_.push_back({i, jacobian.columns[static_cast<std::size_t>(at)], at});
+    }
+    entry = end;
+  }
+  Entries entries(size);
+  for (int k = 0; k < size; ++k) diagonal_.push_back(entries.add(k, k));
+  for (std::size_t e = 0; e < hessian.size(); ++e)
+    of_hessian_.push_back(entries.add(hessian.rows[e], hessian.columns[e]));
+  for (std::size_t e = 0; e < jacobian.size(); ++e) {
+    const int row = row_of[static_cast<std::size_t>(jacobian.rows[e])];
+    of_jacobian_.push_back(row < 0 ? -1 : entries.add(row, jacobian.columns[e]));
+  }
+  factors_ = std::make_unique<ldl::Factors>(entries.pattern());
+  for (auto* places : {&diagonal_, &of_hessian_, &of_jacobian_})
+    for (std::int32_t& place : *places) place = place < 0 ? -1 : entries.place(place);
+  values_.resize(factors_->pattern().rows.size());
+  right_.resize(static_cast<std::size_t>(size));
+}
+
+Pivots SparseSolver::factorise_and_solve(const StageValues& jacobian, const StageValues& hessian,
+                                         const NewtonSystem& system, Along* along) {
+  if (along) along->before(0, 1);
+  const Layout& layout = matrices_.layout();
+  const auto value = [this](std::int32_t place) -> double& { return values_[static_cast<std::size_t>(place)]; };
+  std::fill(values_.begin(), values_.end(), 0.0);
+  for (std::size_t e = 0; e < of_hessian_.size(); ++e) value(of_hessian_[e]) += hessian[e];
+  for (std::size_t e = 0; e < of_jacobian_.size(); ++e)
+    if (of_jacobian_[e] >= 0) value(of_jacobian_[e]) += jacobian[e];
+  const std::int32_t* diagonal = diagonal_.data();
+  for (int i = 0; i < layout.columns; ++i) value(*diagonal++) += system.dx[i];
+  for (int i = 0; i < layout.inequality_rows; ++i) value(*diagonal++) -= system.de ? system.de[i] : 0.0;
+  for (const int i : kept_) value(*diagonal++) -= system.ds[i];
+  for (const Bound& bound : bounds_) {
+    if (bound.entry < 0) continue;
+    const double a = jacobian[static_cast<std::size_t>(bound.entry)];
+    value(diagonal_[static_cast<std::size_t>(bound.column)]) += a * a / system.ds[bound.row];
+  }
+  const ldl::Inertia inertia = factors_->factorise(values_.data(), kThreshold, kSmall);
+  const int rows = layout.inequality_rows + static_cast<int>(kept_.size());
+  if (inertia.zero > 0 || inertia.negative < rows) return Pivots::dependent;
+  if (inertia.negative > rows) return Pivots::indefinite;
+  solve(jacobian, system);
+  if (along) along->after(0, 1);
+  return Pivots::good;
+}
+
+void SparseSolver::solve(const StageValues& jacobian, const NewtonSystem& system) {
+  const Layout& layout = matrices_.layout();
+  double* to = right_.data();
+  for (int i = 0; i < layout.columns; ++i) *to++ = -system.f[i];
+  for (int i = 0; i < layout.inequality_rows; ++i) *to++ = -system.g[i];
+  for (const int i : kept_) *to++ = -system.inequalities[i];
+  for (const Bound& bound : bounds_)
+    if (bound.entry >= 0)
+      right_[static_cast<std::size_t>(bound.column)] -=
+          jacobian[static_cast<std::size_t>(bound.entry)] * system.inequalities[bound.row] / system.ds[bound.row];
+  factors_->solve(right_.data());
+  const double* from = right_.data();
+  std::copy_n(from, layout.columns, system.z);
+  from += layout.columns;
+  std::copy_n(from, layout.inequality_rows, system.lam);
+  from += layout.inequality_rows;
+  double* lam = system.lam + layout.inequality_rows;
+  for (const int i : kept_) lam[i] = *from++;
+  for (const Bound& bound : bounds_) {
+    const double product =
+        bound.entry < 0 ? 0.0 : jacobian[static_cast<std::size_t>(bound.entry)] * system.z[bound.column];
+    lam[bound.row] = (product + system.inequalities[bound.row]) / system.ds[bound.row];
+  }
+}
+
+double SparseSolver::residual(const StageValues& jacobian, const StageValues& hessian, const NewtonSystem& system,
+                              std::size_t, std::size_t, StageResidual left) {
+  const Layout& layout = matrices_.layout();
+  const Pattern &of_rows = matrices_.jacobian(), &of_columns = matrices_.hessian();
+  for (int i = 0; i < layout.columns; ++i) left.gradient[i] = system.f[i] + system.dx[i] * system.z[i];
+  for (std::size_t e = 0; e < of_columns.size(); ++e) {
+    const std::int32_t i = of_columns.rows[e], j = of_columns.columns[e];
+    left.gradient[i] += hessian[e] * system.z[j];
+    if (i != j) left.gradient[j] += hessian[e] * system.z[i];
+  }
+  for (int i = 0; i < layout.inequality_rows; ++i)
+    left.equalities[i] = system.g[i] - (system.de ? system.de[i] * system.lam[i] : 0.0);
+  std::copy_n(system.inequalities, layout.slacks, left.inequalities);
+  for (std::size_t e = 0; e < of_rows.size(); ++e) {
+    const std::int32_t row = of_rows.rows[e], column = of_rows.columns[e];
+    left.gradient[column] += jacobian[e] * system.lam[row];
+    double& of_row = row < layout.inequality_rows ? left.equalities[row]
+                                                  : left.inequalities[row - layout.inequality_rows];
+    of_row += jacobian[e] * system.z[column];
+  }
+  double most = 0.0;
+  for (int i = 0; i < layout.columns; ++i) most = std::max(most, std::abs(left.gradient[i]));
+  for (int i = 0; i < layout.inequality_rows; ++i) most = std::max(most, std::abs(left.equalities[i]));
+  return most;
+}
+
+}  // namespace robotraj::native

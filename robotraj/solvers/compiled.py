@@ -1,0 +1,66 @@
+"""What is kept of a solve by the compiled interior-point method, for solves of similar problems."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.solvers.base import Iteration, Multipliers, Origin, Progress
+from robotraj.solvers.formulation import Formulation, carried
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledProgram:
+    """A program in C++, which one solve at a time writes its numbers to.
+
+    Attributes
+    ----------
+    native : robotraj.native.Program
+    threads : int
+    alone : threading.Lock
+        Held by the solve that uses the program.
+    """
+
+    native: Any
+    threads: int
+    alone: threading.Lock = field(default_factory=threading.Lock)
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledOrigin(Origin):
+    """A formulation, the multipliers of its rows, and its compiled program."""
+
+    formulation: Formulation
+    lam: NDArray[np.float64]
+    compiled: CompiledProgram
+
+
+def origin_of(multipliers: Multipliers | None) -> CompiledOrigin | None:
+    """Return what is kept of the solve that found the multipliers; None where another solver found them."""
+    origin = None if multipliers is None else multipliers.origin
+    return origin if isinstance(origin, CompiledOrigin) else None
+
+
+def warm_start(multipliers: Multipliers | None, formulation: Formulation) -> dict[str, Any]:
+    """Return arguments with which a solve starts from multipliers; none where they do not fit."""
+    origin = origin_of(multipliers)
+    lam = None if origin is None else carried(origin.formulation, origin.lam, formulation)
+    return {} if lam is None else {"lam": lam}
+
+
+def report(progress: Progress | None) -> Callable[[int, float, float], bool] | None:
+    """Turn a progress callback into one that never asks the solver to stop."""
+    if progress is None:
+        return None
+
+    def call(number: int, objective: float, infeasibility: float) -> bool:
+        progress(Iteration(number, objective, infeasibility))
+        return False
+
+    return call

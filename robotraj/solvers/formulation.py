@@ -1,0 +1,96 @@
+"""The form in which an NLP is handed to the compiled solver: in stages, or assembled as a whole.
+
+A problem whose unknowns join neighbouring intervals alone is written in stages, and a Riccati recursion solves its
+Newton systems. Contacts, closed gaits, design parameters, integrals and shooting join distant intervals or make stages
+of low rank: such a problem is assembled, and its Newton systems are factorised as sparse matrices.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.problem.constraints.integral import IntegralConstraint
+from robotraj.solvers.assembled.program import Assembled, assemble
+from robotraj.solvers.stagewise.multipliers import recover
+from robotraj.solvers.stagewise.reduction import Reduction, reduce
+from robotraj.solvers.stagewise.warm import carried_over
+from robotraj.transcription.schemes.mesh import MovingMesh
+from robotraj.transcription.schemes.onestep import OneStep
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+    from robotraj.transcription.layout import PhaseLayout
+    from robotraj.transcription.nlp import Nlp
+
+Array = NDArray[np.float64]
+Formulation: TypeAlias = Reduction | Assembled
+
+WIDEST = 10_000
+"""Unknowns times equalities of a stage from which on their fully pivoted elimination is slower than a sparse one."""
+ROW_CORRECTION = 1e-13
+"""Regularisation of the rows of an assembled problem, times mu^(1/4): small enough for Newton's method to converge
+near straight knees, where rows are almost dependent."""
+
+
+def formulate(nlp: Nlp) -> Formulation:
+    """Write an NLP in stages where these are narrow and of full rank, else as a whole."""
+    if not _joins_neighbours(nlp):
+        return assemble(nlp)
+    reduction = reduce(nlp)
+    program = reduction.program
+    unknowns = program.nu + program.nx
+    if np.any(program.equalities > unknowns) or np.max(unknowns * program.equalities) > WIDEST:
+        return assemble(nlp)
+    return reduction
+
+
+def options(formulation: Formulation) -> dict[str, float]:
+    """Options of the compiled solver that the formulation requires."""
+    if isinstance(formulation, Assembled):
+        return {"row_correction": ROW_CORRECTION, "least_row_correction": ROW_CORRECTION}
+    return {}
+
+
+def multipliers(formulation: Formulation, y: Array, lam: Array) -> tuple[Array, Array]:
+    """Return the multipliers of the NLP's rows (n_g,) and bounds (n_w,), in physical units.
+
+    Parameters
+    ----------
+    y : ndarray (n_y,)
+        Solution of the program.
+    lam : ndarray (n_rows,)
+        Multipliers of its rows.
+    """
+    if isinstance(formulation, Assembled):
+        return formulation.multipliers(y, lam)
+    return recover(formulation, y, lam)
+
+
+def carried(known: Formulation, lam: Array, new: Formulation) -> Array | None:
+    """Return multipliers of an earlier program for the rows of a similar one; None where the forms differ."""
+    if isinstance(known, Assembled) and isinstance(new, Assembled):
+        return new.carried_over(known, lam)
+    if isinstance(known, Reduction) and isinstance(new, Reduction):
+        return carried_over(known, lam, new)
+    return None
+
+
+def _joins_neighbours(nlp: Nlp) -> bool:
+    phases = all(map(_by_intervals, nlp.problem.phases, nlp.layouts))
+    links = (link.phases for link in nlp.problem.bound_links)
+    return phases and all(max(each) - min(each) == 1 for each in links)
+
+
+def _by_intervals(phase: Phase, layout: PhaseLayout) -> bool:
+    joined = (
+        isinstance(layout.scheme, OneStep)
+        or isinstance(layout.mesh, MovingMesh)
+        or phase.contacts
+        or phase.dae.invariants
+        or any(parameter.column is not None for parameter in layout.parameters)
+        or any(isinstance(constraint, IntegralConstraint) for constraint in phase.constraints)
+    )
+    return not joined
