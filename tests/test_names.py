@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from operator import attrgetter
 from pathlib import Path
 
 import pytest
@@ -52,3 +53,15 @@ def test_names_in_code_blocks_exist(document: Path) -> None:
 def test_a_missing_name_is_found() -> None:
     with pytest.raises(AssertionError, match=r"rt\.schemes\.Simpson does not exist"):
         check("import robotraj as rt\nrt.plan(rt.Mesh(4, rt.schemes.Simpson()))")
+
+
+def test_names_that_the_benchmarks_pass_as_text_exist(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "peers"))
+    import tools
+
+    keys = ("PEERS_SOLVER", "PEERS_ENGINE", "PEERS_INTERVAL_LIMITS")
+    own = [tool for tool in tools.TOOLS.values() if tool.script == "plan_robotraj.py"]
+    given = {tool.variables[key] for tool in own for key in keys if key in tool.variables}
+    assert {"InteriorPoint", "engines.Native"} <= given
+    for name in given:
+        attrgetter(name)(rt)

@@ -56,26 +56,28 @@ FREE = "cannot: free duration"
 PAPER = "not tried: its equations would have to be written out in SymPy"
 TOOLS: dict[str, Tool] = {
     "robotraj": _robotraj(""),
-    "robotraj-compiled": _robotraj(", compiled", True, PEERS_ENGINE="Compiled"),
-    "robotraj-ipopt": _robotraj(", IPOPT, virtual machine", PEERS_SOLVER="Ipopt", PEERS_ENGINE="VirtualMachine"),
+    "robotraj-compiled": _robotraj(", compiled", True, PEERS_ENGINE="engines.Compiled"),
+    "robotraj-ipopt": _robotraj(
+        ", IPOPT, virtual machine", PEERS_SOLVER="Ipopt", PEERS_ENGINE="engines.VirtualMachine"
+    ),
     "robotraj-interior-point": _robotraj(
         ", interior point",
         PEERS_SOLVER="InteriorPoint",
-        PEERS_ENGINE="Native",
-        PEERS_INTERVAL_LIMITS="ConstraintGeneration",
+        PEERS_ENGINE="engines.Native",
+        PEERS_INTERVAL_LIMITS="interval_limits.ConstraintGeneration",
     ),
     "robotraj-bernstein": _robotraj(
         ", interior point, Bernstein bounds",
         PEERS_SOLVER="InteriorPoint",
-        PEERS_ENGINE="Native",
-        PEERS_INTERVAL_LIMITS="BernsteinBounds",
+        PEERS_ENGINE="engines.Native",
+        PEERS_INTERVAL_LIMITS="interval_limits.BernsteinBounds",
     ),
     "robotraj-bernstein-compiled": _robotraj(
         ", interior point, Bernstein bounds, compiled",
         True,
         PEERS_SOLVER="InteriorPoint",
-        PEERS_ENGINE="Compiled",
-        PEERS_INTERVAL_LIMITS="BernsteinBounds",
+        PEERS_ENGINE="engines.Compiled",
+        PEERS_INTERVAL_LIMITS="interval_limits.BernsteinBounds",
     ),
     "robotraj-starts": _several(10),
     "robotraj-starts-20": _several(20),
@@ -83,8 +85,8 @@ TOOLS: dict[str, Tool] = {
         _robotraj(
             ", interior point, Bernstein bounds, twice as many intervals at Chebyshev knots",
             PEERS_SOLVER="InteriorPoint",
-            PEERS_ENGINE="Native",
-            PEERS_INTERVAL_LIMITS="BernsteinBounds",
+            PEERS_ENGINE="engines.Native",
+            PEERS_INTERVAL_LIMITS="interval_limits.BernsteinBounds",
             PEERS_MESH="Chebyshev",
         ),
         cannot=dict.fromkeys(("T1", "T2", "T3", "T4"), "not run: a mesh for an arm's minimum time"),

@@ -85,7 +85,7 @@ class PiecewisePolynomial(OneLine):
         ndarray (n,) or (m, n)
         """
         if np.ndim(t) == 0:
-            return self._at(float(t), interval)
+            return self._at(float(t), interval)  # type: ignore[arg-type]  # a scalar, since ndim is 0
         times = np.asarray(t, dtype=float)
         out = np.empty((len(times), self.size))
         where = self.locate(times) if interval is None else np.full(len(times), interval)

@@ -6,6 +6,7 @@ import resource
 import sys
 import time
 from dataclasses import dataclass, fields
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -162,11 +163,11 @@ CLOCK: list[float] = []
 
 
 ENGINES = {
-    "native": ("Ipopt", "Native"),
-    "machine": ("Ipopt", "VirtualMachine"),
-    "compiled": ("Ipopt", "Compiled"),
-    "interior-point": ("InteriorPoint", "Native"),
-    "interior-point-compiled": ("InteriorPoint", "Compiled"),
+    "native": ("Ipopt", "engines.Native"),
+    "machine": ("Ipopt", "engines.VirtualMachine"),
+    "compiled": ("Ipopt", "engines.Compiled"),
+    "interior-point": ("InteriorPoint", "engines.Native"),
+    "interior-point-compiled": ("InteriorPoint", "engines.Compiled"),
 }
 """Names of the solver and of what evaluates the point functions."""
 
@@ -174,7 +175,7 @@ ENGINES = {
 def value(name: str, **settings: Any) -> Any:
     """Make an object of robotraj by name; exit where the name does not exist."""
     try:
-        return getattr(rt, name)(**settings)
+        return attrgetter(name)(rt)(**settings)
     except AttributeError as error:
         raise SystemExit(f"cannot: this robotraj has no rt.{name}") from error
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -33,22 +34,25 @@ USED = (
 
 AWAY = -0.05
 """How far every joint of another goal is [rad, m]."""
-SETTINGS: dict[str, dict[str, Any]] = {"InteriorPoint": {"threads": 1}, "BernsteinBounds": {"controls": True}}
+SETTINGS: dict[str, dict[str, Any]] = {
+    "InteriorPoint": {"threads": 1},
+    "interval_limits.BernsteinBounds": {"controls": True},
+}
 """One thread, as for all other tools; limits of torques are bounded on whole intervals, like those of speeds."""
 SEED = 0
 """Seed of the starts; benchmarks/starts.py has the results of others."""
 
 
 def value(name: str) -> Any:
-    """Make the solver, engine or whatever has that name.
+    """Make a solver, an engine or a method for limits from its name below ``rt``.
 
     Raises
     ------
     SystemExit
-        This robotraj does not have it.
+        The name does not exist.
     """
     try:
-        return getattr(rt, name)(**SETTINGS.get(name, {}))
+        return attrgetter(name)(rt)(**SETTINGS.get(name, {}))
     except AttributeError as error:
         raise SystemExit(f"cannot: this robotraj has no rt.{name}") from error
 
