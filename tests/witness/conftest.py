@@ -1,4 +1,4 @@
-"""Plans made from closed forms: no transcription, no solver, nothing that the witness is to check."""
+"""Plans from closed forms, without transcription and solver."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ def plan(
 
 
 def robot_plan(robot: FakeRobot, knots: Any, q: Curve, v: Curve, a: Curve, degree: int = 10, **phase: Any) -> FakePlan:
-    """Plan the torques that inverse dynamics asks for along closed-form curves."""
+    """Make a plan from closed-form curves, with the torques of inverse dynamics."""
     data = robot.model.createData()
 
     def tau(t: float, k: int) -> Any:
@@ -183,7 +183,7 @@ def robot_plan(robot: FakeRobot, knots: Any, q: Curve, v: Curve, a: Curve, degre
 
 @pytest.fixture
 def make() -> SimpleNamespace:
-    """What tests build plans from."""
+    """Builders of robots, phases and plans."""
     return SimpleNamespace(
         robot=make_robot,
         phase=FakePhase,

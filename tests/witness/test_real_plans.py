@@ -39,12 +39,12 @@ def swing(arm, count):
 def test_drift_of_hermite_simpson_falls_by_order_four(passive):
     coarse, fine = (validate(swing(passive, count)) for count in (20, 40))
     assert np.log2(coarse.drift.largest("q.") / fine.drift.largest("q.")) > 3.5
-    # The quadrature of the energy is exact, so its balance sees the discretisation alone.
+    # The quadrature of the energy is exact: its imbalance is the discretisation error.
     assert abs(fine.energy.imbalance) < abs(coarse.energy.imbalance) / 8
 
 
 def test_a_plan_of_a_stiff_arm_is_simulated_to_its_end():
-    """z1's gripper gives up its speed to friction in 15 us: DOP853 alone would take half a minute for these."""
+    """Friction stops z1's gripper within 15 us: explicit steps would take half a minute."""
     arm = rt.load("z1")
     start = np.array([0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -0.5])
     phase = rt.Phase(arm, 1.0, rt.State(q=start, v=0), rt.State(q=start + 0.3, v=0), rt.Effort())

@@ -1,4 +1,4 @@
-"""How a report shows itself: one line, 80 columns, colours and HTML."""
+"""Reports: one line by repr, 80 columns by str, colours on terminals, HTML in notebooks."""
 
 import sys
 

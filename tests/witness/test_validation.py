@@ -49,7 +49,7 @@ def test_a_simulated_pendulum_is_confirmed(make):
     report = validate(make.solution(planned))
     assert report.drift.largest("q.") < 1e-7
     assert report.energy.relative < 1e-7
-    # Damping must be counted: without it the balance is off by what was dissipated.
+    # Damping counts: without it the balance is off by the dissipated energy.
     assert report.energy.dissipated > 0.05
 
 
@@ -78,7 +78,7 @@ def test_a_wrong_torque_fails_naming_joint_and_time(make, swinging):
     report.check(local=1.0)
 
 
-def test_a_plan_whose_polynomials_do_not_meet_at_a_knot_is_told_apart(make, swinging):
+def test_polynomials_that_do_not_meet_at_a_knot_are_reported_as_a_jump(make, swinging):
     good = swinging(name="open")
     q = good.curves["q"]
     apart = [value + (np.array([0.0, 0.02]) if k >= 12 else 0.0) for k, value in enumerate(q.values)]

@@ -29,7 +29,7 @@ from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import interval_samples
 
 PLACES = np.linspace(0.0, 1.0, 11)[1:-1]
-"""Points of a segment that are checked, its ends left out: those are rows of the constraint."""
+"""Points of a segment that are checked, without its ends, which are rows of the constraint."""
 
 
 class _Segment(NamedTuple):

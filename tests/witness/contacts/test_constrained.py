@@ -12,7 +12,7 @@ WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
 def frame_rows(model, *chosen):
-    """Hold the origins of frames along world axes where they are: pairs (frame, axes, target)."""
+    """Hold the origins of frames along world axes: triples (frame, axes, target)."""
 
     def rows(q, v):
         data = model.createData()
@@ -88,7 +88,7 @@ def test_four_corners_carry_a_box_evenly_though_one_would_do_for_some():
 
 
 def test_held_rows_keep_an_acceleration_that_a_moving_arm_needs():
-    # The rows of a foot that other joints move have a bias; the foot's acceleration must come out zero, not J a.
+    # Rows of a foot that other joints move have a bias: the foot's acceleration is zero, not J a.
     model = box_body(2.0, (0.4, 0.3, 0.2))
     joint = model.addJoint(1, pin.JointModelRX(), pin.SE3(np.eye(3), np.array([0.2, 0.1, 0.0])), "knee")
     below = pin.SE3(np.eye(3), np.array([0.0, 0.0, -0.3]))
@@ -107,7 +107,7 @@ def test_held_rows_keep_an_acceleration_that_a_moving_arm_needs():
     np.testing.assert_allclose(needed, 0, atol=1e-12)
 
 
-def test_a_rod_that_strikes_with_its_end_turns_as_angular_momentum_says():
+def test_a_rod_that_strikes_with_its_end_conserves_angular_momentum():
     # A falling uniform rod, horizontal, one end caught: about that end m V L/2 is kept, so w = 3 V / (2 L).
     mass, length, speed = 2.0, 0.8, 3.0
     model = planar_body(mass, mass * length**2 / 12, (0.0, 0.0), end=(-0.5 * length, 0.0))

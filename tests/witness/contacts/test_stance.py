@@ -1,4 +1,4 @@
-"""Plans in contact made from closed forms: what holds passes, and what was spoilt is named with its place and time."""
+"""Plans with contacts from closed forms: right plans pass, and each error is reported with its place and time."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def stance(make, rod, motion, knots, *, foot=0.0, begin=0.0, anchor=None, fricti
 
 
 def solution(*planned, links=(), impulses=()):
-    """A solution as the witness reads one."""
+    """A solution with the attributes that the witness reads."""
     problem = rt.Problem([p.phase for p in planned], links=links)
     return SimpleNamespace(phases=planned, problem=problem, impulses=impulses, success=True)
 
@@ -141,7 +141,7 @@ def test_a_foot_that_slides_between_two_knots_is_named_with_its_time(make, rod):
     report.check(contact=4e-4)
 
 
-def test_a_foot_that_sinks_and_one_beside_its_anchor_are_told_apart(make, rod):
+def test_sink_and_slip_of_a_foot_are_separate_figures(make, rod):
     motion = falling(0.1, 0.0, 0.4)
     low = stance(make, rod, motion, KNOTS, q=lambda t, k: motion(t)[0] - np.array([0.0, 2e-3, 0.0]))
     (holding,) = validate(solution(low)).holdings
@@ -150,7 +150,7 @@ def test_a_foot_that_sinks_and_one_beside_its_anchor_are_told_apart(make, rod):
     report = validate(solution(beside))
     (holding,), (landing,) = report.holdings, report.landings
     assert holding.slip.value == pytest.approx(0.02, abs=1e-9) and holding.sink.value < 1e-9
-    # The simulation holds the foot where it is, not where the plan says.
+    # The simulation holds the foot at its own place, not at the planned one.
     assert landing.distance == pytest.approx(0.02, abs=1e-9)
     assert report.drift.largest("q.") < 1e-8
 
@@ -181,7 +181,7 @@ def test_a_planned_force_that_is_not_the_one_that_acts_differs_and_breaks_the_dy
     (holding,) = report.holdings
     assert holding.difference.value == pytest.approx(0.3, abs=1e-6)
     assert report.residual.dynamics["root_z"].value == pytest.approx(0.3, abs=1e-6)
-    # The motion itself is right, and the witness moves by forces of its own.
+    # The motion is right: the simulation solves for its own contact forces.
     assert report.drift.largest("q.") < 1e-8
 
 
@@ -224,7 +224,7 @@ def test_an_exact_landing_passes(landing):
     assert impact.time == pytest.approx(0.15) and impact.momentum.value < 1e-9 and impact.rest.value < 1e-9
     assert impact.solved == pytest.approx(impulse, abs=1e-9)
     assert impact.lost > 0.5
-    # Through the impact the simulation makes its own: nothing of the plan's is added.
+    # The simulation solves its own impact: no planned jump is added.
     assert report.drift.largest("q.") < 1e-8 and report.drift.largest("v.") < 1e-7
     assert [landing.phase for landing in report.landings] == ["stance"] and report.landings[0].distance < 1e-9
     assert "Touchdown(0, 1) at t = 0.15 s" in str(report)
@@ -262,7 +262,7 @@ def test_a_wrong_flight_drifts_through_the_landing_but_the_stance_by_itself_does
         tilted.append(values + np.array([0.0, 4e-3, 0.0]))
     moved = dataclasses.replace(flight, curves={**flight.curves, "q": dataclasses.replace(q, values=tilted)})
     report = validate(solution(moved, standing, links=[link], impulses=[impulse]))
-    # It comes down 4 mm too high and is held there; the plan of the stance is right.
+    # It touches down 4 mm too high and is held there; the plan of the stance is right.
     assert report.landings[0].distance == pytest.approx(4e-3, abs=1e-8)
     assert report.drift["q.root_z"].largest >= 4e-3 - 1e-8
     # The local error is the jump between the phases, and nothing within them.

@@ -1,4 +1,4 @@
-"""Bolt, two legs that end in points, walks in space: it cannot stand still, and in MuJoCo it need not."""
+"""Bolt, two legs that end in points, walks in space: it cannot stand still, and MuJoCo follows its steps."""
 
 from functools import partial
 

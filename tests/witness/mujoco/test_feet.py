@@ -59,7 +59,7 @@ def distances(robot, contact, q):
     feet = feet_of(course)
     soft = rt.witness.SoftGround(radius=0.01)
     second = mujoco_robot(robot, None, lambda spec, bodies: furnish(course, feet, soft, spec, bodies))
-    # Contacts are made from 1 mm above the ground on, so that those that just touch are seen.
+    # A margin of 1 mm detects contacts that just touch the ground.
     second.model.geom_margin[:] = 1e-3
     data = mujoco.MjData(second.model)
     data.qpos[:] = second.coordinates.qpos(q)
@@ -165,7 +165,7 @@ def test_a_flat_foot_balances_a_robot_in_space(monopod):
     pin.framesForwardKinematics(monopod.model, data, q)
     foot = data.oMf[monopod.frame("foot")]
     q[2] -= foot.translation[2]
-    # The sole lies level under a shank that leans, so its axes are those of the world as the foot sees them.
+    # The sole is level under a leaning shank: its axes in the foot's frame are those of the world.
     axes = {"normal": foot.rotation.T[:, 2], "forward": foot.rotation.T[:, 0]}
     sole = rt.FlatFoot("foot", length=0.2, width=0.1, friction=0.5, normal_force=(1.0, np.inf), **axes)
     shift = rt.Phase(
@@ -190,7 +190,7 @@ def test_harder_ground_gives_way_less(squat):
     assert hard < 0.2 * soft
 
 
-def test_a_robot_that_topples_is_told(squat):
+def test_a_fall_is_reported_with_its_reason(squat):
     opinion = rt.witness.second_opinion(
         squat, feedback=rt.witness.NoFeedback(), offset=[0, 0, 0, 0, 0, 0, 0, 4.0, 0, 0]
     )

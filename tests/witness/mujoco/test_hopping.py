@@ -1,4 +1,4 @@
-"""A hop whose contacts were found, not given: MuJoCo lands it where it should."""
+"""A hop with implicit contacts lands in MuJoCo at its planned place."""
 
 import pytest
 

@@ -63,7 +63,7 @@ def test_it_trots_on_for_a_dozen_half_strides():
     trot = gait.trot(solo, step_length=0.05, duration=0.2, clearance=0.03, contact=foot, objective=calm())
     solution = rt.plan(trot, mesh=rt.Mesh(8, rt.HermiteSimpson()))
     assert not rt.witness.second_opinion(solution, feedback=rt.witness.NoFeedback()).upright
-    # A ground a little rougher than the plan counts on, as it should be.
+    # A ground with a little more friction than the plan uses.
     opinion = rt.witness.second_opinion(solution, periods=12, ground=rt.witness.SoftGround(grip=1.4))
     assert opinion.completed and opinion.upright
     assert opinion.deviation.largest("q.") < 0.1

@@ -59,7 +59,7 @@ def test_feet_take_turns_and_carry_the_weight(walk):
     assert (left.name, right.name) == ("left_foot", "right_foot")
     for foot in (left, right):
         assert foot.stances in (2, 3) and 0.4 < foot.loaded < 0.6
-        # What MuJoCo's ground gives is what the plan asks for, impacts included.
+        # The mean forces of MuJoCo's ground are those of the plan, impacts included.
         assert foot.force[2] == pytest.approx(foot.planned[2], rel=0.05)
     weight = 9.81 * sum(inertia.mass for inertia in walk.phases[0].phase.robot.model.inertias)
     assert left.force[2] + right.force[2] == pytest.approx(weight, rel=0.02)

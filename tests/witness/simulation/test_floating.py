@@ -39,7 +39,7 @@ def test_a_tumbling_brick_keeps_its_angular_momentum_and_energy_and_flies_on_a_p
     np.testing.assert_allclose(spinning, spinning[0], rtol=1e-9)
     fall = v0[:3] * done.times[:, None] + 0.5 * np.outer(done.times**2, [0, 0, -9.81])
     np.testing.assert_allclose(done.q[:, :3], fall, atol=1e-7)
-    # About its middle axis it turns over: that is what tells body axes from the world's.
+    # About its middle axis it turns over, which distinguishes body axes from world axes.
     assert done.v[:, 4].min() < -3.0
 
 
@@ -52,7 +52,7 @@ def test_first_states_are_checked(brick):
         simulate(brick, brick.neutral, [0, 0, 0, 0, np.nan, 0], no_torque, (0, 1))
 
 
-def test_drift_is_told_in_the_world_and_by_a_rotation_vector(brick):
+def test_drift_of_a_floating_root_is_a_shift_in_the_world_and_a_rotation_vector(brick):
     plan = rt.plan(rt.Phase(brick, 0.4, start=rt.State(q=brick.neutral, v=[1, 0, 2, 0.1, 3, 0])), rt.Mesh(6))
     plant = RobotPlant(plan.phases[0])
     assert plant.gap_names[:6] == tuple(f"q.{name}" for name in FLYING)

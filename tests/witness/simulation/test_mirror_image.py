@@ -1,4 +1,4 @@
-"""A mirrored half is moved by the image of the robot; of robots with symmetric inertia nothing changes."""
+"""The mirrored half of a gait is simulated with the mirror image of the robot; symmetric inertia has none."""
 
 import dataclasses
 from types import SimpleNamespace
