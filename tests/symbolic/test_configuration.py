@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from robotraj._util.errors import InputError
 from robotraj.symbolic import SymbolicModel
 
 
@@ -24,6 +25,9 @@ JOINTS = {
     "floating": pin.JointModelFreeFlyer(),
     "Euler angles": pin.JointModelSphericalZYX(),
     "translation": pin.JointModelTranslation(),
+    "universal": pin.JointModelUniversal(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.6, 0.8])),
+    "helical": pin.JointModelHelicalUnaligned(np.array([0.6, 0.0, 0.8]), 0.3),
+    "oblique": pin.JointModelRevoluteUnaligned(np.array([0.6, 0.0, 0.8])),
     "composite": composite(),
 }
 
@@ -84,3 +88,19 @@ def test_second_derivatives_at_rest_are_finite(symbolic: SymbolicModel) -> None:
     h = 1e-3
     expected = [(gradient(h * e) - gradient(-h * e)) / (2 * h) for e in np.eye(model.nv)]
     np.testing.assert_allclose(value, expected, rtol=0, atol=1e-5)
+
+
+def test_the_dynamics_of_every_joint_are_pinocchios(symbolic: SymbolicModel) -> None:
+    model = symbolic.model
+    rng = np.random.default_rng(8)
+    for _ in range(5):
+        q, v, a = configuration(model, rng), rng.standard_normal(model.nv), rng.standard_normal(model.nv)
+        tau = np.array(symbolic.inverse_dynamics(q, v, a, 0)).ravel()
+        np.testing.assert_allclose(tau, pin.rnea(model, model.createData(), q, v, a), rtol=0, atol=1e-10)
+
+
+def test_a_joint_without_known_dynamics_is_refused() -> None:
+    model = pin.Model()
+    model.addJoint(0, pin.JointModelEllipsoid(), pin.SE3.Identity(), "knee")
+    with pytest.raises(InputError, match="'knee' is a JointModelEllipsoid.*simpler joints"):
+        _ = SymbolicModel(model).inverse_dynamics
