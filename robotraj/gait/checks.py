@@ -11,7 +11,7 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.gait.upright import Upright
-from robotraj.problem.constraints.bounds import Between
+from robotraj.problem.constraints.bounds import Between, Interval
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.robot.robot import Robot
 
@@ -66,7 +66,7 @@ def check_options(repeat: object, upright: object) -> None:
 
 
 def check_ground_repeats(
-    robot: Robot, feet: Sequence[str], gains: Mapping[str, Any], mirrored: bool, ground: Ground
+    robot: Robot, feet: Sequence[str], gains: Mapping[str, Interval], mirrored: bool, ground: Ground
 ) -> None:
     """Check that the ground repeats with the gait: h(x + gain, +-y) = h(x, y) + rise.
 
@@ -77,9 +77,11 @@ def check_ground_repeats(
     InputError
         The height of the ground under a foot differs between periods.
     """
-    forward, side, rise = (gains.get(f"q.root_{axis}", 0.0) for axis in "xyz")
-    if not all(isinstance(gain, float | int | np.floating | np.integer) for gain in (forward, side, rise)):
+    known = [gains.get(f"q.root_{axis}", 0.0) for axis in "xyz"]
+    fixed = [float(gain) for gain in known if isinstance(gain, float | int | np.floating | np.integer)]
+    if len(fixed) < len(known):
         return
+    forward, side, rise = fixed
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.neutral)
     for foot in feet:
@@ -87,7 +89,7 @@ def check_ground_repeats(
         first = ground.height(float(x), float(y))
         for period in range(1, PERIODS + 1):
             there = (float(x + period * forward), float((-y if mirrored and period % 2 else y) + period * side))
-            off = float(ground.height(*there)) - float(first) - period * float(rise)
+            off = float(ground.height(*there)) - float(first) - period * rise
             if abs(off) > HEIGHT_TOLERANCE:
                 raise InputError(
                     f"The gait repeats, but the ground does not: after {period} periods it is {abs(off):.3g} m "

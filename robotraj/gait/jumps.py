@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.point_contact import PointContact
@@ -82,7 +82,9 @@ def jump(
     return sequence(robot, phases, terms, None, State(q=q, v=0.0), State(q=landed, v=0.0))
 
 
-def _level(robot: Robot, data: Any, feet: Sequence[str], q: Any, ground: Ground | GroundFunction) -> float:
+def _level(
+    robot: Robot, data: pin.Data, feet: Sequence[str], q: NDArray[np.float64], ground: Ground | GroundFunction
+) -> float:
     """Return the mean height of the ground under the feet [m]."""
     pin.framesForwardKinematics(robot.model, data, q)
     places = [data.oMf[robot.frame(name)].translation for name in feet]

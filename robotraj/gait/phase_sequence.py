@@ -223,7 +223,7 @@ def _swing(
     if passes is not None and isinstance(gain, int | float):
         gain = 0.5 * gain
     rows: list[Constraint] = []
-    level: list[Any] = []
+    level: list[tuple[str, tuple[float, ...]]] = []
     low: list[str] = []
     for foot in swinging:
         other, corners = partners.get(foot, foot), foot_contact(terms.contact, foot).bound_to(robot).outline()
@@ -245,7 +245,7 @@ def _swing(
     return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows
 
 
-def _contact_point(terms: GaitTerms, foot: str) -> Any:
+def _contact_point(terms: GaitTerms, foot: str) -> str | tuple[str, tuple[float, ...]]:
     """Return the contact point of a foot: its frame, or its frame and offset."""
     offset = getattr(foot_contact(terms.contact, foot), "offset", None)
     return foot if offset is None or not np.any(offset) else (foot, tuple(offset))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
-Given = Mapping[str, Any]
-"""Checked samples of q, v, a, tau and forces; None where they are not given."""
+Checked = Array | Mapping[str, Array] | None
+"""Samples that ``check_samples`` returned; None where they are not given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ class RobotSamples:
         """The robot, with the design at the guessed parameters."""
         return designed(self.phase, self.parameters)
 
-    def completed(self, given: Given, line: Array) -> dict[str, Array]:
+    def completed(self, given: Mapping[str, Checked], line: Array) -> dict[str, Array]:
         """Return every variable of the robot (m,) by name, such as ``q.elbow``.
 
         Missing positions are taken from ``line`` (m, nx).
@@ -107,7 +107,7 @@ class RobotSamples:
         y = chart.coordinates(q)
         return chart, y, _rates(self.fractions, y)
 
-    def _positions(self, given: Any, line: Array) -> Array:
+    def _positions(self, given: Checked, line: Array) -> Array:
         """Return positions (m, nq), quaternions of length 1 and without changes of sign."""
         q = self._replaced("q", line, given, self.robot.position_names)
         if given is None or self.robot.root != "floating":
@@ -121,7 +121,7 @@ class RobotSamples:
             row[QUATERNION] *= 1.0 if before[QUATERNION] @ row[QUATERNION] >= 0 else -1.0
         return q
 
-    def _replaced(self, what: str, base: Array, given: Any, names: tuple[str, ...]) -> Array:
+    def _replaced(self, what: str, base: Array, given: Checked, names: tuple[str, ...]) -> Array:
         """Return a copy of ``base`` (m, n) with the columns that are given."""
         table = np.array(base)
         if given is not None:
@@ -130,16 +130,16 @@ class RobotSamples:
                 table[:, names.index(name)] = column
         return table
 
-    def _loads(self, q: Array, v: Array, a: Array, given: Given | None) -> tuple[dict[str, Array], Array]:
+    def _loads(self, q: Array, v: Array, a: Array, given: Checked) -> tuple[dict[str, Array], Array]:
         """Return contact forces by variable name, (m,) each, and torques (m, nu)."""
         contacts, robot = self.phase.bound_contacts, self.robot
         stance = BalancedStance(robot, contacts)
         names = [contact.name for contact in contacts]
-        if contacts and given is None:
+        if contacts and not isinstance(given, Mapping):
             rows = [support(stance, names, *row) for row in zip(q, v, a, strict=True)]
             forces, torques = (np.array([row[k] for row in rows]) for k in (0, 1))
         else:
-            forces = self._given_forces(contacts, given or {})
+            forces = self._given_forces(contacts, given if isinstance(given, Mapping) else {})
             model, data = robot.model, robot.model.createData()
             needed = np.array(
                 [pin.rnea(model, data, *row) + robot.dissipation(row[1]) for row in zip(q, v, a, strict=True)]
@@ -150,7 +150,7 @@ class RobotSamples:
         variables = [force.name for contact in contacts for force in contact.forces]
         return {name: forces[:, i] for i, name in enumerate(variables)}, torques
 
-    def _given_forces(self, contacts: tuple[BoundContact, ...], given: Given) -> Array:
+    def _given_forces(self, contacts: tuple[BoundContact, ...], given: Mapping[str, Array]) -> Array:
         """Return the components of the given forces that the contacts have, (m, n)."""
         names = [contact.name for contact in contacts]
         for name in given:

@@ -35,7 +35,7 @@ def test_a_step_is_planned_and_proved(walk: rt.Solution) -> None:
     assert_cones_hold(walk, FRICTION)
 
 
-def test_a_step_repeats_mirrored_and_goes_its_way(walk: rt.Solution) -> None:
+def test_a_step_repeats_mirrored_at_its_length(walk: rt.Solution) -> None:
     assert_it_repeats_mirrored(walk, {"FL": "FR"})
     ends = walk.at(0.0).q, walk.at(walk.duration).q
     assert ends[1][0] - ends[0][0] == pytest.approx(0.06, abs=1e-8)

@@ -1,4 +1,4 @@
-"""Gaits refuse what they cannot mean, and grounds that do not repeat as they do."""
+"""Invalid arguments of gaits, and grounds that do not repeat."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ WRONG: dict[str, tuple[Callable[[rt.Robot], Any], str]] = {
     "clearance of text": (lambda b: step(b, clearance="high"), "clearance.*'high'"),
     "double support of text": (lambda b: step(b, double_support="a"), "double_support"),
     "whole double support": (lambda b: step(b, double_support=1.0), "double_support.*less than 1"),
-    "a kind that asks for more": (lambda b: step(b, contact=rt.FlatFoot), "'length'.*functools.partial"),
+    "a contact with further arguments": (lambda b: step(b, contact=rt.FlatFoot), "'length'.*functools.partial"),
     "repeat by name": (lambda b: step(b, repeat="mirror"), "repeat=.*rt.Periodic"),
     "upright by name": (lambda b: step(b, upright=True), "upright="),
     "flight of text": (lambda b: rt.gait.run(b, step_length=0.5, duration=0.5, contact=FOOT, flight="x"), "flight"),
@@ -43,9 +43,9 @@ def step(biped: rt.Robot, **changes: Any) -> rt.Problem:
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_what_is_meant_is_asked_for_by_name(case: str, biped: rt.Robot) -> None:
-    make, said = WRONG[case]
-    with pytest.raises(rt.InputError, match=said):
+def test_invalid_arguments_are_named(case: str, biped: rt.Robot) -> None:
+    make, message = WRONG[case]
+    with pytest.raises(rt.InputError, match=message):
         make(biped)
 
 
@@ -60,7 +60,7 @@ def test_speeds_after_an_impact_have_no_displacement(biped: rt.Robot) -> None:
         step(biped, repeat=faster)
 
 
-def test_numbers_may_be_numpys(biped: rt.Robot) -> None:
+def test_numpy_numbers_are_accepted(biped: rt.Robot) -> None:
     for number in (np.float32, np.float64, np.array):
         (phase,) = step(biped, step_length=number(0.4), duration=number(0.6), clearance=number(0.0)).phases
         assert phase.duration == pytest.approx(0.6)
@@ -86,7 +86,7 @@ def test_shares_are_kept_where_nothing_bounds_the_duration(biped: rt.Robot) -> N
 
 
 @pytest.mark.parametrize("height", [0.75, 0.8, 0.85])
-def test_heights_to_stand_at_are_met(biped: rt.Robot, height: float) -> None:
+def test_given_standing_heights_are_reached(biped: rt.Robot, height: float) -> None:
     q = rt.gait.stand(biped, height=height)
     assert pin.centerOfMass(biped.model, biped.model.createData(), q)[2] == pytest.approx(height, abs=1e-2)
 
@@ -99,7 +99,7 @@ def test_grounds_that_do_not_repeat_are_refused(biped: rt.Robot, solo: rt.Robot)
         trot(ground=rt.terrain.Slope(0.0, 0.15))
 
 
-def test_grounds_that_repeat_are_stood_on(biped: rt.Robot, solo: rt.Robot) -> None:
+def test_contacts_lie_on_grounds_that_repeat(biped: rt.Robot, solo: rt.Robot) -> None:
     slope, stairs = rt.terrain.Slope(0.1), rt.terrain.Steps.stairs(start=0.2, run=0.4, rise=0.1, count=4)
     trot = partial(rt.gait.trot, solo, step_length=0.06, duration=0.2, contact=PAW)
     across = rt.terrain.Slope(0.0, 0.15)
@@ -107,7 +107,7 @@ def test_grounds_that_repeat_are_stood_on(biped: rt.Robot, solo: rt.Robot) -> No
         slope: step(biped, ground=slope),
         stairs: step(biped, step_length=0.4, ground=stairs),
         rt.terrain.Slope(0.15, 0.0): trot(ground=rt.terrain.Slope(0.15, 0.0)),
-        # The other half of the stride is written out: nothing is mirrored.
+        # Both halves of the stride are planned: nothing is mirrored.
         across: trot(ground=across, repeat=rt.Periodic()),
     }
     for ground, problem in written.items():
@@ -115,7 +115,7 @@ def test_grounds_that_repeat_are_stood_on(biped: rt.Robot, solo: rt.Robot) -> No
         assert contacts and all(contact.ground == ground for contact in contacts)
 
 
-def test_feet_that_stand_off_their_frames_origin_are_the_ones_kept_clear(biped: rt.Robot) -> None:
+def test_clearance_holds_at_the_offset_of_a_contact(biped: rt.Robot) -> None:
     shins = "left_tibia", "right_tibia"
     below = rt.PointContact("left_tibia", friction=0.8, offset=(0, 0, -0.4))
     solution = rt.plan(step(biped, feet=shins, contact=below, clearance=0.15), rt.Mesh(12))
@@ -133,7 +133,7 @@ def test_a_turn_does_not_change_the_quaternions_sign(solo: rt.Robot) -> None:
     assert np.all(solution.at(np.linspace(0, solution.duration, 101)).q[:, 6] > 0.99)
 
 
-def test_the_ground_does_not_pull_at_an_impact_whatever_its_newtons() -> None:
+def test_bounds_of_normal_forces_do_not_bound_impulses() -> None:
     for bounds in ((0.0, 2000.0), (1.0, np.inf), (0.0, np.inf)):
         contact = rt.PointContact("left_foot", friction=0.8, normal_force=bounds)
         bound = contact.bound_to(rt.load("five_link", root="floating"))
@@ -154,7 +154,7 @@ def test_both_steps_of_a_stride_clear_the_ground(biped: rt.Robot) -> None:
     assert min(highest(biped, solution, foot) for foot in ("left_foot", "right_foot")) > 0.095
 
 
-def test_a_height_that_no_foot_can_be_held_to_is_said(biped: rt.Robot) -> None:
+def test_a_clearance_without_effect_warns(biped: rt.Robot) -> None:
     free = replace(rt.gait.mirror(biped), displacement={"q.root_x": rt.between(0.3, 0.5)})
     with pytest.warns(UserWarning, match="clearance=0.1 is not held by right_foot in 'single support'"):
         step(biped, clearance=0.1, repeat=free)

@@ -54,7 +54,7 @@ def level() -> rt.Solution:
         (0.0525, 0.27127462, (1.09286681, 0.37613459), 0.73446062, 0.53591932),
     ],
 )
-def test_the_cheapest_way_down_is_the_passive_cycle(
+def test_the_optimum_on_a_slope_is_the_passive_cycle(
     descent: float, half: float, rates: tuple[float, float], period: float, length: float
 ) -> None:
     solution = rt.plan(step(descent, rt.between(0.3, 0.8)), LOBATTO, tolerance=1e-7)
@@ -77,7 +77,7 @@ def test_the_other_passive_cycle_is_shorter() -> None:
 
 
 def test_a_step_on_the_level_pays_for_its_impact(level: rt.Solution) -> None:
-    """What the motors give in a period is what the strike takes."""
+    """The work of the motors in a period is the energy that the impact dissipates."""
     times = np.linspace(0, level.duration, 4001)
     sample = level.at(times)
     work = np.trapezoid((sample.tau * sample.v[:, 3:]).sum(axis=1), times)
@@ -99,8 +99,8 @@ def test_longer_steps_cost_more(level: rt.Solution) -> None:
 
 
 @pytest.mark.parametrize("name", LINEAR_SOLVERS[:2])
-def test_no_iterate_is_left_to_the_last_digits_of_the_guess(level: rt.Solution, name: str) -> None:
-    """Nothing turns the hip, whose rate the strike has to keep as well: one row says what others say."""
+def test_redundant_rows_leave_a_unique_solution(level: rt.Solution, name: str) -> None:
+    """No motor turns the hip, and the impact keeps its rate: one row is redundant."""
     nlp = rt.transcription.transcribe(step(0.0, 0.4), LOBATTO)
     rng = np.random.default_rng(3)
     for size in (0.0, 1e-12, 1e-9):

@@ -1,4 +1,4 @@
-"""The crawl as a problem, and the plan it leads to from its own guess."""
+"""The crawl as a problem, and its plan from the default guess."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_periodic_writes_four_swings(dog: rt.Robot) -> None:
     assert problem.links[-1].displacement == {"q.root_x": 0.1}
 
 
-def test_what_cannot_crawl_is_refused(dog: rt.Robot) -> None:
+def test_robots_that_cannot_crawl_are_refused(dog: rt.Robot) -> None:
     with pytest.raises(rt.InputError, match="needs 4 feet"):
         gait.crawl(rt.load("five_link", root="planar"), step_length=0.1, duration=0.5)
     with pytest.raises(rt.InputError, match=r"full_support. is 1.0"):

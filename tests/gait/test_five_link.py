@@ -62,7 +62,7 @@ def planned(name: str, mesh: rt.Mesh, clearance: float = 0.0) -> rt.Solution:
 
 
 def planned_at_points(name: str, mesh: rt.Mesh) -> rt.Solution:
-    """Plan as the paper does: clearance at the collocation points, and nothing asked between them."""
+    """Plan as the paper does: clearance is imposed at the collocation points only."""
     robot = rt.load(name, root="planar")
     limits = rt.interval_limits.ConstraintGeneration(rounds=0)
     return rt.plan(step(robot), mesh, guess(robot), rt.Ipopt(), interval_limits=limits)

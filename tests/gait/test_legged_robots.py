@@ -1,4 +1,4 @@
-"""The legged robots that ship: what their joints do, their limits, their inertias, their feet."""
+"""The legged robots of the package: axes and limits of their joints, inertias, feet."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ FEET = {
 
 
 def mirrored(robot: rt.Robot, q: np.ndarray, repeat: rt.Mirror) -> np.ndarray:
-    """Give the mirror image (nq,) of a configuration."""
+    """Return the mirror image (nq,) of a configuration."""
     names = robot.position_names
     both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
     at = {name: i for i, name in enumerate(names)}

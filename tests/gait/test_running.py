@@ -61,8 +61,8 @@ def test_the_centre_of_mass_falls_freely(run: rt.Solution) -> None:
     assert parabola[0] == pytest.approx([0.0, -0.5 * 9.81], abs=2e-3)
 
 
-def test_what_the_ground_gives_in_a_step_is_the_weight(run: rt.Solution) -> None:
-    """Normal force and the impulse of the landing carry the weight for a whole step; friction gives nothing."""
+def test_forces_and_impulses_carry_the_weight(run: rt.Solution) -> None:
+    """Normal force and landing impulse together are weight times the duration of the step; friction sums to zero."""
     stance = run.phases[0]
     times = np.linspace(0, stance.duration * (1 - 1e-12), 2001)
     force = run.at(times).forces["left_foot"]
@@ -84,7 +84,7 @@ def test_it_lands_mirrored_one_step_on(run: rt.Solution) -> None:
 
 
 @pytest.mark.slow
-def test_a_flight_that_may_last_as_it_likes_costs_no_more(run: rt.Solution) -> None:
+def test_a_free_flight_duration_costs_no_more(run: rt.Solution) -> None:
     problem = running()
     short = [replace(problem.phases[0], duration=0.28), replace(problem.phases[1], duration=0.12)]
     fixed = rt.plan(replace(problem, phases=short), rt.Mesh(12, rt.HermiteSimpson(control=rt.schemes.LinearControl())))

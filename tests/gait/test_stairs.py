@@ -68,7 +68,7 @@ def test_it_starts_and_ends_at_rest_on_both_feet(climb: rt.Solution) -> None:
     assert last.forces[LEFT][2] + last.forces[RIGHT][2] > 0.5 * WEIGHT
 
 
-def test_what_the_motors_give_is_the_height_gained_and_the_impact(climb: rt.Solution) -> None:
+def test_the_work_of_the_motors_is_potential_energy_and_impact(climb: rt.Solution) -> None:
     robot = climb.phases[0].robot
     assert robot is not None
     data = robot.model.createData()

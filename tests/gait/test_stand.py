@@ -56,7 +56,7 @@ def test_soles_lie_flat() -> None:
         np.testing.assert_allclose(data.oMf[robot.frame(foot)].rotation[:, 2], [0.0, 0.0, 1.0], atol=1e-8)
 
 
-def test_a_height_is_taken() -> None:
+def test_the_given_height_is_reached() -> None:
     robot = rt.load("solo12", root="floating")
     q = gait.stand(robot, height=0.15)
     assert pin.centerOfMass(robot.model, robot.model.createData(), q)[2] == pytest.approx(0.15, abs=2e-3)

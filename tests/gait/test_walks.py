@@ -1,4 +1,4 @@
-"""Gaits as problems, and the plans they lead to from their own guess."""
+"""Gaits as problems, and their plans from the default guess."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def test_a_jump_starts_and_ends_standing_still(dog: rt.Robot) -> None:
     assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Touchdown]
 
 
-def test_upright_is_stated_and_can_be_left_out(dog: rt.Robot) -> None:
+def test_upright_adds_rows_and_can_be_omitted(dog: rt.Robot) -> None:
     given = gait.trot(dog, step_length=0.1, duration=0.25)
     assert "root height" in str(given)
     assert "root height" not in str(gait.trot(dog, step_length=0.1, duration=0.25, upright=None))
@@ -133,7 +133,7 @@ def test_contacts_may_be_copied_or_made(biped: rt.Robot) -> None:
         gait.walk(biped, step_length=0.3, duration=0.6, contact=lambda frame: frame)
 
 
-def test_what_cannot_fly_or_walk_is_refused(biped: rt.Robot) -> None:
+def test_robots_that_cannot_fly_or_walk_are_refused(biped: rt.Robot) -> None:
     with pytest.raises(rt.InputError, match="needs 2 feet"):
         gait.walk(rt.load("solo12", root="floating"), step_length=0.1, duration=0.2)
     with pytest.raises(rt.InputError, match="needs 4 feet"):

@@ -214,7 +214,7 @@ def test_a_quaternion_of_another_length_is_refused() -> None:
         rt.Guess([0, 2], q=q).of(floating(), 0)
 
 
-def test_what_is_no_guess_is_refused() -> None:
+def test_values_of_other_types_are_refused() -> None:
     for wrong in ([], [1, 2], "line", {"q": 0}):
         with pytest.raises(rt.InputError, match="guess= must be None, a guess such as"):
             rt.plan(pushed(), rt.Mesh(3), wrong)

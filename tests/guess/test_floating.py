@@ -56,7 +56,7 @@ def test_quaternions_have_length_1(robot, guess):
     np.testing.assert_allclose(np.linalg.norm(q[:, 3:7], axis=1), 1.0, atol=1e-12)
 
 
-def test_the_motion_is_as_its_velocities_say(robot, guess):
+def test_velocities_are_the_rates_of_the_positions(robot, guess):
     gap = tangent.difference(
         robot.model, positions(robot, guess, INSIDE - STEP), positions(robot, guess, INSIDE + STEP)
     )
@@ -99,7 +99,7 @@ def test_inverse_kinematics_keep_a_root_that_is_fixed(robot):
     np.testing.assert_allclose(data.oMf[robot.frame("tip")].translation, target, atol=1e-7)
 
 
-def test_an_end_that_says_nothing_of_the_turn_keeps_it(robot, poses):
+def test_a_free_quaternion_at_the_end_is_that_of_the_start(robot, poses):
     phase = rt.Phase(robot, 0.5, start=rt.State(q=poses[0]), end=rt.State(q={"root_x": 1.0}), limits=None)
     last = positions(robot, rt.guess.StraightLine().of(phase, 0), np.array([1.0]))[0]
     np.testing.assert_allclose(last, [1.0, *poses[0][1:]], atol=1e-12)

@@ -23,7 +23,7 @@ def test_a_straight_line_of_a_system_joins_the_ends() -> None:
     np.testing.assert_array_equal(guess.controls(S), np.zeros((5, 1)))
 
 
-def test_a_straight_line_of_a_robot_moves_as_its_velocities_say() -> None:
+def test_velocities_of_a_straight_line_are_its_rates() -> None:
     guess = rt.guess.StraightLine().of(cartpole(), 0)
     states = guess.states(S)
     np.testing.assert_allclose(states[:, :2], S[:, None] * [1, np.pi])
@@ -49,7 +49,7 @@ def test_keyframes_of_a_system_are_joined_by_lines() -> None:
     np.testing.assert_allclose(guess.states(S), [[0, 0], [0.5, 1], [1, 2], [0.5, 3], [0, 4]])
 
 
-def test_keyframes_of_a_robot_pass_the_poses_without_overshoot_with_their_own_rates() -> None:
+def test_keyframes_of_a_robot_pass_the_poses_without_overshoot() -> None:
     poses = [[0, 0], [0.5, 2], [0.2, 3], [1, np.pi]]
     fractions = [0, 0.3, 0.6, 1]
     guess = rt.guess.Keyframes(fractions, [rt.State(q=pose) for pose in poses]).of(cartpole(), 0)
@@ -74,7 +74,7 @@ def test_parameters_start_in_the_middle_of_their_bounds() -> None:
     "scheme", [rt.HermiteSimpson(), rt.schemes.RadauIIA(points=3), rt.schemes.GaussLegendre(points=2)], ids=repr
 )
 def test_a_solution_as_guess_on_its_own_mesh_is_that_solution(scheme: rt.HermiteSimpson) -> None:
-    """Also where controls jump at knots, and are asked on their own side."""
+    """Also where controls jump at knots: one-sided values are sampled."""
     cost = rt.Lagrange(lambda point: point.u["u"] ** 2 + point.x["x"] ** 4)
     phase = rt.Phase(BLOCK, (1, 2), rt.State([0, 0]), rt.State([1, 0]), cost, controls={"u": rt.between(-4, 5)})
     mesh = rt.Mesh(7, scheme)
@@ -88,7 +88,7 @@ def test_a_solution_as_guess_on_its_own_mesh_is_that_solution(scheme: rt.Hermite
     assert np.max(np.abs(nlp.values(nlp.guess))) < 1e-6
 
 
-def test_a_phase_used_twice_is_guessed_by_its_place() -> None:
+def test_a_phase_used_twice_is_guessed_by_its_index() -> None:
     hop = rt.Phase(BLOCK, (0.5, 2), states={"x": rt.between(0, 9)}, objective=rt.Duration(), name="hop")
     first = rt.AtStart(rt.PathConstraint(lambda point: point.x["x"] + point.t, lower=0, upper=9))
     other = rt.Phase(BLOCK, (0.5, 2), constraints=[first], objective=rt.Duration())
@@ -103,15 +103,15 @@ def test_a_phase_used_twice_is_guessed_by_its_place() -> None:
     assert seen == [0, 1, 2]
 
 
-def test_a_solution_of_something_else_is_refused() -> None:
+def test_a_solution_of_another_system_is_refused() -> None:
     solution = rt.plan(rt.Phase(BLOCK, 1.0, rt.State([0, 0]), rt.State([1, 0]), rt.Effort()), rt.Mesh(4))
     pendulum = rt.Phase(rt.load("pendulum"), 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
     with pytest.raises(rt.InputError, match="none of the states of phase 'phase': it is a motion of x, v, not of q"):
         rt.plan(pendulum, rt.Mesh(4), guess=solution)
 
 
-def test_phases_of_which_nothing_is_said_stay_where_the_one_before_ends() -> None:
-    """Not at zero, which is the centre of the Earth for a rocket: no solver gets away from it."""
+def test_free_phases_keep_the_state_in_which_the_phase_before_ends() -> None:
+    """Zero would be the centre of the Earth for a rocket, where its gravity is singular."""
     falling = rt.System(["r", "m"], ["u"], lambda point: [point.u["u"] - 1 / point.x["r"] ** 2, -0.1])
     first = rt.Phase(falling, 1.0, rt.State([1, 5]), rt.State({"r": 2}))
     effort = rt.Lagrange(lambda point: point.u["u"] ** 2)

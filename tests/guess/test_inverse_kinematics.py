@@ -57,7 +57,7 @@ def test_joints_that_the_end_fixes_stay_there() -> None:
     np.testing.assert_allclose(placed(robot, "panda_hand_tcp", states[0, :7]).translation, [0.4, 0.2, 0.5], atol=1e-7)
 
 
-def test_a_target_out_of_reach_names_the_frame_and_the_way_missing() -> None:
+def test_a_target_out_of_reach_names_the_frame_and_the_distance() -> None:
     arm = rt.load("two_link_arm")
     phase = rt.Phase(arm, duration=2.0, start=rt.State(q=0, v=0))
     stretched = placed(arm, "tip", np.zeros(2)).translation
@@ -65,7 +65,7 @@ def test_a_target_out_of_reach_names_the_frame_and_the_way_missing() -> None:
         rt.guess.InverseKinematics("tip", stretched * (1.0 + 1.0 / np.linalg.norm(stretched))).of(phase, 0)
 
 
-def test_limits_in_the_way_are_named() -> None:
+def test_joints_at_limits_are_named() -> None:
     arm = rt.load("two_link_arm", limits={"position": {"shoulder": (-0.1, 0.1)}})
     free = rt.load("two_link_arm")
     target = placed(free, "tip", np.array([1.5, 0.3])).translation

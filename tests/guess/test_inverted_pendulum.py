@@ -1,4 +1,4 @@
-"""The guess for robots on feet: feet stay where they stand, velocities are the motion's, forces hold it up."""
+"""The inverted pendulum: feet keep their footholds, velocities are rates, forces balance the motion."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_stances_run_through_periods(trot: rt.Problem) -> None:
     assert {c.name for c in schedule.contacts} == {"FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT"}
 
 
-def test_feet_go_where_phases_say() -> None:
+def test_fixed_footholds_are_reached() -> None:
     robot = rt.load("solo12", root="floating")
     every = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
     q = gait.stand(robot, feet=every)
@@ -134,7 +134,7 @@ def test_forces_carry_the_robot_inside_their_cones(trot: rt.Problem) -> None:
         assert np.all(np.hypot(fx, fy) < 0.7 * fz)
 
 
-def test_footholds_that_are_given_are_stood_on() -> None:
+def test_feet_stand_on_given_footholds() -> None:
     robot = rt.load("five_link", root="planar")
     problem = gait.walk(robot, step_length=0.4, duration=0.6)
     phase = problem.phases[0]
@@ -148,7 +148,7 @@ def test_footholds_that_are_given_are_stood_on() -> None:
     assert data.oMf[robot.frame("left_foot")].translation[0] == pytest.approx(1.5, abs=1e-6)
 
 
-def test_who_gets_which_guess(trot: rt.Problem) -> None:
+def test_the_default_guess_of_legs_is_the_pendulum(trot: rt.Problem) -> None:
     assert isinstance(default_guess(trot), InvertedPendulum)
     arm = rt.load("two_link_arm")
     assert isinstance(default_guess(rt.Problem([rt.Phase(arm, 1.0)])), rt.guess.StraightLine)

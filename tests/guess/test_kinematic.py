@@ -1,4 +1,4 @@
-"""Kinematic plans: everything but the dynamics holds at the guess, and with them where all joints have motors."""
+"""Kinematic plans: all rows but torque limits hold at the guess, if all joints have motors."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def broken(problem: rt.Problem, guess: rt.planning.Kinematic) -> dict[str, float
     return found
 
 
-def test_everything_but_torque_limits_holds_at_the_guess() -> None:
+def test_all_rows_but_torque_limits_hold_at_the_guess() -> None:
     found = broken(rt.Problem([reach()]), rt.planning.Kinematic(MESH))
     torque = found.pop("shoulder torque")
     assert {"defect", "torque balance", "ground clearance", "frame position x"} <= set(found)

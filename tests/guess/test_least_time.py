@@ -1,4 +1,4 @@
-"""The fastest motion along a straight line: closed forms, limits that hold, and where none is known."""
+"""The fastest motion on a straight line: closed forms, limits, and lines without bounds."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_acceleration_limits_and_bounds_given_by_name_count() -> None:
         assert law.duration == pytest.approx(4, rel=1e-12)
 
 
-def test_speeds_at_the_ends_shorten_the_way() -> None:
+def test_speeds_at_the_ends_shorten_the_time() -> None:
     """From 1 to 2 m/s over 4 m under 1 m/s^2: p^2 = 4 + (1 + 4) / 2."""
     ends = rt.State(q=0, v=1), rt.State(q=4, v=2)
     law = law_of(move(block(), *ends))
@@ -65,7 +65,7 @@ def test_speeds_at_the_ends_shorten_the_way() -> None:
     assert law.duration == pytest.approx(2 * np.sqrt(6.5) - 3, rel=1e-12)
 
 
-def test_speeds_that_the_way_is_too_short_for_are_cut_off() -> None:
+def test_end_speeds_beyond_the_limits_are_reduced() -> None:
     law = Trapezoid.of(np.inf, 1.0, 5.0, 0.0)
     assert law.first == pytest.approx(np.sqrt(2))
     assert law.duration == pytest.approx(np.sqrt(2))
@@ -86,7 +86,7 @@ def test_a_law_goes_from_0_to_1_and_its_rates_are_its_derivatives(law: Trapezoid
 
 @pytest.mark.parametrize("name", ["ur5", "panda"])
 def test_an_arm_keeps_its_limits_and_meets_one_of_them(name: str) -> None:
-    """Without the forces of speed, which the least time leaves out."""
+    """Without the Coriolis and centrifugal forces, which the least time neglects."""
     robot = rt.load(name)
     rng = np.random.default_rng(0)
     q, way = robot.neutral, 0.4 * rng.uniform(-1, 1, robot.nv)
@@ -105,7 +105,7 @@ def test_an_arm_keeps_its_limits_and_meets_one_of_them(name: str) -> None:
     assert max(*share, speed) <= 1 + 1e-9
 
 
-def test_where_nothing_is_known_there_is_no_law() -> None:
+def test_without_bounds_on_accelerations_there_is_no_fastest_line() -> None:
     cartpole, pendulum = rt.load("cartpole"), rt.load("pendulum")
     weak = pendulum.limits.with_(effort=0.1)
     unlimited = block().limits.with_(effort=np.inf)

@@ -38,7 +38,7 @@ def test_rest_to_rest_is_the_quintic() -> None:
     np.testing.assert_allclose(known.states(S)[:, 2:], np.outer(slope, [1.0, -0.5]), atol=1e-12)
 
 
-def test_it_has_the_least_jerk_of_motions_with_still_ends() -> None:
+def test_it_has_the_least_jerk_from_rest_to_rest() -> None:
     arm = rt.load("two_link_arm")
     curve = rt.guess.MinimumJerk().of(reach(arm, [1.0, 0.0], 1.0), 0).algebraic
     step = 1e-5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -61,7 +61,7 @@ class BalancedStance:
         return ca.Function("places", [point.q, p], [y, ca.densify(ca.jacobian(y, point.q))])
 
     @cached_property
-    def _evaluated_places(self) -> tuple[Array, Array, Array, Array, Any]:
+    def _evaluated_places(self) -> tuple[Array, Array, Array, Array, tuple[Callable[[], None], object]]:
         """Return input arrays (q, anchors), output arrays (rows, transposed Jacobian) and evaluator of ``_places``."""
         buffer, run = self._places.buffer()
         q, p = np.zeros(self.robot.nq), np.zeros(len(self._names))
