@@ -46,7 +46,8 @@ from .robot.known_robots.catalogue import catalogue
 from .robot.limits import Limits
 from .robot.load import load
 from .robot.robot import Robot
-from .solution.solution import Solution, load_solution
+from .solution.solution import Solution
+from .solution.storage.load import load_solution
 from .solvers.interior_point import InteriorPoint
 from .solvers.ipopt import Ipopt
 from .transcription import interval_limits, refinement, schemes

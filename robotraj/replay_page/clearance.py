@@ -12,33 +12,33 @@ from robotraj.dynamics.terrain.function import as_ground
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.clearance_geometry import spots_of
-from robotraj.solution.gait_cycles import Passage, Unrolled
+from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
 
 Array = NDArray[np.float64]
 SAMPLES = 61
 """Samples of a required height over a phase."""
 
 
-def clearance_scene(course: Unrolled) -> list[dict[str, Any]]:
+def clearance_scene(cycles: GaitCycles) -> list[dict[str, Any]]:
     """Give curves for the page's script: start and end [s], and points x, y, z of the height asked for [m].
 
     ``ground`` is the height [m] of the ground below each point. Places that a constraint holds at one end of a phase
     alone have none.
     """
     curves = []
-    for passage in course.phases:
-        for constraint in passage.phase.constraints:
+    for cycle_phase in cycles.phases:
+        for constraint in cycle_phase.phase.constraints:
             if isinstance(constraint, GroundClearance):
-                curves += _curves(passage, constraint)
+                curves += _curves(cycle_phase, constraint)
     return curves
 
 
-def _curves(passage: Passage, constraint: GroundClearance) -> list[dict[str, Any]]:
+def _curves(cycle_phase: CyclePhase, constraint: GroundClearance) -> list[dict[str, Any]]:
     """Write one curve per place; where several heights are asked for, the highest counts."""
-    planned, phase = passage.planned, passage.phase
+    planned, phase = cycle_phase.planned, cycle_phase.phase
     body, names = phase.body, phase.parameter_names
     held = phase.rows.of(constraint)
-    spots = spots_of(constraint.frames, phase.robot)
+    spots = spots_of(constraint.frames, cycle_phase.robot)
     point = symbols_of(body, names)
     ground = as_ground(constraint.ground)
     values = phase.rows.column(held, point)
@@ -64,12 +64,12 @@ def _curves(passage: Passage, constraint: GroundClearance) -> list[dict[str, Any
         # A row's value less its bound is how far the place is above the height asked for.
         spare = np.min([rows[i] - held[i].lower for i in mine], axis=0)
         below = np.asarray(ground.height(x, y), dtype=float)
-        asked = passage.points(np.column_stack([x, y, z - spare]))
-        floor = passage.points(np.column_stack([x, y, below]))
+        asked = cycle_phase.points(np.column_stack([x, y, z - spare]))
+        floor = cycle_phase.points(np.column_stack([x, y, below]))
         found.append(
             {
-                "start": passage.t0,
-                "end": passage.t0 + passage.duration,
+                "start": cycle_phase.t0,
+                "end": cycle_phase.t0 + cycle_phase.duration,
                 "points": [float(f"{v:.5g}") for v in asked.ravel()],
                 "ground": [float(f"{v:.5g}") for v in floor[:, 2]],
             }

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from robotraj.problem.links.touchdown import impulse_names
 from robotraj.replay_page.footholds import Foothold, contact_names, footholds, numbers
-from robotraj.solution.gait_cycles import Unrolled
+from robotraj.solution.cycles.gait_cycles import GaitCycles
 
 Array = NDArray[np.float64]
 IMPULSE_TIME = 0.1
@@ -23,20 +23,20 @@ def weight_of(robot: Any) -> float:
     return mass * float(np.linalg.norm(model.gravity.linear))
 
 
-def contact_scene(course: Unrolled, robot: Any, stature: float) -> dict[str, Any] | None:
+def contact_scene(cycles: GaitCycles, robot: Any, stature: float) -> dict[str, Any] | None:
     """Write forces, cones and impulses for the page's script; None without contacts with the ground.
 
     Parameters
     ----------
-    course : Unrolled
+    cycles : GaitCycles
     robot : Robot
     stature : float
         Size of the robot [m]: its weight is drawn a third as long.
     """
-    holds = [hold for passage in course.phases for hold in footholds(passage)]
+    holds = [hold for cycle_phase in cycles.phases for hold in footholds(cycle_phase)]
     if not holds:
         return None
-    names = contact_names(course)
+    names = contact_names(cycles)
     greatest = max(float(np.linalg.norm(hold.track[2], axis=1).max()) for hold in holds)
     return {
         "names": names,
@@ -46,18 +46,18 @@ def contact_scene(course: Unrolled, robot: Any, stature: float) -> dict[str, Any
         "impulseTime": IMPULSE_TIME,
         "forces": [_force(hold, names.index(hold.name)) for hold in holds],
         "cones": [cone for hold in holds for cone in _cones(hold, names.index(hold.name))],
-        "impacts": _impacts(course, names),
+        "impacts": _impacts(cycles, names),
     }
 
 
-def held(course: Unrolled) -> list[dict[str, Any]]:
+def held(cycles: GaitCycles) -> list[dict[str, Any]]:
     """When each contact is held: its name and spans [start, end] [s], joined where one follows another."""
-    spans: dict[str, list[list[float]]] = {name: [] for name in contact_names(course)}
-    for passage in course.phases:
-        for hold in footholds(passage):
+    spans: dict[str, list[list[float]]] = {name: [] for name in contact_names(cycles)}
+    for cycle_phase in cycles.phases:
+        for hold in footholds(cycle_phase):
             row = spans[hold.name]
             for start, end in hold.spans:
-                if row and abs(row[-1][1] - start) < 1e-9 * max(1.0, course.duration):
+                if row and abs(row[-1][1] - start) < 1e-9 * max(1.0, cycles.duration):
                     row[-1][1] = end
                 else:
                     row.append([start, end])
@@ -79,14 +79,14 @@ def _cones(hold: Foothold, foot: int) -> list[dict[str, Any]]:
     return [{"foot": foot, "start": start, "end": end, "stays": hold.stays} | shape for start, end in hold.spans]
 
 
-def _impacts(course: Unrolled, names: list[str]) -> list[dict[str, Any]]:
+def _impacts(cycles: GaitCycles, names: list[str]) -> list[dict[str, Any]]:
     """Impulses with their times, places [m] and world components [N s]."""
     found = []
-    for impact in course.impacts:
+    for impact in cycles.impacts:
         for hold in footholds(impact.after):
             if hold.stays and hold.name in names:
                 impulse = numbers(hold.contact.vector([impact.impulses[name] for name in impulse_names(hold.contact)]))
-                turned = hold.passage.forces(impulse[:3])
+                turned = hold.cycle_phase.forces(impulse[:3])
                 place = _rounded(hold.place, 6)
                 found.append(
                     {"foot": names.index(hold.name), "t": impact.t, "p": place, "impulse": _rounded(turned, 5)}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.replay_page.footholds import footholds
-from robotraj.solution.gait_cycles import Passage, Unrolled
+from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
 
 Array = NDArray[np.float64]
 SAME = {"rad": "rad", "m": "m", "": ""}
@@ -64,9 +64,9 @@ def robot_panels(robot: Any) -> list[Panel]:
     return panels
 
 
-def contact_panel(passage: Passage) -> list[Panel]:
+def contact_panel(cycle_phase: CyclePhase) -> list[Panel]:
     """Chart of the normal force of each contact with the ground; none without contacts."""
-    holds = footholds(passage)
+    holds = footholds(cycle_phase)
     if not holds:
         return []
     # A bound on the normal force of level ground is one of the variable along z.
@@ -98,7 +98,7 @@ def system_panels(system: Any) -> list[Panel]:
     return [panel(title, symbol, group) for title, symbol, group in groups if len(group)]
 
 
-def curves(course: Unrolled) -> list[dict[str, Any]]:
+def curves(cycles: GaitCycles) -> list[dict[str, Any]]:
     """Sample every chart of a solution, ready for JSON.
 
     Each interval between knots is read with its own polynomial, so a jump at a knot shows as one. Limits are
@@ -111,15 +111,15 @@ def curves(course: Unrolled) -> list[dict[str, Any]]:
         ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
     """
     drawn: dict[str, dict[str, Any]] = {}
-    number = len(course.phases)
-    for passage in course.phases:
-        phase = passage.phase
+    number = len(cycles.phases)
+    for cycle_phase in cycles.phases:
+        phase = cycle_phase.phase
         if phase.robot is not None:
-            panels = robot_panels(phase.robot) + contact_panel(passage)
+            panels = robot_panels(phase.robot) + contact_panel(cycle_phase)
         else:
             panels = system_panels(phase.system)
-        limits = _limits(passage)
-        times, samples = _sample(passage, min(SAMPLES, ALL_SAMPLES / number))
+        limits = _limits(cycle_phase)
+        times, samples = _sample(cycle_phase, min(SAMPLES, ALL_SAMPLES / number))
         for panel in panels:
             labels = [{"label": s.label, "unit": s.unit, "variable": s.variable} for s in panel.series]
             chart = drawn.setdefault(
@@ -140,26 +140,26 @@ def curves(course: Unrolled) -> list[dict[str, Any]]:
     return list(drawn.values())
 
 
-def _sample(passage: Passage, wanted: float) -> tuple[Array, list[Any]]:
+def _sample(cycle_phase: CyclePhase, wanted: float) -> tuple[Array, list[Any]]:
     """Read a phase interval by interval; both sides of every knot are there."""
-    knots = passage.knots
+    knots = cycle_phase.knots
     count = max(3, int(np.ceil(wanted / max(len(knots) - 1, 1))) + 1)
     grids = [np.linspace(a, b, count) for a, b in zip(knots[:-1], knots[1:], strict=True)]
-    return np.concatenate(grids), [passage.at(grid, interval=k) for k, grid in enumerate(grids)]
+    return np.concatenate(grids), [cycle_phase.at(grid, interval=k) for k, grid in enumerate(grids)]
 
 
-def _limits(passage: Passage) -> dict[str, tuple[float, float]]:
+def _limits(cycle_phase: CyclePhase) -> dict[str, tuple[float, float]]:
     """Bounds by variable name, from the rows that hold throughout the phase, as they are in the period."""
-    limits: dict[str, tuple[float, float]] = dict(passage.phase.rows.limits())
-    robot = passage.phase.robot
-    if passage.period == 0 or robot is None:
+    limits: dict[str, tuple[float, float]] = dict(cycle_phase.phase.rows.limits())
+    robot = cycle_phase.phase.robot
+    if cycle_phase.period == 0 or robot is None:
         return limits
     moved = {name: pair for name, pair in limits.items() if name.startswith("force.")}
     groups = (("q", robot.position_names), ("v", robot.velocity_names), ("tau", robot.actuated))
     for quantity, joints in groups:
         names = [f"{quantity}.{joint}" for joint in joints]
         lower, upper = np.array([limits.get(name, (-np.inf, np.inf)) for name in names]).reshape(-1, 2).T
-        moved |= dict(zip(names, zip(*passage.bounds(quantity, lower, upper), strict=True), strict=True))
+        moved |= dict(zip(names, zip(*cycle_phase.bounds(quantity, lower, upper), strict=True), strict=True))
     return moved
 
 

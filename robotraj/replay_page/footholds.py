@@ -17,7 +17,7 @@ from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
 from robotraj.dynamics.design.binding import realised
-from robotraj.solution.gait_cycles import Passage, Unrolled
+from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
 
 Array = NDArray[np.float64]
 SAMPLES = 120
@@ -28,30 +28,30 @@ TOUCH = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Foothold(OneLine):
-    """One contact over one passage, held throughout.
+    """One contact over one cycle_phase, held throughout.
 
     Attributes
     ----------
     name : str
         Of the contact that holds in this period.
-    passage : Passage
+    cycle_phase : CyclePhase
     contact : BoundContact
         As planned.
     """
 
     name: str
-    passage: Passage
+    cycle_phase: CyclePhase
     contact: BoundContact
 
     @property
     def place(self) -> Array:
         """Where it stands (3,) [m]."""
-        return self.passage.points(numbers(self._where.place(self.passage.parameters)))
+        return self.cycle_phase.points(numbers(self._where.place(self.cycle_phase.parameters)))
 
     @property
     def spans(self) -> list[tuple[float, float]]:
         """When it is held [s]."""
-        return [(self.passage.t0, self.passage.t0 + self.passage.duration)]
+        return [(self.cycle_phase.t0, self.cycle_phase.t0 + self.cycle_phase.duration)]
 
     @property
     def stays(self) -> bool:
@@ -61,7 +61,7 @@ class Foothold(OneLine):
     @cached_property
     def normal(self) -> Array:
         """Upward normal of the ground there (3,)."""
-        return self.passage.forces(self._planned_normal)
+        return self.cycle_phase.forces(self._planned_normal)
 
     @property
     def sole(self) -> Array:
@@ -69,8 +69,8 @@ class Foothold(OneLine):
         contact = self.contact
         if not isinstance(contact, BoundFlatFoot):
             return np.empty((0, 3))
-        planned = self.passage.planned
-        place, rotation = contact.spot.placed(realised(planned), np.ravel(planned.at(planned.t0).q))
+        planned = self.cycle_phase.planned
+        place, rotation = contact.spot.placed(realised(planned), np.ravel(np.asarray(planned.at(planned.t0).q)))
         ahead, left = (rotation @ np.array(axis) for axis in (contact.feet.forward, contact.feet.left))
         if len(contact.about) == 1:
             # In a plane the sole is measured along left x up, with left out of the plane.
@@ -78,7 +78,7 @@ class Foothold(OneLine):
             ahead = np.cross(left, rotation @ np.array(contact.feet.up))
         shape = contact.shape
         corners = ((-shape.back, -shape.half), (shape.front, -shape.half), (shape.front, shape.half))
-        return self.passage.points([place + x * ahead + y * left for x, y in (*corners, (-shape.back, shape.half))])
+        return self.cycle_phase.points([place + x * ahead + y * left for x, y in (*corners, (-shape.back, shape.half))])
 
     @property
     def angle(self) -> float:
@@ -86,7 +86,7 @@ class Foothold(OneLine):
         return float(np.arctan(self.contact.contact.friction))  # type: ignore[attr-defined]
 
     def normal_force(self, sample: Any) -> Array:
-        """Force along the normal (m,) [N] in a sample of the passage."""
+        """Force along the normal (m,) [N] in a sample of the cycle_phase."""
         return np.asarray(np.atleast_2d(sample.forces[self.name])[:, :3] @ self.normal)
 
     @cached_property
@@ -95,7 +95,7 @@ class Foothold(OneLine):
 
         That of a flat foot acts at its centre of pressure.
         """
-        planned = self.passage.planned
+        planned = self.cycle_phase.planned
         knots = np.asarray(planned.knots, dtype=float)
         count = max(3, int(np.ceil(SAMPLES / max(len(knots) - 1, 1))) + 1)
         grids = [np.linspace(a, b, count) for a, b in zip(knots[:-1], knots[1:], strict=True)]
@@ -105,8 +105,8 @@ class Foothold(OneLine):
         places = self._spots(realised(planned), q)
         if isinstance(self.contact, BoundFlatFoot):
             places = places + _pressure(wrench, self._planned_normal)
-        times = np.concatenate(grids) + (self.passage.t0 - planned.t0)
-        return times, self.passage.points(places), self.passage.forces(wrench[:, :3])
+        times = np.concatenate(grids) + (self.cycle_phase.t0 - planned.t0)
+        return times, self.cycle_phase.points(places), self.cycle_phase.forces(wrench[:, :3])
 
     @property
     def _where(self) -> Footing:
@@ -114,7 +114,7 @@ class Foothold(OneLine):
 
     @property
     def _planned_normal(self) -> Array:
-        return numbers(self._where.tangents(self.passage.parameters)[1])
+        return numbers(self._where.tangents(self.cycle_phase.parameters)[1])
 
     def _spots(self, robot: Any, q: Array) -> Array:
         """Place of the contact's point in configurations (m, nq) [m]."""
@@ -158,30 +158,30 @@ class FoundContact(Foothold):
         return np.array(self.contact.normal)  # type: ignore[attr-defined]
 
 
-def footholds(passage: Passage) -> list[Foothold]:
-    """Contacts with the ground in a passage; they alone have a place, a normal and a friction cone."""
+def footholds(cycle_phase: CyclePhase) -> list[Foothold]:
+    """Contacts with the ground in a cycle_phase; they alone have a place, a normal and a friction cone."""
     found = []
-    for contact in passage.phase.bound_contacts:
+    for contact in cycle_phase.phase.bound_contacts:
         if not isinstance(contact, BoundLoopClosure):
             kind = FoundContact if isinstance(contact, BoundImplicitContact) else Foothold
-            found.append(kind(passage.contact(contact), passage, contact))
+            found.append(kind(cycle_phase.contact(contact), cycle_phase, contact))
     return found
 
 
-def contact_names(course: Unrolled) -> list[str]:
+def contact_names(cycles: GaitCycles) -> list[str]:
     """Contacts with the ground of all phases, and those that take their places in mirrored periods."""
-    return list(dict.fromkeys(hold.name for passage in course.phases for hold in footholds(passage)))
+    return list(dict.fromkeys(hold.name for cycle_phase in cycles.phases for hold in footholds(cycle_phase)))
 
 
-def contact_frames(course: Unrolled) -> dict[str, str]:
+def contact_frames(cycles: GaitCycles) -> dict[str, str]:
     """Frame of each contact; those of mirrored periods are the partners' frames, where they have a name."""
     frames: dict[str, str] = {}
-    for passage in course.phases:
-        for hold in footholds(passage):
+    for cycle_phase in cycles.phases:
+        for hold in footholds(cycle_phase):
             frame = hold.contact.frame
-            if passage.closing is not None and passage.mirrored:
-                frame = passage.closing.partner(frame, hold.contact.name)
-            if frame in passage.phase.robot.frame_names:
+            if cycle_phase.cycle_map is not None and cycle_phase.mirrored:
+                frame = cycle_phase.cycle_map.partner(frame, hold.contact.name)
+            if frame in cycle_phase.robot.frame_names:
                 frames.setdefault(hold.name, frame)
     return frames
 

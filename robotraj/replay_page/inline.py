@@ -13,7 +13,7 @@ HEIGHT = 560
 
 
 def inline(solution: Solution) -> str:
-    """Return the page as an ``<iframe>`` that holds its own source; the text of the solution where it has no page.
+    """CycleMap the page as an ``<iframe>`` that holds its own source; the text of the solution where it has no page.
 
     Solutions whose phases move several robots have no page. The frame runs its own scripts and reaches nothing of the
     notebook around it.

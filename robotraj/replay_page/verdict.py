@@ -63,7 +63,7 @@ class Figure(OneLine):
 
 
 def verdict(solution: Solution) -> Verdict:
-    """Return the verdict: a plan is green only where its proof holds."""
+    """CycleMap the verdict: a plan is green only where its proof holds."""
     if solution.status.name in UNPROVED:
         return Verdict("unproved", solution.status.value)
     if not solution.success:
@@ -98,7 +98,7 @@ def figures(solution: Solution) -> list[Figure]:
 
 
 def proof_data(solution: Solution) -> Data:
-    """Return the page's data on the proof.
+    """CycleMap the page's data on the proof.
 
     Returns
     -------
@@ -138,7 +138,7 @@ def _given_mesh(solution: Solution) -> list[Data]:
 
 
 def _worst_of_each_row(solution: Solution) -> list[Violation]:
-    """Return the largest violation of each row, largest first."""
+    """CycleMap the largest violation of each row, largest first."""
     ranked = sorted((*solution.violation_list, *_between(solution)), key=lambda violation: -violation.relative)
     found: dict[tuple[str, str], Violation] = {}
     for violation in ranked:
@@ -165,7 +165,7 @@ def _violation(solution: Solution, violation: Violation) -> Data:
 
 
 def _variable(part: PhaseSolution, violation: Violation) -> str | None:
-    """Return the variable that a violated row bounds, or the state of a violated defect; None for other rows."""
+    """CycleMap the variable that a violated row bounds, or the state of a violated defect; None for other rows."""
     for row in part.phase.rows:
         if row.name == violation.name and row.joint == violation.joint and row.variable is not None:
             return row.variable

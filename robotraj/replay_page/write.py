@@ -20,7 +20,7 @@ from robotraj.replay_page.footholds import contact_names
 from robotraj.replay_page.page import Heading, page
 from robotraj.replay_page.verdict import proof_data, verdict
 from robotraj.robot.root import root_of
-from robotraj.solution.gait_cycles import Unrolled, unrolled
+from robotraj.solution.cycles.gait_cycles import GaitCycles, gait_cycles
 from robotraj.solution.solution import Solution
 
 SAME_PLACE = 1e-6
@@ -105,18 +105,18 @@ def page_of(
     periods: int = 1,
     title: str | None = None,
 ) -> str:
-    """Return the text of the page; parameters and errors are those of ``replay``."""
+    """CycleMap the text of the page; parameters and errors are those of ``replay``."""
     robot = _one_robot(solution)
     names = [traces] if isinstance(traces, str) else traces
     if robot is None and names:
         raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; leave it out.")
-    course = unrolled(solution, periods)
+    cycles = gait_cycles(solution, periods)
     scene = None
     if robot is not None:
         # Imported here, since meshcat and trimesh take a second that planning alone need not wait for.
         from robotraj.replay_page.scene.scene import scene_of
 
-        scene = scene_of(robot, course, fps, names)
+        scene = scene_of(robot, cycles, fps, names)
     description = {
         "speed": speed,
         "phases": [
@@ -126,17 +126,17 @@ def page_of(
                 "end": float(p.t0 + p.duration),
                 "knots": np.round(p.knots, 6).tolist(),
             }
-            for p in course.phases
+            for p in cycles.phases
         ],
         "proof": proof_data(solution),
-        "charts": curves(course),
-        "held": held(course) if robot is not None else [],
-        "impacts": sorted({impact.t for impact in course.impacts}),
-        "colors": {name: css(k) for k, name in enumerate(contact_names(course))} if robot is not None else {},
+        "charts": curves(cycles),
+        "held": held(cycles) if robot is not None else [],
+        "impacts": sorted({impact.t for impact in cycles.impacts}),
+        "colors": {name: css(k) for k, name in enumerate(contact_names(cycles))} if robot is not None else {},
         "hidden": list(root_of(robot.root).positions + root_of(robot.root).velocities) if robot is not None else [],
         "scene": scene.description if scene is not None else None,
     }
-    return page(_heading(course, robot, title), description, scene.commands if scene is not None else None)
+    return page(_heading(cycles, robot, title), description, scene.commands if scene is not None else None)
 
 
 def _is_number(value: Any) -> bool:
@@ -162,7 +162,7 @@ def html_path(path: str | os.PathLike[str]) -> Path:
 
 
 def _one_robot(solution: Any) -> Any:
-    """Return the robot that all phases move, in the dimensions of its design, or None if all are systems."""
+    """CycleMap the robot that all phases move, in the dimensions of its design, or None if all are systems."""
     robots = [realised(result) for result in solution.phases]
     if not robots:
         raise InputError("replay: the solution has no phase, so there is nothing to show.")
@@ -191,14 +191,14 @@ def _name(phase: Any) -> str:
     return str((phase.robot or phase.system).name)
 
 
-def _heading(course: Unrolled, robot: Any, title: str | None) -> Heading:
-    solution = course.solution
+def _heading(cycles: GaitCycles, robot: Any, title: str | None) -> Heading:
+    solution = cycles.solution
     first = solution.phases[0].phase
     names = [result.phase.name for result in solution.phases]
     shown = " → ".join(names[:6]) + (f" → … ({len(names)} phases)" if len(names) > 6 else "")
     facts = [("Duration", f"{solution.duration:.4g} s"), ("Objective", f"{solution.objective:.6g}")]
-    if course.periods > 1:
-        facts[0] = ("Duration", f"{course.periods} × {course.period:.4g} s")
+    if cycles.periods > 1:
+        facts[0] = ("Duration", f"{cycles.periods} × {cycles.period:.4g} s")
     facts.append(("Iterations", str(solution.iterations)))
     judged = verdict(solution)
     return Heading(title or _name(first), shown, judged.text, judged.colour, tuple(facts))

@@ -7,7 +7,8 @@ from .phase_solution import PhaseSolution
 from .proof import Goals, Proof
 from .records import MeshStep
 from .sample import Sample
-from .solution import Solution, load_solution
+from .solution import Solution
+from .storage.load import load_solution
 
 __all__ = [
     "Goals",

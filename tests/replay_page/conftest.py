@@ -62,7 +62,8 @@ class Plan:
     status: Any = rt.solvers.Status.SOLVED
     objective: float = 12.345678
     iterations: int = 21
-    problem: str = "the problem"
+    problem: Any = field(default_factory=lambda: SimpleNamespace(links=()))
+    impulses: Sequence[Any] = ()
     message: str = ""
     proof: Any = None
     settings: Any = None

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 import robotraj as rt
 from robotraj.replay_page.contacts import contact_scene
 from robotraj.replay_page.write import replay
-from robotraj.solution.gait_cycles import unrolled
+from robotraj.solution.cycles.gait_cycles import gait_cycles
 from robotraj.solution.violation import Violation
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -230,7 +230,7 @@ DRAWN = """() => {
 
 def test_arrows_and_cones_stand_where_the_plan_has_the_forces(walk, browser, tmp_path):
     path = replay(walk, tmp_path / "walk.html", periods=3)
-    page, course = browser.open(path), unrolled(walk, 3)
+    page, course = browser.open(path), gait_cycles(walk, 3)
     scale = page.evaluate("() => robotraj.view.contacts.scale")
     told = contact_scene(course, walk.phases[0].phase.robot, 1.0)
     assert scale == pytest.approx(page.evaluate("() => robotraj.view.contacts.data.length") / told["unit"])
@@ -273,7 +273,7 @@ def test_bars_and_marks_say_what_runs_and_what_is_drawn(walk, browser, tmp_path)
     assert page.evaluate("() => robotraj.time()") == pytest.approx(2.1, abs=0.01)
     page.evaluate("() => robotraj.seek(1.0)")
     rows = {text.split("\t")[0]: text for text in page.locator("#legend tbody tr").all_inner_texts()}
-    force = unrolled(walk, 2).phases[1].at(1.0).forces["right_foot"][2]
+    force = gait_cycles(walk, 2).phases[1].at(1.0).forces["right_foot"][2]
     shown = float(rows["right_foot"].split("\t")[-1].split()[0])
     assert shown == pytest.approx(force, abs=0.5)
     assert page.locator("#legend tr.off").count() == 3

@@ -15,7 +15,7 @@ from robotraj.replay_page.clearance import clearance_scene
 from robotraj.replay_page.contacts import contact_scene, held, weight_of
 from robotraj.replay_page.footholds import Foothold, contact_frames
 from robotraj.replay_page.write import replay
-from robotraj.solution.gait_cycles import unrolled
+from robotraj.solution.cycles.gait_cycles import gait_cycles
 
 
 def data_of(path) -> dict:
@@ -24,26 +24,26 @@ def data_of(path) -> dict:
 
 
 def test_forces_act_at_the_foot_that_stands(walk):
-    robot, course = walk.phases[0].phase.robot, unrolled(walk, 2)
+    robot, course = walk.phases[0].phase.robot, gait_cycles(walk, 2)
     scene = contact_scene(course, robot, 1.2)
     assert scene["names"] == ["left_foot", "right_foot"]
     assert scene["unit"] == pytest.approx(40.0 * 9.81)
     assert scene["length"] == pytest.approx(0.4)
     first, second = scene["forces"]
     assert (first["foot"], second["foot"]) == (0, 1)
-    for track, passage, foot in ((first, course.phases[0], "left_foot"), (second, course.phases[1], "right_foot")):
+    for track, cycle_phase, foot in ((first, course.phases[0], "left_foot"), (second, course.phases[1], "right_foot")):
         t, p, f = np.array(track["t"]), np.reshape(track["p"], (-1, 3)), np.reshape(track["f"], (-1, 3))
-        assert (t[0], t[-1]) == pytest.approx((passage.t0, passage.t0 + 0.7))
+        assert (t[0], t[-1]) == pytest.approx((cycle_phase.t0, cycle_phase.t0 + 0.7))
         for k in (0, len(t) // 3, len(t) - 1):
             data = robot.model.createData()
-            pin.framesForwardKinematics(robot.model, data, passage.at(t[k]).q)
+            pin.framesForwardKinematics(robot.model, data, cycle_phase.at(t[k]).q)
             np.testing.assert_allclose(p[k], data.oMf[robot.frame(foot)].translation, atol=1e-4)
         inside = slice(3, 8)
-        np.testing.assert_allclose(f[inside], passage.at(t[inside]).forces[foot], rtol=1e-3, atol=1e-2)
+        np.testing.assert_allclose(f[inside], cycle_phase.at(t[inside]).forces[foot], rtol=1e-3, atol=1e-2)
 
 
 def test_cones_stand_at_the_footholds_while_they_are_held(walk):
-    cones = contact_scene(unrolled(walk, 3), walk.phases[0].phase.robot, 1.2)["cones"]
+    cones = contact_scene(gait_cycles(walk, 3), walk.phases[0].phase.robot, 1.2)["cones"]
     assert [cone["foot"] for cone in cones] == [0, 1, 0]
     np.testing.assert_allclose(
         [cone["apex"] for cone in cones], [[0, 0.08, 0], [0.5, -0.08, 0], [1, 0.08, 0]], atol=1e-6
@@ -54,7 +54,7 @@ def test_cones_stand_at_the_footholds_while_they_are_held(walk):
 
 
 def test_impulses_are_marked_where_and_when_the_foot_comes_down(walk):
-    impacts = contact_scene(unrolled(walk, 2), walk.phases[0].phase.robot, 1.2)["impacts"]
+    impacts = contact_scene(gait_cycles(walk, 2), walk.phases[0].phase.robot, 1.2)["impacts"]
     assert [(impact["foot"], impact["t"]) for impact in impacts] == [(1, 0.7), (0, 1.4)]
     np.testing.assert_allclose([impact["p"] for impact in impacts], [[0.5, -0.08, 0.0], [1.0, 0.08, 0.0]], atol=1e-6)
     (impulses,) = walk.impulses
@@ -63,16 +63,16 @@ def test_impulses_are_marked_where_and_when_the_foot_comes_down(walk):
 
 
 def test_bars_say_which_contact_is_held(walk):
-    assert held(unrolled(walk, 3)) == [
+    assert held(gait_cycles(walk, 3)) == [
         {"label": "left_foot", "spans": [[0.0, 0.7], pytest.approx([1.4, 2.1])]},
         {"label": "right_foot", "spans": [pytest.approx([0.7, 1.4])]},
     ]
-    assert contact_frames(unrolled(walk, 2)) == {"left_foot": "left_foot", "right_foot": "right_foot"}
+    assert contact_frames(gait_cycles(walk, 2)) == {"left_foot": "left_foot", "right_foot": "right_foot"}
 
 
 def test_the_height_asked_for_follows_the_foot(walk):
     """The raised profile of the plan: a parabola of 0.03 m from the last foothold to the next."""
-    first, second = clearance_scene(unrolled(walk, 2))
+    first, second = clearance_scene(gait_cycles(walk, 2))
     for curve, start, y in ((first, -0.5, -0.08), (second, 0.0, 0.08)):
         points = np.reshape(curve["points"], (-1, 3))
         progress = points[:, 0] - start
@@ -145,7 +145,7 @@ def test_a_flat_foot_is_pushed_at_its_centre_of_pressure():
         knots=[0.0, 1.0],
         at=lambda t, interval=None: tile(t, forces),
     )
-    course = unrolled(SimpleNamespace(phases=(planned,)))
+    course = gait_cycles(SimpleNamespace(phases=(planned,), problem=SimpleNamespace(links=()), impulses=()))
     hold = Foothold("sole", course.phases[0], contact)
     times, places, pushes = hold.track
     place, _ = contact.spot.placed(robot, q)
@@ -185,7 +185,7 @@ def test_a_contact_that_the_optimum_finds_is_held_while_it_pushes():
         continuation=rt.planning.tightening(phase, [1.0, 0.1, 1e-2, 1e-3]),
         check=False,
     )
-    course = unrolled(solution)
+    course = gait_cycles(solution)
     (bar,) = held(course)
     ((start, end),) = bar["spans"]
     assert start == pytest.approx(fall, abs=4 * fall / 50)

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from robotraj.replay_page.curves import curves as curves_of
-from robotraj.solution.gait_cycles import unrolled
+from robotraj.solution.cycles.gait_cycles import gait_cycles
 
 
 def curves(plan):
-    return curves_of(unrolled(plan))
+    return curves_of(gait_cycles(plan))
 
 
 def test_a_jump_at_a_knot_shows_both_sides(block_plan):

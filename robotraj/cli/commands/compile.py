@@ -46,7 +46,7 @@ def compile_functions(
 
 
 def _of_file(path: str) -> Problem:
-    from robotraj.solution.solution import load_solution
+    from robotraj.solution.storage.load import load_solution
 
     problem = load_solution(path).problem
     if problem.missing:

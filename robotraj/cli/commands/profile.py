@@ -8,7 +8,7 @@ from robotraj.cli.terminal import say
 
 def profile(file: FileArgument) -> None:
     """Show where the seconds of a saved solution went: build, compile, and the parts of the solve."""
-    from robotraj.solution.solution import load_solution
+    from robotraj.solution.storage.load import load_solution
 
     solution = load_solution(file)
     total = solution.seconds

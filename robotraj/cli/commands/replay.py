@@ -21,7 +21,7 @@ def replay_file(
 ) -> None:
     """Write a saved solution as one HTML file that opens anywhere, offline."""
     from robotraj.replay_page.write import replay
-    from robotraj.solution.solution import load_solution
+    from robotraj.solution.storage.load import load_solution
 
     solution = load_solution(file)
     say(f"wrote {replay(solution, out or file.with_suffix('.html'), speed=speed, periods=periods)}")

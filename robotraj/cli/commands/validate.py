@@ -19,7 +19,7 @@ def validate_file(
 ) -> None:
     """Simulate a saved solution with plain Pinocchio and print the proof."""
     from robotraj.cli.conclude import described
-    from robotraj.solution.solution import load_solution
+    from robotraj.solution.storage.load import load_solution
     from robotraj.witness.validation import validate
 
     solution = load_solution(file)

@@ -52,7 +52,7 @@ def motion_of(model: pin.Model, solution: Any, fps: int) -> SceneMotion:
     Parameters
     ----------
     model : pin.Model
-    solution : Solution or Unrolled
+    solution : Solution or GaitCycles
     fps : int
     """
     times, rows = [], []

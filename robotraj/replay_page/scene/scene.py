@@ -26,7 +26,7 @@ from robotraj.replay_page.scene.shapes import tube
 from robotraj.replay_page.scene.visuals import Visual, visuals_of
 from robotraj.replay_page.scene.window import PackedTrack, RecordingWindow, draw
 from robotraj.robot.root import root_of
-from robotraj.solution.gait_cycles import Unrolled
+from robotraj.solution.cycles.gait_cycles import GaitCycles
 
 Array = NDArray[np.float64]
 GROUND_COLOR = (0.80, 0.82, 0.78, 1.0)
@@ -51,24 +51,24 @@ class Scene(OneLine):
     description: dict[str, Any]
 
 
-def scene_of(robot: Any, course: Unrolled, fps: int, traces: Sequence[str] | None) -> Scene:
+def scene_of(robot: Any, cycles: GaitCycles, fps: int, traces: Sequence[str] | None) -> Scene:
     """Record a robot's solution as meshcat commands.
 
     Parameters
     ----------
     robot : Robot
         ``.model``, ``.visual_model``, ``.frame(name)``.
-    course : Unrolled
+    cycles : GaitCycles
     fps : int
         Animation keys per second; more are added where the motion bends.
     traces : sequence of str or None
         Frames whose path is drawn; None takes those of the contacts, without any the tip of the longest chain.
     """
     model = robot.model
-    feet = list(contact_frames(course).values())
+    feet = list(contact_frames(cycles).values())
     names = (feet or [tip_frame(model)]) if traces is None else list(traces)
     frames = [robot.frame(name) for name in names]
-    motion = motion_of(model, course, fps)
+    motion = motion_of(model, cycles, fps)
     visuals = visuals_of(model, robot.visual_model)
     window = RecordingWindow()
     viewer = meshcat.Visualizer(window=window)
@@ -82,7 +82,7 @@ def scene_of(robot: Any, course: Unrolled, fps: int, traces: Sequence[str] | Non
             draw(node[f"part {k}"], part, color)
     hull = _hull(visuals, motion)
     low, high = hull.min(axis=0), hull.max(axis=0)
-    ground = ground_of(course, low, high)
+    ground = ground_of(cycles, low, high)
     if ground.surface is not None:
         draw(viewer["ground"], ground.surface, GROUND_COLOR, shininess=0.0)
     size = float(np.linalg.norm(high - low))
@@ -95,8 +95,8 @@ def scene_of(robot: Any, course: Unrolled, fps: int, traces: Sequence[str] | Non
     description = _description(model, motion, paths, hull, ground, drawn) | {
         "body": root_of(robot.root).joints[-1] if robot.root != "fixed" else None,
         "stature": round(stature, 4),
-        "contacts": contact_scene(course, robot, stature),
-        "clearance": clearance_scene(course),
+        "contacts": contact_scene(cycles, robot, stature),
+        "clearance": clearance_scene(cycles),
     }
     return Scene(window.packed(), description)
 

@@ -14,7 +14,7 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.dynamics.design.binding import realised
-from robotraj.solution.gait_cycles import Return, closing_of
+from robotraj.solution.cycles.cycle_map import CycleMap, cycle_map_of
 from robotraj.witness.mujoco.roots import QUATERNION, RootCoordinates
 from robotraj.witness.planned import limits_of, robot_sample
 from robotraj.witness.protocols import Array, SolutionLike
@@ -65,7 +65,7 @@ class ReferenceMotion:
         In plain numbers.
     phases : tuple of PhaseSolution
     periods : int
-    closing : Return or None
+    closing : CycleMap or None
         Map from a period to the next, None for a plan that is not periodic.
 
     Raises
@@ -84,7 +84,7 @@ class ReferenceMotion:
         names = list(self.robot.model.names)
         if any(list(robot.model.names) != names for robot in robots):
             raise InputError("The phases move different robots, and second_opinion() follows one: use rt.validate.")
-        self.closing = closing_of(solution)
+        self.closing = cycle_map_of(solution)
         self._impulses = _impulses(solution)
         self.periods = _count(periods, self.closing)
         self.root = RootCoordinates(self.robot.model)
@@ -202,7 +202,7 @@ class ReferenceMotion:
         )
 
     @property
-    def _return(self) -> Return:
+    def _return(self) -> CycleMap:
         assert self.closing is not None, "a plan that is not periodic is followed once"
         return self.closing
 
@@ -226,7 +226,7 @@ def _impulses(solution: SolutionLike) -> dict[int, dict[str, Array]]:
     return read
 
 
-def _count(periods: int | None, closing: Return | None) -> int:
+def _count(periods: int | None, closing: CycleMap | None) -> int:
     if periods is None:
         return 1 if closing is None else 3
     if not isinstance(periods, int) or isinstance(periods, bool) or periods < 1:

@@ -9,7 +9,8 @@ import pytest
 import robotraj as rt
 from robotraj.gait.mirroring import mirror
 from robotraj.problem.links.touchdown import Touchdown
-from robotraj.solution.gait_cycles import Return, closing_of, unrolled
+from robotraj.solution.cycles.cycle_map import CycleMap, cycle_map_of
+from robotraj.solution.cycles.gait_cycles import gait_cycles
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +48,8 @@ def place(robot, frame, q):
 
 
 def test_periods_join_displaced_and_mirrored(step):
-    course = unrolled(step, 4)
-    assert [passage.name for passage in course.phases] == ["step", "step (mirrored)"] * 2
+    course = gait_cycles(step, 4)
+    assert [cycle_phase.name for cycle_phase in course.phases] == ["step", "step (mirrored)"] * 2
     assert course.duration == pytest.approx(2.8)
     for before, after in zip(course.phases[:-1], course.phases[1:], strict=True):
         assert after.t0 == pytest.approx(before.t0 + before.duration, abs=1e-12)
@@ -63,7 +64,7 @@ def test_periods_join_displaced_and_mirrored(step):
 
 
 def test_in_mirrored_periods_the_other_foot_stands_and_carries(step):
-    robot, (first, second) = step.phases[0].phase.robot, unrolled(step, 2).phases
+    robot, (first, second) = step.phases[0].phase.robot, gait_cycles(step, 2).phases
     (contact,) = first.phase.bound_contacts
     assert (first.contact(contact), second.contact(contact)) == ("left_foot", "right_foot")
     here, later = first.at(0.2), second.at(0.9)
@@ -83,14 +84,14 @@ def test_a_mirrored_period_is_a_motion_of_the_same_robot(step):
     robot = step.phases[0].phase.robot
     data = robot.model.createData()
 
-    def missed(passage, t, foot):
-        now, axes = passage.at(t), pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    def missed(cycle_phase, t, foot):
+        now, axes = cycle_phase.at(t), pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         rows = pin.computeFrameJacobian(robot.model, data, now.q, robot.frame(foot), axes)[:3]
         needed = pin.rnea(robot.model, data, now.q, now.v, now.a) + robot.dissipation(now.v)
         return needed - robot.actuation @ now.tau - rows.T @ now.forces[foot]
 
-    first, second = unrolled(step, 2).phases
-    swap = [robot.velocity_names.index(second.closing.partner(name)) for name in robot.velocity_names]
+    first, second = gait_cycles(step, 2).phases
+    swap = [robot.velocity_names.index(second.cycle_map.partner(name)) for name in robot.velocity_names]
     for t in (0.05, 0.33, 0.6):
         here = missed(first, t, "left_foot")
         assert 1e-6 < np.abs(here).max() < 5.0
@@ -98,19 +99,19 @@ def test_a_mirrored_period_is_a_motion_of_the_same_robot(step):
 
 
 def test_impacts_come_at_the_end_of_every_period(step):
-    impacts = unrolled(step, 3).impacts
+    impacts = gait_cycles(step, 3).impacts
     assert [impact.t for impact in impacts] == pytest.approx([0.7, 1.4, 2.1])
     assert [impact.after.period for impact in impacts] == [1, 2, 3]
     (contact,) = impacts[0].after.phase.bound_contacts
     assert [impact.after.contact(contact) for impact in impacts] == ["right_foot", "left_foot", "right_foot"]
     assert impacts[0].impulses == step.impulses[0]
-    assert len(unrolled(step).impacts) == 1
+    assert len(gait_cycles(step).impacts) == 1
 
 
 def test_bounds_of_the_plan_change_sides(step):
-    robot, passage = step.phases[0].phase.robot, unrolled(step, 2).phases[1]
+    robot, cycle_phase = step.phases[0].phase.robot, gait_cycles(step, 2).phases[1]
     lower, upper = np.arange(7.0), np.full(7, np.inf)
-    low, high = passage.bounds("q", lower, upper)
+    low, high = cycle_phase.bounds("q", lower, upper)
     names = robot.position_names
     assert low[names.index("left_hip")] == lower[names.index("right_hip")]
     assert low[names.index("root_x")] == lower[names.index("root_x")] + 0.5
@@ -118,7 +119,7 @@ def test_bounds_of_the_plan_change_sides(step):
 
 
 def test_a_mirror_with_signs_turns_bounds_and_moments_round():
-    closing = Return(np.diag([-1.0, 1.0]), np.zeros(2), np.diag([-1.0, 1.0]), {}, np.diag([1.0, -1.0, 1.0]))
+    closing = CycleMap(np.diag([-1.0, 1.0]), np.zeros(2), np.diag([-1.0, 1.0]), {}, np.diag([1.0, -1.0, 1.0]))
     wrench = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
     np.testing.assert_array_equal(closing.forces_onwards(wrench), [1.0, -2.0, 3.0, -4.0, 5.0, -6.0])
     arm, force = np.array([0.3, -0.2, 0.5]), np.array([1.0, 2.0, 3.0])
@@ -126,7 +127,7 @@ def test_a_mirror_with_signs_turns_bounds_and_moments_round():
     np.testing.assert_allclose(moment, np.cross(closing.points_onwards(arm), closing.forces_onwards(force)))
     robot = SimpleNamespace(actuation=np.eye(2))
     planned = SimpleNamespace(phase=SimpleNamespace(robot=robot, name="half"), t0=0.0, duration=1.0, knots=[0.0, 1.0])
-    course = unrolled(SimpleNamespace(phases=(planned,)))
+    course = gait_cycles(SimpleNamespace(phases=(planned,), problem=SimpleNamespace(links=()), impulses=()))
     low, high = (
         type(course)(course.solution, 2, closing).phases[1].bounds("q", np.array([-1.0, 0.0]), np.array([np.inf, 2.0]))
     )
@@ -137,14 +138,14 @@ def test_a_mirror_with_signs_turns_bounds_and_moments_round():
 def test_a_plan_that_ends_elsewhere_is_followed_once(step):
     phase = rt.Phase(rt.load("double_pendulum"), duration=1.0, limits=None, name="reach")
     planned = SimpleNamespace(phase=phase, t0=0.0, duration=1.0)
-    lone = SimpleNamespace(phases=(planned,), problem=SimpleNamespace(links=()))
-    assert closing_of(lone) is None
-    assert len(unrolled(lone).phases) == 1
+    lone = SimpleNamespace(phases=(planned,), problem=SimpleNamespace(links=()), impulses=())
+    assert cycle_map_of(lone) is None
+    assert len(gait_cycles(lone).phases) == 1
     with pytest.raises(rt.InputError, match="ends elsewhere"):
-        unrolled(lone, 2)
+        gait_cycles(lone, 2)
     for periods in (0, -1, 1.5, True, "2"):
         with pytest.raises(rt.InputError, match="periods = "):
-            unrolled(step, periods)
+            gait_cycles(step, periods)
 
 
 def test_a_mirrored_quadruped_stands_and_moves_as_its_mirror_image():
@@ -161,7 +162,7 @@ def test_a_mirrored_quadruped_stands_and_moves_as_its_mirror_image():
     sample = SimpleNamespace(q=q, v=v, a=v, tau=tau, forces={"FL_FOOT": wrench})
     planned = SimpleNamespace(phase=phase, t0=0.0, duration=0.2, knots=[0.0, 0.2], at=lambda t, interval=None: sample)
     closing = mirror(robot, displacement={"q.root_x": 0.4})
-    course = unrolled(SimpleNamespace(phases=(planned,), problem=SimpleNamespace(links=[closing])), 2)
+    course = gait_cycles(SimpleNamespace(phases=(planned,), problem=SimpleNamespace(links=[closing]), impulses=()), 2)
     second = course.phases[1]
     later = second.at(0.3)
     assert list(later.forces) == ["FR_FOOT"]
