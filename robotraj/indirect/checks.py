@@ -1,4 +1,4 @@
-"""What Pontryagin's equations do not say: constraints it cannot carry, signs of an optimum."""
+"""Checks outside Pontryagin's equations: unsupported constraints, and signs at an optimum."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def complaints(result: Polished, affine: NDArray[np.bool_]) -> list[str]:
                 t = s["t"][int(np.argmax(wrong))]
                 found.append(
                     f"{names[i]!r} is at its {side.value} at t = {t:.5g} s where |dH/du| is "
-                    f"{np.max(wrong):.2g} asks for the other side; its arcs are not those of an optimum"
+                    f"{np.max(wrong):.2g} has the wrong sign for this bound; its arcs are not those of an optimum"
                 )
         found += _broken(result.equations, s)
     return found

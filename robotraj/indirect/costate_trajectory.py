@@ -140,7 +140,7 @@ class Costates(OneLine):
         starts = np.array([part.solution.t0 for part in self.phases])
         owner = np.clip(np.searchsorted(starts, np.asarray(t, dtype=float), side="right") - 1, 0, len(starts) - 1)
         if len(np.unique(owner)) > 1:
-            raise InputError("The times lie in several phases; ask costates.phases[i].at(t) for each.")
+            raise InputError("The times lie in several phases; use costates.phases[i].at(t) for each.")
         return self.phases[int(np.atleast_1d(owner)[0])].at(t)
 
 

@@ -1,6 +1,6 @@
 """Pontryagin's necessary conditions, evaluated along a direct solution at its collocation points.
 
-    lambdadot = -H_x,   H_u = 0 or of the sign that its bound asks,
+    lambdadot = -H_x,   H_u = 0 or of the sign that its bound requires,
     lambda(tf) = dPhi/dxf,   lambda(t0) = -dPhi/dx0,
     dH/dt = partial H / partial t,   H(tf) = -dPhi/dtf for a free duration,   multiplier * slack = 0
 

@@ -170,13 +170,13 @@ class Polished(OneLine):
         """States (m, 2 nx + 2) and controls (m, nu) of arc k at times."""
         part = self.trajectories[k]
         y = part.x(times)
-        # Between the nodes H_u = 0 says more than a polynomial through nodal controls.
+        # Between the nodes H_u = 0 determines controls more accurately than a polynomial through the nodes.
         interior = self._flows[k].algebraic(times, y, part.z(times)).T
         values = self.equations.controls(self.arcs[k].sides, interior)
         return y, np.array([np.broadcast_to(v, times.shape) for v in values]).reshape(-1, len(times)).T
 
     def solution(self) -> Solution:
-        """Give the motion as a Solution of one phase: to save, plot, replay, prove with ``rt.validate`` or start from.
+        """Return the motion as a Solution of one phase: to save, plot, replay, validate or start from.
 
         Between the knots its controls are polynomials through their exact values at the collocation points.
         """

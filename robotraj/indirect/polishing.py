@@ -2,7 +2,7 @@
 
 Arcs, their order and the guess come from the direct solution; the equations are then solved by collocation of
 high order and Newton's method, the meshes of the arcs refined until an independent integration agrees, and
-the answer is checked for what the equations do not say: signs of the switching functions, controls within
+the answer is checked for conditions outside the equations: signs of the switching functions, controls within
 bounds, state constraints.
 
 Sources: von Stryk and Bulirsch, Direct and indirect methods for trajectory
@@ -45,7 +45,7 @@ POINTS = 7
 MOST_ROUNDS = 8
 """Meshes tried."""
 NEWTON = 1e-10
-"""Largest scaled row of a converged root, at most; the tolerance asked for where that is less."""
+"""Largest scaled row of a converged root, at most; the given tolerance where that is smaller."""
 
 
 def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
@@ -72,7 +72,7 @@ def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
         arcs.
     PolishFailed
         The equations were not solved to the tolerance, or their solution breaks what an optimum must hold; it
-        carries the last iterate as ``.solution``, whose ``trouble`` says why.
+        carries the last iterate as ``.solution``, whose ``trouble`` states the reason.
     """
     require_solution(solution, "rt.indirect.polish")
     if not tolerance > 0:
@@ -90,7 +90,7 @@ def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
     if known.hamiltonian.integrals:
         name = known.hamiltonian.integrals[0].name
         raise InputError(
-            f"polish keeps no integral constraint such as {name!r}; give its integrand a state of its own."
+            f"polish does not support integral constraints such as {name!r}; add a state whose rate is the integrand."
         )
     refuse_active_constraints(known)
     arcs = find_arcs(known)

@@ -71,7 +71,7 @@ class Pontryagin(OneLine):
         return len(self.phase.dae.states)
 
     def interior(self, sides: Sequence[Side]) -> list[int]:
-        """Give the indices of the interior controls."""
+        """Return the indices of the interior controls."""
         return [i for i, side in enumerate(sides) if side is Side.INTERIOR]
 
     def algebraic_names(self, sides: Sequence[Side]) -> list[str]:
@@ -135,7 +135,7 @@ class Pontryagin(OneLine):
         return out["rates"], ca.vertcat(*interior, out["by_z"], out["residual"])
 
     def system(self, sides: Sequence[Side]) -> System:
-        """Give the equations of an arc as a System."""
+        """Return the equations of an arc as a System."""
         states, algebraic = self.state_names, self.algebraic_names(sides)
 
         def read(point: Any) -> tuple[ca.SX, ca.SX]:
@@ -146,7 +146,7 @@ class Pontryagin(OneLine):
         return System(states, [], lambda point: read(point)[0], algebraic=algebraic, residual=residual, name="arc")
 
     def quantity(self, name: str, index: int | None, sides: Sequence[Side]) -> Any:
-        """Give an output as an expression of a point of an arc: ``"H"``, or entry ``index`` of ``"by_u"``."""
+        """Return an output as an expression of a point of an arc: ``"H"``, or entry ``index`` of ``"by_u"``."""
 
         def expression(point: Any) -> ca.SX:
             y = columns(point.x, self.state_names)

@@ -1,4 +1,4 @@
-"""A report on the necessary conditions: what each one asks, of whom, how far it is off, and when."""
+"""A report on the necessary conditions: each condition with its variable, residual and time."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class ConditionsReport(OneLine):
 
     @property
     def failed(self) -> tuple[NecessaryCondition, ...]:
-        """Conditions that are off by more than the tolerance, worst first."""
+        """Conditions whose residual exceeds the tolerance, largest first."""
         off = [c for c in self.conditions if not c.residual <= self.tolerance]
         return tuple(sorted(off, key=lambda c: -c.residual))
 

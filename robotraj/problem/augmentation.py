@@ -147,7 +147,7 @@ class ControlRates(Augmented):
 
     @property
     def time_orders(self) -> TimeOrders | None:
-        """A rate is divided by time once more than what it is the rate of."""
+        """Count one division by time more for a rate than for its variable."""
         known = self._inner_orders
         if known is None:
             return None
@@ -181,7 +181,7 @@ class Slacks(Augmented):
 
     @property
     def time_orders(self) -> TimeOrders | None:
-        """Slacks stay as they are: their rows say what they are."""
+        """Count no division by time for slacks; their rows define them."""
         known = self._inner_orders
         return known and known._replace(controls=known.controls + (0,) * len(self.slacks))
 

@@ -32,8 +32,8 @@ class Problem(OneLine):
     ----------
     phases : Phase or sequence of Phase
     links : Link or sequence of Link
-        ``rt.Continuity(0, 1)`` joins the end of phase 0 to the start of phase 1. Where no link says when a phase
-        starts, it starts when the one before ends; states run on only where a link says so.
+        ``rt.Continuity(0, 1)`` joins the end of phase 0 to the start of phase 1. A phase without such a link
+        starts when the one before ends; its states are continuous only where a link imposes it.
     missing : sequence of str
         What a file could not keep of the problem, as ``load_solution`` found; empty for problems written in Python.
     """
@@ -63,7 +63,7 @@ class Problem(OneLine):
 
     @cached_property
     def bound_links(self) -> tuple[BoundLink, ...]:
-        """Every link bound to the phases it joins, and time that runs on where none of them says how."""
+        """Every link bound to its phases, and continuity of time where no link fixes the start of a phase."""
         for link in self.links:
             if not isinstance(link, Link):
                 raise InputError(f"{link!r} in the links of the problem is not a link such as rt.Continuity(0, 1).")
@@ -71,7 +71,7 @@ class Problem(OneLine):
         return bound + running_on(self.phases, bound)
 
     def with_(self, **changes: Any) -> Problem:
-        """Give the problem with another start, end or other field of its phase.
+        """Return the problem with another start, end or other field of its phase.
 
         Parameters
         ----------
@@ -88,7 +88,7 @@ class Problem(OneLine):
         if len(phases) > 1 and not unknown and not set(changes) <= {"start", "end"}:
             name = sorted(set(changes) - {"start", "end"})[0]
             raise InputError(
-                f"problem.with_({name}=...) does not say which of {len(phases)} phases it is about; use "
+                f"problem.with_({name}=...) is ambiguous: the problem has {len(phases)} phases; use "
                 "phase.with_(...) and make a new problem."
             )
         if len(phases) == 1 or unknown:

@@ -1,4 +1,4 @@
-"""How high places on the robot had to be: the height that ``GroundClearance`` asks for, along the way they take."""
+"""The height that ``GroundClearance`` requires, along the paths of its points."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SAMPLES = 61
 
 
 def clearance_scene(cycles: GaitCycles) -> list[dict[str, Any]]:
-    """Give curves for the page's script: start and end [s], and points x, y, z of the height asked for [m].
+    """Return curves for the page's script: start and end [s], and points x, y, z of the required height [m].
 
     ``ground`` is the height [m] of the ground below each point. Places that a constraint holds at one end of a phase
     alone have none.
@@ -34,7 +34,7 @@ def clearance_scene(cycles: GaitCycles) -> list[dict[str, Any]]:
 
 
 def _curves(cycle_phase: CyclePhase, constraint: GroundClearance) -> list[dict[str, Any]]:
-    """Write one curve per place; where several heights are asked for, the highest counts."""
+    """Return one curve for each point; the highest of several required heights counts."""
     planned, phase = cycle_phase.planned, cycle_phase.phase
     body, names = phase.body, phase.parameter_names
     held = phase.rows.of(constraint)
@@ -61,7 +61,7 @@ def _curves(cycle_phase: CyclePhase, constraint: GroundClearance) -> list[dict[s
     for k, spot in enumerate(spots):
         x, y, z = xyz[3 * k : 3 * k + 3]
         mine = [i for i, row in enumerate(held) if row.joint == spot.label]
-        # A row's value less its bound is how far the place is above the height asked for.
+        # The value of a row minus its bound is the distance above the required height.
         spare = np.min([rows[i] - held[i].lower for i in mine], axis=0)
         below = np.asarray(ground.height(x, y), dtype=float)
         asked = cycle_phase.points(np.column_stack([x, y, z - spare]))

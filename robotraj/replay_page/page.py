@@ -96,12 +96,12 @@ def _meshcat(name: str) -> str:
 
 
 def _licences() -> str:
-    """Licences of the inlined viewer and of the libraries in it, which ask to be kept with every copy."""
+    """Licences of the inlined viewer and of the libraries in it, which must accompany every copy."""
     return _meshcat("LICENSE") + "\n" + _meshcat("dist/main.min.js.LICENSE.txt")
 
 
 def _inline(script: str) -> str:
-    """Keep a script from ending its own element early."""
+    """Escape what would end the script element."""
     return script.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 

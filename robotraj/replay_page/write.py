@@ -46,8 +46,8 @@ def replay(
     ``robotraj.poses()`` gives the world position [m] and quaternion (x, y, z, w) of every joint as drawn, and
     ``robotraj.viewer`` is meshcat's viewer.
 
-    Where contacts are held, their forces are arrows (the page says how long a body weight is), with the friction cones
-    at the footholds, the impulses of impacts, the height that ``GroundClearance`` asks for, and bars that say which
+    Where contacts are held, their forces are arrows (the page states the length of a body weight), with the friction cones
+    at the footholds, the impulses of impacts, the height that ``GroundClearance`` requires, and bars that show which
     phase runs and which contact is held. A gait that closes on itself is shown through several periods, each displaced
     from the last and mirrored if the plan is half a gait.
 
@@ -56,7 +56,7 @@ def replay(
     Parameters
     ----------
     solution : Solution
-        Solved or not; the page says which.
+        Solved or not; the page shows the verdict.
     path : path
         Ends in ``.html``; its directory must exist. An older file is replaced.
     speed : float
@@ -113,7 +113,7 @@ def page_of(
     cycles = gait_cycles(solution, periods)
     scene = None
     if robot is not None:
-        # Imported here, since meshcat and trimesh take a second that planning alone need not wait for.
+        # Imported here, since meshcat and trimesh take a second to import.
         from robotraj.replay_page.scene.scene import scene_of
 
         scene = scene_of(robot, cycles, fps, names)
@@ -144,7 +144,7 @@ def _is_number(value: Any) -> bool:
 
 
 def html_path(path: str | os.PathLike[str]) -> Path:
-    """Give the absolute path of a page to be written.
+    """Return the absolute path of a page to be written.
 
     Raises
     ------

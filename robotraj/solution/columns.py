@@ -1,4 +1,4 @@
-"""What a phase's trajectory tells, as named columns: states, accelerations, algebraic variables, controls."""
+"""The trajectory of a phase as named columns: states, accelerations, algebraic variables, controls."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A limit that must give before a motion exists."""
+"""A limit that must be relaxed for a motion to exist."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from robotraj._util.values import dataclass
 
 @dataclass(frozen=True)
 class Conflict(OneLine):
-    """One row that has to be stretched, with a bound that would do.
+    """A row that must be relaxed, with a bound that suffices.
 
     Attributes
     ----------
@@ -17,14 +17,14 @@ class Conflict(OneLine):
     name : str
         ``"effort limit, elbow"``.
     time : float
-        Where along the stretched motion the row is furthest beyond its bound [s].
+        Time of the largest violation of the row along the relaxed motion [s].
     bound, needed : float
         The bound as it is, and one with which a motion was found, in ``unit``.
     unit : str
     relative : float
-        The stretch relative to the row's scale.
+        The relaxation relative to the scale of the row.
     physical : bool
-        Whether it is a limit of a joint or of the duration, which no other guess relieves.
+        Whether it is a limit of a joint or of the duration, which does not depend on the guess.
     """
 
     phase: str

@@ -1,4 +1,4 @@
-"""Torques that drive a motion of a robot with a motor at every joint."""
+"""Torques along a motion of a robot with a motor at every joint, by inverse dynamics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Trajectories as tables: CSV for spreadsheets, JSON for other programs. Every column says its unit."""
+"""Trajectories as tables: CSV for spreadsheets, JSON for other programs. Every heading has its unit."""
 
 from __future__ import annotations
 

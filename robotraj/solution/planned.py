@@ -1,4 +1,4 @@
-"""What exports and plots read of a solution."""
+"""The interface of a solution that exports and plots read."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robotraj.solvers.status import Status
 
 
 class Planned(Protocol):
-    """A solution as its readers see it; see ``robotraj.solution.solution.Solution``."""
+    """A solution; see ``robotraj.solution.solution.Solution``."""
 
     @property
     def phases(self) -> Sequence[PhaseSolution]:

@@ -33,7 +33,7 @@ SAMPLES = 1200
 CROWD = 250
 """With more points than this on the curves of one panel they are marked below the curves, not on them."""
 REACH = 0.75
-"""A limit farther from the curves than this share of their span is told in words: curves stay legible."""
+"""A limit farther from the curves than this share of their span is written as text, which keeps the curves legible."""
 QUANTITIES = ("position", "velocity", "acceleration", "effort", "state", "algebraic variable", "control")
 QUATERNION = ("position", "")
 """The positions without a unit: the quaternion of a floating root."""
@@ -66,7 +66,7 @@ def plot(solution: Planned) -> Figure:
     Parameters
     ----------
     solution : Solution
-        Solved or not; the title says which.
+        Solved or not; the title states the status.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def _curves(
 
 
 def _limits(axes: Axes, traces: Sequence[_Trace], shown: Sequence[Variable], colors: dict[str, Any]) -> None:
-    """Draw the limits that are in reach of the curves, and say how far away the others are."""
+    """Draw the limits near the curves, and write the values of the others."""
     ranges = [trace.values[v.name] for trace in traces for v in shown if v.name in trace.values]
     every = np.concatenate(ranges)
     every = every[np.isfinite(every)]

@@ -1,4 +1,4 @@
-"""What was measured of a plan between its collocation points, and what was asked for."""
+"""Measures of a plan between its collocation points, and their goals."""
 
 from __future__ import annotations
 

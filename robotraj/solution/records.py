@@ -1,4 +1,4 @@
-"""What led to a solution: the meshes of a refinement, the stages before the last, and their times."""
+"""Records of how a solution was found: meshes of a refinement, stages of a continuation, times."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a plan says at one time, or at many."""
+"""Values of a plan at one time, or at several."""
 
 from __future__ import annotations
 

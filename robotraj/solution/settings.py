@@ -21,7 +21,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 @dataclass(frozen=True)
 class Restarts(OneLine):
-    """Other beginnings of a problem that was not solved from its guess.
+    """Further guesses for a problem that was not solved from its first guess.
 
     Parameters
     ----------

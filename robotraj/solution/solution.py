@@ -46,9 +46,9 @@ class Solution(OneLine):
     problem : Problem
     phases : tuple of PhaseSolution
     status : Status
-        How the solve ended; ``status.remedy`` says what to try.
+        How the solve ended; ``status.remedy`` names a remedy.
     message : str
-        The solver's own words.
+        The solver's message.
     objective : float
     iterations : int
     times : dict of str to float
@@ -59,11 +59,11 @@ class Solution(OneLine):
     multipliers : Multipliers or None
         In physical units, for warm starts on the same mesh.
     refinement : tuple of MeshStep
-        The meshes that led here, when a tolerance was asked for.
+        The meshes of the refinement, in order; empty for a plan on a given mesh.
     duals : sequence of PhaseDuals
         Costates and densities of multipliers, one entry a phase, found when first read; see ``rt.indirect.costates``.
     continuation : tuple of ContinuationRecord
-        The stages that led here, when some were asked for.
+        The stages of the continuation, in order; empty without one.
     added_rows : tuple of AddedRow
         Rows that were imposed between collocation points as well.
     interval_violations : tuple of Violation
@@ -130,7 +130,7 @@ class Solution(OneLine):
     def gains(self) -> Gains:
         """Time-varying linear feedback along the plan: tau = tau_plan - K(t) (x - x_plan); see ``Gains``.
 
-        Found when first read, and kept in files.
+        Computed when first read, and kept in files.
 
         Raises
         ------

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 class Where(Enum):
     """When a constraint holds.
 
-    AT_NODES is for rows that define variables an objective brought along: they say nothing of the motion, so that
-    only the transcription imposes them.
+    AT_NODES marks rows that define variables added by an objective. They do not restrict the motion, and only the
+    transcription imposes them.
     """
 
     THROUGHOUT = "throughout"
@@ -145,7 +145,7 @@ def _require_constraint(value: object, who: str) -> None:
 
 
 def robot_of(dynamics: Dynamics, who: str) -> Robot:
-    """Return the robot of the dynamics, or say that ``who`` needs one."""
+    """Return the robot of the dynamics; raise an InputError that names ``who`` for a System."""
     if not isinstance(dynamics, RigidBody):
         raise InputError(
             f"{who} needs a robot, but the phase moves a System; use PathConstraint or the phase's states=."

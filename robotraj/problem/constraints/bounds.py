@@ -87,7 +87,7 @@ def as_bounds(value: object, names: Sequence[str], what: str, kind: str = "joint
     Raises
     ------
     InputError
-        NaN, a wrong length, or an unknown name; the message says which entry.
+        NaN, a wrong length, or an unknown name; the message names the entry.
     """
     n = len(names)
     if _is_mapping(value):

@@ -29,8 +29,8 @@ class SwingApex(RequiredHeight):
     """The parabola of a swing foot over its way: h = 4 apex s (1 - s), and never below the ground.
 
     s = (p - start) . (end - start) / |end - start|^2 is the foot's horizontal progress from one foothold to the
-    next, 0 to 1. Before and beyond them the parabola is negative and asks for nothing; that the foot stays above the
-    ground there is a row of its own, so that no row has a kink.
+    next, 0 to 1. Before and beyond them the parabola is negative and imposes nothing; that the foot stays above the
+    ground there is a separate row, so that every row is smooth.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ class Carry(OneLine):
     quantities : frozenset of str
         Quantities of the invariants that a link takes over unchanged: ``"contact position"`` ...
     partners : mapping of str to str
-        For contacts of the target, the contacts of the source that they were; the same names unless said otherwise.
+        For contacts of the target, their contacts of the source; by default those of the same names.
     """
 
     source: int

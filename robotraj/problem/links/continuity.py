@@ -85,7 +85,7 @@ def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str
 
 
 def running_on(phases: Sequence[Phase], links: Sequence[BoundLink]) -> tuple[BoundLink, ...]:
-    """Let time run on from the phase before into every phase of whose start time no link says anything.
+    """Make time continuous into every phase whose start time no link reads.
 
     Without a row of it, a start time could be any: the phases would overlap, or leave gaps between them.
     """
@@ -98,7 +98,7 @@ def _time(second: int) -> BoundLink:
 
 
 def _times(link: BoundLink, index: int, phases: Sequence[Phase]) -> bool:
-    """Whether a link says when a phase starts: it reads the time of its start, and not its duration alone."""
+    """Whether a link fixes when a phase starts: it reads its start time, not its duration alone."""
     if index not in link.phases:
         return False
     if TIME in link.rows:

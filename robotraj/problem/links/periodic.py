@@ -52,7 +52,7 @@ class Repeat(OneLine):
 
     @staticmethod
     def same(names: list[str]) -> Repeat:
-        """Give the start that equals the end."""
+        """Return the start that equals the end."""
         zeros = [0.0] * len(names)
         return Repeat(names, [(name, 1.0) for name in names], zeros, zeros, {}, True)
 
@@ -62,7 +62,7 @@ class Repeat(OneLine):
         return [i for i in range(len(self.names)) if np.isfinite(self.lower[i]) or np.isfinite(self.upper[i])]
 
     def image(self, point: Point) -> list[Scalar]:
-        """Give the states of a point as seen from the start."""
+        """Return the states of a point as seen from the start."""
         return [sign * point.x[name] for name, sign in self.sources]
 
 
@@ -183,8 +183,8 @@ def _displaced(
 ) -> Repeat:
     if not isinstance(displacement, Mapping):
         raise InputError(
-            f"displacement of {who} must map names of states to what they gain, such as {{{names[0]!r}: 1.0}}; "
-            f"got {displacement!r}. Phases are told by first= and last=."
+            f"displacement of {who} must map names of states to their increments, such as {{{names[0]!r}: 1.0}}; "
+            f"got {displacement!r}. Phases are named by first= and last=."
         )
     bounds = as_bounds({name: 0.0 for name in names} | dict(displacement), names, f"displacement of {who}", "state")
     at = {name: i for i, name in enumerate(names)}

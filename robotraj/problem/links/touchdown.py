@@ -78,7 +78,7 @@ class Touchdown(Link):
         if self.repeat is not None:
             fast = sorted(set(self.repeat.displacement) & set(names[nq:]))
             if fast:
-                raise InputError(f"{who}: the impact says what {fast[0]!r} is afterwards; give it no displacement.")
+                raise InputError(f"{who}: {fast[0]!r} follows from the impact; remove its displacement.")
         rows = [] if self.repeat is not None else [Row("continuity", "s", 0.0, 0.0, "time")]
         rows += [Row("continuity", body.states[i].unit, repeat.lower[i], repeat.upper[i], names[i]) for i in placed]
         rows += [

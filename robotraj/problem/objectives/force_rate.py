@@ -119,7 +119,7 @@ class ForceRate(Integral):
         return dynamics if has(dynamics, [v.name for v in rates.rate_variables]) else rates
 
     def definitions(self, dynamics: Dynamics) -> tuple[BoundConstraint, ...]:
-        """Bounds on the rates, where they are asked for."""
+        """Return the bounds on the rates; none without ``most``."""
         if self.most is None:
             return ()
         rates = [v for v in dynamics.controls if v.name.startswith("rate.force.")]

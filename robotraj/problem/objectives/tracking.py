@@ -38,7 +38,7 @@ class Tracking(Integral):
         for them; t is a CasADi symbol, on which NumPy's and CasADi's functions work. A Solution is followed
         as it is, and held still before its start and after its end.
     q, v : number, sequence or mapping by joint
-        Weights of positions [1/rad^2, 1/m^2] and velocities; q = 1 and v = 0 where nothing else is asked for. For a
+        Weights of positions [1/rad^2, 1/m^2] and velocities; q = 1 and v = 0 by default. For a
         floating root they weigh the quaternion's entries: a small angle e [rad] counts as e^2 / 4.
     frames : mapping of str to number
         Weights of frames' positions [1/m^2].
@@ -60,7 +60,9 @@ class Tracking(Integral):
         total = ca.SX(0)
         for name, value, weights in entries:
             if name not in known:
-                raise InputError(f"Tracking: the reference gives no {name!r}, which a weight asks for.")
+                raise InputError(
+                    f"Tracking: the reference returns no {name!r}, but its weight is not 0; return it, or remove the weight."
+                )
             wanted = as_rows(known[name], f"reference of {name!r}")
             if len(wanted) != len(weights):
                 raise InputError(f"Tracking: the reference of {name!r} has {len(wanted)} values, not {len(weights)}.")

@@ -15,7 +15,7 @@ WeightsLike: TypeAlias = float | Sequence[float] | NDArray[np.float64] | Mapping
 
 
 def weights_of(given: WeightsLike, joints: Sequence[str], who: str) -> list[float]:
-    """One weight per joint from None (all 1), a number, a sequence, or a mapping (joints left out weigh 0).
+    """Return one weight per joint from None (all 1), a number, a sequence, or a mapping (other joints weigh 0).
 
     Raises
     ------

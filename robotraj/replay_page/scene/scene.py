@@ -86,7 +86,7 @@ def scene_of(robot: Any, cycles: GaitCycles, fps: int, traces: Sequence[str] | N
     if ground.surface is not None:
         draw(viewer["ground"], ground.surface, GROUND_COLOR, shininess=0.0)
     size = float(np.linalg.norm(high - low))
-    # A contact's trace wears the contact's colour.
+    # A contact's trace has the contact's colour.
     colors = [feet.index(name) if name in feet else len(feet) + k for k, name in enumerate(names)]
     pairs = zip(frames, colors, strict=True)
     drawn = [_trace(viewer, motion, model.frames[frame], k, rgb(c), size) for k, (frame, c) in enumerate(pairs)]

@@ -74,7 +74,7 @@ def _visual(thing: Any) -> Visual | None:
         try:
             part = shape_part(thing.geometry)
         except LookupError as error:
-            warnings.warn(f"The replay leaves out {thing.name!r}: it cannot draw a {error.args[0]}.", stacklevel=4)
+            warnings.warn(f"The replay omits {thing.name!r}: it cannot draw a {error.args[0]}.", stacklevel=4)
             return None
         if part is None:
             return None

@@ -241,7 +241,7 @@ class Chart {
     }
   }
 
-  // Limits that several curves share are drawn once, in grey; a curve's own limit wears its colour. Many are drawn
+  // Limits that several curves share are drawn once, in grey; a curve's own limit has its colour. Many are drawn
   // faint; pointing at a name in the legend brings out its own.
   drawLimits(pen) {
     const { marked } = this.state;

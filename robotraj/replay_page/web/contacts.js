@@ -98,7 +98,7 @@ class ContactsView {
     cone.position.set(...apex.map((x, i) => x + cone.userData.middle[i]));
   }
 
-  // The height asked for as a line, and a curtain from it down to the ground.
+  // The required height as a line, and a curtain from it down to the ground.
   addCurve({ points, ground }, scene) {
     const T = MeshCat.THREE;
     const all = ground.map((z, k) => ({ line: new T.Vector3(...points.slice(3 * k, 3 * k + 3)), ground: z }));
@@ -165,7 +165,7 @@ class ContactsView {
     return { at: mix(span.p), force: mix(span.f) };
   }
 
-  // What the page says about scales: [sign, colour, text].
+  // Scales and their marks: [sign, colour, text].
   marks() {
     const list = [];
     const short = (x) => (x >= 100 ? x.toFixed(0) : x.toPrecision(3));
@@ -176,7 +176,7 @@ class ContactsView {
       if (impacts.length) list.push(["⇑", "#6a1fb0", `impulse of an impact; ${short(unit * impulseTime)} N s is as long`]);
       list.push(["▽", "", "friction cone while the contact is held"]);
     }
-    if (this.curves.length) list.push(["—", "#23854a", "height asked for"]);
+    if (this.curves.length) list.push(["—", "#23854a", "required height"]);
     return list;
   }
 }

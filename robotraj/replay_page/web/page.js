@@ -38,7 +38,7 @@ class Player {
     const labels = [...new Set(this.data.charts.flatMap((chart) => chart.series.map((s) => s.label)))];
     const hold = (held) => (this.held = held);
     const state = { colors: new Map(), hidden: new Set(this.data.hidden), marked: null, hold };
-    // Contacts wear the colour they have in the view; no joint gets one like it, and hidden ones take what is left.
+    // Contacts have the colour of the view; joints get other colours, hidden ones last.
     const free = PALETTE.filter((color) => Object.values(this.data.colors).every((other) => !alike(color, other)));
     const joints = labels.filter((label) => !this.data.colors[label]);
     joints.sort((a, b) => this.data.hidden.includes(a) - this.data.hidden.includes(b));

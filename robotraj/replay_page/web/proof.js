@@ -52,7 +52,7 @@ class Proof {
       list.append(item);
     }
     section.append(list);
-    for (const conflict of conflicts) section.append(element("p", `What must give: ${conflict}`));
+    for (const conflict of conflicts) section.append(element("p", `Must be relaxed: ${conflict}`));
     if (message) section.append(element("p", `Solver: ${message}`));
   }
 

@@ -35,7 +35,7 @@ class PhaseDuals(OneLine):
 
 
 class LateDuals(Sequence[PhaseDuals]):
-    """Duals of all phases, found when they are first read: few who plan ask for costates.
+    """Duals of all phases, computed when they are first read: most plans need none.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class LateDuals(Sequence[PhaseDuals]):
 
     def _all(self) -> tuple[PhaseDuals, ...]:
         if self._find is not None:
-            # What finds them holds the whole NLP: let it go.
+            # The callable holds the whole NLP; release it.
             self._found, self._find = self._find(), None
         return self._found
 

@@ -196,7 +196,7 @@ def _pieces(planned: Any) -> _Pieces:
 def _linear(
     linearisation: Linearisation, q: Array, v: Array, tau: Array, phase: str, t: float
 ) -> tuple[Array, Array, Array]:
-    """Linearise, or say where it is not possible."""
+    """Linearise; raise an InputError that names the time at which it is not possible."""
     try:
         found = linearisation.at(q, v, tau)
     except np.linalg.LinAlgError as error:
@@ -219,7 +219,7 @@ def _weight(size: int) -> Array:
 
 
 def _endless() -> Array:
-    """Root (2, 2) of the cost at the end: what it costs to hold one coordinate, driven by itself, from there on."""
+    """Root (2, 2) of the cost at the end: the cost of holding one coordinate, with its own drive, from that time on."""
     cost = [[np.sqrt(3.0) * BANDWIDTH**3, BANDWIDTH**2], [BANDWIDTH**2, np.sqrt(3.0) * BANDWIDTH]]
     return np.asarray(np.linalg.cholesky(np.array(cost)).T)
 

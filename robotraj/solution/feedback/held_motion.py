@@ -51,7 +51,7 @@ class HeldRows(OneLine):
         return total
 
     def slopes(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array, Array]:
-        """Give the derivatives (m, nv) of the rows' velocity by q, of their acceleration by q and by v."""
+        """Return the derivatives (m, nv) of the rows' velocity by q, of their acceleration by q and by v."""
         found = np.zeros((3, self.count, model.nv))
         for frame, matrix in zip(self.frames, self.matrices, strict=True):
             velocity_q, acceleration_q, acceleration_v, jacobian = (
@@ -73,7 +73,7 @@ class HeldRows(OneLine):
         return found[0], found[1], found[2]
 
     def wrenches(self, model: pin.Model, data: pin.Data, forces: Array) -> list[tuple[int, pin.Force]]:
-        """Give the forces on the bodies by those of the rows (m,), each in the axes of its joint, about its origin."""
+        """Return the forces on the bodies by those of the rows (m,), each in the axes of its joint, about its origin."""
         pairs = zip(self.frames, self.matrices, strict=True)
         return [
             (model.frames[frame].parentJoint, model.frames[frame].placement.act(_local(data, frame, matrix, forces)))
@@ -81,7 +81,7 @@ class HeldRows(OneLine):
         ]
 
     def torque_slope(self, model: pin.Model, data: pin.Data, forces: Array) -> Array:
-        """Give the derivative (nv, nv) of J' f by q due to the turn of the frames, f constant in world axes."""
+        """Return the derivative (nv, nv) of J' f by q due to the turn of the frames, f constant in world axes."""
         total = np.zeros((model.nv, model.nv))
         for frame, matrix in zip(self.frames, self.matrices, strict=True):
             local = _local(data, frame, matrix, forces)

@@ -1,6 +1,6 @@
 """The file: a NumPy ``.npz`` of plain arrays and one JSON text, never a pickle.
 
-``about`` says what the file is, ``solution`` is the JSON, and every other entry is an array that the JSON
+``about`` names the format, ``solution`` is the JSON, and every other entry is an array that the JSON
 refers to, or a Pinocchio model as text. Plain NumPy reads it:
 ``np.load("swing.npz")["phases.0.trajectory.x.values"]``.
 """

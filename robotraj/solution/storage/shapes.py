@@ -14,7 +14,7 @@ from robotraj.solution.storage.codec import NotPlainData, Packer
 
 
 def pack_robot(robot: Robot, packer: Packer, path: str) -> tuple[Any, list[str]]:
-    """Write a robot; shapes that are no plain data are left out and named."""
+    """Write a robot; shapes that are not plain data are not written, but named."""
     try:
         return packer.pack(robot, path), []
     except NotPlainData:
