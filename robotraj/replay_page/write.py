@@ -46,7 +46,7 @@ def replay(
     ``robotraj.poses()`` gives the world position [m] and quaternion (x, y, z, w) of every joint as drawn, and
     ``robotraj.viewer`` is meshcat's viewer.
 
-    Where contacts are held, their forces are arrows (the page states the length of a body weight), with the friction cones
+    Where contacts are held, their forces are arrows (the page states their scale), with the friction cones
     at the footholds, the impulses of impacts, the height that ``GroundClearance`` requires, and bars that show which
     phase runs and which contact is held. A gait that closes on itself is shown through several periods, each displaced
     from the last and mirrored if the plan is half a gait.

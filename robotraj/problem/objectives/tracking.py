@@ -61,7 +61,7 @@ class Tracking(Integral):
         for name, value, weights in entries:
             if name not in known:
                 raise InputError(
-                    f"Tracking: the reference returns no {name!r}, but its weight is not 0; return it, or remove the weight."
+                    f"Tracking: the reference returns no {name!r}, but its weight is not 0; return it or use 0."
                 )
             wanted = as_rows(known[name], f"reference of {name!r}")
             if len(wanted) != len(weights):

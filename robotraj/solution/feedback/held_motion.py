@@ -73,7 +73,7 @@ class HeldRows(OneLine):
         return found[0], found[1], found[2]
 
     def wrenches(self, model: pin.Model, data: pin.Data, forces: Array) -> list[tuple[int, pin.Force]]:
-        """Return the forces on the bodies by those of the rows (m,), each in the axes of its joint, about its origin."""
+        """Return the forces on the bodies from those of the rows (m,), each in the axes of its joint."""
         pairs = zip(self.frames, self.matrices, strict=True)
         return [
             (model.frames[frame].parentJoint, model.frames[frame].placement.act(_local(data, frame, matrix, forces)))

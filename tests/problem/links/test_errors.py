@@ -52,7 +52,7 @@ def test_a_state_that_does_not_exist_lists_the_valid_ones(push: Any) -> None:
 
 
 def test_a_period_of_a_phase_by_its_number_says_what_is_meant(push: Any) -> None:
-    assert "Phases are told by first= and last=" in refused([push.phase()], rt.Periodic(0))  # type: ignore[arg-type]
+    assert "Phases are named by first= and last=" in refused([push.phase()], rt.Periodic(0))  # type: ignore[arg-type]
 
 
 def test_a_parameter_that_a_phase_lacks_names_the_phase(push: Any) -> None:
