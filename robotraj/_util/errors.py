@@ -1,6 +1,6 @@
-"""Every error robotraj raises on purpose.
+"""The errors of robotraj.
 
-Each message is one clear sentence that names what was wrong, lists the valid choices and says what to do.
+A message names the fault, its place, the valid choices and the remedy, in that order.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ class RobotrajError(Exception):
 
 
 class InputError(RobotrajError, ValueError):
-    """The caller's input cannot hold; the message names the part that is wrong."""
+    """Invalid input of the caller; the message names the invalid part."""
 
 
 class UnknownName(InputError):
@@ -22,7 +22,7 @@ class UnknownName(InputError):
 
 
 class FailedExpression(InputError):
-    """A function that the user gave raised an error of its own, which is this error's cause."""
+    """A user's function raised an error, which is this error's cause."""
 
 
 class BuildMismatch(RobotrajError, ImportError):
@@ -35,7 +35,7 @@ class NoSolutionFound(RobotrajError):
     Attributes
     ----------
     solution : robotraj.Solution
-        What the solver had when it stopped, with its status, remedy and violated rows.
+        The last iterate, with its status, remedy and violated rows.
     """
 
     def __init__(self, message: str, solution: Any) -> None:
@@ -69,7 +69,7 @@ class Interrupted(KeyboardInterrupt):
     Attributes
     ----------
     found : dict of int to robotraj.Solution
-        Results by the number of their problem.
+        Solutions by the number of their problem.
     """
 
     def __init__(self, found: dict[int, Any], count: int) -> None:
@@ -87,12 +87,12 @@ def require_solution(value: object, who: str) -> None:
     Raises
     ------
     InputError
-        It is a problem, what many starts found, or anything else.
+        The value is not a solution.
     """
     parts = getattr(value, "phases", None)
     if parts is None or not all(hasattr(part, "phase") for part in parts):
         best = " Its .best is one." if hasattr(type(value), "best") else ""
-        raise InputError(f"{who} takes a solution, as rt.plan gives it; got {type(value).__name__}.{best}")
+        raise InputError(f"{who} takes a solution that rt.plan returned; got {type(value).__name__}.{best}")
 
 
 def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = "") -> UnknownName:
@@ -101,13 +101,13 @@ def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = ""
     Parameters
     ----------
     kind : str
-        What the name should have been: ``"joint"``, ``"frame"``, ``"robot"`` ...
+        Kind of the name: ``"joint"``, ``"frame"``, ``"robot"`` ...
     name : object
         What was given.
     valid : iterable of str
         The names that exist.
     advice : str
-        A closing sentence that says what to do.
+        A closing sentence with the remedy.
     """
     from difflib import get_close_matches
 
@@ -120,26 +120,26 @@ def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = ""
 
 
 def called(what: str, function: Callable[..., Any], *arguments: object) -> Any:
-    """Call a function that the user gave; where it fails, say whose it is and what to do.
+    """Call a user's function; an error names the function and the remedy.
 
     Parameters
     ----------
     what : str
-        Whose function it is, for messages: ``"expression of constraint 'effort'"``.
+        Label of the function for messages: ``"expression of constraint 'effort'"``.
     function : callable
     *arguments
-        Points, or whatever of symbols the function takes.
+        Points or symbols, the function's arguments.
 
     Raises
     ------
     FailedExpression
-        The function raised anything but an error of robotraj.
+        The function raised an error that is not robotraj's.
     """
     try:
         return function(*arguments)
     except RobotrajError:
         raise
-    except Exception as error:  # whatever the user's function raises on symbols
+    except Exception as error:  # a user's function may raise any error
         raise FailedExpression(
             f"The {what} failed: {type(error).__name__}: {_one_line(error)} {_advice(error, len(arguments))}"
         ) from error
@@ -155,7 +155,7 @@ def _one_line(error: Exception) -> str:
 
 
 def _advice(error: Exception, count: int) -> str:
-    """Say how to write what failed."""
+    """Return the remedy for a failed function."""
     if "truth value" in str(error):
         return (
             "Symbols are neither true nor false: write casadi.if_else(condition, a, b) for `if`, casadi.fmax and "

@@ -1,4 +1,4 @@
-"""Paths of files to be written, checked before the work whose result they take."""
+"""Paths of output files, checked before the work whose result is written."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from robotraj._util.errors import InputError
 
 
 def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], who: str) -> Path:
-    """Give the absolute path of a file that can be written.
+    """Return the absolute path of a file that can be written.
 
     Parameters
     ----------
     path : path
-        An older file may stand there.
+        An existing file is replaced.
     suffixes : sequence of str
-        Those that are allowed, in lower case; ``()`` allows all.
+        Allowed suffixes in lower case; ``()`` allows all.
     who : str
-        The function or option that the path was given to, for messages.
+        The function or option of the path, for messages.
 
     Raises
     ------

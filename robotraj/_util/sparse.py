@@ -1,7 +1,7 @@
-"""Sparse matrices of numbers in compressed rows: the few operations that transcriptions need, on NumPy alone.
+"""Sparse matrices in compressed rows: the operations that transcriptions need, with NumPy only.
 
 Names and meanings are those of ``scipy.sparse``, whose import takes longer than a whole plan of an arm. The indices of
-a row are sorted and stand once each; arrays (``data``, ``indices``, ``indptr``) may be shared between matrices and are
+a row are sorted and unique; arrays (``data``, ``indices``, ``indptr``) may be shared between matrices and are
 never written to.
 """
 
@@ -30,9 +30,9 @@ class csr_array:
     Parameters
     ----------
     given : csr_array, csc_array, shape, (data, (rows, columns)) or (data, indices, indptr)
-        Triplets of one place add up; the last form must be sorted already.
+        Triplets of one place are added. Entries of the last form must be sorted.
     shape : (int, int), optional
-        Of the last two forms.
+        Required for the last two forms.
     """
 
     __array_ufunc__ = None  # NumPy's arrays leave w @ A to this class
@@ -77,37 +77,37 @@ class csr_array:
         return csc_array(self)
 
     def tocsc(self) -> csc_array:
-        """Compress the columns instead."""
+        """Return the matrix in compressed columns."""
         turned = (self.data, (self.indices, self.row))
         return csc_array(csr_array(turned, (self.shape[1], self.shape[0])))
 
     def copy(self) -> csr_array:
-        """Give a matrix of its own, to be resized."""
+        """Return a copy that can be resized."""
         return csr_array(self)
 
     def resize(self, shape: Shape) -> None:
-        """Add empty rows and columns behind those there are."""
+        """Append empty rows and columns."""
         more = shape[0] - self.shape[0]
         if more < 0 or shape[1] < self.shape[1]:
-            raise ValueError(f"A matrix of shape {self.shape} cannot shrink to {shape}.")
+            raise ValueError(f"A matrix of shape {self.shape} cannot be resized to {shape}; it can only grow.")
         self.indptr = np.append(self.indptr, np.full(more, self.indptr[-1]))
         self.shape = (int(shape[0]), int(shape[1]))
         self.__dict__.pop("row", None)
 
     def toarray(self) -> Array:
-        """Write out all entries."""
+        """Return all entries as a dense array."""
         dense = np.zeros(self.shape)
         dense[self.row, self.indices] = self.data
         return dense
 
     def scipy(self) -> scipy.sparse.csr_array:
-        """Copy into SciPy."""
+        """Return the matrix as one of SciPy's."""
         from scipy import sparse
 
         return sparse.csr_array((self.data, self.indices, self.indptr), shape=self.shape)
 
     def __getitem__(self, rows: Index) -> csr_array:
-        """Take rows: indices, a mask or a slice."""
+        """Return rows by indices, a mask or a slice."""
         which = np.atleast_1d(np.arange(self.shape[0])[rows])
         indices, data, position = expand(self, which)
         counts = np.bincount(position, minlength=which.size)
@@ -160,10 +160,10 @@ class csc_array:
         return self.T.row
 
     def __getitem__(self, key: tuple[slice, Index]) -> csc_array:
-        """Take columns: ``[:, columns]``."""
+        """Return columns: ``[:, columns]``."""
         every, columns = key
         if every != slice(None):
-            raise ValueError("Columns are taken whole: [:, columns].")
+            raise ValueError("Only whole columns can be selected; write [:, columns].")
         return csc_array(self.T[columns])
 
     def __matmul__(self, other: Array) -> Array:
@@ -171,7 +171,7 @@ class csc_array:
 
 
 def diags_array(values: Array) -> csr_array:
-    """Give the diagonal matrix."""
+    """Return the diagonal matrix."""
     places = np.arange(len(values))
     return csr_array((np.asarray(values), places, np.arange(len(values) + 1)), (len(values), len(values)))
 
@@ -196,7 +196,7 @@ def expand(matrix: csr_array | csc_array, which: Indices) -> tuple[Indices, Arra
 
 
 def _compressed(data: Array, rows: Indices, columns: Indices, shape: Shape) -> tuple[Array, Indices, Indices]:
-    """Compress triplets to data, indices and pointers; those of one place are added in the order they are given in."""
+    """Compress triplets to data, indices and pointers; those of one place are added in their order."""
     keys = np.asarray(rows, dtype=np.int64) * shape[1] + columns
     data = np.asarray(data, dtype=float)
     if (keys[1:] <= keys[:-1]).any():
@@ -211,7 +211,7 @@ def _compressed(data: Array, rows: Indices, columns: Indices, shape: Shape) -> t
 
 
 def _added(places: Indices, values: Array, size: int = 0) -> Array:
-    """Add the values of each place, one after the other."""
+    """Return the sums of the values at each place, added in order."""
     return np.asarray(np.bincount(places, weights=values, minlength=size), dtype=float)
 
 
@@ -222,7 +222,7 @@ def _pointers(counts: Indices) -> Indices:
 
 
 def _sum(first: csr_array, second: csr_array, sign: float) -> csr_array:
-    """Add, and leave out what cancels."""
+    """Add two matrices; entries that cancel are removed."""
     if first.shape != second.shape:
         raise ValueError(f"Matrices of shapes {first.shape} and {second.shape} cannot be added.")
     data = np.append(first.data, sign * second.data)

@@ -1,7 +1,7 @@
 """Splines in B-spline form: the interpolating one of odd degree, and the cubic through values and slopes.
 
-Source: de Boor, A Practical Guide to Splines (2001), chapters IX to XIII. SciPy's are the same curves; importing them
-takes longer than the guess of a walk does.
+Source: de Boor, A Practical Guide to Splines (2001), chapters IX to XIII. SciPy's splines are equal; their import takes
+longer than the guess of a walk.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Spline:
     degree: int
 
     def __call__(self, x: ArrayLike, order: int = 0) -> Array:
-        """Give values, or derivatives of an order, at places x (...) inside the ends: the shape of x, then c_i's."""
+        """Return values, or derivatives of an order, at x (...) inside the ends, of the shape of x and then of c_i."""
         if order:
             return self.derivative(order)(x)
         at = np.asarray(x, dtype=float)
@@ -42,7 +42,7 @@ class Spline:
         return np.asarray(found.reshape(at.shape + self.coefficients.shape[1:]))
 
     def derivative(self, order: int = 1) -> Spline:
-        """Give the derivative of an order, at most the degree, as a spline."""
+        """Return the derivative of an order, at most the degree, as a spline."""
         if order == 0:
             return self
         k, t, c = self.degree, self.knots, self.coefficients
@@ -52,7 +52,7 @@ class Spline:
 
 
 def through(x: Array, y: Array, degree: int) -> Spline:
-    """Interpolate y (n, ...) at ascending x (n,) by an odd degree below n, with no knots at the places near the ends.
+    """Interpolate y (n, ...) at ascending x (n,) by an odd degree below n, without knots next to the ends.
 
     The knots are x without the (degree + 1) / 2 - 1 places next to each end.
     """
@@ -67,7 +67,7 @@ def through(x: Array, y: Array, degree: int) -> Spline:
 
 
 def hermite(x: Array, y: Array, slopes: Array) -> Spline:
-    """Give the piecewise cubic with values y (n,) and slopes (n,) at ascending x (n,)."""
+    """Return the piecewise cubic with values y (n,) and slopes (n,) at ascending x (n,)."""
     third = np.diff(x) / 3.0
     inner = np.column_stack([y[:-1] + third * slopes[:-1], y[1:] - third * slopes[1:]]).ravel()
     knots = np.concatenate([x[[0, 0]], np.repeat(x, 2), x[[-1, -1]]])
@@ -75,7 +75,7 @@ def hermite(x: Array, y: Array, slopes: Array) -> Spline:
 
 
 def _basis(knots: Array, degree: int, x: Array) -> tuple[NDArray[np.int_], Array]:
-    """Spans (m,) that places x (m,) lie in, and the values (m, degree + 1) of the B-splines that are not zero there."""
+    """Return the knot spans (m,) of x (m,) and the values (m, degree + 1) of the B-splines that are nonzero there."""
     last = len(knots) - degree - 2
     span = np.clip(np.searchsorted(knots, x, side="right") - 1, degree, last)
     values = np.ones((len(x), 1))
@@ -84,7 +84,7 @@ def _basis(knots: Array, degree: int, x: Array) -> tuple[NDArray[np.int_], Array
         left, right = knots[first], knots[first + k]
         shares = values / (right - left)
         nothing = np.zeros((len(x), 1))
-        # Each B-spline of the degree below gives one part to its left and one to its right neighbour.
+        # Each B-spline of the lower degree contributes to its left and its right neighbour.
         values = np.hstack([(right - x[:, None]) * shares, nothing])
         values[:, 1:] += (x[:, None] - left) * shares
     return span, values

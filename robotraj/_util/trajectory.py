@@ -126,5 +126,5 @@ class PiecewisePolynomial(OneLine):
         return PiecewisePolynomial(self.breaks, self.sites, values)
 
     def shifted(self, offset: float) -> PiecewisePolynomial:
-        """Give the same function ``offset`` seconds later."""
+        """Return the function delayed by ``offset`` [s]."""
         return PiecewisePolynomial(self.breaks + offset, self.sites, self.values)

@@ -1,4 +1,4 @@
-"""The Point: everything known at one instant, as every user expression sees it.
+"""The Point: the variables at one instant, the argument of every user expression.
 
 In the NLP a point holds CasADi symbols (this file), in the witness it holds numbers from plain Pinocchio
 (``robotraj.witness``). An expression written once is evaluated by both.
@@ -77,7 +77,7 @@ class ContactGraphs(ContactTerms, Protocol):
 
 
 class Point:
-    """What is known at one instant of a phase.
+    """The variables at one instant of a phase.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Point:
         States, algebraic variables, controls and parameters by name. At the ends of a phase (Mayer terms and
         links) only ``t``, ``x`` and ``p`` exist.
     extra : dict of str
-        Variables that the phase's objective brought along (``robotraj.problem.augmentation``), by name.
+        Variables that the phase's objective adds (``robotraj.problem.augmentation``), by name.
     """
 
     def __init__(self, t: Scalar, x: Named, z: Named, u: Named, p: Named) -> None:
@@ -106,9 +106,9 @@ class RobotPoint(Point):
     ----------
     robot : Robot
     symbolic : SymbolicModel or DesignedModel
-        Pinocchio's algorithms with the phase's design put in, where it has one.
+        Pinocchio's algorithms, with the phase's design if it has one.
     damping : array or column (nv,)
-        Viscous damping, the design's where it has one [N m s/rad, N s/m].
+        Viscous damping, of the design if there is one [N m s/rad, N s/m].
     q, v, a : column (nv,)
         Joint positions [rad, m], velocities and accelerations.
     tau : column (nu,)

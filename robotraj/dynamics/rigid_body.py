@@ -173,7 +173,7 @@ class RigidBody(OneLine):
         return ca.vertcat(ca.SX(0, 1), *quaternion, *hold(self.contacts, point))
 
     def correction(self, point: RobotPoint, c: ca.SX) -> ca.SX:
-        """Give W c: along the quaternion, and for contacts as ``holding.correct`` says."""
+        """Return W c: along the quaternion, and along the directions of ``holding.correct`` for contacts."""
         first = int(self._has_quaternion)
         if point.shares and not pinned(self.robot, self.contacts):
             corrected = sum((share.corrected for share in point.shares.values()), ca.SX.zeros(len(self.states)))

@@ -16,22 +16,22 @@ SOMEWHERE = 0.7
 
 
 def rows_of(what: str, function: Callable[..., object], *arguments: object) -> list[ca.SX]:
-    """Call a function that the user gave on symbols, and flatten what it returns.
+    """Call a user's function on symbols and flatten its result.
 
     Parameters
     ----------
     what : str
-        Whose function it is, for messages: ``"expression of constraint 'effort'"``.
+        Label of the function for messages: ``"expression of constraint 'effort'"``.
     function : callable
     *arguments
-        Points, or whatever of symbols the function takes.
+        Points or symbols, the function's arguments.
 
     Raises
     ------
     FailedExpression
-        The function raised anything but an error of robotraj.
+        The function raised an error that is not robotraj's.
     InputError
-        It returned something else than numbers and SX, or made NaN of a symbol, as ``math.sin`` does.
+        It returned other types than numbers and SX, or NaN for a symbol, as ``math.sin`` does.
     """
     rows = as_rows(called(what, function, *arguments), what)
     for i in _nan_somewhere(rows):
@@ -50,7 +50,7 @@ def as_rows(values: Any, what: str) -> list[ca.SX]:
         if isinstance(values, ca.SX | ca.DM | ca.MX):
             column = ca.SX(values)
             return [column[i] for i in range(column.numel())]
-        # NumPy's scalars have a ravel too, which gives themselves again.
+        # The ravel of a NumPy scalar returns an array of the scalar, without end.
         if isinstance(values, Sequence) or (hasattr(values, "ravel") and not isinstance(values, np.generic)):
             parts = values.ravel() if hasattr(values, "ravel") else values
             return [row for part in parts for row in as_rows(part, what)]

@@ -26,7 +26,7 @@ class Torques:
     Attributes
     ----------
     symbols : casadi.SX
-        r, (nv,): what stands for the torques in the outputs of a stage [N m, N].
+        r (nv,), which represents the torques in the outputs of a stage [N m, N].
     model : SymbolicModel
     arguments : casadi.SX
         q, w and a as one column, (nq + 2 nv,): configuration, velocity and acceleration as expressions of the stage's
@@ -39,7 +39,7 @@ class Torques:
 
     @property
     def tree(self) -> RigidTree:
-        """The robot as the compiled module reads it."""
+        """The robot in the format of the compiled module."""
         return _tree(self.model.text)
 
     def are_in(self, expression: ca.SX) -> bool:

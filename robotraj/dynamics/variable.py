@@ -33,7 +33,7 @@ class Variable:
     unit : str
         SI unit, ``""`` when unknown.
     quantity : str
-        What a person calls it: ``"position"``, ``"velocity"``, ``"effort"``, ``"state"`` ...
+        Physical quantity: ``"position"``, ``"velocity"``, ``"effort"``, ``"state"`` ...
     joint : str or None
         The joint it belongs to, if it belongs to one.
     """
@@ -55,7 +55,7 @@ class Named(Mapping[str, Any]):
     Parameters
     ----------
     kind : str
-        What the entries are, for the error message: ``"state"``, ``"control"`` ...
+        Kind of the entries, for messages: ``"state"``, ``"control"`` ...
     names : sequence of str
         One name an entry.
     values : indexable of len(names)

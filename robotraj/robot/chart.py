@@ -1,9 +1,9 @@
-"""Coordinates in which a robot's configurations can be joined by curves, also where its root floats.
+"""Coordinates in which configurations are interpolated, also those of a robot with a floating root.
 
-A floating root's quaternion cannot be interpolated entry by entry. It is written as the rotation vector from a first
-quaternion, so that y = (place in the world, rotation vector, joints) has as many entries as v, and a straight line in
-y is a straight line of the root's origin, a turn at one rate about one axis (slerp) and a straight line of the joints.
-Where the root does not float, y = q and nothing is converted.
+The quaternion of a floating root cannot be interpolated entry by entry. The chart represents it by the rotation vector
+from a base quaternion, so that y = (position, rotation vector, joints) has nv entries. A straight line in y moves the
+root's origin and the joints on straight lines and rotates the root about one axis at constant rate (slerp). Without a
+floating root y = q.
 
 Source: Sola, Deray and Atchuthan, A micro Lie theory for state estimation in robotics (2018), section IV.
 """
@@ -21,11 +21,11 @@ from robotraj.robot.tangent import PLACE, REST, TURN, conjugate, floats, product
 Array = npt.NDArray[np.float64]
 
 SMALL = 1e-6
-"""Angles [rad] below this are treated by the series of their functions."""
+"""Angles [rad] below are treated as zero."""
 STEP = 1e-5
 """Step of the central difference along the motion, for the rate of a Jacobian."""
 PITCH = np.array([0.0, 1.0, 0.0])
-"""Axis of a whole turn, which a quaternion and its negative leave open: a somersault."""
+"""Axis of a full turn between a quaternion and its negative, which do not determine it: a somersault."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,21 +35,21 @@ class Chart:
     Attributes
     ----------
     base : (4,) array or None
-        Quaternion from which turns are counted; None where the root does not float.
+        Base quaternion; None without a floating root.
     """
 
     base: Array | None
 
     @classmethod
     def around(cls, model: pin.Model, q: Array) -> Chart:
-        """Coordinates that count turns from configuration q (nq,)."""
+        """Return the chart whose base is configuration q (nq,)."""
         return cls(np.array(q[QUATERNION]) if floats(model) else None)
 
     def coordinates(self, keys: Array) -> Array:
-        """Coordinates (m, nv) of configurations (m, nq) passed one after another.
+        """Return the coordinates (m, nv) of consecutive configurations (m, nq).
 
-        A quaternion's sign counts: its negative is a full turn away. Of the turns that lead to a key the one nearest
-        to the key before is taken, so that several keys can tell of several turns.
+        A quaternion and its negative differ by a full turn. Of the rotation vectors of a quaternion the one nearest to
+        the previous configuration's is chosen, so that a sequence can represent several turns.
         """
         if self.base is None:
             return np.array(keys, dtype=float)
@@ -60,13 +60,13 @@ class Chart:
         return np.hstack([keys[:, PLACE], np.array(turns), keys[:, QUATERNION.stop :]])
 
     def positions(self, y: Array) -> Array:
-        """Give the configurations (m, nq) at coordinates (m, nv)."""
+        """Return the configurations (m, nq) at coordinates (m, nv)."""
         if self.base is None:
             return y
         return np.hstack([y[:, PLACE], product(self.base, _exponential(y[:, TURN])), y[:, REST]])
 
     def velocities(self, y: Array, rate: Array) -> Array:
-        """Give v (m, nv) of a motion with rates y' (m, nv) at y: the root's in its own axes."""
+        """Return v (m, nv) of a motion with rates y' (m, nv) at y; the root's velocities are in its own axes."""
         if self.base is None:
             return rate
         back = conjugate(self.positions(y)[:, QUATERNION])
@@ -74,7 +74,7 @@ class Chart:
         return np.hstack([rotated(back, rate[:, PLACE]), omega, rate[:, REST]])
 
     def accelerations(self, y: Array, rate: Array, second: Array) -> Array:
-        """Rates of v (m, nv) of a motion with y' and y'' (m, nv) at y."""
+        """Return a (m, nv), the rates of v, of a motion with y' and y'' (m, nv) at y."""
         if self.base is None:
             return second
         v, straight = self.velocities(y, rate), self.velocities(y, second)
@@ -84,7 +84,7 @@ class Chart:
         return np.hstack([place, straight[:, TURN] + bend, straight[:, REST]])
 
     def slopes(self, y: Array, v: Array) -> Array:
-        """Rates y' (nv,) at y that give the velocities v (nv,), as near as they can after a whole turn."""
+        """Return the rates y' (nv,) at y of velocities v (nv,), in the least-squares sense after a full turn."""
         if self.base is None:
             return v
         quaternion = self.positions(y[None])[0, QUATERNION]
@@ -93,13 +93,13 @@ class Chart:
 
 
 def way(model: pin.Model, first: Array, last: Array) -> Array:
-    """Coordinates (nv,) from one configuration (nq,) to another: what a straight line runs along."""
+    """Return the difference (nv,) of the coordinates of two configurations (nq,)."""
     start, end = Chart.around(model, first).coordinates(np.array([first, last]))
     return np.asarray(end - start)
 
 
 def _turn(quaternion: Array, before: Array) -> Array:
-    """Rotation vector [rad] of a quaternion, sign and all, nearest to ``before``: lifts are 4 pi apart."""
+    """Return the rotation vector [rad] of a signed quaternion nearest to ``before``; candidates are 4 pi apart."""
     size = np.linalg.norm(quaternion[:3])
     angle = 2.0 * np.arctan2(size, quaternion[3])
     if size > SMALL:

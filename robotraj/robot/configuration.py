@@ -12,7 +12,7 @@ from robotraj._util.errors import InputError, unknown_name
 Array = npt.NDArray[np.float64]
 
 UNIT = 1e-6
-"""Largest distance from 1 of the length of a quaternion that people write."""
+"""Largest distance of a quaternion's length from 1: numbers written with six digits."""
 
 
 def as_vector(value: npt.ArrayLike | Mapping[str, float], joints: Sequence[str], what: str, rest: Array) -> Array:
@@ -21,14 +21,14 @@ def as_vector(value: npt.ArrayLike | Mapping[str, float], joints: Sequence[str],
     Parameters
     ----------
     value : number, sequence, array or mapping by joint
-        A number stands for all joints; (n,), (n, 1) and (1, n) of any real type are taken; joints a mapping
-        does not name take their value from ``rest``.
+        A number applies to all joints. Arrays of shape (n,), (n, 1) and (1, n) of any real type are accepted. Joints
+        that a mapping does not name have the value of ``rest``.
     joints : sequence of str
         The moving joints, in order.
     what : str
-        What it is, for messages: ``"q"``.
+        Label for messages: ``"q"``.
     rest : (n,) array
-        Values for the joints that a mapping leaves out.
+        Values of joints that a mapping does not name.
 
     Raises
     ------
@@ -60,12 +60,12 @@ def as_vector(value: npt.ArrayLike | Mapping[str, float], joints: Sequence[str],
 
 
 def unit_quaternion(values: npt.ArrayLike, what: str) -> Array:
-    """Scale a quaternion (x, y, z, w) to length 1, if it has that length already but for the last digits.
+    """Return a quaternion (x, y, z, w) scaled to length 1, if its length is 1 up to rounding.
 
     Raises
     ------
     InputError
-        Its length is another: Pinocchio would take it silently, for something that is no rotation.
+        Its length is not 1: Pinocchio would use it without an error, and it is not a rotation.
     """
     quaternion = np.asarray(values, dtype=float)
     size = float(np.linalg.norm(quaternion))

@@ -1,4 +1,4 @@
-"""The limits of a robot's joints: copied from the model, overridden by the caller, judged one by one."""
+"""Limits of a robot's joints: read from the model, overridden by the caller, checked joint by joint."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robotraj.robot.root import ROOTS, root_of
 Array = npt.NDArray[np.float64]
 
 UNLIMITED = 1e20
-"""Magnitudes above this mean "no limit": Pinocchio writes 1.8e308, others 1e30."""
+"""Magnitudes above represent no limit: Pinocchio writes 1.8e308, other tools 1e30."""
 
 MAGNITUDES = ("velocity", "acceleration", "effort")
 QUANTITIES = ("position", *MAGNITUDES)
@@ -60,8 +60,8 @@ class Limits(OneLine):
     effort : (nv,) array
         abs(tau) <= effort [N m, N].
     free : int
-        So many entries come first that belong to the root; a number for all joints leaves them without limit. A
-        floating root has six, and no position limits: its positions are no angles.
+        Number of the root's entries, which come first. A limit for all joints does not apply to them. A floating root
+        has six entries and no position limits.
     """
 
     joints: tuple[str, ...]
@@ -83,7 +83,7 @@ class Limits(OneLine):
             object.__setattr__(self, name, given)
         if self._floating and np.any(np.isfinite(np.append(self.position_lower[:6], self.position_upper[:6]))):
             raise InputError(
-                "A floating root has no position limits among the joints': its positions are no angles. Bound them by "
+                "The limits bound positions of a floating root, which are no joint positions. Bound them by "
                 "name, with rt.constraints.JointPosition({'root_z': rt.between(0.1, 0.5)})."
             )
 
@@ -103,8 +103,8 @@ class Limits(OneLine):
     def of(cls, model: pin.Model, root: str = "fixed") -> Limits:
         """Copy the limits of a model whose joints have one position and one velocity each, but for the root's.
 
-        Where a model's lower velocity or effort limit is tighter than the upper one, the tighter holds both
-        ways. Pinocchio 4.1 writes lower velocity limits with the wrong sign; a lower limit that is not
+        If a model's lower velocity or effort limit is tighter than the upper one, it applies in both
+        directions. Pinocchio 4.1 writes lower velocity limits with the wrong sign; a lower limit that is not
         negative is ignored.
         """
         about = root_of(root)
@@ -129,7 +129,7 @@ class Limits(OneLine):
         acceleration: MagnitudeLimits | None = None,
         effort: MagnitudeLimits | None = None,
     ) -> Limits:
-        """Return limits with some replaced; what is not named stays.
+        """Return a copy with some limits replaced.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class Limits(OneLine):
         velocity, acceleration, effort : number, (nv,) array, mapping by joint, optional
             Largest magnitude [rad/s, m/s; rad/s^2, m/s^2; N m, N]; ``np.inf`` lifts the limit.
 
-        A number or a pair is for all joints; the root, where it moves, is limited by name alone.
+        A number or a pair applies to all joints, but to the root only by name.
 
         Raises
         ------
@@ -176,7 +176,7 @@ class Limits(OneLine):
         return self.with_(**changes)
 
     def complaints(self, actuated: Iterable[str] | None = None) -> tuple[str, ...]:
-        """Say which joints the limits lock or contradict: one sentence per joint, with what to do.
+        """Return a sentence for each joint that its limits lock or contradict, with the remedy.
 
         Parameters
         ----------

@@ -39,7 +39,7 @@ def load(
         Joints with a motor. Default: those the catalogue knows (acrobot: the elbow; cartpole: the slider),
         else all.
     locked : mapping, optional
-        Joints held at a value, ``{"wrist": 0.0}`` [rad, m]; they are no part of q and v any more.
+        Joints locked at a position, ``{"wrist": 0.0}`` [rad, m]; q and v do not contain them.
     root : str
         ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the plane y = 0 and turns about y;
         ``"floating"``: it moves freely, with a quaternion. Neither has motors, limits or damping; see ``Robot``. A
@@ -51,7 +51,7 @@ def load(
     Returns
     -------
     Robot
-        Frozen. ``print(robot)`` shows its joints, limits and what loading decided.
+        Frozen. ``print(robot)`` lists its joints, limits and the notes of loading.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def load(
     Notes
     -----
     Joints that the URDF couples by ``<mimic>`` are locked together with their leader, because Pinocchio's
-    forward dynamics has no coupled joints: ``locked={leader: value}`` says where. Rotor inertias are added
+    forward dynamics has no coupled joints: ``locked={leader: value}`` sets their position. Rotor inertias are added
     to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
     limits.
     """

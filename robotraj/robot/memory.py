@@ -1,4 +1,4 @@
-"""Values that are made once for every robot."""
+"""A cache of values by robot."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Value = TypeVar("Value")
 
 
 class PerRobot(Generic[Value]):
-    """Remembers values by robot and key, as long as the robot lives; no value may refer to its robot."""
+    """Caches values by robot and key for the lifetime of the robot; no value may refer to its robot."""
 
     def __init__(self) -> None:
         self._known: WeakKeyDictionary[Robot, dict[Hashable, Value]] = WeakKeyDictionary()

@@ -13,28 +13,28 @@ from robotraj._util.errors import InputError
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.surgery import angles
-from robotraj.robot.root import QUATERNION, in_plane, rooted
+from robotraj.robot.root import QUATERNION, in_plane, with_root
 
 Array = npt.NDArray[np.float64]
 
 REFERENCES = ("half_sitting", "standing", "default", "home", "neutral", "arm_up", "hanging")
-"""Names under which robots keep the configuration to start from, the first found is taken."""
+"""Names of reference configurations in order of preference."""
 
 
 def reference(model: pin.Model, srdf: Path | None, root: str = "fixed") -> tuple[Array, str]:
-    """Give the configuration to start from, as angles (nq,), and its name (empty for zeros).
+    """Return the neutral configuration as angles (nq,), and its name, which is empty for zeros.
 
     Parameters
     ----------
     model : pinocchio.Model
-        The model as read, continuous joints still with cosine and sine; read only.
+        The model as read, with cosine and sine of continuous joints; not changed.
     srdf : Path, optional
         Its ``<group_state>`` tags join the model's own reference configurations.
     root : str
-        How the robot stands. A reference that places the free-flyer ``root_joint`` places the planar root too.
+        The kind of root. A reference for the free-flyer ``root_joint`` is also used for a planar root.
     """
     # A model that is only read needs no copy.
-    copy = model if root == "fixed" and srdf is None else rooted(model, "fixed" if root == "fixed" else "floating")
+    copy = model if root == "fixed" and srdf is None else with_root(model, "fixed" if root == "fixed" else "floating")
     if srdf is not None:
         pin.loadReferenceConfigurations(copy, str(srdf), False)
     known = {entry.key(): np.array(entry.data()) for entry in copy.referenceConfigurations}
@@ -60,7 +60,7 @@ def inside(q: Array, limits: Limits) -> Array:
 def outside(q: Array, limits: Limits, units: Callable[[], Sequence[str]]) -> dict[str, str]:
     """Describe the joints outside their limits: ``{"elbow": "'elbow' at 0 rad, limits [0.5, 2] rad"}``.
 
-    ``units`` are asked for where there are any.
+    ``units`` is called only if there are any.
     """
     n = len(limits.joints)  # a floating root has one position more, and no limits
     low, high, at = limits.position_lower, limits.position_upper, q[-n:]

@@ -60,18 +60,18 @@ class Robot:
     friction : (nv,) array
         Coulomb friction [N m, N].
     neutral : (nq,) array
-        A configuration to start from, inside the position limits [rad, m]; the root is at the origin unless the
+        A configuration inside the position limits [rad, m]; the root is at the origin unless the
         SRDF's reference places it.
     friction_speed : float
         Speed at which the smoothed friction reaches 76 % of its value [rad/s, m/s].
     geometry : Geometry
-        Where the shapes come from.
+        Source of the shapes.
     origin : str
-        Where the robot comes from, for people.
+        Source of the robot, for printing.
     end_effector : str or None
         The frame whose path is worth drawing, where known.
     notes : tuple of str
-        What loading decided: mimic joints, rotors, damping, a neutral configuration outside the limits.
+        Decisions and findings of loading, such as locked mimic joints, rotors, impossible inertias.
     root : str
         ``"fixed"``, ``"planar"`` or ``"floating"``.
     """
@@ -145,7 +145,7 @@ class Robot:
         return (*self.notes, *self.limits.complaints(self.actuated))
 
     def __getstate__(self) -> dict[str, object]:
-        """Pickle the fields only: meshes and compiled functions are made again where they are wanted."""
+        """Pickle the fields only; meshes and functions are built again on use."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     @property
@@ -192,7 +192,7 @@ class Robot:
 
     @cached_property
     def units(self) -> tuple[str, ...]:
-        """``"rad"`` or ``"m"``: what each entry of v moves along, per second; the unit of a plain joint's position."""
+        """``"rad"`` or ``"m"``: units of the entries of v times seconds, and of the positions of joints."""
         return units(self.model, self.root)
 
     @cached_property
@@ -212,18 +212,18 @@ class Robot:
 
     @cached_property
     def visual_model(self) -> pin.GeometryModel:
-        """Shapes to look at, read when first asked for; a missing mesh is left out with a warning."""
+        """Visual shapes, read on first use; missing and unreadable meshes are skipped with a warning."""
         return self.geometry.build(self.model, pin.GeometryType.VISUAL)
 
     @cached_property
     def collision_model(self) -> pin.GeometryModel:
-        """Shapes for collision checks, read when first asked for, as ``visual_model``."""
+        """Collision shapes, read on first use as those of ``visual_model``."""
         return self.geometry.build(self.model, pin.GeometryType.COLLISION)
 
     @cached_property
     def symbolic(self) -> SymbolicModel:
         """Pinocchio's algorithms on the planning model as CasADi functions."""
-        from robotraj.symbolic import SymbolicModel  # loads the compiled module: only where it is wanted
+        from robotraj.symbolic import SymbolicModel  # imported on use: it loads the compiled module
 
         return SymbolicModel(self.model)
 
@@ -256,7 +256,7 @@ class Robot:
     def configuration(self, value: npt.ArrayLike | Mapping[str, float], what: str = "q") -> Array:
         """Coerce to an (nq,) float array: from a list, (n, 1), float32, a number for all, or a dict by name.
 
-        Entries that a dict leaves out are neutral. The quaternion of a floating root must have length 1.
+        Entries missing in a dict are neutral. The quaternion of a floating root must have length 1.
 
         Raises
         ------
@@ -270,7 +270,7 @@ class Robot:
         return q
 
     def velocity(self, value: npt.ArrayLike | Mapping[str, float], what: str = "v") -> Array:
-        """Coerce to an (nv,) float array, as ``configuration`` does; what a dict leaves out is 0.
+        """Coerce to an (nv,) float array, as ``configuration`` does; entries missing in a dict are 0.
 
         Raises
         ------
@@ -280,7 +280,7 @@ class Robot:
         return as_vector(value, self.velocity_names, what, np.zeros(self.nv))
 
     def dissipation(self, v: npt.ArrayLike) -> Array:
-        """Torque that damping and smoothed Coulomb friction take away, (nv,) [N m, N].
+        """Return the torque of damping and smoothed Coulomb friction (nv,) [N m, N].
 
         d(v) = damping v + friction tanh(v / friction_speed), subtracted from B tau.
         """

@@ -1,4 +1,4 @@
-"""The root of a robot: fixed in the world, moving in the plane y = 0, or flying free.
+"""The root of a robot: fixed, moving in the plane y = 0, or floating.
 
 Planar: three plain joints before the URDF's root link, along world x, along world z, then about +y. Floating:
 Pinocchio's free-flyer, whose position is that of the root link's origin in the world and its quaternion (x, y, z,
@@ -16,7 +16,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
-from robotraj.robot.loading.surgery import flies, rebuilt
+from robotraj.robot.loading.surgery import has_free_flyer, rebuilt
 
 Array = npt.NDArray[np.float64]
 
@@ -34,7 +34,7 @@ class Root:
     position_units : tuple of str
         Units of the positions; a quaternion has none.
     units : tuple of str
-        ``"m"`` or ``"rad"``: what each velocity moves along, per second.
+        ``"m"`` or ``"rad"``: units of the velocities times seconds.
     """
 
     joints: tuple[str, ...] = ()
@@ -59,36 +59,36 @@ ROOTS = {
 }
 
 QUATERNION = slice(3, 7)
-"""Where q of a floating root holds the quaternion."""
+"""Entries of the quaternion in q of a floating root."""
 
 
 def root_of(name: str) -> Root:
-    """Look a root up.
+    """Return the root of a name.
 
     Raises
     ------
     UnknownName
-        Lists the roots there are.
+        There is no such root; lists the names.
     """
     if name not in ROOTS:
         raise unknown_name("root", name, ROOTS, "Plan with root='fixed', 'planar' or 'floating'.")
     return ROOTS[name]
 
 
-def rooted(model: pin.Model, root: str) -> pin.Model:
-    """Copy a model with the joints of the root before its root link, which carry all that was fixed in the world.
+def with_root(model: pin.Model, root: str) -> pin.Model:
+    """Return a copy with the joints of the root before its root link; they move the bodies that were fixed.
 
     Reference configurations of the model are kept, with the root at the origin. A model that starts with a free-flyer
-    has its root already: it stays, named ``root_joint``. The position limits that the model itself has for its root
-    are 1 m and half a turn either way, so that ``pin.randomConfiguration`` is finite; ``Limits`` has none.
+    keeps it under the name ``root_joint``. The model's position limits of the root are 1 m and half a turn in both
+    directions, so that ``pin.randomConfiguration`` is finite; ``Limits`` contains none.
 
     Raises
     ------
     InputError
-        The model starts with a free-flyer, and another root is asked for; or names of the root are taken.
+        The model starts with a free-flyer, and ``root`` is another; or joints or frames have names of the root.
     """
     about = root_of(root)
-    if flies(model):
+    if has_free_flyer(model):
         return _near(_named(model, root), about)
     copy = model.copy()
     if root == "fixed":
@@ -102,7 +102,7 @@ def rooted(model: pin.Model, root: str) -> pin.Model:
 
 
 def in_plane(q: Array) -> Array:
-    """Give root_x, root_z and root_pitch of a floating root's seven positions [m, m, rad].
+    """Return root_x, root_z and root_pitch of a floating root's seven positions [m, m, rad].
 
     The pitch is that of the rotation about y nearest to the quaternion's.
     """
@@ -112,7 +112,7 @@ def in_plane(q: Array) -> Array:
 
 
 def carried(shapes: pin.GeometryModel, before: int) -> pin.GeometryModel:
-    """Copy shapes of a model for the same model with ``before`` joints put before its root link."""
+    """Return a copy of shapes for their model with ``before`` more joints before its root link."""
     copy = shapes.copy()
     for shape in copy.geometryObjects:
         shape.parentJoint += before
@@ -135,7 +135,7 @@ def _joints(root: str) -> Sequence[pin.JointModel]:
 
 
 def _named(model: pin.Model, root: str) -> pin.Model:
-    """Copy a model that flies already, its free-flyer named as robotraj names it."""
+    """Return a copy of a model with a free-flyer, whose joint and frame get the names of the root."""
     own = model.names[1]
     if root != "floating":
         raise InputError(
@@ -153,7 +153,7 @@ def _named(model: pin.Model, root: str) -> pin.Model:
 
 
 def _check_names(model: pin.Model, about: Root, root: str, own: str | None = None) -> None:
-    """Refuse a model whose joints or frames are named like the root's."""
+    """Check that no joint or frame of the model has a name of the root."""
     known = {*model.names, *(frame.name for frame in model.frames)} - {own}
     taken = [name for name in dict.fromkeys((*about.joints, *about.positions, *about.velocities)) if name in known]
     if taken:

@@ -1,8 +1,8 @@
-"""Positions and velocities of a robot whose root may float, in numbers: q' is no v where q holds a quaternion.
+"""Numeric positions and velocities of a robot whose root may float; q' differs from v if q contains a quaternion.
 
 The root comes first: q starts with the origin of the root link in the world and the quaternion (x, y, z, w) of its
-axes, v with its linear and angular velocity in its own axes (Pinocchio's free-flyer). All else has one position and
-one velocity each. Without a floating root everything here is what it is for vectors.
+axes, v with its linear and angular velocity in its own axes (Pinocchio's free-flyer). Every other joint has one
+position and one velocity. Without a floating root the functions are those of vectors: q' = v.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from robotraj.robot.root import QUATERNION
 Array = npt.NDArray[np.float64]
 
 PLACE, TURN, REST = slice(0, 3), slice(3, 6), slice(6, None)
-"""Where v holds the root's linear velocity, its angular velocity and all else."""
+"""Entries of v: the root's linear velocity, its angular velocity, and the joints."""
 
 
 def floats(model: pin.Model) -> bool:
-    """Whether the root floats, so that nq = nv + 1."""
+    """Whether the root floats: nq = nv + 1."""
     return bool(model.nq > model.nv)
 
 
@@ -34,9 +34,9 @@ def normalised(model: pin.Model, q: npt.ArrayLike) -> Array:
 
 
 def rates(model: pin.Model, q: npt.ArrayLike, v: npt.ArrayLike) -> Array:
-    """Give q' (..., nq) of velocities v (..., nv) at configurations q (..., nq).
+    """Return q' (..., nq) of velocities v (..., nv) at configurations q (..., nq).
 
-    p' = R(quaternion) v and quaternion' = quaternion * (omega, 0) / 2 for the root, v for all else.
+    p' = R(quaternion) v and quaternion' = quaternion * (omega, 0) / 2 for the root, v for the joints.
     """
     v = np.asarray(v, dtype=float)
     if not floats(model):
@@ -54,7 +54,7 @@ def rate_matrix(model: pin.Model, q: Array) -> Array:
         return np.eye(model.nv)
     matrix = np.zeros((model.nq, model.nv))
     matrix[QUATERNION.stop :, REST] = np.eye(model.nv - TURN.stop)
-    # Numbers by themselves: for one configuration that takes a tenth of the time of products of small arrays.
+    # Scalars: for one configuration they take a tenth of the time of products of small arrays.
     x, y, z, w = q[QUATERNION].tolist()
     twice = 2.0 / (x * x + y * y + z * z + w * w)
     matrix[PLACE, PLACE] = [
@@ -68,9 +68,9 @@ def rate_matrix(model: pin.Model, q: Array) -> Array:
 
 
 def velocities(model: pin.Model, q: npt.ArrayLike, rate: npt.ArrayLike) -> Array:
-    """Give v (..., nv) that moves configurations q (..., nq) at q' (..., nq): the inverse of ``rates``.
+    """Return v (..., nv) that moves configurations q (..., nq) at q' (..., nq): the inverse of ``rates``.
 
-    What of a quaternion's rate would change its length is left out.
+    The component of a quaternion's rate that changes its length is ignored.
     """
     rate = np.asarray(rate, dtype=float)
     if not floats(model):
@@ -101,12 +101,12 @@ def product(a: Array, b: Array) -> Array:
 
 
 def conjugate(a: Array) -> Array:
-    """Give the quaternion that turns back, (..., 4)."""
+    """Return the conjugates of quaternions (..., 4): the inverse rotations."""
     return a * np.array([-1.0, -1.0, -1.0, 1.0])
 
 
 def rotated(quaternion: Array, vector: Array) -> Array:
-    """Turn vectors (..., 3) by unit quaternions (..., 4)."""
+    """Return vectors (..., 3) rotated by unit quaternions (..., 4)."""
     axis, w = quaternion[..., :3], quaternion[..., 3:]
     across = 2.0 * np.cross(axis, vector)
     return np.asarray(vector + w * across + np.cross(axis, across))

@@ -77,7 +77,7 @@ def test_rows_and_columns_are_taken_in_any_order(shape: tuple[int, int, int]) ->
     same(pair.ours[mask], pair.theirs[mask])
     same(csr_array(pair.ours.tocsc()[:, taken]), scipy.sparse.csr_array(pair.theirs.tocsc()[:, taken]))
     same(vstack([pair.ours, pair.ours[which]]), scipy.sparse.vstack([pair.theirs, pair.theirs[which]]).tocsr())
-    with pytest.raises(ValueError, match="taken whole"):
+    with pytest.raises(ValueError, match="whole columns"):
         pair.ours.tocsc()[1:, taken]
 
 
@@ -91,7 +91,7 @@ def test_a_copy_grows_alone(shape: tuple[int, int, int]) -> None:
     theirs.resize((rows + 2, columns + 3))
     same(grown, theirs)
     assert pair.ours.shape == (rows, columns)
-    with pytest.raises(ValueError, match="cannot shrink"):
+    with pytest.raises(ValueError, match="can only grow"):
         grown.resize((rows, columns))
 
 

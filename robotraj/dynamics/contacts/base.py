@@ -1,4 +1,4 @@
-"""The base classes of contacts: a contact names a frame; bound to a robot, it gives held rows and contact forces."""
+"""The base classes of contacts: a contact names a frame; its bound form has the held rows and the forces."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class LimitRow:
 
 
 class Contact(OneLine, ABC):
-    """A place where the ground or another body of the robot holds it. A new kind is one class and its bound form."""
+    """A constraint between the robot and the ground or another body. A new kind is one class and its bound form."""
 
     @property
     @abstractmethod
@@ -188,14 +188,14 @@ def spread(values: Sequence[Scalar], axes: Sequence[int]) -> list[Scalar]:
 
 
 def label_of(name: str | None, frame: str) -> str:
-    """Return the name given, or the frame's."""
+    """Return the name, or the frame's if there is none."""
     return frame if name is None else name
 
 
 def checked_name(name: object, who: str) -> None:
-    """Refuse a name that is not a string or is empty."""
+    """Check that a name is a nonempty string or None."""
     if name is not None and (not isinstance(name, str) or not name):
-        raise InputError(f"The name of {who} is {name!r}; give some text, or leave it out for the frame's name.")
+        raise InputError(f"The name of {who} is {name!r}; give some text, or None for the frame's name.")
 
 
 def positive(value: object, what: str, unit: str) -> float:

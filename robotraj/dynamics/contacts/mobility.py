@@ -36,7 +36,7 @@ def mobility(robot: Robot, jacobian: Callable[[Array], Array]) -> tuple[tuple[in
     ----------
     robot : Robot
     jacobian : callable
-        ``jacobian(q)`` gives linear and angular velocity per joint velocity, (6, nv), world axes.
+        ``jacobian(q)`` returns the linear and angular velocity per joint velocity (6, nv), world axes.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def mobility(robot: Robot, jacobian: Callable[[Array], Array]) -> tuple[tuple[in
 
 
 def require_plane(robot: Robot, frame: str, axes: tuple[int, ...], about: tuple[int, ...] = (1,)) -> None:
-    """Refuse a contact whose frame leaves the plane of a robot with a planar root."""
+    """Raise an error if a contact's frame leaves the plane of a robot with a planar root."""
     if robot.root == "planar" and (1 in axes or any(axis != 1 for axis in about)):
         raise InputError(
             f"Frame {frame!r} of {robot.name!r} leaves the x-z plane of root='planar', so no contact can hold it. "
@@ -61,7 +61,7 @@ def require_plane(robot: Robot, frame: str, axes: tuple[int, ...], about: tuple[
 
 
 def require_rank(robot: Robot, rows: Callable[[Array], Array], count: int, who: str) -> None:
-    """Refuse rows that are linearly dependent in every configuration: their forces would not be determined."""
+    """Raise an error if rows are linearly dependent in every configuration, where forces are not unique."""
     rank = max(int(np.linalg.matrix_rank(rows(q), tol=NEGLIGIBLE)) for q in configurations(robot))
     if rank < count:
         raise InputError(

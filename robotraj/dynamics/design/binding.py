@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A robot whose masses, lengths, loads or damping are parameters.
+    """A robot whose masses, lengths, payloads or damping are parameters.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Design:
     Raises
     ------
     InputError
-        Something else than a quantity, an unknown body, frame or joint, two parameters for one number.
+        A value is not a quantity, a body, frame or joint is unknown, or two parameters set one quantity.
     """
 
     robot: Robot
@@ -58,7 +58,7 @@ class Design:
 
     @property
     def entries(self) -> tuple[tuple[str, Quantity], ...]:
-        """Parameter and quantity, pair by pair."""
+        """Pairs of a parameter's name and a quantity."""
         return tuple(
             (name, one)
             for name, given in self.quantities.items()
@@ -66,7 +66,7 @@ class Design:
         )
 
     def check(self, names: Sequence[str], lower: Iterable[float]) -> None:
-        """Check that every quantity has its parameter, and that no bound allows values without meaning.
+        """Check that the phase has every parameter and that its bounds exclude impossible values.
 
         Raises
         ------
@@ -89,7 +89,7 @@ class Design:
         return ", ".join(q.label for q in mine), mine[0].unit(self.robot) if mine else ""
 
     def bodies(self, values: Mapping[str, Scalar]) -> Bodies:
-        """Give the bodies with the parameters' values, symbols or numbers, written in."""
+        """Return the bodies for values of the parameters, symbols or numbers."""
         bodies = Bodies(self.robot)
         for name, quantity in sorted(self.entries, key=lambda entry: entry[1].after_others):
             quantity.write(bodies, values[name])
@@ -97,18 +97,18 @@ class Design:
 
     @cached_property
     def _parametric(self) -> SymbolicModel:
-        from robotraj.symbolic import SymbolicModel  # loads the compiled module: only where it is wanted
+        from robotraj.symbolic import SymbolicModel  # imported on use: it loads the compiled module
 
         return SymbolicModel(self.robot.model, parametric=True)
 
     def model(self, bodies: Bodies) -> DesignedModel:
-        """Pinocchio's algorithms on the bodies, as expressions of their symbols."""
+        """Return Pinocchio's algorithms for bodies that depend on symbols."""
         return DesignedModel(self._parametric, bodies)
 
     def realise(self, values: Mapping[str, float]) -> Robot:
-        """Copy the robot with the values of the parameters written into its model, as plain numbers.
+        """Return a copy of the robot whose model has the quantities at given values of the parameters.
 
-        Inertias, joint and frame placements and damping change; limits, names and shapes are the robot's own.
+        Inertias, joint placements, frame placements and damping change. Limits, names and shapes stay.
         """
         bodies = self.bodies({name: float(values[name]) for name, _ in self.entries})
         model = self.robot.model.copy()

@@ -1,4 +1,4 @@
-"""A robot's bodies while a design is written in: mass moments, placements, damping; symbols or numbers."""
+"""Mass moments, placements and damping of a robot's bodies, which the quantities of a design replace."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class Body:
 
 
 class Bodies:
-    """The bodies of a robot, changed step by step; numbers that no design touches stay the model's own.
+    """The bodies of a robot, which quantities change one after another; other numbers are the model's.
 
-    A body is everything that moves rigidly with one joint. Indices are Pinocchio's: joint 0 is the world.
+    A body consists of all links that move rigidly with one joint. Indices are Pinocchio's: joint 0 is the world.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Bodies:
         return self._bodies[joint]
 
     def set_body(self, joint: int, body: Body) -> None:
-        """Give a joint's body other moments."""
+        """Replace the moments of a joint's body."""
         self._bodies[joint] = body
 
     def joint_translation(self, joint: int) -> ca.SX:
@@ -88,7 +88,7 @@ class Bodies:
         self._frames[frame] = translation
 
     def set_damping(self, index: int, damping: Scalar) -> None:
-        """Give the joint at ``index`` of v another viscous damping [N m s/rad, N s/m]."""
+        """Replace the viscous damping of the joint at ``index`` of v [N m s/rad, N s/m]."""
         self._damping[index] = damping
 
     @property

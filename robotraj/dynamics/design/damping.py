@@ -34,13 +34,13 @@ class JointDamping(Quantity):
         return self.joint
 
     def unit(self, robot: Robot) -> str:
-        """Newton metre seconds a radian, or newton seconds a metre."""
+        """N m s/rad for a revolute joint, N s/m for a prismatic one."""
         return DAMPING_UNITS[robot.units[robot.joint(self.joint)]]
 
     def check(self, robot: Robot) -> tuple[object, ...]:
-        """Refuse unknown joints."""
+        """Check that the joint exists."""
         return JointDamping, robot.joint(self.joint)
 
     def write(self, bodies: Bodies, value: Scalar) -> None:
-        """Replace the URDF's damping."""
+        """Replace the damping of the URDF."""
         bodies.set_damping(bodies.robot.joint(self.joint), value)

@@ -19,30 +19,33 @@ if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
 SHORTEST = 1e-6
-"""Below this distance [m] from the joint a tip gives no direction to stretch along."""
+"""Smallest length [m] that can be scaled."""
 
 
 @dataclass(frozen=True)
 class LinkLength(Quantity):
-    """The parameter L is the length [m] of the body behind a joint; the body is stretched along one direction.
+    """The parameter L is the length [m] of the body that a joint moves; the body is scaled along one direction.
 
-    The length runs from the joint's origin to the tip, or is only the part of that along a direction. With e
-    the unit vector of the direction, L0 = e'r_tip the URDF's length and S = 1 + (L/L0 - 1) e e', every point
-    r of the body moves to S r: origins of its child joints and frames, and its centre of mass. The mass is
-    kept; with P = int r r' dm about the joint's origin, h = S h0, P = S P0 S and I = tr(P) 1 - P. The inertia
-    of a slender link across its length so grows with (L/L0)^2, along its length nothing changes. Rotations of
-    frames and joints stay as they are.
+    The length is the distance from the joint's origin to the tip along a direction with unit vector e. With the
+    length L0 = e'r_tip of the URDF and S = 1 + (L/L0 - 1) e e', a point r of the body moves to S r. This applies to the
+    origins of child joints and frames and to the centre of mass. The mass is constant. With the second moment
+    P = int r r' dm about the joint's origin,
+
+        h = S h0,    P = S P0 S,    I = tr(P) 1 - P.
+
+    The inertia of a slender link about an axis at right angles to e is proportional to L^2. Rotations of frames and
+    joints do not change.
 
     Parameters
     ----------
     joint : str
         The joint that moves the body.
     tip : str, optional
-        Where the length ends: a child joint, or a frame on the body. By default the only child joint, or,
-        of a last link, the frame farthest from the joint.
+        End of the length: a child joint, or a frame on the body. Default: the only child joint; for the last body of
+        a chain, the frame farthest from the joint.
     along : (float, float, float), optional
-        Direction in the joint's frame. By default from the joint to the tip; with an elbow that is set off
-        sideways, the direction of the link itself.
+        e, in the joint's frame. Default: from the joint to the tip. Set it where the tip is offset sideways from the
+        link's own direction.
     """
 
     joint: str
@@ -56,16 +59,16 @@ class LinkLength(Quantity):
         return self.joint
 
     def unit(self, robot: Robot) -> str:
-        """Metres."""
+        """Metre."""
         return "m"
 
     def check(self, robot: Robot) -> tuple[object, ...]:
-        """Refuse joints and tips that are unknown or leave the direction open."""
+        """Check that the joint and the tip exist and determine a direction."""
         self.original(robot)
         return LinkLength, joint_id(robot, self.joint)
 
     def check_lower(self, name: str, lower: float) -> None:
-        """Lengths are above 0."""
+        """Check that the lower bound of a length is positive."""
         if not lower > 0:
             raise InputError(
                 f"Parameter {name!r} is the {self.label} and may be as low as {lower:g} m; "
@@ -73,13 +76,13 @@ class LinkLength(Quantity):
             )
 
     def original(self, robot: Robot) -> tuple[float, npt.NDArray[np.float64]]:
-        """Give the URDF's length [m] and the unit vector (3,) of its direction in the joint's frame.
+        """Return the length of the URDF [m] and its unit vector (3,) in the joint's frame.
 
         Raises
         ------
         InputError
-            The joint or the tip is unknown, the tip is not on the body or no distance away, or the body has
-            several child joints and no tip is named.
+            The joint or the tip is unknown, the tip is on another body or at the joint's origin, or the body has
+            several child joints and no tip is given.
         """
         model, joint = robot.model, joint_id(robot, self.joint)
         children = {model.names[i]: model.jointPlacements[i].translation for i in _children(robot, joint)}
@@ -91,7 +94,7 @@ class LinkLength(Quantity):
         elif len(children) > 1:
             raise InputError(
                 f"rt.design.LinkLength: joint {self.joint!r} carries several joints ({', '.join(children)}); "
-                f"say where its length ends: rt.design.LinkLength({self.joint!r}, tip={next(iter(children))!r})."
+                f"choose one as the tip: rt.design.LinkLength({self.joint!r}, tip={next(iter(children))!r})."
             )
         else:
             tip = max((children or frames).values(), key=lambda r: float(np.linalg.norm(r)), default=np.zeros(3))
@@ -111,7 +114,7 @@ class LinkLength(Quantity):
         return abs(length), direction / norm
 
     def write(self, bodies: Bodies, value: Scalar) -> None:
-        """Move every point r of the body to S r."""
+        """Scale the body: every point r moves to S r."""
         robot, joint = bodies.robot, joint_id(bodies.robot, self.joint)
         length, direction = self.original(robot)
         along = np.outer(direction, direction)
@@ -127,7 +130,7 @@ class LinkLength(Quantity):
 
 
 def joint_id(robot: Robot, name: str) -> int:
-    """Pinocchio's index of a moving joint.
+    """Return Pinocchio's index of a moving joint.
 
     Raises
     ------

@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BodyMass(Quantity):
-    """The parameter m is the mass of a body [kg]; its shape stays, its density changes.
+    """The parameter m is the mass of a body [kg]; its density is scaled.
 
-    With m0 the URDF's mass: h = (m/m0) h0 and I = (m/m0) I0 about every point, so the centre of mass stays.
+    With m0 the URDF's mass: h = (m/m0) h0 and I = (m/m0) I0 about any point. The centre of mass does not move.
 
     Parameters
     ----------
     body : str
-        A link, or the joint that moves it. The body is everything that moves rigidly with that joint, links
-        behind fixed or locked joints included.
+        A link, or the joint that moves it. The body consists of all links that move rigidly with that joint, also
+        those attached by fixed or locked joints.
     """
 
     body: str
@@ -40,11 +40,11 @@ class BodyMass(Quantity):
         return "kg"
 
     def check(self, robot: Robot) -> tuple[object, ...]:
-        """Refuse bodies that do not move or have no mass to scale."""
+        """Check that the body moves and has a mass."""
         joint = body_of_name(robot, self.body, "rt.design.BodyMass")
         if not robot.model.inertias[joint].mass > 0:
             raise InputError(
-                f"rt.design.BodyMass: body {self.body!r} has no mass in the URDF, so no shape to scale; "
+                f"rt.design.BodyMass: body {self.body!r} has no mass in the URDF that could be scaled; "
                 "add one with rt.design.Payload(frame)."
             )
         return BodyMass, joint

@@ -1,4 +1,4 @@
-"""Pinocchio's algorithms on a robot whose design is known as symbols."""
+"""Pinocchio's algorithms with the symbols of a design in place of the model's inertias and lengths."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ EXPRESSIONS = (
 
 
 class DesignedModel:
-    """Reads like a ``SymbolicModel``, attribute by attribute, with a design's inertias and lengths put in.
+    """A ``SymbolicModel`` whose inertias and lengths are those of a design.
 
-    Each attribute is called with the inputs of the ``SymbolicModel``'s function of the same name and gives
-    its outputs, as expressions of the inputs and of the parameters in the bodies.
+    Each attribute is a function with the inputs and outputs of the ``SymbolicModel``'s function of the same name. The
+    outputs are expressions of the inputs and of the parameters in the bodies.
 
     Parameters
     ----------
     symbolic : SymbolicModel
-        Of the robot's model, parametric.
+        Functions of the robot's model, with inertias and translations as inputs.
     bodies : Bodies
     """
 
@@ -53,7 +53,7 @@ class DesignedModel:
 
     @property
     def mass(self) -> ca.SX:
-        """Mass of all bodies that move [kg]."""
+        """Mass of all moving bodies [kg]."""
         return ca.sum2(self._inputs[0][0, 1:])
 
     def __getattr__(self, name: str) -> Call:
@@ -62,7 +62,7 @@ class DesignedModel:
         return self._with_design(getattr(self._symbolic, name))
 
     def frame_placement(self, frame: str) -> Call:
-        """``(q) -> (position, rotation)``: of the frame in the world."""
+        """``(q) -> (position, rotation)`` of the frame in world axes."""
         placement = self._with_design(self._symbolic.frame_placement(frame))
         if frame not in self._shifts:
             return placement
@@ -74,7 +74,7 @@ class DesignedModel:
         return shifted
 
     def frame_velocity(self, frame: str) -> Call:
-        """``(q, v) -> (velocity)``: linear, angular, local-world-aligned; w x d is the shift's part."""
+        """``(q, v) -> (velocity)``: linear then angular, local-world-aligned. A shift d of the frame adds w x d."""
         velocity = self._with_design(self._symbolic.frame_velocity(frame))
         if frame not in self._shifts:
             return velocity
@@ -86,7 +86,7 @@ class DesignedModel:
         return shifted
 
     def frame_acceleration(self, frame: str) -> Call:
-        """``(q, v, a) -> (acceleration)``: classical; the shift's part is dw/dt x d + w x (w x d)."""
+        """``(q, v, a) -> (acceleration)``: classical. A shift d adds dw/dt x d + w x (w x d)."""
         acceleration = self._with_design(self._symbolic.frame_acceleration(frame))
         if frame not in self._shifts:
             return acceleration
@@ -100,7 +100,7 @@ class DesignedModel:
         return shifted
 
     def frame_jacobian(self, frame: str) -> Call:
-        """``(q) -> (J)``: 6 x nv, local-world-aligned; rows of the shift are -[d]x times the angular ones."""
+        """``(q) -> (J)``: 6 x nv, local-world-aligned. A shift d adds -[d]x times the angular rows."""
         jacobian = self._with_design(self._symbolic.frame_jacobian(frame))
         if frame not in self._shifts:
             return jacobian
@@ -115,7 +115,7 @@ class DesignedModel:
         return lambda *arguments: function(*arguments, *self._inputs)
 
     def _shift(self, frame: str, rotation: ca.SX) -> ca.SX:
-        """From where the model has the frame to where the design has it, in the world's axes (3,) [m]."""
+        """Displacement of the frame from the model to the design, in world axes (3,) [m]."""
         on_joint, shift = self._shifts[frame]
         return ca.mtimes([rotation, on_joint.T, shift])
 

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 class Payload(Quantity):
     """The parameter m is a point mass [kg] at the origin of a frame, in addition to the body's mass.
 
-    With r the frame's origin in its joint's frame: the body's mass grows by m, h by m r and its inertia
-    about the joint's origin by m (r'r 1 - r r'). On a stretched body r is where the frame then is.
+    With r the frame's origin in its joint's frame, the payload adds m to the body's mass, m r to its first moment h
+    and m (r'r 1 - r r') to its inertia about the joint's origin. On a body with a ``LinkLength`` r is scaled as well.
 
     Parameters
     ----------
     frame : str
-        The frame that carries it, of a body that moves.
+        The frame, on a moving body.
     """
 
     frame: str
@@ -42,7 +42,7 @@ class Payload(Quantity):
         return "kg"
 
     def check(self, robot: Robot) -> tuple[object, ...]:
-        """Refuse frames that do not move; several payloads may hang at one frame."""
+        """Check that the frame moves; a frame may carry several payloads."""
         robot.frame(self.frame)
         body_of_name(robot, self.frame, "rt.design.Payload")
         return ()

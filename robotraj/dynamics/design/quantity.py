@@ -20,9 +20,9 @@ class Quantity(OneLine, ABC):
     Attributes
     ----------
     what : str
-        What it is, for people: ``"mass of body"``.
+        Label for messages: ``"mass of body"``.
     after_others : bool
-        Whether it is written in after the others: a payload keeps its mass when its body's is set.
+        Whether it is applied after the other quantities. A payload is added to a body whose mass is a parameter.
     """
 
     what: str
@@ -31,11 +31,11 @@ class Quantity(OneLine, ABC):
     @property
     @abstractmethod
     def whose(self) -> str:
-        """Name of the joint, link or frame it belongs to."""
+        """Name of its joint, link or frame."""
 
     @property
     def label(self) -> str:
-        """What and whose: ``mass of body 'forearm'``."""
+        """Label with the name: ``mass of body 'forearm'``."""
         return f"{self.what} {self.whose!r}"
 
     @abstractmethod
@@ -44,12 +44,12 @@ class Quantity(OneLine, ABC):
 
     @abstractmethod
     def check(self, robot: Robot) -> tuple[object, ...]:
-        """Check it against the robot; return a key that two quantities of one phase may not share, or ().
+        """Check names against the robot and return a key; two quantities of one phase must not have equal keys, but ().
 
         Raises
         ------
         InputError
-            The robot has no such body, frame or joint, or this one cannot be changed this way.
+            The robot has no such body, frame or joint, or the quantity of this one cannot change.
         """
 
     @abstractmethod
@@ -57,12 +57,12 @@ class Quantity(OneLine, ABC):
         """Write the value, a symbol or a number, into the bodies."""
 
     def check_lower(self, name: str, lower: float) -> None:
-        """Refuse a parameter ``name`` whose lower bound allows values without meaning (below 0).
+        """Check that the lower bound of a parameter excludes negative values.
 
         Raises
         ------
         InputError
-            Names the parameter and what it stands for.
+            The bound is negative; the message names the parameter and the quantity.
         """
         if lower < 0:
             raise InputError(
@@ -72,7 +72,7 @@ class Quantity(OneLine, ABC):
 
 
 def body_of_name(robot: Robot, name: str, who: str) -> int:
-    """Pinocchio's index of the moving joint whose body bears a name: a joint's, link's or other frame's.
+    """Return Pinocchio's index of the joint that moves a body, from the name of the joint, a link or another frame.
 
     Raises
     ------

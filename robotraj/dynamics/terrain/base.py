@@ -29,14 +29,14 @@ class Ground(OneLine, ABC):
         """Height h(x, y) [m] of symbols x and y [m], twice differentiable wherever a foot may be placed."""
 
     def footing(self, x: Scalar, y: Scalar, reach: tuple[Scalar, Scalar] = (0.0, 0.0)) -> list[Scalar]:
-        """Rows [m] that must not be negative where a foot stands at (x, y) [m]; none where it may stand anywhere.
+        """Return rows [m] that are not negative at allowed footholds (x, y) [m]; none if every place is allowed.
 
         Parameters
         ----------
         x, y : scalar
-            Middle of its sole [m].
+            Middle of the sole [m].
         reach : pair of scalars
-            How far the sole extends each way along world x and y [m]; 0 for a point.
+            Half the extent of the sole along world x and y [m]; 0 for a point.
         """
         return []
 
@@ -77,7 +77,7 @@ class Ground(OneLine, ABC):
         return first, second, [-slope_x * up, -slope_y * up, up]
 
     def bends(self) -> tuple[Sequence[float], Sequence[float]]:
-        """World x and y [m] that a drawing must not step over, such as the edges of steps."""
+        """World x and y [m] that a drawing must sample, such as the edges of steps."""
         return (), ()
 
     def grid(self, xlim: tuple[float, float], ylim: tuple[float, float], n: int) -> tuple[Array, Array, Array]:
@@ -105,5 +105,5 @@ class Ground(OneLine, ABC):
         return ca.Function("ground", [x, y], [height, *slopes])
 
     def __getstate__(self) -> dict[str, object]:
-        """Pickle the fields only; the function is traced again where it is wanted."""
+        """Pickle the fields only; the function is traced again on use."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}  # type: ignore[arg-type]

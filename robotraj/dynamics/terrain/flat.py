@@ -24,7 +24,7 @@ class Flat(Ground):
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.level):
-            raise InputError(f"rt.terrain.Flat has the level {self.level}; give metres.")
+            raise InputError(f"rt.terrain.Flat has the level {self.level}; give a finite height in metres.")
 
     def surface(self, x: ca.SX, y: ca.SX) -> ca.SX:
         """Height [m]."""

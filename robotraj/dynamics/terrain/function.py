@@ -24,7 +24,7 @@ class HeightFunction(Ground):
     Raises
     ------
     InputError
-        When first used: the function fails on symbols or returns no single height.
+        On first use: the function fails on symbols or does not return one height.
     """
 
     function: Callable[[ca.SX, ca.SX], Scalar]
@@ -33,17 +33,17 @@ class HeightFunction(Ground):
         """Height [m]."""
         height = called("height function of the ground", lambda *place: ca.SX(self.function(*place)), x, y)
         if height.numel() != 1:
-            raise InputError(f"The height function of the ground gave {height.numel()} values for one place.")
+            raise InputError(f"The height function of the ground returned {height.numel()} values; return one.")
         return height
 
 
 def as_ground(value: object) -> Ground:
-    """Accept a Ground or a plain function of (x, y).
+    """Return a Ground, from a Ground or a function of (x, y).
 
     Raises
     ------
     InputError
-        It is neither.
+        The value is neither.
     """
     if isinstance(value, Ground):
         return value

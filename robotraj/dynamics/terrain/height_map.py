@@ -1,4 +1,4 @@
-"""Measured ground: heights on a regular grid, joined by a bicubic spline."""
+"""Measured ground: heights on a regular grid, interpolated by a bicubic spline."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Array, Ground
 
 FEWEST = 4
-"""Samples along a side that a cubic spline needs."""
+"""Smallest number of samples along a side: that of a cubic spline with not-a-knot ends."""
 
 
 @dataclass(frozen=True, eq=False)
 class HeightMap(Ground):
     """Heights on a regular grid, interpolated by the bicubic spline with not-a-knot ends.
 
-    h(x, y) = sum_ij c_ij B_i(x) B_j(y) with cubic B-splines on the grid: twice differentiable between the outermost
-    samples, and equal there to SciPy's ``RectBivariateSpline``. Beyond them it goes on straight, with the slope of
-    the rim. One evaluation costs as many multiplications as there are samples: 50 x 50 of them are few, a million
-    are too many, so give the part that the robot crosses at the spacing its feet feel. Source: de Boor, A Practical
-    Guide to Splines (2001), chapters IV and XVII.
+    h(x, y) = sum_ij c_ij B_i(x) B_j(y) with cubic B-splines on the grid. Inside the grid h is twice differentiable and
+    equals SciPy's ``RectBivariateSpline``. Outside it is extrapolated linearly with the slope at the edge. The number
+    of multiplications of an evaluation equals the number of samples. Crop the map to the part that the robot crosses,
+    and choose a spacing of the order of a foot's size. Source: de Boor, A Practical Guide to Splines (2001), chapters
+    IV and XVII.
 
     Parameters
     ----------
     heights : (n, m) array_like
         ``heights[i, j]`` [m] at x = origin[0] + i spacing[0], y = origin[1] + j spacing[1]; n, m >= 4.
     spacing : (float, float)
-        Between samples along x and y [m].
+        Distance between samples along x and y [m].
     origin : (float, float)
         World x and y of ``heights[0, 0]`` [m].
 
@@ -52,14 +52,14 @@ class HeightMap(Ground):
         if heights.ndim != 2 or min(heights.shape) < FEWEST:
             raise InputError(
                 f"rt.terrain.HeightMap has heights of shape {heights.shape}; give (n, m) samples along x and y, "
-                f"at least {FEWEST} each way."
+                f"at least {FEWEST} along each."
             )
         bad = np.argwhere(~np.isfinite(heights))
         if len(bad):
             i, j = (int(k) for k in bad[0])
             raise InputError(
                 f"rt.terrain.HeightMap: heights[{i}, {j}] is {heights[i, j]}, one of {len(bad)} that are not "
-                f"finite; fill them."
+                f"finite; replace them by finite heights."
             )
         heights.setflags(write=False)
         object.__setattr__(self, "heights", heights)
@@ -71,18 +71,16 @@ class HeightMap(Ground):
                 )
             object.__setattr__(self, name, (float(pair[0]), float(pair[1])))
         if not min(self.spacing) > 0:
-            raise InputError(
-                f"rt.terrain.HeightMap: spacing is {self.spacing}; samples lie a positive distance [m] apart."
-            )
+            raise InputError(f"rt.terrain.HeightMap: spacing is {self.spacing}; give positive distances [m].")
 
     @classmethod
     def from_array(cls, x: ArrayLike, y: ArrayLike, heights: ArrayLike) -> HeightMap:
-        """Take ``heights[i, j]`` [m] at (x[i], y[j]) [m], which are evenly spaced and increase.
+        """Return the map with ``heights[i, j]`` [m] at (x[i], y[j]) [m]; x and y increase in equal steps.
 
         Raises
         ------
         InputError
-            The samples' places do not fit the heights or are not evenly spaced.
+            The lengths of x and y differ from the shape of the heights, or their steps are not equal and positive.
         """
         spacing, origin = [], []
         for name, values, count in zip("xy", (x, y), np.shape(heights), strict=False):
@@ -120,7 +118,7 @@ class HeightMap(Ground):
 
     @cached_property
     def _coefficients(self) -> Array:
-        """Coefficients c_ij (n + 2, m + 2) [m]: one B-spline more at each end than there are samples."""
+        """Coefficients c_ij (n + 2, m + 2) [m]; there is one more B-spline than samples at each end."""
         n, m = self.heights.shape
         right = np.zeros((n + 2, m + 2))
         right[1:-1, 1:-1] = self.heights
@@ -130,8 +128,8 @@ class HeightMap(Ground):
 def _collocation(n: int) -> Array:
     """Rows: not-a-knot at the first end, the n samples, not-a-knot at the last end.
 
-    On an even grid the splines' values at a sample are 1/6, 4/6, 1/6; the third derivative runs on through the
-    second sample where the fourth difference of the coefficients is zero.
+    On a regular grid the splines' values at a sample are 1/6, 4/6, 1/6. The third derivative is continuous at the
+    second sample if the fourth difference of the coefficients is zero.
     """
     matrix = np.zeros((n + 2, n + 2))
     for i in range(n):
@@ -141,7 +139,7 @@ def _collocation(n: int) -> Array:
 
 
 def _splines(u: ca.SX, n: int) -> ca.SX:
-    """Values (n + 2,) of the B-splines at u, counted in samples: in piece k = floor(u) four of them are not zero."""
+    """Values (n + 2,) of the B-splines at u, in units of the spacing; at most four are nonzero, from floor(u) on."""
     inside = ca.fmin(ca.fmax(u, 0.0), n - 1.0)
     piece = ca.fmin(ca.floor(inside), n - 2.0)
     s = inside - piece

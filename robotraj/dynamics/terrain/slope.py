@@ -26,7 +26,7 @@ class Slope(Ground):
 
     def __post_init__(self) -> None:
         if not np.isfinite([self.slope_x, self.slope_y, self.level]).all():
-            raise InputError(f"{self!r}: give slopes as rise over run and the level in metres.")
+            raise InputError(f"{self!r}: give finite slopes as rise over run and a finite level in metres.")
 
     def surface(self, x: ca.SX, y: ca.SX) -> ca.SX:
         """Height [m]."""

@@ -1,4 +1,4 @@
-"""Stairs: level treads, with risers smoothed so that Newton's method can cross them."""
+"""Stairs: level treads joined by smooth ramps, for solvers that need second derivatives."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from robotraj.dynamics.variable import Scalar
 class Steps(Ground):
     """Level treads along world x: heights[i] between edges[i - 1] and edges[i].
 
-    A riser is replaced by the ramp r(s) = 6 s^5 - 15 s^4 + 10 s^3, twice differentiable, over ``width`` beside its edge
-    and on the lower tread's side: treads are exact up to their edges, and this ground never lies below the stair it
-    stands for, so that what clears it clears the stair. A foot's point may not stand on a ramp: ``footing``.
+    A riser is replaced by the twice differentiable ramp r(s) = 6 s^5 - 15 s^4 + 10 s^3 of length ``width`` on the lower
+    tread's side of its edge. The upper tread is exact up to its edge, and the ground is nowhere below the stair:
+    a motion that clears the ground clears the stair. Footholds on a ramp violate the rows of ``footing``.
 
     Parameters
     ----------
     edges : sequence of float
-        Where the height changes, increasing, in world x [m].
+        World x of the risers, increasing [m].
     heights : sequence of float
-        Of the treads [m]: one more than there are edges.
+        Heights of the treads [m], one more than edges.
     width : float
-        Of a ramp, along x [m].
+        Length of a ramp along x [m].
 
     Raises
     ------
     InputError
-        Lengths do not fit, a value is not finite, edges do not increase, or ramps overlap.
+        The numbers of edges and heights do not match, a value is not finite, edges do not increase, or ramps overlap.
     """
 
     edges: Sequence[float]
@@ -46,27 +46,26 @@ class Steps(Ground):
         object.__setattr__(self, "heights", heights)
         if len(heights) != len(edges) + 1:
             raise InputError(
-                f"rt.terrain.Steps has {len(edges)} edges and {len(heights)} heights; it needs one height more "
-                f"than edges."
+                f"rt.terrain.Steps has {len(edges)} edges and {len(heights)} heights; give one height more than edges."
             )
         if not np.isfinite([*edges, *heights, self.width]).all() or not self.width > 0:
-            raise InputError(f"{self!r}: edges, heights and a width above 0 are finite numbers in metres.")
+            raise InputError(f"{self!r}: give finite edges and heights and a positive width, in metres.")
         for (left, right), (a, b) in zip(zip(self.risers, self.risers[1:], strict=False), _pairs(edges), strict=True):
             if not (b > a and right[0] >= left[1]):
                 raise InputError(
-                    f"rt.terrain.Steps: the edges x = {a:g} m and {b:g} m do not leave room for ramps of "
+                    f"rt.terrain.Steps: the edges x = {a:g} m and {b:g} m are too close for ramps of "
                     f"{self.width:g} m; "
-                    "edges must increase by more than the width."
+                    "increase edges by more than the width."
                 )
 
     @classmethod
     def stairs(cls, start: float, run: float, rise: float, count: int, width: float = 0.04) -> Steps:
-        """Write stairs of ``count`` equal steps from level 0: the first edge at x = start, treads ``run`` deep [m]."""
+        """Return ``count`` equal steps from height 0, the first edge at x = start, treads of depth ``run`` [m]."""
         return cls([start + run * i for i in range(count)], [rise * i for i in range(count + 1)], width)
 
     @property
     def risers(self) -> tuple[tuple[float, float], ...]:
-        """Interval of x [m] that each ramp covers, on the side of its lower tread."""
+        """Interval of x [m] of each ramp, on the side of the lower tread."""
         rises = [b >= a for a, b in _pairs(self.heights)]
         return tuple(
             (e - self.width, e) if up else (e, e + self.width) for e, up in zip(self.edges, rises, strict=True)
@@ -87,13 +86,13 @@ class Steps(Ground):
         return height
 
     def bends(self) -> tuple[Sequence[float], Sequence[float]]:
-        """Ten pieces for each ramp."""
+        """Return eleven places along each ramp."""
         return [float(x) for riser in self.risers for x in np.linspace(*riser, 11)], ()
 
     def footing(self, x: Scalar, y: Scalar, reach: tuple[Scalar, Scalar] = (0.0, 0.0)) -> list[Scalar]:
         """One row [m] per riser: ((x - c)^2 - b^2) / (2 b) >= 0, with c the middle of its ramp, b = width/2 + reach.
 
-        So a sole lies on one tread, on either side of each ramp; beside it the row grows as the distance does.
+        The rows are satisfied by a sole that lies on one tread. Their slope is 1 at the ends of a ramp.
         """
         half = 0.5 * self.width
         near = half + reach[0]

@@ -14,9 +14,9 @@ class KnownRobot:
     Attributes
     ----------
     name, description : str
-        The name to load it by, and one line on what it is.
+        The name for ``rt.load``, and a description of one line.
     source : str
-        Where it comes from: ``"robots/"`` or ``"example-robot-data"``.
+        Source: ``"robots/"`` or ``"example-robot-data"``.
     urdf : Path
         Its URDF file.
     srdf : Path or None
@@ -24,12 +24,12 @@ class KnownRobot:
     actuated : tuple of str or None
         Joints with a motor; None for all.
     moving : tuple of str
-        Beginnings of the names of the joints that move; the others are locked at the reference. Empty: all
-        move.
+        Prefixes of the names of moving joints; the others are locked at the reference. Empty: all
+        joints move.
     end_effector : str or None
-        The frame whose path is worth drawing.
+        Frame whose path replays draw.
     licence, provenance : str
-        Under which terms it ships and where its numbers come from, as far as known.
+        Terms of distribution and source of the numbers, as far as known.
     """
 
     name: str

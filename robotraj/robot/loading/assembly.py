@@ -22,14 +22,14 @@ from robotraj.robot.loading.notes import (
     locked_note,
     mimic_note,
     neutral_note,
-    twin_note,
+    renamed_frames_note,
     weightless_note,
 )
 from robotraj.robot.loading.rotor import with_rotors
 from robotraj.robot.loading.source import Description
-from robotraj.robot.loading.surgery import check_joints, names_of, plan_in_angles, reduced, tell_frames_apart
+from robotraj.robot.loading.surgery import check_joints, names_of, reduced, rename_ambiguous_frames, with_angles
 from robotraj.robot.neutral import inside, outside, reference
-from robotraj.robot.root import carried, root_of, rooted
+from robotraj.robot.root import carried, root_of, with_root
 
 Array = npt.NDArray[np.float64]
 
@@ -41,7 +41,7 @@ def assemble(
     limits: Limits | Mapping[str, Any] | None,
     root: str = "fixed",
 ) -> dict[str, Any]:
-    """Give the fields of the Robot.
+    """Return the fields of the Robot.
 
     Raises
     ------
@@ -51,11 +51,11 @@ def assemble(
     """
     stand = root_of(root)
     check_joints(about.model)
-    standing = rooted(about.model, root)
+    standing = with_root(about.model, root)
     if standing.njoints == 1:
         raise InputError(f"{about.name!r} has no moving joint: nothing to plan.")
     copy, armature_note = with_rotors(standing, about.srdf)
-    whole = plan_in_angles(copy)
+    whole = with_angles(copy)
     first, start = 1 + len(stand.joints), len(stand.positions)
     names = names_of(whole)[first:]
     q, reference_name = reference(about.model, about.srdf, root)
@@ -73,7 +73,7 @@ def assemble(
         resting[:start], [held.get(joint, value) for joint, value in zip(names, resting[start:], strict=True)]
     )
     model = reduced(whole, ids, at)
-    twins = tell_frames_apart(model)
+    twins = rename_ambiguous_frames(model)
     own = Limits.of(model, root)
     wanted = own if limits is None else own.override(limits)
     kept = np.append(q[:start], [value for joint, value in zip(names, q[start:], strict=True) if joint not in held])
@@ -87,7 +87,7 @@ def assemble(
     notes = (
         *findings,
         mimic_note(about.mimics, held, locked or {}),
-        twin_note(twins),
+        renamed_frames_note(twins),
         armature_note,
         dissipation_note(model),
         friction_note(friction, wanted, units(model, root), motors),
@@ -111,7 +111,7 @@ def assemble(
 
 
 def units(model: pin.Model, root: str = "fixed") -> tuple[str, ...]:
-    """Give the unit of what each velocity moves along: ``"m"`` where the joint only translates, else ``"rad"``."""
+    """Return the unit of each joint's position: ``"m"`` for a prismatic joint, else ``"rad"``."""
     about = root_of(root)
     result = list(about.units)
     for joint in model.joints.tolist()[1 + len(about.joints) :]:
@@ -124,7 +124,7 @@ def units(model: pin.Model, root: str = "fixed") -> tuple[str, ...]:
 def _locked(
     about: Description, names: Sequence[str], resting: Mapping[str, float], locked: Mapping[str, float] | None
 ) -> dict[str, float]:
-    """Joints to hold and where: the caller's, the catalogue's, and the mechanisms coupled by <mimic>."""
+    """Return the locked joints with their positions: the caller's, the catalogue's, and those coupled by <mimic>."""
     if locked is not None and not isinstance(locked, Mapping):
         raise InputError(f"locked= is a mapping such as {{'wrist': 0.0}}; got {locked!r}.")
     asked = dict(locked or {})
@@ -140,7 +140,7 @@ def _locked(
 
 
 def _actuated(asked: Iterable[str] | None, default: tuple[str, ...] | None, joints: tuple[str, ...]) -> tuple[str, ...]:
-    """Joints with a motor, in the order of v."""
+    """Return the joints with a motor, in the order of v."""
     if asked is None:
         return joints if default is None else tuple(joint for joint in joints if joint in default)
     if isinstance(asked, str) or not isinstance(asked, Iterable):

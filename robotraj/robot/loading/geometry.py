@@ -1,7 +1,7 @@
-"""Where a robot's visual and collision geometry comes from: it is read when first asked for.
+"""Sources of a robot's visual and collision geometry, which is read on first use.
 
-A robot from a URDF pickles without its shapes (19 kB instead of 177 MB for a UR5's meshes), so that planning
-starts at once and a robot can be sent to another process, where the shapes are read again if wanted.
+A robot from a URDF is pickled without its shapes, so that loading does not wait for meshes and a robot can be sent to
+another process. The shapes are read again there on first use.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ UNREADABLE = "not readable and skipped: {}. Export them again as STL, OBJ or COL
 
 
 class Geometry(Protocol):
-    """Gives the shapes that belong to a planning model."""
+    """A source of the shapes of a planning model."""
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
-        """Geometry model of the kind for the planning model."""
+        """Return the geometry model of the kind for the planning model."""
 
 
 @dataclass(frozen=True)
 class UrdfGeometry(OneLine):
-    """Shapes of a URDF; links keep their frames through locking, so they attach to the model by name.
+    """Shapes of a URDF, attached by the names of links, whose frames exist also behind locked joints.
 
     Attributes
     ----------
@@ -119,13 +119,13 @@ class GivenGeometry:
     Attributes
     ----------
     model : pinocchio.Model
-        The model they belong to, in angles, before locking.
+        The model of the shapes, in angles, before joints are locked.
     visual, collision : pinocchio.GeometryModel
         The shapes.
     locked : tuple of int
         Ids of the joints that the planning model locks.
     q : (nq,) array
-        Where it locks them.
+        Configuration at which they are locked.
     """
 
     model: pin.Model
@@ -147,5 +147,5 @@ class NoGeometry:
     """A bare pin.Model has no shapes."""
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
-        """Give an empty geometry model."""
+        """Return an empty geometry model."""
         return pin.GeometryModel()

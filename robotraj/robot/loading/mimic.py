@@ -1,9 +1,8 @@
 """Joints that a URDF couples by ``<mimic>``: follower = multiplier * leader + offset.
 
-Pinocchio reads them as independent joints unless asked, and its forward dynamics refuses them when asked. A
-plan that moved only the leader, or both apart, would be of another machine. So a coupled mechanism (a
-gripper, in practice) is locked as a whole, followers where the leader's position puts them: the plan then
-holds for the real robot.
+By default Pinocchio reads them as independent joints; its forward dynamics does not support coupled ones. A plan that
+moved a leader without its follower would not be valid for the real robot. All joints of a coupled mechanism, such as a
+gripper, are therefore locked, each follower at the position that its leader determines.
 """
 
 from __future__ import annotations
@@ -57,19 +56,19 @@ def lock_mimics(mimics: Sequence[Mimic], locked: Mapping[str, float], neutral: M
     locked : mapping
         The caller's locked joints; a leader locked here sets its followers.
     neutral : mapping
-        Where a leader rests unless the caller locks it [rad, m].
+        Position of a leader that the caller does not lock [rad, m].
 
     Raises
     ------
     InputError
-        The caller locks a follower elsewhere than its leader puts it, or the couplings run in a circle.
+        The caller locks a follower at another position than its leader determines, or the couplings form a cycle.
     """
     by_follower = {mimic.follower: mimic for mimic in mimics}
     result = dict(locked)
 
     def position(joint: str, passed: tuple[str, ...] = ()) -> float:
         if joint in passed:
-            raise InputError(f"The mimic joints {', '.join(passed)} follow each other in a circle.")
+            raise InputError(f"The mimic joints {', '.join(passed)} form a cycle of couplings.")
         if joint not in by_follower:
             return float(locked.get(joint, neutral[joint]))
         mimic = by_follower[joint]

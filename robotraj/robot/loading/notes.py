@@ -1,4 +1,4 @@
-"""Notes on the decisions of loading, one sentence each; empty where there was nothing to decide."""
+"""Notes on the decisions of loading, one sentence each; empty if there was no decision."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ def weightless_note(joints: Sequence[str]) -> str:
     )
 
 
-def twin_note(names: Sequence[str]) -> str:
-    """Say which joint frames were renamed because a link has the same name."""
+def renamed_frames_note(names: Sequence[str]) -> str:
+    """Name the joint frames that were renamed because a link has the same name."""
     if not names:
         return ""
     return f"Links and joints share names; the joints' frames got the ending _joint: {', '.join(names)}."
 
 
 def dissipation_note(model: pin.Model) -> str:
-    """Say where damping and friction come from."""
+    """State the source of damping and friction."""
     if not np.any(model.damping) and not np.any(model.upperDryFrictionLimit):
         return ""
     return (
-        "Damping and friction are the model's (a URDF's <dynamics>); Pinocchio's own dynamics leave "
-        "them out, robotraj adds them."
+        "Damping and friction are the model's (a URDF's <dynamics>); Pinocchio's dynamics ignore "
+        "them, robotraj adds them."
     )
 
 
@@ -63,8 +63,8 @@ def friction_note(friction: Array, limits: Limits, units: Sequence[str], actuate
     if not stuck:
         return ""
     return (
-        f"Friction takes all of the effort limit: {', '.join(stuck)}. By themselves such joints only creep; lock them "
-        "with locked={joint: value}, or raise limits={'effort': {joint: value}}."
+        f"Friction is at least as large as the effort limit: {', '.join(stuck)}. The motors move such joints "
+        "only at creeping speed; lock them with locked={joint: value}, or raise limits={'effort': {joint: value}}."
     )
 
 
@@ -75,7 +75,7 @@ def locked_note(outside: Mapping[str, str], held: Mapping[str, float]) -> str:
 
 
 def neutral_note(outside: Mapping[str, str], name: str) -> str:
-    """Say which reference the neutral configuration is, and which joints had to be moved."""
+    """Name the reference of the neutral configuration and the joints that were moved inside their limits."""
     if not outside:
         return f"The neutral configuration is the reference {name!r}." if name else ""
     what = f"reference configuration {name!r}" if name else "zero configuration"

@@ -28,23 +28,23 @@ class Description:
     Attributes
     ----------
     name : str
-        What to call it.
+        Name for printing.
     model : pinocchio.Model
         The model as read; never written to.
     geometry : UrdfGeometry, NoGeometry or pair of pinocchio.GeometryModel
-        Its shapes, or where to read them.
+        The shapes or their source.
     mimics : tuple of Mimic
         Couplings of the URDF.
     srdf : Path or None
-        Reference configurations and rotors.
+        File of reference configurations and rotors.
     actuated : tuple of str or None
         Joints with a motor, None for all.
     moving : tuple of str
         Beginnings of the names of joints that move, empty for all.
     end_effector : str or None
-        The frame whose path is worth drawing.
+        Frame whose path replays draw.
     origin : str
-        Where it comes from, for people.
+        Source of the robot, for printing.
     findings : tuple of str
         Numbers of the URDF that can be read but not be right, one sentence each.
     known : bool

@@ -1,6 +1,6 @@
-"""To the planning model: continuous joints take an angle, some joints are locked, a root is put before.
+"""Steps from the model as read to the planning model: angles of continuous joints, locked joints, a moving root.
 
-Nothing here writes to the model it is given.
+No function but ``rename_ambiguous_frames`` changes its argument.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ ALIGNED = {
     "JointModelRUBZ": pin.JointModelRZ,
 }
 LINK_MARK = "\n(link)"
-"""Marks links for a moment; no URDF name holds a line break."""
+"""Temporary mark of links; names in a URDF contain no line break."""
 
 PER_VELOCITY = (
     "armature",
@@ -34,28 +34,28 @@ PER_VELOCITY = (
 
 
 def names_of(model: pin.Model) -> list[str]:
-    """Give the names of all joints, the universe first; Pinocchio's own iterator ends by an exception of C++."""
+    """Return the names of all joints, the universe first; Pinocchio's iterator ends by a C++ exception."""
     names = model.names
     return [names[joint] for joint in range(model.njoints)]
 
 
 def check_joints(model: pin.Model) -> None:
-    """Refuse active mimic joints, and joints with more than one velocity but for a free-flyer at the root.
+    """Check that no joint is an active mimic joint and that all but a free-flyer at the root have one velocity.
 
     Raises
     ------
     InputError
-        Names the joints, and says what to give instead.
+        Names the joints and the remedy.
     """
     mimic = [model.names[joint] for joint in model.mimicking_joints]
     if mimic:
         raise InputError(
             f"The model has active mimic joints ({', '.join(mimic)}), which Pinocchio's forward dynamics "
-            "refuses; "
+            "does not support; "
             "give the path of the URDF, or build the model with mimic=False (the joints are then "
             "independent)."
         )
-    first = 2 if flies(model) else 1
+    first = 2 if has_free_flyer(model) else 1
     rigid = enumerate(model.joints.tolist()[first:], start=first)
     wide = [f"{model.names[i]!r} ({joint.shortname()})" for i, joint in rigid if joint.nv > 1]
     if wide:
@@ -65,24 +65,24 @@ def check_joints(model: pin.Model) -> None:
         )
 
 
-def flies(model: pin.Model) -> bool:
+def has_free_flyer(model: pin.Model) -> bool:
     """Whether the model's first joint is a free-flyer on the universe."""
     return model.njoints > 1 and model.joints[1].shortname() == "JointModelFreeFlyer"
 
 
-def plan_in_angles(model: pin.Model) -> pin.Model:
-    """Copy a model, rebuilding each continuous joint (q = cos, sin) as a revolute one whose q is the angle.
+def with_angles(model: pin.Model) -> pin.Model:
+    """Return a copy whose continuous joints (q = cos, sin) are revolute joints with the angle as q.
 
-    Joints and frames keep their order and placements, so geometry made for the model fits the copy. The
-    angle of a rebuilt joint has no position limits: Pinocchio's +-1.01 bound its cosine and sine.
+    Joints and frames keep their order and placements, so that geometry of the model fits the copy. The new joints have
+    no position limits: Pinocchio's limits of +-1.01 apply to cosine and sine.
     """
-    return rebuilt(model, in_angles=True) if any(map(_circles, model.joints.tolist())) else model.copy()
+    return rebuilt(model, in_angles=True) if any(map(_is_continuous, model.joints.tolist())) else model.copy()
 
 
 def rebuilt(model: pin.Model, before: Sequence[tuple[str, pin.JointModel]] = (), in_angles: bool = False) -> pin.Model:
-    """Build a model again: with named joints in a chain before its root link, or with angles of continuous joints.
+    """Return a copy with a chain of named joints before the root link, or with angles of continuous joints.
 
-    Pinocchio's own ``appendModel`` would lose the armature and the order of the frames.
+    Pinocchio's ``appendModel`` loses the armature and the order of the frames.
     """
     n = len(before)
     copy = pin.Model()
@@ -92,7 +92,7 @@ def rebuilt(model: pin.Model, before: Sequence[tuple[str, pin.JointModel]] = (),
         copy.addJointFrame(copy.addJoint(parent, kind, pin.SE3.Identity(), name))
     for i in range(1, model.njoints):
         joint = model.joints[i]
-        angular = in_angles and _circles(joint)
+        angular = in_angles and _is_continuous(joint)
         v = slice(joint.idx_v, joint.idx_v + joint.nv)
         q = slice(joint.idx_q, joint.idx_q + joint.nq)
         lower = np.array([-np.inf]) if angular else model.lowerPositionLimit[q]
@@ -114,7 +114,7 @@ def rebuilt(model: pin.Model, before: Sequence[tuple[str, pin.JointModel]] = (),
     return copy
 
 
-def _circles(joint: pin.JointModel) -> bool:
+def _is_continuous(joint: pin.JointModel) -> bool:
     """Whether a joint's position is the cosine and sine of its angle."""
     return bool(joint.nq == 2 and joint.nv == 1)
 
@@ -128,21 +128,21 @@ def _revolute(joint: pin.JointModel) -> pin.JointModel:
 
 
 def angles(model: pin.Model, q: Array) -> Array:
-    """Turn a configuration of ``model`` into one of ``plan_in_angles(model)``: atan2(sin, cos).
+    """Return the configuration of ``with_angles(model)`` for one of ``model``: atan2(sin, cos).
 
-    A pair (cos, sin) need not have length 1; one of length 0 gives the angle 0.
+    A pair (cos, sin) may have any length; the angle of a zero pair is 0.
     """
     parts = [np.zeros(0)]
     for joint in model.joints.tolist()[1:]:
         part = q[joint.idx_q : joint.idx_q + joint.nq]
-        parts.append(np.arctan2(part[1:], part[:1]) if _circles(joint) else part)
+        parts.append(np.arctan2(part[1:], part[:1]) if _is_continuous(joint) else part)
     return np.concatenate(parts)
 
 
 def reduced(model: pin.Model, ids: list[int], q: Array) -> pin.Model:
-    """Copy a model with joints locked where configuration q has them; their frames stay, as fixed ones.
+    """Return a copy with joints locked at configuration q; their frames become fixed.
 
-    Links that are named like a joint are renamed meanwhile: Pinocchio 4.1 refuses to choose between the two.
+    Links with the name of a joint are renamed during the call: Pinocchio 4.1 raises for ambiguous names.
     """
     copy = model.copy()
     if not ids:
@@ -156,11 +156,10 @@ def reduced(model: pin.Model, ids: list[int], q: Array) -> pin.Model:
     return smaller
 
 
-def tell_frames_apart(model: pin.Model) -> list[str]:
-    """Rename, in place, joint frames named like a link, ``pole`` to ``pole_joint``; give the old names.
+def rename_ambiguous_frames(model: pin.Model) -> list[str]:
+    """Rename joint frames with the name of a link in place, ``pole`` to ``pole_joint``, and return the old names.
 
-    Pinocchio 4.1 raises for an ambiguous name wherever a frame is looked up. The link keeps its name: it is
-    what people mean, and both frames are in the same place.
+    Pinocchio 4.1 raises when a frame is looked up by an ambiguous name. The link keeps its name; both frames coincide.
     """
     frames = model.frames.tolist()
     names = [frame.name for frame in frames]

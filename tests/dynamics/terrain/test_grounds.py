@@ -159,7 +159,7 @@ def test_a_height_map_takes_the_places_of_its_samples() -> None:
         (lambda: rt.terrain.Steps([0.0, 0.03], [0.0, 0.1, 0.2]), ["0.03 m", "ramps of 0.04 m"]),
         (lambda: rt.terrain.Steps([1.0, 0.0], [0.0, 0.1, 0.2]), ["increase"]),
         (lambda: rt.terrain.Steps([0.0], [0.0, np.nan]), ["nan", "finite"]),
-        (lambda: rt.terrain.Steps([0.0], [0.0, 0.1], 0.0), ["width above 0"]),
+        (lambda: rt.terrain.Steps([0.0], [0.0, 0.1], 0.0), ["positive width"]),
         (lambda: rt.terrain.HeightMap(np.zeros((3, 9)), (1, 1)), ["(3, 9)", "at least 4"]),
         (lambda: rt.terrain.HeightMap(np.full((4, 4), np.nan), (1, 1)), ["heights[0, 0]", "16"]),
         (lambda: rt.terrain.HeightMap(np.zeros((4, 4)), (1, 0)), ["spacing", "positive"]),

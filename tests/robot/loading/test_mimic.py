@@ -81,7 +81,7 @@ def test_active_mimic_joints_of_a_model_are_refused():
 @pytest.mark.parametrize(
     ("follow", "part"),
     [
-        ('<mimic joint="thumb"/>', "circle"),
+        ('<mimic joint="thumb"/>', "cycle"),
         ('<mimic joint="nose"/>', "'thumb' mimics 'nose'"),
         ('<mimic joint="finger" multiplier="two"/>', "'thumb' has <mimic multiplier='two'>"),
     ],

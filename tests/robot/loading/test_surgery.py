@@ -8,7 +8,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.robot.known_robots.catalogue import find
-from robotraj.robot.loading.surgery import angles, plan_in_angles
+from robotraj.robot.loading.surgery import angles, with_angles
 
 CONTINUOUS = ("kinova", "double_pendulum_continuous", "tiago_no_hand")
 
@@ -71,7 +71,7 @@ def test_everything_a_joint_has_survives_the_rebuilding(urdf):
     model.gravity.linear = np.array([0, 1.0, -3.0])
     for name in ("armature", "rotorInertia", "rotorGearRatio", "damping", "upperDryFrictionLimit"):
         getattr(model, name)[:] = np.random.default_rng(2).uniform(1, 2, 2)
-    planning = plan_in_angles(model)
+    planning = with_angles(model)
     for name in ("armature", "rotorInertia", "rotorGearRatio", "damping", "upperDryFrictionLimit"):
         np.testing.assert_array_equal(getattr(planning, name), getattr(model, name))
     np.testing.assert_array_equal(planning.gravity.linear, [0, 1, -3])
