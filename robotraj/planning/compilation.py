@@ -17,14 +17,14 @@ from robotraj.transcription.transcribe import transcribe
 
 @dataclass(frozen=True)
 class Compilation:
-    """What compiling a problem did.
+    """Result of compiling a problem.
 
     Attributes
     ----------
     functions : int
         Point functions of the problem that are worth a compiler.
     new : int
-        Those that the cache did not have.
+        Number of those that the cache did not have.
     seconds : float
     folder : Path
         The cache.

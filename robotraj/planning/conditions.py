@@ -21,7 +21,7 @@ from robotraj.transcription.schemes.onestep import OneStep
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A problem and what is settled of its plan so far.
+    """A problem and the settings of its plan that are known so far.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Case:
 
     @property
     def meshes(self) -> tuple[Mesh, ...]:
-        """Settled mesh, or meshes of the phases."""
+        """Known mesh, or meshes of the phases."""
         mesh = self.settled["mesh"]
         return (mesh,) if isinstance(mesh, Mesh) else tuple(mesh) if isinstance(mesh, Sequence) else ()
 
@@ -56,7 +56,7 @@ class Condition:
 
 
 def any_phase(text: str, holds: Callable[[Phase], bool]) -> Condition:
-    """Give the condition that at least one phase fulfils."""
+    """Return the condition that at least one phase fulfils."""
     return Condition(text, lambda case: any(holds(phase) for phase in case.problem.phases))
 
 

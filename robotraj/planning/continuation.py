@@ -1,4 +1,4 @@
-"""Stages: easier problems solved first, each the guess of the next; the problem itself comes last."""
+"""Continuation: easier problems are solved first, each the guess of the next; the problem itself comes last."""
 
 from __future__ import annotations
 
@@ -9,10 +9,14 @@ from typing import Any
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import Contact
 from robotraj.guess.base import InitialGuess
 from robotraj.planning.solve import solve
+from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.objectives.base import Objective
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.robot.limits import Limits
 from robotraj.solution.records import ContinuationRecord
 from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
@@ -22,7 +26,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 
 class Same(Enum):
-    """What a stage does not change."""
+    """Marks what a step leaves as in the problem."""
 
     SAME = "same"
 
@@ -32,24 +36,23 @@ SAME = Same.SAME
 
 @dataclass(frozen=True)
 class ContinuationStep:
-    """What differs in one stage; what is not given is as in the problem.
+    """Changes of one continuation step; the rest is as in the problem.
 
     Parameters
     ----------
     mesh : Mesh or sequence of Mesh, optional
-        Of this stage.
+        Of this step.
     objective, constraints, limits, contacts : optional
-        Of every phase, or a mapping from names of phases to theirs (phases not named stay as they are). None
-        for ``objective`` looks for any feasible motion, for ``limits`` drops the joint limits; ``()`` for
-        ``constraints`` and ``contacts`` drops those.
+        Of every phase, or by name of the phase (others keep theirs). None as ``objective`` finds any feasible motion,
+        as ``limits`` drops the joint limits. ``()`` as ``constraints`` or ``contacts`` drops them.
     solver : Solver, optional
-        Of this stage.
+        Of this step.
     name : str
 
     Raises
     ------
     InputError
-        What is given as mesh or solver is none.
+        The mesh is no mesh, or the solver no solver value.
 
     Examples
     --------
@@ -57,10 +60,10 @@ class ContinuationStep:
     """
 
     mesh: Mesh | Sequence[Mesh] | None = None
-    objective: Any = SAME
-    constraints: Any = SAME
-    limits: Any = SAME
-    contacts: Any = SAME
+    objective: Objective | Mapping[str, Objective | None] | Same | None = SAME
+    constraints: Sequence[Constraint] | Mapping[str, Sequence[Constraint]] | Same = SAME
+    limits: Limits | Mapping[str, Limits | None] | Same | None = SAME
+    contacts: Sequence[Contact] | Mapping[str, Sequence[Contact]] | Same = SAME
     solver: Solver | None = None
     name: str = ""
 
@@ -74,7 +77,7 @@ class ContinuationStep:
             )
 
     def of(self, problem: Problem) -> Problem:
-        """Give the problem of this stage.
+        """Return the problem of this step.
 
         Raises
         ------
@@ -86,7 +89,7 @@ class ContinuationStep:
         for value in given.values():
             for name in value if isinstance(value, Mapping) else ():
                 if name not in names:
-                    raise unknown_name("phase", name, names, "A stage changes phases by name.")
+                    raise unknown_name("phase", name, names, "A continuation step changes phases by name.")
         changes = [_changes(given, phase) for phase in problem.phases]
         if not any(changes):
             return problem
@@ -95,7 +98,7 @@ class ContinuationStep:
 
 
 def tightening(problem: Problem | Phase, relaxations: Sequence[float]) -> list[ContinuationStep]:
-    """Stages that solve a problem with implicit contacts from loose to tight.
+    """Return steps that solve a problem with implicit contacts from loose to tight.
 
     Parameters
     ----------
@@ -119,7 +122,7 @@ def tightening(problem: Problem | Phase, relaxations: Sequence[float]) -> list[C
     if any(b >= a for a, b in zip(relaxations[:-1], relaxations[1:], strict=True)):
         raise InputError(f"The relaxations of rt.planning.tightening must descend; got {list(relaxations)}.")
 
-    def loosened(contact: Any, e: float) -> Any:
+    def loosened(contact: Contact, e: float) -> Contact:
         return replace(contact, relaxation=e) if isinstance(contact, ImplicitContact) else contact
 
     return [
@@ -142,11 +145,10 @@ def run_steps(
     settings: Settings,
     progress: Progress | None = None,
 ) -> tuple[InitialGuess | Solution | None, tuple[ContinuationRecord, ...], Solution | None]:
-    """Solve the stages in order; return the guess they leave for the problem itself, and what each did.
+    """Solve the steps in order; return the guess for the problem itself, and a record of each step.
 
-    A stage that fails is recorded, and the next one starts from where the failed one had started. One that is
-    interrupted is the last; its solution comes third, that of the stage before where it has none yet, None where all
-    went on.
+    A step that fails is recorded, and the next one starts from the same guess. A step that is interrupted is the last;
+    its solution, or that of the step before, is returned third, which is None otherwise.
 
     Parameters
     ----------
@@ -155,7 +157,7 @@ def run_steps(
     guess : InitialGuess, Solution or None
         Of the first step.
     settings : Settings
-        Of steps that do not bring a mesh or solver of their own.
+        Of steps without a mesh or solver.
     progress : callable, optional
     """
     if not isinstance(continuation, Sequence):
@@ -167,7 +169,7 @@ def run_steps(
             raise InputError(
                 f"continuation= is a list of rt.planning.ContinuationStep(...); number {i} is a {type(stage).__name__}."
             )
-    # A stage that cannot be posed is told before any is solved.
+    # A step that cannot be posed raises before any is solved.
     posed = [stage.of(problem) for stage in continuation]
     solution: Solution | None = None
     records: list[ContinuationRecord] = []
@@ -197,18 +199,18 @@ def run_steps(
 
 
 def found_by(records: Sequence[ContinuationRecord], guess: InitialGuess | Solution | None) -> Solution | None:
-    """Give the last solution of the stages, as interrupted, for Ctrl-C where no solver waits for it.
+    """Return the last solution of the steps, as interrupted, for Ctrl-C between two solves.
 
     Parameters
     ----------
     records : sequence of ContinuationRecord
     guess : InitialGuess, Solution or None
-        That the stages left.
+        That the steps returned.
 
     Returns
     -------
     Solution or None
-        None where no stage was solved.
+        None where no step was solved.
     """
     if not isinstance(guess, Solution) or all(record.status is not Status.SOLVED for record in records):
         return None

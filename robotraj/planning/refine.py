@@ -1,4 +1,4 @@
-"""Solve, look between the knots, refine, solve again: until the error estimate holds."""
+"""Refinement to a tolerance: solve, estimate the error between the knots, refine the mesh, solve again."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 
 MOST_MESHES = 25
-"""Meshes tried before the tolerance is given up."""
+"""Largest number of meshes."""
 MOST_INTERVALS = 10_000
-"""Intervals of all phases beyond which the tolerance is given up: the rest is round-off, or asks for a higher order."""
+"""Largest number of intervals of all phases: beyond, errors are round-off or need a higher order."""
 PATIENCE = 4
-"""Meshes in a row that do not bring the error down, after which the tolerance is given up."""
+"""Number of successive meshes without a smaller error after which refinement stops."""
 LESS = 0.8
-"""Part of the least error so far that counts as down."""
+"""Share of the least error so far below which an error counts as smaller."""
 ALIKE = 2.0
-"""How many times as large as the least of these meshes' errors the largest may be."""
+"""Largest ratio of the errors of these meshes."""
 ROOM = 0.1
-"""How far the lengths of moving intervals change from one mesh to the next, relative to themselves."""
+"""Largest relative change of the length of a moving interval from one mesh to the next."""
 ROUND_OFF = 1e-13
-"""Errors below which a mesh is not refined for their sake."""
+"""Error below which a mesh is not refined."""
 SMALL = 1e-2
-"""Objectives below this settle to the tolerance times this, not to the tolerance times themselves."""
+"""Least size of an objective to which the tolerance is relative."""
 
 
 def adapt(
@@ -50,12 +50,14 @@ def adapt(
 ) -> Solution:
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
-    Each mesh starts from the solution on the one before. An objective has settled only on a finer mesh than the last:
-    where the errors hold and ``refinement`` makes none, smaller errors are asked for, or every interval is halved; but
-    for knots that move. Rows are imposed between the collocation points from the first mesh on that is fine enough
-    without, or no better than one before it: what holds them on a coarse mesh is of no use to the next one, and costs
-    as many solves. Where the solver stops too far from the optimum of its mesh, it is made sharper
-    (``Solver.sharper``). A solution whose tolerance was not reached says so in its status.
+    Each mesh starts from the solution on the one before. An objective can settle only on a finer mesh than the last.
+    Where the errors hold and ``refinement`` returns no finer mesh, a smaller tolerance is used, or every interval
+    whose knots are fixed is halved.
+
+    Rows are added between the collocation points from the first mesh that meets the tolerance without them, or that is
+    no better than an earlier one: rows added on a coarse mesh do not hold on the next. Where the solver stops too far
+    from the optimum of its mesh, its tolerance is reduced (``Solver.sharper``). The status of a solution that misses
+    the tolerance is ``Status.TOLERANCE_NOT_REACHED``.
     """
     tolerance, refinement, limits = settings.tolerance, settings.refinement, settings.interval_limits
     assert tolerance is not None and refinement is not None
@@ -70,9 +72,9 @@ def adapt(
     sharpening = Sharpening(settings.solver)
 
     def seen(solution: Solution) -> tuple[list[Assessment], float, bool]:
-        """Give the errors of all intervals, the largest, and whether the objective has settled."""
+        """Return the assessments of all phases, the largest error, and whether the objective has settled."""
         before = steps[-1].objective if steps else np.inf
-        # Where each mesh halves the distance to the optimum, what is left is as large as the last change.
+        # If each mesh halves the distance to the optimum, the rest is as large as the last change.
         size = tolerance * max(abs(solution.objective), SMALL)
         settled = abs(solution.objective - before) <= 0.5 * size and _missed(solution) <= size
         assessments = [assess(part.phase, part.trajectory, part.mesh, settled) for part in solution.phases]
@@ -118,7 +120,7 @@ def adapt(
             if reached:
                 known = solution
                 continue
-            # Errors that hold while the objective still moves are too large for the objective.
+            # While the objective still changes, smaller errors than the tolerance are needed.
             goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
             finer = _next(solution, assessments, refinement, tolerance, goal)
             if worst <= tolerance and not settled and not _is_finer(meshes, finer):
@@ -137,14 +139,14 @@ def adapt(
                 return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
             meshes, known = finer, solution
     except KeyboardInterrupt:
-        # Ctrl-C between two solves, where no solver waits for it: what was found on the last mesh stays.
+        # Ctrl-C between two solves: the solution on the last mesh is kept.
         if kept is None:
             raise
         return replace(kept, status=Status.INTERRUPTED)
 
 
 def _missed(solution: Solution) -> float:
-    """Error of the objective's integral along motions that are exact: no error of a state tells of it there."""
+    """Return the error of the objective's integral along exact motions, whose states have no error to estimate."""
     parts = [part for part in solution.phases if part.torques is not None]
     return abs(
         sum(
@@ -155,7 +157,7 @@ def _missed(solution: Solution) -> float:
 
 
 def _is_finer(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:
-    """Whether meshes have more points, and none of them less; those whose knots move are never the same."""
+    """Whether meshes have more points and none has fewer; meshes whose knots move are left out."""
     pairs = [(a, b) for a, b in zip(before, after, strict=True) if not isinstance(a, MovingMesh)]
     more = [_points(b) - _points(a) for a, b in pairs]
     return not more or (min(more) >= 0 and max(more) > 0)
@@ -166,44 +168,43 @@ def _points(mesh: Mesh) -> int:
 
 
 def _halved(mesh: Mesh) -> Mesh:
-    """Every interval in two, where errors at round-off ask for no finer mesh and the objective has not settled.
+    """Halve every interval, where errors are round-off and the objective has not settled.
 
-    The residual sees neither what the polynomial of the controls costs, or a hull of their limits, nor the quadrature
-    of the objective; and on the same mesh again any objective has settled.
+    The residual does not contain what the polynomials of the controls, Bernstein bounds or the quadrature of the
+    objective cost.
     """
     knots = np.interp(np.arange(2 * mesh.count + 1) / 2, np.arange(mesh.count + 1), mesh.knots)
     return Mesh(tuple(knots.tolist()), tuple(scheme for scheme in mesh.schemes for _ in range(2)))
 
 
 def _stuck(errors: list[float]) -> bool:
-    """Whether the last meshes are no better than one before them and much alike: the motion chatters.
+    """Whether the last meshes are no better than an earlier one and their errors are alike, as on singular arcs.
 
-    On singular arcs it does. Errors that jump about are those of different motions, as where there is no objective, of
-    which the next may do.
+    Errors that vary widely belong to different motions, as without an objective; the next one may be small enough.
     """
     before, last = errors[:-PATIENCE], errors[-PATIENCE:]
     return bool(before) and min(last) > LESS * min(before) and max(last) < ALIKE * min(last)
 
 
 def _stepped(part: PhaseSolution) -> bool:
-    """Whether a phase is stepped from knot to knot; until the objective settles, its controls are cut finer anyway."""
+    """Whether a phase is integrated from knot to knot; its intervals are split until the objective settles."""
     return any(isinstance(scheme, OneStep) for scheme in part.mesh.schemes)
 
 
 def _next(
     solution: Solution, assessments: Sequence[Assessment], refinement: Refinement, tolerance: float, goal: float
 ) -> list[Mesh]:
-    """Refine the mesh of every phase to a goal; shooting to the tolerance, since its objective is seen to by itself."""
+    """Refine the mesh of every phase to a goal; that of shooting to the tolerance."""
     pairs = zip(solution.phases, assessments, strict=True)
     return [_refined(part, own, refinement, tolerance if _stepped(part) else goal) for part, own in pairs]
 
 
 def _refined(part: PhaseSolution, assessment: Assessment, refinement: Refinement, tolerance: float) -> Mesh:
-    """Refine the mesh of a phase; knots that move go on from where they came to stand."""
+    """Refine the mesh of a phase; moving knots start from their last places."""
     mesh = part.mesh
     if not isinstance(mesh, MovingMesh):
         return refinement.refine(mesh, assessment, tolerance)
     inner = (part.knots[1:-1] - part.t0) / part.duration
     refined = refinement.refine(Mesh((0.0, *inner, 1.0), mesh.schemes), assessment, tolerance)
-    # Knots away from switches are free to wander; now that switches have theirs, little room is enough.
+    # Knots that have reached the switches need little room.
     return MovingMesh(refined.intervals, refined.scheme, max(mesh.least, 1 - ROOM), min(mesh.most, 1 + ROOM))

@@ -1,13 +1,13 @@
-"""Other ways to begin, where a problem turned out infeasible from where a plan begins by default.
+"""Other initial guesses, for a problem that a solver found infeasible from the given one.
 
-Free durations may be guessed too short. With less time than a motion needs, its rows contradict each other, and a
-solver that steps toward their least sum of contradictions may shorten the duration instead of lengthening it: it ends
-at a point that is infeasible locally, though the problem is not. At a fixed and ample duration, without the objective,
-the rows alone are left, and any motion that meets them is a guess from which the duration falls to its optimum.
+Free durations may be guessed too short. With less time than a motion needs, its constraints conflict. A solver that
+minimises their violation may then shorten the duration instead of lengthening it, and ends at a point that is locally
+infeasible. At a fixed and ample duration, without the objective, any motion that meets the constraints is a guess from
+which the duration falls to its optimum.
 Source: Betts, Practical Methods for Optimal Control (2010), section 2.12 (find a feasible point first).
 
-Guesses may also stand where an obstacle has no side to be passed on, or at a pose from which no row says where to go:
-random variations of them, seeded, stand elsewhere.
+Guesses may also lie where gradients point to neither side of an obstacle, or at a singular pose. Seeded random
+variations of them do not.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.nlp import Nlp
 
 LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
-"""Ends from which another beginning may lead away."""
+"""Statuses after which another guess is tried."""
 
 WHENCE = ", from a "
 """What separates the message of a solver from the beginning that led to its solution."""
@@ -49,20 +49,20 @@ def restarted(
     restarts: Restarts,
     coarsely: Solve,
 ) -> Solution:
-    """Solve a problem that failed once more: from longer motions, variations, and a motion that meets every row.
+    """Solve a problem that failed again: from longer motions, variations, and a motion that meets every constraint.
 
     A relaxed problem (``robotraj.planning.diagnosis.elastic``) shows which limits conflict; where they are limits of
-    joints or of a fixed duration alone, no variation is tried: no other beginning makes a motor stronger.
+    joints or of a fixed duration alone, no variation is tried, since no other guess changes a limit.
 
     Parameters
     ----------
     failed : Solution
-        What the solver ended with.
+        The solution of the solver.
     nlp : Nlp
-        What it was given, with the durations it started from.
+        Its program, with the guessed durations.
     guess : InitialGuess, Solution or None
-        What the user gave. Guesses with a course of their own are not replaced, and only where there is none is there a
-        default to vary.
+        That of the user. Guesses other than a straight line or a solution are not replaced, and the default guess is
+        varied only where none is given.
     solve : callable
     restarts : Restarts
     coarsely : callable
@@ -71,7 +71,7 @@ def restarted(
     Returns
     -------
     Solution
-        The first that was found, else the one that failed; with the seconds and iterations of all that was tried.
+        The first that was found, else the one that failed; with the seconds and iterations of all attempts.
     """
     problem = failed.problem
     if failed.status not in LOST:
@@ -110,7 +110,7 @@ def _from_elsewhere(
         return
     for seed in seeds:
         found = solve(problem, Perturbed(default_guess(problem), (seed,)))
-        yield found, "variation of the default guess, which led nowhere"
+        yield found, "variation of the default guess, which did not converge"
     if motion is not None and not conflicts:
         yield solve(problem, motion), "motion that meets every row on a coarse mesh"
 
@@ -118,7 +118,7 @@ def _from_elsewhere(
 def _from_longer(
     problem: Problem, nlp: Nlp, guess: InitialGuess | Solution | None, solve: Solve, factors: Sequence[float]
 ) -> Iterator[tuple[Solution, str]]:
-    """Start from motions that take longer; say so of each solution, and nothing of these motions themselves."""
+    """Start from longer motions; each solution is named by its motion, the motions themselves are not named."""
     free = [layout.duration.column is not None for layout in nlp.layouts]
     if not any(free) or not (guess is None or isinstance(guess, StraightLine | Solution)):
         return
@@ -134,7 +134,7 @@ def _from_longer(
                 for phase, duration, is_free in zip(problem.phases, durations, free, strict=True)
             ]
         except InputError:
-            # No limit of speeds allows it yet: what a free duration may grow to, a fixed one is refused for.
+            # A fixed duration that the speed limits do not allow is refused; the next one is longer.
             continue
         motion = solve(Problem(ample, problem.links), None)
         yield motion, ""
@@ -144,15 +144,15 @@ def _from_longer(
 
 
 def _whence(nlp: Nlp, free: list[bool], durations: tuple[float, ...], found: Solution) -> str:
-    """Say how long the motion was from which a solution was found, and what that tells of the guess."""
+    """Describe the motion from which a solution was found, and whether the guess was shorter than the solution."""
     chosen = [i for i, is_free in enumerate(free) if is_free]
     seconds = " and ".join(f"{durations[i]:.3g} s" for i in chosen)
     short = sum(found.phases[i].duration - _duration(nlp, i, 1.0) for i in chosen) > 0
-    return f"motion of {seconds}: the guess {'was too short' if short else 'led nowhere'}"
+    return f"motion of {seconds}: the guess {'was too short' if short else 'did not converge'}"
 
 
 def _duration(nlp: Nlp, index: int, times: float) -> float:
-    """Duration of a phase [s]: its own where that is fixed, else so many times the guessed one, within its bounds."""
+    """Return the duration of a phase [s]: the fixed one, or ``times`` the guessed one within its bounds."""
     scalar = nlp.layouts[index].duration
     if scalar.column is None:
         return float(scalar.value)

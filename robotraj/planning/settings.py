@@ -1,7 +1,7 @@
-"""Settings that the user leaves open: one table of rules decides them all.
+"""Settings that the user leaves open, decided by one table of rules.
 
-Of the rules of a setting the first whose conditions hold applies. They are decided in the order of ``SETTINGS``: a
-condition may read what was given, and what was decided before.
+The first rule of a setting whose conditions hold applies. Settings are decided in the order of ``SETTINGS``: a
+condition may read given settings and those decided before.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Rule:
     setting : str
         Its name, which is that of the option of ``rt.plan``.
     conditions : tuple of Condition
-        The choice is made where all of them hold.
+        All of them must hold.
     choice : object
     reason : str
         A clause that ends a line of printed settings.
@@ -118,7 +118,7 @@ RULES: tuple[Rule, ...] = (
         when.ROBOTS,
         when.STAGEWISE,
         BernsteinBounds(),
-        "speeds hold everywhere in one solve; further rows cost a solver by stages little",
+        "limits of speed hold everywhere in one solve; further rows cost a solver by stages little",
     ),
     _rule(
         "interval_limits",
@@ -130,8 +130,8 @@ RULES: tuple[Rule, ...] = (
     _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme leads straight to the mesh needed"),
     _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),
     _rule("refinement", when.ALWAYS, None, "no tolerance, so the mesh stays"),
-    _rule("restarts", when.CONTACTS, Restarts(0), "other beginnings seldom help with contacts, and take long"),
-    _rule("restarts", when.ALWAYS, Restarts(), "a guess may be too short, or stand in front of an obstacle"),
+    _rule("restarts", when.CONTACTS, Restarts(0), "other initial guesses seldom help with contacts, and take long"),
+    _rule("restarts", when.ALWAYS, Restarts(), "a guess may be too short, or lead into an obstacle"),
 )
 
 SETTINGS = tuple(dict.fromkeys(rule.setting for rule in RULES))
@@ -156,16 +156,18 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
     Raises
     ------
     InputError
-        An option is of another kind, or ``refinement`` is given without a tolerance.
+        An option is of another kind, or ``refinement`` is given with a mesh alone.
     """
     if settings is not None and not isinstance(settings, Settings):
         raise InputError(f"settings= must be those of a solution, solution.settings; got {settings!r}.")
     values: dict[str, Any] = {}
     reasons: dict[str, str] = {}
+    proved = settings is not None and settings.goals is not None
+    reopened = ("goals", "refinement") if proved and _on_its_own(given) else ()
     for name in SETTINGS:
         if given.get(name) is not None:
             values[name], reasons[name] = _checked(name, given[name]), GIVEN
-        elif settings is not None and not (name == "goals" and _on_its_own(given)):
+        elif settings is not None and name not in reopened:
             values[name], reasons[name] = getattr(settings, name), settings.reasons.get(name, GIVEN)
     for name in SETTINGS:
         if name not in values:
@@ -193,7 +195,7 @@ def table() -> str:
 
 
 def _on_its_own(given: Mapping[str, object]) -> bool:
-    """Whether a mesh or a tolerance is given, which goals of earlier settings give way to."""
+    """Whether a mesh or a tolerance is given, which replaces the goals of earlier settings."""
     return given.get("mesh") is not None or given.get("tolerance") is not None
 
 
@@ -222,11 +224,11 @@ _CHECKS: Mapping[str, tuple[Callable[[object], bool], str]] = {
     "refinement": (_is_a(Refinement), "must be one such as rt.refinement.SplitOrRaise()"),
     "restarts": (_is_a(Restarts), "must be rt.planning.Restarts(), or rt.planning.Restarts(0) for none"),
 }
-"""For each setting a test of what was given, and what it should be."""
+"""For each setting, a test of the given value and a description of valid ones."""
 
 
 def _checked(name: str, value: object) -> object:
-    """Give a setting that the user gave; lists of meshes become tuples."""
+    """Return a setting that the user gave; lists of meshes become tuples."""
     fits, wanted = _CHECKS[name]
     if not fits(value):
         raise InputError(f"{name}= {wanted}; got {value!r}.")

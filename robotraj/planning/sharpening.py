@@ -1,4 +1,4 @@
-"""Solvers that stop nearer to the optimum of a mesh, where what they leave counts beside a tolerance."""
+"""Tighter tolerances of solvers that stop too far from the optimum of a mesh."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Solver
 
 SHARE = 0.25
-"""Of the tolerance, that a solver may leave of the objective before it is made sharper."""
+"""Share of the tolerance that the duality gap of a solver may reach before its own tolerance is reduced."""
 MARGIN = 0.1
-"""How much less than that share a sharper solver is asked to leave."""
+"""Factor below that share at which a tighter solver aims."""
 
 
 class Sharpening:
-    """The solver of a refinement, made sharper as its solutions ask for it.
+    """The solver of a refinement, tightened where its solutions need it.
 
     Parameters
     ----------
     solver : Solver
-        The user's own.
+        That of the settings.
 
     Attributes
     ----------
     solver : Solver
-        The one to solve with next.
+        The one for the next solve.
     """
 
     def __init__(self, solver: Solver) -> None:
@@ -33,24 +33,24 @@ class Sharpening:
 
     @property
     def sharpened(self) -> bool:
-        """Whether the solver is another than the user's own."""
+        """Whether the solver is tighter than that of the settings."""
         return self.solver is not self._own
 
     def give_up(self) -> None:
-        """Go back to the user's own solver, for good."""
+        """Return to the solver of the settings, for good."""
         self.solver, self._factor = self._own, 0.0
 
     def is_blunt(self, solution: Solution, allowed: float) -> bool:
-        """Whether a solution leaves too much of the objective; then the solver is sharper from now on.
+        """Whether the duality gap of a solution is too large; then the solver is tighter from now on.
 
         Parameters
         ----------
         solution : Solution
         allowed : float
-            Error of the objective, in its own unit, of which a solver may leave a share.
+            Error of the objective, in its unit; a share of it is left to the solver.
         """
         own, factor = self._own, self._factor
-        # A solver at its sharpest gives itself again.
+        # A solver at its tightest returns itself.
         if not solution.success or not factor or own.sharper(factor) == own.sharper(MARGIN * factor):
             return False
         blunt = left_open(solution) / (SHARE * allowed)
@@ -62,9 +62,9 @@ class Sharpening:
 
 
 def left_open(solution: Solution) -> float:
-    """Give what a solver left of the objective: multipliers times distances of rows and columns from their bounds.
+    """Return the duality gap: multipliers times the distances of rows and variables from their bounds.
 
-    Of a convex program it is the duality gap, which bounds the distance from the optimum. Source: Nocedal & Wright,
+    For a convex program it bounds the distance of the objective from the optimum. Source: Nocedal & Wright,
     Numerical Optimization (2006), section 14.1.
     """
     multipliers = solution.multipliers

@@ -225,3 +225,11 @@ def test_restarts_of_count_0_leave_a_failed_plan_alone() -> None:
     plans = [rt.plan(never, solver=rt.Ipopt(), check=False, restarts=rt.planning.Restarts(n)) for n in (0, 1, 5)]
     assert not any(plan.success for plan in plans)
     assert plans[0].iterations < plans[1].iterations < plans[2].iterations
+
+
+def test_a_mesh_replaces_the_goals_of_earlier_settings_and_their_refinement() -> None:
+    proved = rt.plan(move())
+    assert proved.settings.goals is not None and proved.settings.refinement is not None
+    alone = rt.plan(move(), rt.Mesh(10), settings=proved.settings)
+    assert alone.settings.goals is None and alone.settings.refinement is None and alone.proof is None
+    assert rt.plan(move(), settings=proved.settings).objective == proved.objective

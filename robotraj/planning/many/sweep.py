@@ -23,25 +23,25 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
     Parameters
     ----------
     problems : sequence of Problem or Phase
-        Lambdas in them may travel to workers; what they close over must be picklable by cloudpickle.
+        Lambdas in them are sent to workers; their closures must be picklable by cloudpickle.
     executor : concurrent.futures.Executor, optional
         Any: processes, threads, ``dask.distributed.Client.get_executor()``. By default one fresh process per
         core (spawned, so a script needs ``if __name__ == "__main__":`` around the call);
         ``ThreadPoolExecutor(1)`` plans here, one after the other.
     **options
-        Of ``rt.plan``: mesh, guess, solver, tolerance, stages ...
+        Of ``rt.plan``: mesh, guess, solver, tolerance, continuation ...
 
     Returns
     -------
     list of Solution
-        In the order of the problems, whatever the executor. A plan that failed is among them with its status.
+        In the order of the problems. A plan that failed is included, with its status.
 
     Raises
     ------
     InputError
-        A problem cannot be posed, which the message says by its number, or pickled; ``rt.plan`` has no such option.
+        A problem, named by its number, cannot be posed or pickled; ``rt.plan`` has no such option.
     Interrupted
-        Ctrl-C; its ``found`` has the solutions that were there by then, by the numbers of their problems.
+        Ctrl-C; its ``found`` has the solutions found until then, by the numbers of their problems.
 
     Examples
     --------

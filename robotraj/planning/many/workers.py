@@ -1,9 +1,9 @@
-"""Work handed to any ``concurrent.futures`` executor, with results in the order of the tasks.
+"""Work in any ``concurrent.futures`` executor, with results in the order of the tasks.
 
-What is shared by all tasks travels once per task but is unpacked once per worker, so that graphs built for a
-problem serve all its tasks. Between processes everything travels by cloudpickle, because equations of Systems and
+Data shared by all tasks is sent with each task and unpacked once per worker, so that the graphs of a problem serve
+all its tasks. Between processes everything is sent by cloudpickle, because equations of Systems and
 expressions of constraints are mostly lambdas, which the standard library refuses to pickle. Threads share memory:
-there nothing travels, and what an answer would only find to be sent, such as its costates, is left for later.
+nothing is sent there, and results that are only needed for sending, such as costates, are computed later.
 """
 
 from __future__ import annotations

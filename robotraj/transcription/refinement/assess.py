@@ -1,4 +1,4 @@
-"""What a solution on a mesh says about its mesh."""
+"""Assessment of a mesh by the solution on it."""
 
 from __future__ import annotations
 

@@ -6,13 +6,13 @@ relates that to the size of each state and takes the largest,
 
     eta_i = integral |e_i| dt,    error = max_i eta_i / (1 + max over t of |x_i|, |xdot_i|).
 
-Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at every sample, so that the rows of g
-count as well: for a robot by inverse dynamics this compares the planned acceleration with the true one.
+Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at every sample, so that the residual
+of g counts as well. For a robot by inverse dynamics this compares the planned acceleration with the true one.
 
-Schemes that step from knot to knot have the same estimate, by the polynomial that stands for their dense output: it
-tells how well the motion between two knots is integrated. For classical Runge-Kutta and compressed Hermite-Simpson it
-falls as h^4; for an adaptive integrator it is of the size of the integrator's own tolerance, whatever the mesh. How
-well constants or lines stand for the best control it does not tell: that only shows in the objective.
+Schemes that integrate from knot to knot have the same estimate, by the polynomial of their dense output. It measures
+how well the motion between two knots is integrated. For classical Runge-Kutta and compressed Hermite-Simpson it falls
+as h^4. For an adaptive integrator it is of the size of the integrator's tolerance on any mesh. It does not measure how
+well constants or lines approximate the best control; that shows in the objective alone.
 Sources: Betts, Practical Methods for Optimal Control (2010), section 4.7.4; Kelly, SIAM Review 59 (2017), section 8.
 """
 
@@ -32,11 +32,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 NEWTON_STEPS = 4
-"""Steps that solve g = 0 for z from the interpolated z; one is exact where g is linear in z, as for rigid bodies."""
+"""Newton steps for g = 0 from the interpolated z; one is exact where g is linear in z, as for rigid bodies."""
 
 
 def interval_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
-    """Relative error of every interval by Betts's definition, (K,).
+    """Return the relative error of every interval by Betts's definition, (K,).
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def interval_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
 
 
 def state_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
-    """Integral of |xdot - f| over every interval by Kelly's definition, (K, nx), each in its state's unit.
+    """Return the integral of |xdot - f| over every interval by Kelly's definition, (K, nx), in each state's unit.
 
     Parameters
     ----------

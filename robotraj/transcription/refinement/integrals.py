@@ -1,6 +1,6 @@
 """Error of integral constraints, interval by interval: a scheme's quadrature against a finer one.
 
-A scheme sums the integrand q of an integral constraint at its nodes, h sum_j b_j q(t_j). What it leaves of an interval,
+A scheme sums the integrand q of an integral constraint at its nodes, h sum_j b_j q(t_j). Its error on an interval,
 
     error = |h sum_j b_j q(t_j) - integral q dt| / (1 + |bound|),
 
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MORE = 8
-"""Points that the finer rule has more than the scheme."""
+"""Number of points of the finer rule beyond those of the scheme."""
 
 
 def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme]) -> Array:
-    """Largest error of an integral constraint on every interval, relative to 1 + |bound|, (K,).
+    """Return the largest error of an integral constraint on every interval, relative to 1 + |bound|, (K,).
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """Error of the objective's integrals: the sum that was minimised against the integral along the motion.
 
-A scheme sums the integrand l at its nodes, h sum_j b_j l(t_j). What it leaves of an interval,
+A scheme sums the integrand l at its nodes, h sum_j b_j l(t_j). Its error on an interval,
 
     error = h sum_j b_j l(t_j) - integral l dt,
 
-with the integral by Gauss's rule along the motion, tells how far the objective is from what the motion costs.
+with the integral by Gauss's rule along the motion, is the distance of the objective from the cost of the motion.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MORE = 3
-"""Points that Gauss's rule has more than the scheme."""
+"""Number of points of Gauss's rule beyond those of the scheme."""
 
 
 def quadrature_errors(
     phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], torques: Curve | None
 ) -> Array:
-    """Error of the objective's integral on every interval, in its unit, (K,); 0 on intervals without nodes.
+    """Return the error of the objective's integral on every interval, in its unit, (K,); 0 without nodes.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ _RATES: WeakKeyDictionary[Phase, ca.Function | None] = WeakKeyDictionary()
 
 
 def _rate(phase: Phase) -> ca.Function | None:
-    """Integrand of the objective of (t, x, z, u, p); None where there is no integral."""
+    """Return the integrand of the objective, a function of (t, x, z, u, p); None without an integral."""
     if phase not in _RATES:
         _RATES[phase] = _new_rate(phase)
     return _RATES[phase]

@@ -51,7 +51,7 @@ class RaiseOrder(Refinement):
         return Mesh(tuple(knots), tuple(schemes))
 
     def points(self, scheme: Scheme, assessment: Assessment, k: int, tolerance: float) -> int:
-        """Points that interval k should have."""
+        """Return the number of points that interval k should have."""
         now, error = points_of(scheme), assessment.errors[k]
         if error > tolerance:
             return now + int(max(1, np.ceil(np.log(2 * error / tolerance) / np.log(max(now, 2)))))

@@ -20,16 +20,16 @@ from robotraj.transcription.schemes.shooting import Shooting
 Array = NDArray[np.float64]
 
 BULK = 0.8
-"""Part of what the controls' coarseness may cost that is cut at once: what is left falls to less than a half."""
+"""Share of the controls' coarseness that one refinement removes."""
 SHARE = 1e-2
-"""Tolerance of an adaptive integrator, relative to that of the mesh: what it leaves is not the mesh's to split."""
+"""Tolerance of an adaptive integrator, relative to that of the mesh."""
 LEAST = 1e-13
-"""Tolerance below which an adaptive integrator is not pushed."""
+"""Least tolerance of an adaptive integrator."""
 
 
 @dataclass(frozen=True, eq=False)
 class Assessment:
-    """What is known of a phase on its mesh.
+    """Estimates of a phase on its mesh.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Assessment:
     decays : ndarray (K,)
         Decades by which the Legendre coefficients of the states fall per degree; large where they are smooth.
     broken : ndarray (K,)
-        How far path rows that read controls or accelerations are broken inside every interval, relative to 1 + |bound|.
+        Relative violation of path rows that depend on controls or accelerations inside every interval.
     settled : bool
         Whether the objective changed by less than the tolerance since the last mesh.
     coarse : ndarray (K,)
@@ -65,12 +65,12 @@ class Refinement(OneLine, ABC):
 
     @abstractmethod
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
-        """Mesh on which the errors should come below the tolerance."""
+        """Return a mesh on which the errors should be below the tolerance."""
 
 
 @dataclass(frozen=True)
 class SplitAndMerge(Refinement):
-    """h-refinement: split intervals where it hurts, merge neighbours where it does not.
+    """h-refinement: split intervals of large error, merge neighbours of small error.
 
     The residual of s-point collocation falls as h^(s + 1), so an interval of error e is cut into
     ceil((2 e / tolerance)^(1 / (s + 1))) parts. Intervals inside which a control jumps are halved until the objective
@@ -90,7 +90,7 @@ class SplitAndMerge(Refinement):
     jump : float
         Relative change of a control, inside an interval, that counts as a switch.
     path : float
-        How far a path row that reads controls may be broken between nodes, relative to 1 + |bound|.
+        Relative violation of a path row between the nodes that is allowed.
     """
 
     most: int = 4
@@ -124,12 +124,12 @@ class SplitAndMerge(Refinement):
         return Mesh(tuple(new_knots), tuple(new_schemes))
 
     def switching(self, assessment: Assessment, schemes: tuple[Scheme, ...]) -> NDArray[np.bool_]:
-        """Intervals inside which a control jumps or is too coarse, or a path row is broken, (K,)."""
+        """Return the intervals inside which a control jumps or is too coarse, or a path row is violated, (K,)."""
         broken = (assessment.jumps > self.jump) | (assessment.broken > self.path)
         return np.asarray(broken | _bulk(assessment.coarse, schemes))
 
     def parts(self, error: float, scheme: Scheme, tolerance: float) -> int:
-        """Parts that an interval of this error should be cut into."""
+        """Return the number of parts into which an interval of this error should be cut."""
         if error <= tolerance:
             return 1
         return int(np.clip(np.ceil((2 * error / tolerance) ** (1 / error_order(scheme))), 2, self.most))
@@ -137,7 +137,7 @@ class SplitAndMerge(Refinement):
     def _mergeable(
         self, parts: NDArray[np.int_], assessment: Assessment, schemes: tuple[Scheme, ...], k: int, tolerance: float
     ) -> bool:
-        """Two neighbours that would stay far below the tolerance as one interval, away from switches."""
+        """Whether two neighbours, away from switches, would stay far below the tolerance as one interval."""
         if k + 1 >= len(parts) or parts[k] > 1 or parts[k + 1] > 1 or schemes[k] != schemes[k + 1]:
             return False
         if isinstance(schemes[k], OneStep) or _coarsely_controlled(schemes[k]):
@@ -168,7 +168,7 @@ def _coarsely_controlled(scheme: Scheme) -> bool:
 
 
 def _tightened(scheme: Scheme, tolerance: float) -> Scheme:
-    """Give the same scheme with an adaptive integrator whose own error is far below the tolerance."""
+    """Return the same scheme with an adaptive integrator whose error is far below the tolerance."""
     if not isinstance(scheme, Shooting) or not isinstance(scheme.integrator, Adaptive):
         return scheme
     asked = max(SHARE * tolerance, LEAST)
@@ -186,7 +186,7 @@ def error_order(scheme: Scheme) -> int:
 
 
 def points_of(scheme: Scheme) -> int:
-    """Collocation points of an interval."""
+    """Return the number of collocation points of an interval."""
     if not isinstance(scheme, Collocation):
         raise InputError(
             f"{type(scheme).__name__} has no collocation points to raise; refine it with rt.refinement.SplitAndMerge()."
