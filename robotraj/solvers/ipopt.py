@@ -5,11 +5,8 @@ Source: Waechter and Biegler, Mathematical Programming 106 (2006).
 
 from __future__ import annotations
 
-import signal
-import threading
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,8 +16,9 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
-from robotraj.solvers.base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
+from robotraj.solvers.base import LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted, named_options
+from robotraj.solvers.ipopt_callback import IterationCallback
 from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
@@ -171,7 +169,7 @@ class Ipopt(Solver):
         began = time.perf_counter()
         n_w = len(nlp.variables)
         lower, upper = nlp.rows.lower * nlp.row_scale, nlp.rows.upper * nlp.row_scale
-        watch = _Watch(n_w, lower, upper, progress)
+        watch = IterationCallback(n_w, lower, upper, progress)
         w, p = ca.MX.sym("w", n_w), ca.MX.sym("p", 0)
         # A call makes a constant objective sparse again, which nlpsol refuses.
         objective = ca.densify(functions.objective(w, p))
@@ -257,71 +255,3 @@ def _multipliers(nlp: Nlp, w: np.ndarray, lam_g: np.ndarray, lam_x: np.ndarray) 
     """Multipliers in physical units, with the assembled functions for solves of the same NLP with other ends."""
     known = Multipliers(lam_g * nlp.row_scale, lam_x / nlp.scale)
     return LateMultipliers(lambda: known, known.sizes, Origin(nlp, w))
-
-
-class _Watch(ca.Callback):
-    """Called by IPOPT once an iteration: keeps the iterate, reports progress, stops on Ctrl-C."""
-
-    def __init__(self, n_w: int, lower: np.ndarray, upper: np.ndarray, progress: Progress | None) -> None:
-        ca.Callback.__init__(self)
-        n_g = len(lower)
-        self._lower, self._upper = lower, upper
-        self._sizes = {"x": n_w, "f": 1, "g": n_g, "lam_x": n_w, "lam_g": n_g, "lam_p": 0}
-        self._progress = progress
-        self._count = 0
-        self.last: np.ndarray | None = None
-        self.stop = False
-        self.error: Exception | None = None
-        self.construct("watch", {})
-
-    def get_n_in(self) -> int:
-        return int(ca.nlpsol_n_out())
-
-    def get_n_out(self) -> int:
-        return 1
-
-    def get_name_in(self, i: int) -> str:
-        return str(ca.nlpsol_out(i))
-
-    def get_sparsity_in(self, i: int) -> ca.Sparsity:
-        size = self._sizes.get(str(ca.nlpsol_out(i)), 0)
-        return ca.Sparsity.dense(size, 1) if size else ca.Sparsity(0, 0)
-
-    def eval(self, arguments: Any) -> list[int]:
-        if not self.stop:
-            named = {str(ca.nlpsol_out(i)): value for i, value in enumerate(arguments)}
-            point = np.array(named["x"]).ravel()
-            if np.all(np.isfinite(point)):
-                self.last = point
-            if self._progress is not None:
-                g = np.array(named["g"]).ravel()
-                broken = np.maximum(self._lower - g, g - self._upper)
-                self._report(Iteration(self._count, float(named["f"]), float(np.max(broken, initial=0.0))))
-            self._count += 1
-        return [int(self.stop)]
-
-    def _report(self, iteration: Iteration) -> None:
-        """Tell the progress callback; CasADi would only print its errors, so they are kept for after the solve."""
-        assert self._progress is not None
-        try:
-            self._progress(iteration)
-        except KeyboardInterrupt:
-            self.stop = True
-        except Exception as error:
-            self.stop, self.error = True, error
-
-    @contextmanager
-    def interruptible(self) -> Iterator[None]:
-        """Turn Ctrl-C into a request to stop, where signals can be caught."""
-        if threading.current_thread() is not threading.main_thread():
-            yield
-            return
-
-        def request(*_: object) -> None:
-            self.stop = True
-
-        previous = signal.signal(signal.SIGINT, request)
-        try:
-            yield
-        finally:
-            signal.signal(signal.SIGINT, previous)

@@ -138,16 +138,14 @@ ROBOTRAJ_INLINE Pack barrier_gradient_at(At at, const Bounds& bounds, const doub
 
 void barrier_gradient(const Bounds& bounds, const double* below, const double* above, double mu, double damping,
                       double* out) {
-  each_pack(bounds.count,
-            [&](auto at) { at.put(out, barrier_gradient_at(at, bounds, below, above, mu, damping)); });
+  each_pack(bounds.count, [&](auto at) { at.put(out, barrier_gradient_at(at, bounds, below, above, mu, damping)); });
 }
 
 double barrier_slope(const Bounds& bounds, const double* below, const double* above, double mu, double damping,
                      const double* ds) {
   Pack sum{};
-  each_pack(bounds.count, [&](auto at) {
-    sum += barrier_gradient_at(at, bounds, below, above, mu, damping) * at.of(ds, 0.0);
-  });
+  each_pack(bounds.count,
+            [&](auto at) { sum += barrier_gradient_at(at, bounds, below, above, mu, damping) * at.of(ds, 0.0); });
   return across(sum);
 }
 
@@ -175,8 +173,9 @@ double longest_step(const Bounds& bounds, const double* below, const double* abo
   Pack result = one;
   each_pack(bounds.count, [&](auto at) {
     const Pack step = at.of(ds, 0.0), nothing{};
-    const auto down = step < nothing, up = step > nothing;
-    const auto meets = (down & bounded(at.of(bounds.lower, kInfinity))) | (up & bounded(at.of(bounds.upper, kInfinity)));
+    const auto down = step<nothing, up = step> nothing;
+    const auto meets =
+        (down & bounded(at.of(bounds.lower, kInfinity))) | (up & bounded(at.of(bounds.upper, kInfinity)));
     const Pack room = down ? at.of(below, 1.0) : at.of(above, 1.0);
     result = smaller(meets ? tau * room / magnitudes(step) : one, result);
   });
@@ -208,8 +207,8 @@ void clamp_duals(const double* bound, const double* distance, double mu, double 
   });
 }
 
-void reduce(const SlackSystem& system, const SlackSide& side, int n, double* inverse, double* gradient,
-            double* weights, double* rows) {
+void reduce(const SlackSystem& system, const SlackSide& side, int n, double* inverse, double* gradient, double* weights,
+            double* rows) {
   each_pack(n, [&](auto at) {
     const Pack below = 1.0 / at.of(system.below, 1.0), above = 1.0 / at.of(system.above, 1.0);
     const Pack sigma =
@@ -240,10 +239,8 @@ double slack_residual(const SlackSystem& system, const SlackSide& side, const Sl
     const Pack s = at.of(step.s, 0.0), lower = at.of(step.lower, 0.0), upper = at.of(step.upper, 0.0);
     const Pack multiplier = at.of(lam, 0.0);
     const Pack first = at.of(side.s, 0.0) + at.of(system.damping, 0.0) * s - multiplier - lower + upper;
-    const Pack second =
-        at.of(side.lower, 0.0) + at.of(system.lower_duals, 0.0) * s + at.of(system.below, 1.0) * lower;
-    const Pack third =
-        at.of(side.upper, 0.0) - at.of(system.upper_duals, 0.0) * s + at.of(system.above, 1.0) * upper;
+    const Pack second = at.of(side.lower, 0.0) + at.of(system.lower_duals, 0.0) * s + at.of(system.below, 1.0) * lower;
+    const Pack third = at.of(side.upper, 0.0) - at.of(system.upper_duals, 0.0) * s + at.of(system.above, 1.0) * upper;
     at.put(residual.s, first);
     at.put(residual.lower, second);
     at.put(residual.upper, third);
@@ -254,9 +251,11 @@ double slack_residual(const SlackSystem& system, const SlackSide& side, const Sl
 }
 
 constexpr VectorKernels vector_kernels = {
-    largest,          absolute_sum,  finite,          add_vectors,             distances,
-    barrier_gradient, barrier_slope, complementarity, largest_complementarity, longest_step,
-    longest_dual_step, clamp_duals,  reduce,          recover,                 slack_residual,
+    largest,       absolute_sum,      finite,
+    add_vectors,   distances,         barrier_gradient,
+    barrier_slope, complementarity,   largest_complementarity,
+    longest_step,  longest_dual_step, clamp_duals,
+    reduce,        recover,           slack_residual,
 };
 
 }  // namespace

@@ -62,9 +62,12 @@ void bind_sparse(nb::module_& m) {
           nb::arg("variable"), nb::arg("columns"))
       .def("pruned", &Csr::pruned)
       .def("transposed", &Csr::transposed)
-      .def_prop_ro("starts", [](const Csr& a) { return shared(a, a.starts(), a.rows() + 1); }, nb::rv_policy::move)
-      .def_prop_ro("indices", [](const Csr& a) { return shared(a, a.indices(), a.entries()); }, nb::rv_policy::move)
-      .def_prop_ro("data", [](const Csr& a) { return shared(a, a.data(), a.entries()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "starts", [](const Csr& a) { return shared(a, a.starts(), a.rows() + 1); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "indices", [](const Csr& a) { return shared(a, a.indices(), a.entries()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "data", [](const Csr& a) { return shared(a, a.data(), a.entries()); }, nb::rv_policy::move)
       .def_prop_ro("rows", &Csr::rows)
       .def_prop_ro("columns", &Csr::columns)
       .def_prop_ro("entries", &Csr::entries);

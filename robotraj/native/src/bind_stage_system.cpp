@@ -36,13 +36,13 @@ class StageSystem {
     Numbers z(columns()), lam(rows());
     const double* residuals = checked(g, rows(), "g");
     const NewtonSystem system{dx ? checked(*dx, columns(), "dx") : nullptr,
-                                       de ? de->data() : nullptr,
-                                       ds.data(),
-                                       checked(f, columns(), "f"),
-                                       residuals,
-                                       residuals + layout_.inequality_rows,
-                                       z.data(),
-                                       lam.data()};
+                              de ? de->data() : nullptr,
+                              ds.data(),
+                              checked(f, columns(), "f"),
+                              residuals,
+                              residuals + layout_.inequality_rows,
+                              z.data(),
+                              lam.data()};
     Pivots pivots = Pivots::good;
     if (dx) pivots = solver_.factorise_and_solve(jacobian_, hessian_, system, nullptr);
     else solver_.solve(jacobian_, system);
@@ -57,15 +57,12 @@ class StageSystem {
     Numbers multipliers(checked(lam, rows(), "lam"), lam.data() + lam.size());
     const double* residuals = checked(g, rows(), "g");
     Numbers gradient(columns()), left(rows());
-    const double greatest = solver_.residual(jacobian_, hessian_,
-                                             {checked(dx, columns(), "dx"), de ? de->data() : nullptr, nullptr,
-                                              checked(f, columns(), "f"), residuals,
-                                              residuals + layout_.inequality_rows, step.data(),
-                                              multipliers.data()},
-                                             0, matrices_.count(),
-                                             {gradient.data(), left.data(),
-                                              left.data() + layout_.equality_rows,
-                                              left.data() + layout_.inequality_rows});
+    const double greatest = solver_.residual(
+        jacobian_, hessian_,
+        {checked(dx, columns(), "dx"), de ? de->data() : nullptr, nullptr, checked(f, columns(), "f"), residuals,
+         residuals + layout_.inequality_rows, step.data(), multipliers.data()},
+        0, matrices_.count(),
+        {gradient.data(), left.data(), left.data() + layout_.equality_rows, left.data() + layout_.inequality_rows});
     return nb::make_tuple(to_numpy(std::move(gradient)), to_numpy(std::move(left)), greatest);
   }
 
@@ -107,8 +104,7 @@ void bind_stage_system(nb::module_& m) {
              const Narrow& hessian_rows, const Narrow& hessian_columns, const std::string& processor) {
             new (self) StageSystem(controls, states, equalities, inequalities,
                                    Pattern{copied(jacobian_rows), copied(jacobian_columns)},
-                                   Pattern{copied(hessian_rows), copied(hessian_columns)},
-                                   processor);
+                                   Pattern{copied(hessian_rows), copied(hessian_columns)}, processor);
           },
           nb::arg("controls"), nb::arg("states"), nb::arg("equalities"), nb::arg("inequalities"),
           nb::arg("jacobian_rows"), nb::arg("jacobian_columns"), nb::arg("hessian_rows"), nb::arg("hessian_columns"),

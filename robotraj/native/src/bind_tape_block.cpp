@@ -63,9 +63,9 @@ std::shared_ptr<TapeBlock> block_of(std::size_t count, std::size_t inputs, std::
   const PointSizes sizes{
       count, inputs, constants, values.results, jacobian.results, hessian ? hessian->results : 0, cost ? costed : -1};
   const auto or_none = [](const Recipe* recipe) { return recipe ? *recipe : Recipe{}; };
-  return std::make_shared<TapeBlock>(
-      sizes, Recipes{values, jacobian, or_none(cost), or_none(gradient), or_none(hessian)},
-      torques ? std::optional<Torques>(*torques) : std::nullopt, kernels_of(processor));
+  return std::make_shared<TapeBlock>(sizes,
+                                     Recipes{values, jacobian, or_none(cost), or_none(gradient), or_none(hessian)},
+                                     torques ? std::optional<Torques>(*torques) : std::nullopt, kernels_of(processor));
 }
 
 }  // namespace
@@ -88,44 +88,51 @@ void bind_tape_block(nb::module_& m) {
       .def("hessian_pattern", [](const RigidTree& robot) { return to_arrays(hessian_pattern(robot.tree)); });
 
   nb::class_<Tape>(m, "Tape")
-      .def("__init__",
-           [](Tape* self, std::uintptr_t address) { new (self) Tape(*reinterpret_cast<const casadi::Function*>(address)); },
-           nb::arg("address"))
+      .def(
+          "__init__",
+          [](Tape* self, std::uintptr_t address) {
+            new (self) Tape(*reinterpret_cast<const casadi::Function*>(address));
+          },
+          nb::arg("address"))
       .def_prop_ro("outputs", &Tape::outputs);
 
   nb::class_<Torques>(m, "Torques")
-      .def("__init__",
-           [](Torques* self, const RigidTree& robot, const Indices& places) {
-             new (self) Torques{robot, to_vector(places), {}, {}};
-           },
-           nb::arg("robot"), nb::arg("places"))
-      .def("__init__",
-           [](Torques* self, const RigidTree& robot, const Tape& arguments, const Tape& curvature) {
-             new (self) Torques{robot, {}, arguments, curvature};
-           },
-           nb::arg("robot"), nb::arg("arguments"), nb::arg("curvature"));
+      .def(
+          "__init__",
+          [](Torques* self, const RigidTree& robot, const Indices& places) {
+            new (self) Torques{robot, to_vector(places), {}, {}};
+          },
+          nb::arg("robot"), nb::arg("places"))
+      .def(
+          "__init__",
+          [](Torques* self, const RigidTree& robot, const Tape& arguments, const Tape& curvature) {
+            new (self) Torques{robot, {}, arguments, curvature};
+          },
+          nb::arg("robot"), nb::arg("arguments"), nb::arg("curvature"));
 
-  nb::class_<Call>(m, "Call")
-      .def("__init__",
-           [](Call* self, std::shared_ptr<Tape> tape, const Indices& inputs, const Indices& multipliers) {
-             new (self) Call{std::move(tape), to_vector(inputs), to_vector(multipliers)};
-           },
-           nb::arg("tape"), nb::arg("inputs"), nb::arg("multipliers"));
+  nb::class_<Call>(m, "Call").def(
+      "__init__",
+      [](Call* self, std::shared_ptr<Tape> tape, const Indices& inputs, const Indices& multipliers) {
+        new (self) Call{std::move(tape), to_vector(inputs), to_vector(multipliers)};
+      },
+      nb::arg("tape"), nb::arg("inputs"), nb::arg("multipliers"));
 
   nb::class_<Recipe>(m, "Recipe")
-      .def("__init__",
-           [](Recipe* self, const Tape& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
-              std::size_t results, const Indices& out, const Indices& left, const Indices& right,
-              const std::vector<Call>& calls) {
-             new (self) Recipe(recipe_of(tape, jacobian, hessian, made, result, results, out, left, right, calls));
-           },
-           nb::arg("tape"), nb::arg("jacobian"), nb::arg("hessian"), nb::arg("made"), nb::arg("result"),
-           nb::arg("results"), nb::arg("out"), nb::arg("left"), nb::arg("right"), nb::arg("calls") = nb::list());
+      .def(
+          "__init__",
+          [](Recipe* self, const Tape& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
+             std::size_t results, const Indices& out, const Indices& left, const Indices& right,
+             const std::vector<Call>& calls) {
+            new (self) Recipe(recipe_of(tape, jacobian, hessian, made, result, results, out, left, right, calls));
+          },
+          nb::arg("tape"), nb::arg("jacobian"), nb::arg("hessian"), nb::arg("made"), nb::arg("result"),
+          nb::arg("results"), nb::arg("out"), nb::arg("left"), nb::arg("right"), nb::arg("calls") = nb::list());
 
   nb::class_<TapeBlock, PointBlock>(m, "TapeBlock")
       .def(nb::new_(&block_of), nb::arg("count"), nb::arg("inputs"), nb::arg("constants"), nb::arg("values"),
-           nb::arg("jacobian"), nb::arg("hessian") = nb::none(), nb::arg("cost") = nb::none(), nb::arg("gradient") = nb::none(),
-           nb::arg("costed") = -1, nb::arg("torques") = nb::none(), nb::arg("processor") = "");
+           nb::arg("jacobian"), nb::arg("hessian") = nb::none(), nb::arg("cost") = nb::none(),
+           nb::arg("gradient") = nb::none(), nb::arg("costed") = -1, nb::arg("torques") = nb::none(),
+           nb::arg("processor") = "");
 }
 
 }  // namespace robotraj::native

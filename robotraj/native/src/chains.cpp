@@ -292,8 +292,8 @@ Combined<Stacked> hessian_chain(const std::vector<const Chain*>& chains, const R
         const std::size_t place = here[step.place];
         const double* g = chain.gather.data() + chain.gather.starts()[place * chain.inputs];
         const double factor = g[step.i] * g[step.j];
-        products.push_back({step.at, static_cast<std::int32_t>(place * nonzeros) + step.nonzero,
-                            step.twice ? 2.0 * factor : factor});
+        products.push_back(
+            {step.at, static_cast<std::int32_t>(place * nonzeros) + step.nonzero, step.twice ? 2.0 * factor : factor});
       }
       Rows rows(nonzeros * chain.count);
       rows.append_sorted(products, entries.size());

@@ -108,10 +108,8 @@ Combination::Combination(const Stacked& matrix, const std::int32_t* places, cons
   std::size_t first = 0;
   for (const Stacked::Piece& piece : matrix.pieces()) {
     const Rows rows{piece.rows, places, kept_base, first};
-    if (piece.repeats > 1)
-      take(rows, piece.repeats, piece.shift);
-    else
-      divide(rows, 0, piece.rows.rows());
+    if (piece.repeats > 1) take(rows, piece.repeats, piece.shift);
+    else divide(rows, 0, piece.rows.rows());
     first += piece.repeats * piece.rows.rows();
   }
   for (std::size_t run = 0; run < runs_.size(); ++run) {
@@ -287,10 +285,8 @@ void Combination::apply(const double* x, const double* base, double* y, ThreadPo
   pool.split(pieces_.size(), step, [=](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t piece = begin; piece < end; ++piece) {
       const Run& run = runs_[pieces_[piece].run];
-      if (run.repeats > 1)
-        repeated(run, pieces_[piece].begin, pieces_[piece].end, x, base, y);
-      else
-        once(run, x, base, y);
+      if (run.repeats > 1) repeated(run, pieces_[piece].begin, pieces_[piece].end, x, base, y);
+      else once(run, x, base, y);
     }
   });
 }

@@ -86,8 +86,7 @@ void combine_rows(const RepeatedRows& block, const RepeatSteps& steps, const dou
                   std::size_t count, double* memory) {
   Pack *const read = packs(memory), *const results = read + block.read_count;
   take<false>(x, block.reads, nullptr, block.read_count, steps.x, count, read);
-  if (base)
-    take<true>(base, block.from, block.order, block.row_count, steps.base, count, results);
+  if (base) take<true>(base, block.from, block.order, block.row_count, steps.base, count, results);
   else
     for (std::size_t i = 0; i < block.row_count; ++i)
       results[i] = Pack{} + (block.kept_base ? block.kept_base[i] : 0.0);

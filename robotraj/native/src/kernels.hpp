@@ -18,8 +18,9 @@
 namespace robotraj::native {
 
 const Kernels ROBOTRAJ_KERNELS = {
-    ROBOTRAJ_PROCESSOR, kLanes,          sizeof(JointState) / sizeof(Pack), run_tape, inverse_dynamics, multiply,
-    combine_rows,       riccati_kernels, vector_kernels,
+    ROBOTRAJ_PROCESSOR, kLanes,           sizeof(JointState) / sizeof(Pack),
+    run_tape,           inverse_dynamics, multiply,
+    combine_rows,       riccati_kernels,  vector_kernels,
 };
 
 }  // namespace robotraj::native

@@ -46,19 +46,17 @@ void bind_point_block(nb::module_& m) {
       .def(
           "values",
           [](PointBlock& b, const Doubles& v, const Doubles& c, std::size_t threads) {
-            return evaluate(b, v, c, b.sizes().outputs, threads,
-                            [&](const double* v, const double* c, double* out, ThreadPool& pool) {
-                              b.values(v, c, out, pool);
-                            });
+            return evaluate(
+                b, v, c, b.sizes().outputs, threads,
+                [&](const double* v, const double* c, double* out, ThreadPool& pool) { b.values(v, c, out, pool); });
           },
           nb::arg("v"), nb::arg("c"), nb::arg("threads") = 1)
       .def(
           "jacobian",
           [](PointBlock& b, const Doubles& v, const Doubles& c, std::size_t threads) {
-            return evaluate(b, v, c, b.sizes().jacobian, threads,
-                            [&](const double* v, const double* c, double* out, ThreadPool& pool) {
-                              b.jacobian(v, c, out, pool);
-                            });
+            return evaluate(
+                b, v, c, b.sizes().jacobian, threads,
+                [&](const double* v, const double* c, double* out, ThreadPool& pool) { b.jacobian(v, c, out, pool); });
           },
           nb::arg("v"), nb::arg("c"), nb::arg("threads") = 1)
       .def(
@@ -74,10 +72,9 @@ void bind_point_block(nb::module_& m) {
           "gradient",
           [](PointBlock& b, const Doubles& v, const Doubles& c, std::size_t threads) {
             need_cost(b);
-            return evaluate(b, v, c, b.sizes().inputs, threads,
-                            [&](const double* v, const double* c, double* out, ThreadPool& pool) {
-                              b.gradient(v, c, out, pool);
-                            });
+            return evaluate(
+                b, v, c, b.sizes().inputs, threads,
+                [&](const double* v, const double* c, double* out, ThreadPool& pool) { b.gradient(v, c, out, pool); });
           },
           nb::arg("v"), nb::arg("c"), nb::arg("threads") = 1)
       .def(

@@ -11,13 +11,13 @@ namespace robotraj::native {
 
 /// Sizes of a block: E points, and per point the inputs, the outputs and the nonzeros of the derivatives.
 struct PointSizes {
-  std::size_t count = 0;     ///< E, the number of points
-  std::size_t inputs = 0;    ///< n_v
-  std::size_t constants = 0; ///< n_c
-  std::size_t outputs = 0;   ///< n_y
-  std::size_t jacobian = 0;  ///< nonzeros of dy/dv, 0 where the block has none
-  std::size_t hessian = 0;   ///< nonzeros of one triangle of d^2(m' y)/dv^2, 0 where the block has none
-  std::ptrdiff_t costed = -1; ///< the output that carries cost, -1 if none does
+  std::size_t count = 0;       ///< E, the number of points
+  std::size_t inputs = 0;      ///< n_v
+  std::size_t constants = 0;   ///< n_c
+  std::size_t outputs = 0;     ///< n_y
+  std::size_t jacobian = 0;    ///< nonzeros of dy/dv, 0 where the block has none
+  std::size_t hessian = 0;     ///< nonzeros of one triangle of d^2(m' y)/dv^2, 0 where the block has none
+  std::ptrdiff_t costed = -1;  ///< the output that carries cost, -1 if none does
 };
 
 /// One point function at E points.

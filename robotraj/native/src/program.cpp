@@ -115,8 +115,7 @@ const Numbers& Program::values(std::size_t index) {
   Work& work = work_[index];
   if (!work.y_known) {
     const Term& term = terms_[index];
-    timed(times.functions,
-          [&] { term.block->values(work.v.data(), term.constants.data(), work.y.data(), pool_); });
+    timed(times.functions, [&] { term.block->values(work.v.data(), term.constants.data(), work.y.data(), pool_); });
     work.y_known = true;
   }
   return work.y;
@@ -149,8 +148,7 @@ double Program::objective() {
       const double* costed = values(i).data() + sizes.costed;
       for (std::size_t e = 0; e < sizes.count; ++e) sum += term.weights[e] * costed[e * sizes.outputs];
     } else {
-      timed(times.functions,
-            [&] { term.block->cost(work.v.data(), term.constants.data(), work.cost.data(), pool_); });
+      timed(times.functions, [&] { term.block->cost(work.v.data(), term.constants.data(), work.cost.data(), pool_); });
       for (std::size_t e = 0; e < sizes.count; ++e) sum += term.weights[e] * work.cost[e];
     }
   }

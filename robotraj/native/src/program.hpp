@@ -11,8 +11,8 @@
 #include <memory>
 #include <vector>
 
-#include "point_block.hpp"
 #include "combination.hpp"
+#include "point_block.hpp"
 #include "stacked.hpp"
 
 namespace robotraj::native {

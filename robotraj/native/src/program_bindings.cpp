@@ -39,7 +39,9 @@ class Alone {
  public:
   explicit Alone(std::atomic<bool>& busy) : busy_(busy) {
     if (busy_.exchange(true))
-      throw std::runtime_error("this program is busy in another call, which works in the same memory; work meanwhile takes a second program");
+      throw std::runtime_error(
+          "this program is busy in another call, which works in the same memory; work meanwhile takes a second "
+          "program");
   }
   ~Alone() { busy_.store(false); }
   Alone(const Alone&) = delete;
@@ -98,8 +100,8 @@ const double* given(const Optional& array, std::size_t length, const char* name)
 }
 
 Outcome solve(Solved& self, const Doubles& y, const Doubles& lower, const Doubles& upper, const Options& options,
-              const Optional& lam, const Optional& lower_duals, const Optional& upper_duals,
-              double objective_scale, nb::object callback, double time_limit) {
+              const Optional& lam, const Optional& lower_duals, const Optional& upper_duals, double objective_scale,
+              nb::object callback, double time_limit) {
   const std::size_t slacks = static_cast<std::size_t>(self.solver->slacks());
   Start start;
   start.y = checked(y, self.program->columns(), "y");
@@ -174,31 +176,30 @@ static void bind_options(nb::module_& m) {
 
 void bind_program(nb::module_& m) {
   bind_options(m);
-  nb::class_<Term>(m, "Term")
-      .def(
-          "__init__",
-          [](Term* self, std::shared_ptr<PointBlock> block, const Csr& gather, const Doubles& gather_offset,
-             const Doubles& constants, std::optional<Csr> scatter, std::optional<Doubles> weights,
-             std::optional<Csr> gradient, std::optional<Csr> jacobian, std::optional<Stacked> hessian) {
-            new (self) Term{std::move(block),
-                            gather,
-                            copied(gather_offset),
-                            copied(constants),
-                            scatter.value_or(Csr()),
-                            weights ? copied(*weights) : Numbers(),
-                            gradient.value_or(Csr()),
-                            jacobian.value_or(Csr()),
-                            hessian.value_or(Stacked())};
-          },
-          nb::arg("block"), nb::arg("gather"), nb::arg("gather_offset"), nb::arg("constants"),
-          nb::arg("scatter") = nb::none(), nb::arg("weights") = nb::none(), nb::arg("gradient") = nb::none(),
-          nb::arg("jacobian") = nb::none(), nb::arg("hessian") = nb::none());
+  nb::class_<Term>(m, "Term").def(
+      "__init__",
+      [](Term* self, std::shared_ptr<PointBlock> block, const Csr& gather, const Doubles& gather_offset,
+         const Doubles& constants, std::optional<Csr> scatter, std::optional<Doubles> weights,
+         std::optional<Csr> gradient, std::optional<Csr> jacobian, std::optional<Stacked> hessian) {
+        new (self) Term{std::move(block),           gather,
+                        copied(gather_offset),      copied(constants),
+                        scatter.value_or(Csr()),    weights ? copied(*weights) : Numbers(),
+                        gradient.value_or(Csr()),   jacobian.value_or(Csr()),
+                        hessian.value_or(Stacked())};
+      },
+      nb::arg("block"), nb::arg("gather"), nb::arg("gather_offset"), nb::arg("constants"),
+      nb::arg("scatter") = nb::none(), nb::arg("weights") = nb::none(), nb::arg("gradient") = nb::none(),
+      nb::arg("jacobian") = nb::none(), nb::arg("hessian") = nb::none());
 
   nb::class_<Outcome>(m, "Outcome")
-      .def_prop_ro("y", [](const Outcome& o) { return copy(o.y); }, nb::rv_policy::move)
-      .def_prop_ro("lam", [](const Outcome& o) { return copy(o.lam); }, nb::rv_policy::move)
-      .def_prop_ro("lower_duals", [](const Outcome& o) { return copy(o.lower_duals); }, nb::rv_policy::move)
-      .def_prop_ro("upper_duals", [](const Outcome& o) { return copy(o.upper_duals); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "y", [](const Outcome& o) { return copy(o.y); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "lam", [](const Outcome& o) { return copy(o.lam); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "lower_duals", [](const Outcome& o) { return copy(o.lower_duals); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "upper_duals", [](const Outcome& o) { return copy(o.upper_duals); }, nb::rv_policy::move)
       .def_ro("status", &Outcome::status)
       .def_ro("message", &Outcome::message)
       .def_ro("iterations", &Outcome::iterations)
@@ -237,12 +238,12 @@ void bind_program(nb::module_& m) {
           nb::arg("offset"), nb::arg("cost"), nb::arg("cost_offset"), nb::arg("jacobian_rows"),
           nb::arg("jacobian_columns"), nb::arg("jacobian_constants"), nb::arg("hessian_rows"),
           nb::arg("hessian_columns"), nb::arg("terms"), nb::arg("threads") = 1)
-      .def_prop_ro("iterate", [](const Solved& self) { return to_numpy(self.solver->iterate()); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "iterate", [](const Solved& self) { return to_numpy(self.solver->iterate()); }, nb::rv_policy::move)
       .def_prop_ro("threads", [](const Solved& self) { return self.program->threads(); })
       .def("solve", solve, nb::arg("y"), nb::arg("lower"), nb::arg("upper"), nb::arg("options") = Options(),
            nb::kw_only(), nb::arg("lam") = nb::none(), nb::arg("lower_duals") = nb::none(),
-           nb::arg("upper_duals") = nb::none(), nb::arg("objective_scale") = 1.0,
-           nb::arg("callback") = nb::none(),
+           nb::arg("upper_duals") = nb::none(), nb::arg("objective_scale") = 1.0, nb::arg("callback") = nb::none(),
            nb::arg("time_limit") = std::numeric_limits<double>::infinity())
       .def(
           "set_offsets",

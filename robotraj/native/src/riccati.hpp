@@ -17,11 +17,11 @@ struct RiccatiOptions {
 
 /// Memory that a stage works in, as large as the largest stage wants it; aligned to kBlock numbers.
 struct RiccatiMemory {
-  double *matrix, *reduced;     ///< M by columns, and what is left of it after an elimination
-  double *cost;                 ///< P of the next stage, full
-  double *constraints;          ///< C, rows of padded(n)
-  double *first, *second;       ///< products in between
-  double *vector;               ///< 8 vectors of `length`
+  double *matrix, *reduced;  ///< M by columns, and what is left of it after an elimination
+  double* cost;              ///< P of the next stage, full
+  double* constraints;       ///< C, rows of padded(n)
+  double *first, *second;    ///< products in between
+  double* vector;            ///< 8 vectors of `length`
   int length;
 };
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "riccati.hpp"
-#include "stage_vectors.hpp"
 #include "stage_products.hpp"
+#include "stage_vectors.hpp"
 
 namespace robotraj::native {
 namespace {

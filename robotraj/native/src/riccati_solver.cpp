@@ -13,8 +13,7 @@ std::size_t factor_size(int nu, int nx) {
 
 }  // namespace
 
-RiccatiSolver::RiccatiSolver(const StageMatrices& matrices)
-    : matrices_(matrices), run_(matrices.run()), start_{} {
+RiccatiSolver::RiccatiSolver(const StageMatrices& matrices) : matrices_(matrices), run_(matrices.run()), start_{} {
   const Layout& layout = matrices.layout();
   int n = 1, rows = 1;
   std::size_t size = factor_size(layout.states[0], 0);

@@ -23,8 +23,8 @@ void finish_backward(double* c, double* m, StageFactor& factor) {
 }
 
 /// One stage backwards: the right-hand side.
-void backward_stage(const StageView& stage, const StageVectors& vectors, const StageFactor* next,
-                    RiccatiMemory& memory, StageFactor& factor) {
+void backward_stage(const StageView& stage, const StageVectors& vectors, const StageFactor* next, RiccatiMemory& memory,
+                    StageFactor& factor) {
   const int n = stage.nu + stage.nx, ld = padded(n), length = memory.length;
   double *m = memory.vector, *c = m + length, *weighted = c + length, *b = weighted + length, *slope = b + length;
   copy_padded(vectors.f, n, m);
@@ -67,8 +67,7 @@ void find_controls(const StageFactor& factor, const double* state, const double*
   // The states' part of L' y first, all columns at once; then u from the last one on, by rows of L.
   const int n = factor.nu + factor.nx;
   double* sum = z;
-  for (int j = 0; j < nb; ++j)
-    sum[j] = factor.step[j] + dot(j / kBlock * kBlock, ldy, factor.l + column_of(j, ldy), y);
+  for (int j = 0; j < nb; ++j) sum[j] = factor.step[j] + dot(j / kBlock * kBlock, ldy, factor.l + column_of(j, ldy), y);
   for (int j = nb - 1; j >= 0; --j) {
     const double control = y[j] = -factor.diagonal[j] * sum[j];
     for (int i = 0; i < j; ++i) sum[i] += factor.l[column_of(i, ldy) + j] * control;
@@ -122,7 +121,7 @@ void forward_start(const StageFactor& factor, double* state, double* left, Ricca
 
 const RiccatiKernels riccati_kernels = {
     factorise_stage, factorise_start, backward_stage, backward_start, forward_stage,
-    forward_start,   residual_stage, hessian_times,   rows_times,     transposed_times,
+    forward_start,   residual_stage,  hessian_times,  rows_times,     transposed_times,
 };
 
 }  // namespace

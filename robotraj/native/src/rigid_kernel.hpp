@@ -228,9 +228,14 @@ Pack* write_hessian(const Tree& tree, const Given& in, std::size_t j, const Fact
 }
 
 void inverse_dynamics(const Tree& tree, const RigidArguments& numbers) {
-  const Given in = {packs(numbers.q),   packs(numbers.w),        packs(numbers.a),
-                    packs(numbers.test), reinterpret_cast<JointState*>(numbers.states),
-                    packs(numbers.tau), packs(numbers.jacobian), packs(numbers.hessian)};
+  const Given in = {packs(numbers.q),
+                    packs(numbers.w),
+                    packs(numbers.a),
+                    packs(numbers.test),
+                    reinterpret_cast<JointState*>(numbers.states),
+                    packs(numbers.tau),
+                    packs(numbers.jacobian),
+                    packs(numbers.hessian)};
   const bool tested = in.hessian, derivatives = tested || in.jacobian;
   forward(tree, in, derivatives, tested);
   Pack *jacobian = in.jacobian, *hessian = in.hessian;

@@ -173,8 +173,8 @@ double SparseSolver::residual(const StageValues& jacobian, const StageValues& he
   for (std::size_t e = 0; e < of_rows.size(); ++e) {
     const std::int32_t row = of_rows.rows[e], column = of_rows.columns[e];
     left.gradient[column] += jacobian[e] * system.lam[row];
-    double& of_row = row < layout.inequality_rows ? left.equalities[row]
-                                                  : left.inequalities[row - layout.inequality_rows];
+    double& of_row =
+        row < layout.inequality_rows ? left.equalities[row] : left.inequalities[row - layout.inequality_rows];
     of_row += jacobian[e] * system.z[column];
   }
   double most = 0.0;

@@ -58,7 +58,7 @@ class SparseSolver final : public NewtonSolver {
 
   const SparseMatrices& matrices_;
   std::vector<Bound> bounds_;
-  std::vector<int> kept_;                                ///< inequalities that are rows of the matrix
+  std::vector<int> kept_;                                          ///< inequalities that are rows of the matrix
   std::vector<std::int32_t> diagonal_, of_jacobian_, of_hessian_;  ///< places of entries in the matrix, -1 for none
   Numbers values_, right_;
   std::unique_ptr<ldl::Factors> factors_;

@@ -13,9 +13,7 @@ ROBOTRAJ_INLINE Vector3 constant(const double* a) { return {constant(a[0]), cons
 ROBOTRAJ_INLINE Vector6 vector(const Pack* a) { return {{a[0], a[1], a[2]}, {a[3], a[4], a[5]}}; }
 ROBOTRAJ_INLINE Pack entry(const Vector3& a, int i) { return i == 0 ? a.x : i == 1 ? a.y : a.z; }
 ROBOTRAJ_INLINE Pack entry(const Vector6& a, int i) { return i < 3 ? entry(a.linear, i) : entry(a.angular, i - 3); }
-ROBOTRAJ_INLINE Vector3 unit3(int i) {
-  return {constant(i == 0), constant(i == 1), constant(i == 2)};
-}
+ROBOTRAJ_INLINE Vector3 unit3(int i) { return {constant(i == 0), constant(i == 1), constant(i == 2)}; }
 ROBOTRAJ_INLINE Vector6 unit6(int i) { return {unit3(i), unit3(i - 3)}; }
 
 ROBOTRAJ_INLINE Vector3 operator+(const Vector3& a, const Vector3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }

@@ -80,12 +80,9 @@ std::optional<std::vector<std::int64_t>> StageGraph::places() const {
   std::vector<std::int64_t> places;
   for (const casadi::SXElem& each : x_.nonzeros()) {
     const auto found = known.find(each.__hash__());
-    if (found != known.end())
-      places.push_back(found->second);
-    else if (each.is_zero())
-      places.push_back(-1);
-    else
-      return std::nullopt;
+    if (found != known.end()) places.push_back(found->second);
+    else if (each.is_zero()) places.push_back(-1);
+    else return std::nullopt;
   }
   return places;
 }
@@ -116,7 +113,8 @@ std::vector<double> StageGraph::constant_slopes() const {
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < pattern.size(); ++i) {
     const casadi::SXElem& entry = by_v.nonzeros()[i];
-    slopes[pattern[i].second * outputs() + pattern[i].first] = entry.is_constant() ? static_cast<double>(entry) : unknown;
+    slopes[pattern[i].second * outputs() + pattern[i].first] =
+        entry.is_constant() ? static_cast<double>(entry) : unknown;
   }
   if (r_.is_empty()) return slopes;
   const std::vector<bool> through = turned(), moving = SX::which_depends(x_, v_, 1, false);

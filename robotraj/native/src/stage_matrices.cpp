@@ -8,7 +8,6 @@
 #include <numeric>
 #include <stdexcept>
 
-
 namespace robotraj::native {
 
 namespace {
@@ -63,8 +62,7 @@ void StageMatrices::append(Runs& runs, std::size_t place, std::int32_t entry) {
   const auto at = static_cast<std::int32_t>(place);
   if (!runs.empty() && runs.back().place + runs.back().count == at && runs.back().entry + runs.back().count == entry)
     ++runs.back().count;
-  else
-    runs.push_back({at, entry, 1});
+  else runs.push_back({at, entry, 1});
 }
 
 int StageMatrices::size_of(const RowPattern& rows, int ld) {
@@ -101,14 +99,14 @@ StageMatrices::RowPattern StageMatrices::pattern_of(const std::vector<Entry>& en
 }
 
 void StageMatrices::place_jacobian(const Pattern& pattern) {
-    const std::size_t count = stages_.size();
+  const std::size_t count = stages_.size();
   // Rows are [dynamics, equalities, inequalities], each stage after stage; where those of each kind and stage begin.
   std::array<std::vector<std::int32_t>, 3> first_row;
   std::int32_t row = 0;
   for (std::size_t kind = 0; kind < 3; ++kind)
     for (std::size_t k = 0; k < count; ++k) {
       first_row[kind].push_back(row);
-      row += kind == 0 ? (k + 1 < count ? layout_.states[k + 1] : 0)
+      row += kind == 0   ? (k + 1 < count ? layout_.states[k + 1] : 0)
              : kind == 1 ? layout_.equalities[k]
                          : layout_.inequalities[k];
     }
@@ -117,7 +115,8 @@ void StageMatrices::place_jacobian(const Pattern& pattern) {
                                     pattern.rows.begin());
   };
   std::array<std::size_t, 3> next;
-  for (std::size_t kind = 0; kind < 3; ++kind) next[kind] = begin_of(first_row[kind].empty() ? row : first_row[kind][0]);
+  for (std::size_t kind = 0; kind < 3; ++kind)
+    next[kind] = begin_of(first_row[kind].empty() ? row : first_row[kind][0]);
   std::vector<Entry> entries;
   for (std::size_t k = 0; k < count; ++k) {
     Shape shape;
@@ -201,8 +200,13 @@ StageView StageMatrices::view(std::size_t k, const StageValues* jacobian, const 
   const int ld = padded(shape.nu + shape.nx);
   const double* at = jacobian->data() + stage.jacobian;
   const auto rows = [&](const RowPattern& pattern) {
-    RowsView result{static_cast<int>(pattern.wide.size()), static_cast<int>(pattern.thin.size()), pattern.wide.data(),
-                    pattern.thin.data(), pattern.starts.data(), pattern.columns.data(), at};
+    RowsView result{static_cast<int>(pattern.wide.size()),
+                    static_cast<int>(pattern.thin.size()),
+                    pattern.wide.data(),
+                    pattern.thin.data(),
+                    pattern.starts.data(),
+                    pattern.columns.data(),
+                    at};
     at += size_of(pattern, ld);
     return result;
   };
@@ -227,7 +231,7 @@ void StageMatrices::jacobian_times(const StageValues& values, const double* x, d
     }
     run_.rows_times(stage.equalities, stage.equality_count, n, z, out + layout_.first_equality[k], memory_.data());
     run_.rows_times(stage.inequalities, stage.inequality_count, n, z, out + layout_.first_inequality[k],
-                   memory_.data());
+                    memory_.data());
   }
 }
 
@@ -238,7 +242,7 @@ void StageMatrices::transposed_times(const StageValues& values, const double* la
     const StageView stage = view(k, &values, nullptr);
     const double* dynamics = stage.next ? lam + layout_.first_dynamics[k] : nullptr;
     run_.transposed_times(stage, dynamics, lam + layout_.first_equality[k], lam + layout_.first_inequality[k],
-                         out + layout_.first_column[k], memory_.data());
+                          out + layout_.first_column[k], memory_.data());
     if (!stage.next) continue;
     double* next = out + layout_.first_state[k + 1];
     for (int i = 0; i < stage.next; ++i) next[i] -= dynamics[i];
@@ -250,8 +254,7 @@ void StageMatrices::hessian_times(const StageValues& values, const double* x, do
   scale(alpha, y, layout_.columns, out);
   for (std::size_t k = 0; k < count(); ++k) {
     const auto first = layout_.first_column[k];
-    run_.hessian_times(values.data() + stages_[k].hessian, layout_.unknowns(k), x + first,
-                      out + first, memory_.data());
+    run_.hessian_times(values.data() + stages_[k].hessian, layout_.unknowns(k), x + first, out + first, memory_.data());
   }
 }
 

@@ -1,7 +1,6 @@
 // Hessians and Jacobians of a stagewise program without their zeros, and their products with vectors.
 #pragma once
 
-
 #include <cstdint>
 #include <vector>
 

@@ -54,11 +54,11 @@ struct StageVectors {
 /// controls. Gaussian elimination with full pivoting solves `rank` of them for as many controls,
 /// u_a = -(K y + k), y = (u_b, x), and leaves H x + h = 0 to the stage before.
 struct StageFactor {
-  double* l;         ///< trapezoid of L, nb columns of nb + nx rows: 0 on the diagonal
-  double* diagonal;  ///< 1 / diagonal of L, nb
-  double* step;      ///< L^-1 m_u, nb
-  double* p;         ///< gradient of the cost to go, padded(nx)
-  double* cost;      ///< trapezoid of its Hessian P, nx columns
+  double* l;            ///< trapezoid of L, nb columns of nb + nx rows: 0 on the diagonal
+  double* diagonal;     ///< 1 / diagonal of L, nb
+  double* step;         ///< L^-1 m_u, nb
+  double* p;            ///< gradient of the cost to go, padded(nx)
+  double* cost;         ///< trapezoid of its Hessian P, nx columns
   double* elimination;  ///< see `parts_of`; memory for as many constraints as there can be
   int nu, nx, most;     ///< controls, states, room for constraints
   int gamma, rank;
@@ -66,15 +66,15 @@ struct StageFactor {
 
 /// Parts of `StageFactor::elimination`.
 struct Elimination {
-  double *lower;     ///< multipliers of the elimination, by columns of `most`
-  double *upper;     ///< U, by columns of nu
-  double *k_matrix;  ///< K, rank rows of padded(nu + nx)
-  double *s_matrix;  ///< S = M_ay - M_aa K, rank rows of padded(nu + nx)
-  double *m_aa;      ///< M of what was eliminated, by columns of nu
-  double *m_a;       ///< its gradient at y = 0, rank
-  double *k;         ///< rank
-  double *h_matrix;  ///< H, gamma - rank rows of padded(nx)
-  double *h;         ///< gamma - rank
+  double* lower;           ///< multipliers of the elimination, by columns of `most`
+  double* upper;           ///< U, by columns of nu
+  double* k_matrix;        ///< K, rank rows of padded(nu + nx)
+  double* s_matrix;        ///< S = M_ay - M_aa K, rank rows of padded(nu + nx)
+  double* m_aa;            ///< M of what was eliminated, by columns of nu
+  double* m_a;             ///< its gradient at y = 0, rank
+  double* k;               ///< rank
+  double* h_matrix;        ///< H, gamma - rank rows of padded(nx)
+  double* h;               ///< gamma - rank
   double *rows, *columns;  ///< what row or column t was swapped with in step t, rank
 };
 

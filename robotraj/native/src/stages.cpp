@@ -13,8 +13,8 @@ Layout::Layout(Stages stages) : Stages(std::move(stages)) {
       throw std::invalid_argument("controls, states, equalities and inequalities differ in their number of stages");
   for (std::size_t k = 0; k < count(); ++k) {
     if (equalities[k] > unknowns(k))
-      throw std::invalid_argument("stage " + std::to_string(k) + " has more path equalities than unknowns: " +
-                                  std::to_string(equalities[k]));
+      throw std::invalid_argument("stage " + std::to_string(k) +
+                                  " has more path equalities than unknowns: " + std::to_string(equalities[k]));
     first_column.push_back(columns);
     first_state.push_back(columns + controls[k]);
     first_dynamics.push_back(equality_rows);

@@ -16,11 +16,12 @@ namespace {
 /// Whether CasADi computes an operation from one or two numbers alone.
 bool elementary(casadi_int operation) {
   switch (operation) {
-    case casadi::OP_ERFINV: case casadi::OP_LOG1P: case casadi::OP_EXPM1: case casadi::OP_HYPOT:
-    case casadi::OP_REMAINDER:
-      return true;
-    default:
-      return operation <= casadi::OP_ATAN2;
+    case casadi::OP_ERFINV:
+    case casadi::OP_LOG1P:
+    case casadi::OP_EXPM1:
+    case casadi::OP_HYPOT:
+    case casadi::OP_REMAINDER: return true;
+    default: return operation <= casadi::OP_ATAN2;
   }
 }
 
@@ -88,10 +89,12 @@ Tape::Tape(const casadi::Function& function) {
     Instruction next{to, first, second, Step::add, static_cast<std::int16_t>(operation)};
     switch (operation) {
       case casadi::OP_ASSIGN: next.second = minus_zero; break;
-      case casadi::OP_ADD: case casadi::OP_TWICE: break;
+      case casadi::OP_ADD:
+      case casadi::OP_TWICE: break;
       case casadi::OP_SUB: next.step = Step::subtract; break;
       case casadi::OP_NEG: next.first = minus_zero, next.second = first, next.step = Step::subtract; break;
-      case casadi::OP_MUL: case casadi::OP_SQ: next.step = Step::multiply; break;
+      case casadi::OP_MUL:
+      case casadi::OP_SQ: next.step = Step::multiply; break;
       case casadi::OP_DIV: next.step = Step::divide; break;
       case casadi::OP_INV:
         next.step = Step::divide, next.first = constants_at + constants.place(1.0), next.second = first;

@@ -30,8 +30,7 @@ std::size_t Recipe::called() const {
   return numbers;
 }
 
-TapeBlock::TapeBlock(const PointSizes& sizes, Recipes recipes, std::optional<Torques> torques,
-                     const Kernels& kernels)
+TapeBlock::TapeBlock(const PointSizes& sizes, Recipes recipes, std::optional<Torques> torques, const Kernels& kernels)
     : PointBlock(sizes), recipes_(std::move(recipes)), torques_(std::move(torques)), kernels_(kernels) {
   if (torques_) {
     for (const auto& [row, column] : jacobian_pattern(torques_->robot.tree))
@@ -141,10 +140,8 @@ const double* TapeBlock::arguments(Work& work, double* into) const {
   }
   double* to = work.x.data();
   for (const std::int32_t place : torques_->places) {
-    if (place < 0)
-      std::fill_n(to, kernels_.lanes, 0.0);
-    else
-      std::copy_n(work.v.data() + place * kernels_.lanes, kernels_.lanes, to);
+    if (place < 0) std::fill_n(to, kernels_.lanes, 0.0);
+    else std::copy_n(work.v.data() + place * kernels_.lanes, kernels_.lanes, to);
     to += kernels_.lanes;
   }
   return work.x.data();
@@ -197,8 +194,7 @@ std::size_t TapeBlock::effort(const Recipe& recipe) const {
   const std::size_t a_joint = derived ? 1000 : torques_ && recipe.tape.reads(2) ? 450 : 0;
   std::size_t instructions = recipe.tape.code().count;
   for (const Call& call : recipe.calls) instructions += call.tape->code().count;
-  return 3 * instructions + 2 * recipe.products.size() +
-         (torques_ ? a_joint * torques_->robot.tree.count : 0);
+  return 3 * instructions + 2 * recipe.products.size() + (torques_ ? a_joint * torques_->robot.tree.count : 0);
 }
 
 void TapeBlock::run(const Recipe& recipe, const double* v, const double* c, const double* m, double* out,

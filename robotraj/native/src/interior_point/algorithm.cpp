@@ -9,8 +9,8 @@ namespace robotraj::interior_point {
 
 namespace {
 
-constexpr double kSigma = 1e10;          // kappa_Sigma
-constexpr double kFeasible = 1e-2;       // share of the tolerance
+constexpr double kSigma = 1e10;     // kappa_Sigma
+constexpr double kFeasible = 1e-2;  // share of the tolerance
 
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 

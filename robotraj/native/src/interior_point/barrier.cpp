@@ -29,8 +29,8 @@ bool Barrier::decrease() {
   bool changed = false;
   const Options& options = run_.options;
   while (error(*run_.current, run_.mu) <= options.barrier_factor * run_.mu) {
-    const double next = std::max(
-        least(), std::min(options.barrier_decrease * run_.mu, std::pow(run_.mu, options.barrier_power)));
+    const double next =
+        std::max(least(), std::min(options.barrier_decrease * run_.mu, std::pow(run_.mu, options.barrier_power)));
     if (!(next < run_.mu)) break;
     run_.set_barrier(next);
     changed = true;

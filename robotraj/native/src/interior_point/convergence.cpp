@@ -17,8 +17,7 @@ double error(Iterate& iterate, double mu) {
   const VectorKernels& run = native::vector_kernels_of();
   Problem& problem = iterate.problem();
   const int bounds = problem.bound_count(), slacks = problem.slacks();
-  const double of_bounds =
-      run.absolute_sum(iterate.at->lower, slacks) + run.absolute_sum(iterate.at->upper, slacks);
+  const double of_bounds = run.absolute_sum(iterate.at->lower, slacks) + run.absolute_sum(iterate.at->upper, slacks);
   const double of_rows = run.absolute_sum(iterate.at->rows, problem.rows());
   const double s_d = std::max(kLargestMean, mean(of_bounds + of_rows, bounds + problem.rows())) / kLargestMean;
   const double s_c = std::max(kLargestMean, mean(of_bounds, bounds)) / kLargestMean;
@@ -31,8 +30,8 @@ double system_error(Iterate& iterate, double mu) {
   const VectorKernels& run = native::vector_kernels_of();
   Problem& problem = iterate.problem();
   const int slacks = problem.slacks();
-  const double dual =
-      run.absolute_sum(iterate.infeasibility_x(), problem.columns()) + run.absolute_sum(iterate.infeasibility_s(), slacks);
+  const double dual = run.absolute_sum(iterate.infeasibility_x(), problem.columns()) +
+                      run.absolute_sum(iterate.infeasibility_s(), slacks);
   double complementarity = 0.0;
   const double *below = iterate.below(), *above = iterate.above();
   for (int i = 0; i < slacks; ++i) {
@@ -49,8 +48,7 @@ double mean_complementarity(Iterate& iterate) {
   const double *below = iterate.below(), *above = iterate.above();
   double sum = 0.0;
   // Multipliers of bounds that there are not are zero.
-  for (int i = 0; i < problem.slacks(); ++i)
-    sum += iterate.at->lower[i] * below[i] + iterate.at->upper[i] * above[i];
+  for (int i = 0; i < problem.slacks(); ++i) sum += iterate.at->lower[i] * below[i] + iterate.at->upper[i] * above[i];
   return mean(sum, problem.bound_count());
 }
 

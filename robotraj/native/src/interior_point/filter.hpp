@@ -14,9 +14,8 @@ class Filter {
 
   /// Whether a point is better than every corner in one of the two.
   bool accepts(double violation, double barrier) const {
-    return std::all_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
-      return violation < corner.violation || barrier < corner.barrier;
-    });
+    return std::all_of(corners_.begin(), corners_.end(),
+                       [&](const Corner& corner) { return violation < corner.violation || barrier < corner.barrier; });
   }
   /// Takes a corner in, and drops those that it makes needless.
   void add(double violation, double barrier) {

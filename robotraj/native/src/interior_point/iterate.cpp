@@ -134,8 +134,8 @@ void Iterate::differentiate_lagrangian() {
   problem_.matrices().transposed_times(jacobian(), at->rows, 1.0, gradient_x_, infeasibility_x_);
   for (int i = 0; i < problem_.slacks(); ++i) infeasibility_s_[i] = gradient_s_[i] - at->lower[i] + at->upper[i];
   problem_.add_slack_product(at->rows, infeasibility_s_);
-  largest_infeasibility_ = std::max(run_.largest(infeasibility_x_, problem_.columns()),
-                                    run_.largest(infeasibility_s_, problem_.slacks()));
+  largest_infeasibility_ =
+      std::max(run_.largest(infeasibility_x_, problem_.columns()), run_.largest(infeasibility_s_, problem_.slacks()));
   known_.infeasibility = true;
 }
 

@@ -37,16 +37,16 @@ class Iterate {
   Problem& problem() { return problem_; }
   Room at;  ///< x, lam, s, z_l and z_u
 
-  void moved() { known_ = {}; }                            ///< x or s were written
-  void turned() { known_.infeasibility = false; }          ///< multipliers were written
+  void moved() { known_ = {}; }                    ///< x or s were written
+  void turned() { known_.infeasibility = false; }  ///< multipliers were written
   void barrier_changed() { known_.objective = known_.gradient = known_.infeasibility = false; }
   void copy(const Iterate& other);
 
   double objective();
   const double* residual();
-  double violation();          ///< theta, the sum of the rows' magnitudes
+  double violation();  ///< theta, the sum of the rows' magnitudes
   double largest_violation();
-  const double* below();       ///< s - lower, 1 where there is no bound
+  const double* below();  ///< s - lower, 1 where there is no bound
   const double* above();
   /// phi_mu = f - mu sum(log(distances)) + kappa_d mu sum(distances of slacks with one bound).
   double barrier(double mu);

@@ -9,8 +9,8 @@ namespace robotraj::interior_point {
 
 namespace {
 
-constexpr double kGammaTheta = 1e-5, kGammaPhi = 1e-8, kEtaPhi = 1e-8, kDelta = 1.0, kPowerPhi = 2.3,
-                 kPowerTheta = 1.1, kGammaAlpha = 0.05, kThetaMax = 1e4, kThetaMin = 1e-4;
+constexpr double kGammaTheta = 1e-5, kGammaPhi = 1e-8, kEtaPhi = 1e-8, kDelta = 1.0, kPowerPhi = 2.3, kPowerTheta = 1.1,
+                 kGammaAlpha = 0.05, kThetaMax = 1e4, kThetaMin = 1e-4;
 constexpr double kReduction = 0.5;
 constexpr int kCorrections = 4;
 constexpr double kCorrectionGain = 0.99;  // kappa_soc
@@ -51,11 +51,10 @@ void LineSearch::reset() {
 LineSearch::Reference LineSearch::reference_of(Iterate& iterate) {
   const Vectors& step = run_.step.get();
   const native::Bounds bounds = run_.problem.bounds();
-  const double slope =
-      dot(iterate.gradient_x(), step.x, run_.problem.columns()) +
-      dot(iterate.gradient_s(), step.s, run_.problem.slacks()) +
-      native::vector_kernels_of().barrier_slope(bounds, iterate.below(), iterate.above(), run_.mu,
-                                                run_.mu * Iterate::kappa_d, step.s);
+  const double slope = dot(iterate.gradient_x(), step.x, run_.problem.columns()) +
+                       dot(iterate.gradient_s(), step.s, run_.problem.slacks()) +
+                       native::vector_kernels_of().barrier_slope(bounds, iterate.below(), iterate.above(), run_.mu,
+                                                                 run_.mu * Iterate::kappa_d, step.s);
   return {iterate.violation(), iterate.barrier(run_.mu), slope};
 }
 
@@ -87,8 +86,7 @@ void LineSearch::move_duals(double alpha, double alpha_rows, const Vectors& step
 
 bool LineSearch::is_f_type(double alpha) const {
   const double m = reference_.slope;
-  return m < 0.0 &&
-         alpha * std::pow(-m, kPowerPhi) > kDelta * std::pow(reference_.violation, kPowerTheta);
+  return m < 0.0 && alpha * std::pow(-m, kPowerPhi) > kDelta * std::pow(reference_.violation, kPowerTheta);
 }
 
 bool LineSearch::armijo(double alpha, double barrier) const {
@@ -128,8 +126,7 @@ double LineSearch::shortest() const {
   double alpha = kGammaTheta;
   if (m < 0.0) {
     alpha = std::min(alpha, kGammaPhi * theta / -m);
-    if (theta <= theta_min_)
-      alpha = std::min(alpha, kDelta * std::pow(theta, kPowerTheta) / std::pow(-m, kPowerPhi));
+    if (theta <= theta_min_) alpha = std::min(alpha, kDelta * std::pow(theta, kPowerTheta) / std::pow(-m, kPowerPhi));
   }
   return kGammaAlpha * alpha;
 }
@@ -144,8 +141,7 @@ bool LineSearch::correct(double alpha) {
     before = now;
     const double* there = run.trial->residual();
     for (int i = 0; i < rows; ++i)
-      corrected_rows_[static_cast<std::size_t>(i)] =
-          there[i] + length * corrected_rows_[static_cast<std::size_t>(i)];
+      corrected_rows_[static_cast<std::size_t>(i)] = there[i] + length * corrected_rows_[static_cast<std::size_t>(i)];
     const Vectors& step = correction_.get();
     if (!run.direction.correct(*run.current, corrected_rows_.data(), step)) return false;
     length = longest(step);

@@ -41,8 +41,8 @@ Newton::Newton(Problem& problem)
       hessian_(problem.matrices().empty_hessian()),
       own_slacks_(problem.layout().slacks),
       relaxed_(problem.rows() - problem.layout().equality_rows),
-      memory_(static_cast<std::size_t>(4 * padded(own_slacks_) + padded(problem.columns()) +
-                                       padded(problem.slacks()) + padded(relaxed_))) {
+      memory_(static_cast<std::size_t>(4 * padded(own_slacks_) + padded(problem.columns()) + padded(problem.slacks()) +
+                                       padded(relaxed_))) {
   Parts parts(memory_);
   for (double** each : {&inverse_, &gradient_, &weights_, &slack_rows_}) *each = parts.take(own_slacks_);
   damping_x_ = parts.take(problem.columns());
@@ -76,8 +76,8 @@ void Newton::make_part() {
     equalities = std::max(equalities, here[2]);
     inequalities = std::max(inequalities, here[3]);
   }
-  part_memory_.resize(static_cast<std::size_t>(padded(columns) + padded(dynamics) + padded(equalities) +
-                                               4 * padded(inequalities)));
+  part_memory_.resize(
+      static_cast<std::size_t>(padded(columns) + padded(dynamics) + padded(equalities) + 4 * padded(inequalities)));
   Parts parts(part_memory_);
   part_.stages = {parts.take(columns), parts.take(dynamics), parts.take(equalities), parts.take(inequalities)};
   part_.slacks = {parts.take(inequalities), parts.take(inequalities), parts.take(inequalities)};
@@ -196,12 +196,11 @@ double Newton::elastic_residual(const Side& side, const Vectors& step, const Lef
 
 double Newton::residual(const Side& side, const Vectors& step, std::size_t begin, std::size_t end, const Left& left) {
   const int first = first_slack(begin), count = first_slack(end) - first;
-  const double of_stages =
-      solver_->residual(*jacobian_, hessian_, system(side, false, step), begin, end, left.stages);
+  const double of_stages = solver_->residual(*jacobian_, hessian_, system(side, false, step), begin, end, left.stages);
   const double of_slacks = run_.slack_residual(
       slacks(first, relaxation_), {side.s + first, side.lower + first, side.upper + first, nullptr},
-      {step.s + first, step.lower + first, step.upper + first},
-      step.rows + problem_.layout().inequality_rows + first, count, left.slacks, left.stages.inequalities);
+      {step.s + first, step.lower + first, step.upper + first}, step.rows + problem_.layout().inequality_rows + first,
+      count, left.slacks, left.stages.inequalities);
   if (problem_.elastic()) {
     // Rows without p and n are no residuals.
     const double of_dynamics = std::max(run_.largest(left.stages.gradient, problem_.columns()),

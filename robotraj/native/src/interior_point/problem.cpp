@@ -61,7 +61,8 @@ void check_jacobian(const Program& program, const Layout& layout) {
     if (row < dynamics && column == next_state(row)) {
       for (const native::Term& term : program.terms())
         if (term.jacobian.entries() && !term.jacobian.empty(entry))
-          throw std::invalid_argument("Jacobian entry " + named(row, column) + " depends on a block, but the state a "
+          throw std::invalid_argument("Jacobian entry " + named(row, column) +
+                                      " depends on a block, but the state a "
                                       "dynamics row gives enters it with -1 alone");
     } else if (columns[column] != rows[row]) {
       throw std::invalid_argument("Jacobian entry " + named(row, column) + " joins stages " +
@@ -92,8 +93,7 @@ std::shared_ptr<native::NewtonMatrices> matrices_of(Program& program, const Layo
   std::shared_ptr<native::NewtonMatrices> matrices;
   if (layout.count() == 1 && layout.states[0] == 0)
     matrices = std::make_shared<native::SparseMatrices>(layout, jacobian, hessian);
-  else
-    matrices = std::make_shared<native::StageMatrices>(layout, jacobian, hessian);
+  else matrices = std::make_shared<native::StageMatrices>(layout, jacobian, hessian);
   program.place(matrices->jacobian_places(), matrices->hessian_places());
   return matrices;
 }

@@ -53,8 +53,8 @@ void Solver::begin(const Start& start) {
     const auto room = [&](double bound) { return options_.bound_relaxation * std::max(1.0, std::abs(bound)); };
     problem_.lower[i] = std::isfinite(start.lower[i]) ? start.lower[i] - room(start.lower[i])
                                                       : -std::numeric_limits<double>::infinity();
-    problem_.upper[i] = std::isfinite(start.upper[i]) ? start.upper[i] + room(start.upper[i])
-                                                      : std::numeric_limits<double>::infinity();
+    problem_.upper[i] =
+        std::isfinite(start.upper[i]) ? start.upper[i] + room(start.upper[i]) : std::numeric_limits<double>::infinity();
   }
   problem_.bounds_changed();
   algorithm_.run.mu = options_.initial_barrier;

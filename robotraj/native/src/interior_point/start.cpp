@@ -21,8 +21,8 @@ void rows_into_slacks(Run& run) {
 }
 
 double pushed(double s, double lower, double upper, const Options& options) {
-  const double range = std::isfinite(lower) && std::isfinite(upper) ? upper - lower
-                                                                     : std::numeric_limits<double>::infinity();
+  const double range =
+      std::isfinite(lower) && std::isfinite(upper) ? upper - lower : std::numeric_limits<double>::infinity();
   const auto room = [&](double bound) {
     return std::min(options.bound_push * std::max(1.0, std::abs(bound)), options.bound_fraction * range);
   };

@@ -17,7 +17,10 @@ double inverse_root(double x) {
 }  // namespace
 
 Factors::Factors(Pattern pattern, const std::string& processor)
-    : pattern_(std::move(pattern)), kernels_(front_kernels_of(processor)), tree_(make_tree(pattern_)), parts_(tree_.nodes.size()) {
+    : pattern_(std::move(pattern)),
+      kernels_(front_kernels_of(processor)),
+      tree_(make_tree(pattern_)),
+      parts_(tree_.nodes.size()) {
   make_room();
 }
 

@@ -21,10 +21,10 @@ struct Front {
   int ld;           ///< padded_rows(rows)
   int rows;
   int candidates;
-  int* order;         ///< what the rows are; swapped with them
-  double* diagonal;   ///< of the inverse of D, a number a pivot
-  double* off;        ///< beside it: not zero where a pivot has two rows, at the first of them
-  double* memory;     ///< (kPanel + 3) ld numbers
+  int* order;        ///< what the rows are; swapped with them
+  double* diagonal;  ///< of the inverse of D, a number a pivot
+  double* off;       ///< beside it: not zero where a pivot has two rows, at the first of them
+  double* memory;    ///< (kPanel + 3) ld numbers
 };
 
 struct PivotRule {

@@ -40,8 +40,7 @@ ROBOTRAJ_INLINE void update_tile(const double* l, const double* w, int ld, int d
 template <int Wide>
 ROBOTRAJ_INLINE void update_columns(const double* l, const double* w, int ld, int depth, int j, double* c) {
   int i = j / kStep * kStep;
-  for (; i + kTall * kStep <= ld; i += kTall * kStep)
-    update_tile<kTall, Wide>(l + i, w + j, ld, depth, c + j * ld + i);
+  for (; i + kTall * kStep <= ld; i += kTall * kStep) update_tile<kTall, Wide>(l + i, w + j, ld, depth, c + j * ld + i);
   for (; i < ld; i += kStep) update_tile<1, Wide>(l + i, w + j, ld, depth, c + j * ld + i);
 }
 

@@ -29,7 +29,8 @@ struct Control {
 };
 
 struct Info {
-  int flag, flag68, flag77, matrix_dup, matrix_rank, matrix_outrange, matrix_missing_diag, maxdepth, maxfront, num_delay;
+  int flag, flag68, flag77, matrix_dup, matrix_rank, matrix_outrange, matrix_missing_diag, maxdepth, maxfront,
+      num_delay;
   long num_factor, num_flops;
   int num_neg, num_sup, num_two, ordering, stat, maxsupernode;
   int ispare[4];

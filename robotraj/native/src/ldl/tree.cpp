@@ -101,8 +101,7 @@ struct Group {
 /// Whether a child's columns had better leave with its parent's.
 bool merges(const Group& child, const Group& parent) {
   const double ours = child.columns, theirs = parent.columns, together = ours + theirs;
-  return cost(together, together + parent.below) <
-         cost(ours, ours + child.below) + cost(theirs, theirs + parent.below);
+  return cost(together, together + parent.below) < cost(ours, ours + child.below) + cost(theirs, theirs + parent.below);
 }
 
 /// The group that each column is in: children merge into their parents, from the leaves up.

@@ -26,12 +26,12 @@ struct Place {
 };
 
 struct Tree {
-  std::vector<int> order;                  ///< order[k] is the row of the matrix that is k-th
-  std::vector<Node> nodes;                 ///< children before their parents
-  std::vector<int> place_starts;           ///< of each node's entries in `places`
+  std::vector<int> order;         ///< order[k] is the row of the matrix that is k-th
+  std::vector<Node> nodes;        ///< children before their parents
+  std::vector<int> place_starts;  ///< of each node's entries in `places`
   std::vector<Place> places;
-  long products = 0;                       ///< expected, without delays
-  int largest = 0;                         ///< rows of the largest front, without delays
+  long products = 0;  ///< expected, without delays
+  int largest = 0;    ///< rows of the largest front, without delays
 };
 
 /// Orders by approximate minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Analysis 17 (1996), Eigen's) and
