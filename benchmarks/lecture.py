@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -187,10 +187,10 @@ def against_points(adaptive_run: rt.Solution) -> dict[str, list[tuple[int, float
     return series
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--results", type=Path, help="write the methods' table between this file's lecture markers")
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     methods = measure(METHODS)
     text = (
         f"Minimum time, |u| <= 1, exactly {optimum():.7f} s; `rt.plan` in one process, medians of {RUNS}, processor "

@@ -14,7 +14,7 @@ from matplotlib.image import imread
 def test_figures_3_to_10_are_drawn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(lecture, "RUNS", 1)
-    lecture.main()
+    lecture.main([])
     names = [f"lecture_{number:02d}.png" for number in range(3, 11)]
     assert sorted(path.name for path in tmp_path.iterdir()) == names
     pictures = [imread(name)[..., :3] for name in names]
