@@ -119,7 +119,7 @@ def test_integral_constraints_weigh_in_the_hamiltonian() -> None:
     assert sample.hamiltonian == pytest.approx(-72.0, rel=1e-5)
     assert sample.path["area"] == pytest.approx(-72.0, rel=1e-5)
     np.testing.assert_allclose(rt.indirect.costates(solution).phases[0].initial, [-48, -12], rtol=1e-5)
-    with pytest.raises(rt.InputError, match="no integral constraint such as 'area'"):
+    with pytest.raises(rt.InputError, match="does not support integral constraints such as 'area'"):
         rt.indirect.polish(solution)
 
 
