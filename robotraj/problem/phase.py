@@ -93,7 +93,9 @@ class Phase(OneLine):
 
     def __post_init__(self) -> None:
         if not isinstance(self.subject, Robot | System):
-            raise InputError(f"A phase moves an rt.Robot or an rt.System; got a {type(self.subject).__name__}.")
+            raise InputError(
+                f"A phase moves a robot of rt.load(...) or an rt.System; got {type(self.subject).__name__}."
+            )
         for which in ("start", "end"):
             if not isinstance(getattr(self, which), State | None):
                 raise InputError(f"The {which} of phase {self.name!r} must be an rt.State or None.")
