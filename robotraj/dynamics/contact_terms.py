@@ -14,10 +14,10 @@ import numpy as np
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
-from robotraj.dynamics.holding import Share, anchors, pinned, pull
+from robotraj.dynamics.holding import ContactExpressions, anchors, pinned, transposed_jacobian_product
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import InverseRigidBody
-from robotraj.native.shared_terms import Added, Addend, where_in
+from robotraj.native.shared_terms import Added, Addend, positions_in
 from robotraj.robot.memory import PerRobot
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Apart:
+class SymbolicAddend:
     """An addend whose values are symbols in the outputs of a stage, each in one row with the factor 1.
 
     Attributes
@@ -52,30 +52,32 @@ class Apart:
         return values
 
 
-def written_out(y: ca.SX, apart: Sequence[Apart]) -> ca.SX:
+def insert_graphs(y: ca.SX, addends: Sequence[SymbolicAddend]) -> ca.SX:
     """Substitute the addends' graphs for their symbols."""
-    if not apart:
+    if not addends:
         return y
-    return ca.substitute(y, ca.vertcat(*(each.symbols for each in apart)), ca.vertcat(*(each.values for each in apart)))
+    return ca.substitute(
+        y, ca.vertcat(*(each.symbols for each in addends)), ca.vertcat(*(each.values for each in addends))
+    )
 
 
-def taken_out(y: ca.SX, known: ca.SX, apart: Sequence[Apart]) -> tuple[ca.SX, list[Added]]:
-    """Return the outputs without the addends, and the rows to which each addend is added.
+def extract_addends(y: ca.SX, known: ca.SX, addends: Sequence[SymbolicAddend]) -> tuple[ca.SX, list[Added]]:
+    """Return the outputs without the addends, and each addend with the rows to which it is added.
 
     Parameters
     ----------
     y : casadi.SX
         Outputs of a stage.
     known : casadi.SX
-        Its unknowns and constants. Addends of other expressions remain in y, written out.
+        Unknowns and constants of the stage. The graphs of addends with other arguments remain in y.
     """
     plain, inputs = [], []
-    for each in apart:
-        places = where_in(known, each.arguments)
+    for each in addends:
+        places = positions_in(known, each.arguments)
         if (places >= 0).all():
             plain.append(each)
             inputs.append(places)
-    y = written_out(y, [each for each in apart if each not in plain])
+    y = insert_graphs(y, [each for each in addends if each not in plain])
     if not plain:
         return y, []
     symbols = ca.vertcat(*(each.symbols for each in plain))
@@ -89,8 +91,8 @@ def taken_out(y: ca.SX, known: ca.SX, apart: Sequence[Apart]) -> tuple[ca.SX, li
 
 
 @dataclass(frozen=True, eq=False)
-class ApartShare:
-    """The terms of a contact as symbols, with the attributes of a ``Share``.
+class ContactSymbols:
+    """The terms of a contact as symbols, with the attributes of a ``ContactExpressions``.
 
     Attributes
     ----------
@@ -108,13 +110,13 @@ class ApartShare:
 
 
 _ADDENDS: PerRobot[tuple[Addend, list[int]]] = PerRobot()
-"""By contact and part: the function, and which entries of ``_column`` it reads."""
+"""By contact and part: the addend, and the indices in ``_column`` of its arguments."""
 
 PARTS = ("reaction", "accelerations", "places", "rates", "corrected")
-"""Parts of a share. Each is its own function, since their derivatives have little in common."""
+"""Parts of the terms of a contact. Each is its own function, since their derivatives have little in common."""
 
 
-def contacts_apart(body: Dynamics, point: Point, c: ca.SX) -> tuple[Apart, ...]:
+def separate_contact_terms(body: Dynamics, point: Point, c: ca.SX) -> tuple[SymbolicAddend, ...]:
     """Represent the terms of contacts by symbols in every expression built from a point.
 
     Parameters
@@ -128,32 +130,32 @@ def contacts_apart(body: Dynamics, point: Point, c: ca.SX) -> tuple[Apart, ...]:
         return ()
     kept = PARTS[:-1] if pinned(body.robot, body.contacts) else PARTS
     held = [len(contact.holds) for contact in body.contacts]
-    parts: list[Apart] = []
+    parts: list[SymbolicAddend] = []
     ends = np.cumsum([c.numel() - 2 * sum(held), *held, *held]).tolist()
     for i, (contact, m) in enumerate(zip(body.contacts, held, strict=True)):
         column = _column(contact, point, *(c[ends[k] : ends[k] + m] for k in (i, i + len(held))))
-        own = {name: _apart(body.robot, contact, name, column) for name in kept}
+        own = {name: _symbolic_addend(body.robot, contact, name, column) for name in kept}
         symbols = {name: own[name].symbols if name in own else ca.SX(0, 1) for name in PARTS}
         rows = {name: ca.vertsplit(symbols[name]) for name in ("accelerations", "places", "rates")}
-        point.shares[contact.name] = ApartShare(**(symbols | rows))
+        point.contact_terms[contact.name] = ContactSymbols(**(symbols | rows))
         parts += own.values()
     return tuple(parts)
 
 
-def _apart(robot: Robot, contact: BoundContact, name: str, column: ca.SX) -> Apart:
-    addend, read = _ADDENDS.get(robot, (contact.contact, name), lambda: _made(robot, contact, name))
-    return Apart(ca.SX.sym(f"{name}.{contact.name}", addend.s.numel()), addend, column[read])
+def _symbolic_addend(robot: Robot, contact: BoundContact, name: str, column: ca.SX) -> SymbolicAddend:
+    addend, read = _ADDENDS.get(robot, (contact.contact, name), lambda: _build_addend(robot, contact, name))
+    return SymbolicAddend(ca.SX.sym(f"{name}.{contact.name}", addend.s.numel()), addend, column[read])
 
 
-def _made(robot: Robot, contact: BoundContact, name: str) -> tuple[Addend, list[int]]:
+def _build_addend(robot: Robot, contact: BoundContact, name: str) -> tuple[Addend, list[int]]:
     alone, names = InverseRigidBody(robot, None, (contact,)), [anchor.name for anchor in contact.anchors]
     x, z, p = (ca.SX.sym(n, len(g)) for n, g in (("x", alone.states), ("z", alone.algebraic), ("p", names)))
     places, rates = (ca.SX.sym(name, len(contact.holds)) for name in ("places", "rates"))
     point = alone.point(ca.SX.sym("t"), x, z, None, p, names)
     if name == "corrected":
-        s = alone.along(point, *(pull((contact,), point, part) for part in (places, rates)))
+        s = alone.along(point, *(transposed_jacobian_product((contact,), point, part) for part in (places, rates)))
     else:
-        part = getattr(Share(contact, point), name)
+        part = getattr(ContactExpressions(contact, point), name)
         s = part if isinstance(part, ca.SX) else ca.vertcat(*part)
     column = _column(contact, point, places, rates)
     read = np.flatnonzero(ca.which_depends(s, column, 1, False)).tolist()
@@ -161,6 +163,6 @@ def _made(robot: Robot, contact: BoundContact, name: str) -> tuple[Addend, list[
 
 
 def _column(contact: BoundContact, point: RobotPoint, places: ca.SX, rates: ca.SX) -> ca.SX:
-    """Everything that a contact's terms may depend on, as one column."""
+    """Return the variables that a contact's terms may depend on, as one column."""
     forces = [point.z[force.name] for force in contact.forces]
     return ca.vertcat(point.q, point.v, point.a, *forces, places, rates, *anchors(contact, point.p).values())

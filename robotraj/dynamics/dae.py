@@ -5,13 +5,13 @@
 with x the state, z the algebraic variables, u the controls, p parameters and t time. An ordinary ODE has no z. Schemes,
 meshes, objectives and solvers use only this protocol and do not depend on robots.
 
-A DAE may have invariants, rows I(x, p, t) = 0 that its exact solution keeps once they hold: unit quaternions, the place
-and the velocity of a contact whose acceleration is a row of g. Discretised, they would drift. Collocation holds them at
-every collocation point by projecting the state there,
+A DAE may have invariants: rows I(x, p, t) = 0 that its exact solution satisfies at all times if it does so at one.
+Examples are unit quaternions, and the position and velocity of a contact whose acceleration is a row of g. A
+discretised solution drifts from them. Collocation therefore projects the state onto them at every collocation point,
 
     x_j = x_0 + h sum_k A_jk f_k + W(x_j, p) c_j,    I(x_j) = 0,
 
-with one correction c_j, of the size of the scheme's error, for every invariant; W spans directions that I sees.
+with one correction c_j, of the size of the scheme's error, for every invariant; dI/dx W is nonsingular.
 Source: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), section VII.2 (projection); Posa,
 Kuindersma and Tedrake, Optimization and stabilization of trajectories for constrained dynamical systems, ICRA 2016.
 """
@@ -44,14 +44,14 @@ class TimeOrders(NamedTuple):
 class Dynamics(Protocol):
     """A semi-explicit DAE with named variables.
 
-    Its functions take the points that its own ``point`` returns; a robot's are RobotPoints.
+    Its functions take the points that its ``point`` returns; those of a robot are RobotPoints.
 
     Attributes
     ----------
     states, algebraic, controls : tuple of Variable
         The entries of x, z and u.
     residuals : tuple of Variable
-        The rows of g, named for reports; as many as there are algebraic variables it determines.
+        The rows of g, named for reports. Each determines one algebraic variable; constraints determine the others.
     invariants : tuple of Variable
         The rows of I, named for reports; none for most systems.
     """
@@ -82,9 +82,9 @@ class Dynamics(Protocol):
         ...
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
-        """Wrap columns of symbols as the Point user expressions read; ``names`` are the parameters'.
+        """Wrap columns of symbols as the Point of user expressions; ``names`` are the parameters' names.
 
-        ``z`` and ``u`` are None at the end points of a phase, where they are not known.
+        ``z`` and ``u`` are None at the ends of a phase.
         """
         ...
 

@@ -21,7 +21,7 @@ ROOT_FREEDOMS = {"fixed": (0, 0), "planar": (2, 3), "floating": (3, 6)}
 
 
 @dataclass(frozen=True, eq=False)
-class Share:
+class ContactExpressions:
     """The terms of one contact at a point; each part is built when first read."""
 
     contact: BoundContact
@@ -48,15 +48,15 @@ class Share:
         return self.contact.acceleration(self.point)
 
 
-def share_of(contact: BoundContact, point: RobotPoint) -> ContactTerms:
-    """Return a contact's terms: symbols where they are separate functions (``contact_terms``), else a ``Share``."""
-    return point.shares.get(contact.name) or Share(contact, point)
+def contact_terms_of(contact: BoundContact, point: RobotPoint) -> ContactTerms:
+    """Return a contact's terms: symbols where they are separate functions (``contact_terms``), else expressions."""
+    return point.contact_terms.get(contact.name) or ContactExpressions(contact, point)
 
 
 def hold(contacts: Sequence[BoundContact], point: RobotPoint) -> list[Scalar]:
     """Rows that are zero while the contacts hold: all places, then all velocities."""
-    shares = [share_of(contact, point) for contact in contacts]
-    return [row for share in shares for row in share.places] + [row for share in shares for row in share.rates]
+    terms = [contact_terms_of(contact, point) for contact in contacts]
+    return [row for each in terms for row in each.places] + [row for each in terms for row in each.rates]
 
 
 def anchors(contact: BoundContact, p: Mapping[str, Scalar]) -> dict[str, Scalar]:
@@ -73,26 +73,27 @@ def torques(contact: BoundContact, point: RobotPoint, forces: Sequence[Scalar]) 
 
 
 def pinned(robot: Robot, contacts: Sequence[BoundContact]) -> bool:
-    """Whether only the root's position is corrected: the robot has one contact with as many rows as root freedoms."""
+    """Whether corrections move the root alone: the robot has one contact with as many rows as root freedoms."""
     return len(contacts) == 1 and bool(contacts[0].anchors) and len(contacts[0].holds) in ROOT_FREEDOMS[robot.root]
 
 
 def correct(contacts: Sequence[BoundContact], point: RobotPoint, c: ca.SX) -> ca.SX:
     """Tangent vector (nv,) along which one correction c for each held row moves the robot.
 
-    A single contact is corrected by moving the root: its translation for a point, all of it for a foot. The robot
-    then moves as if pinned there, and the joints have the polynomials of a model without a root. Several contacts,
-    and contacts of a robot with a fixed root, are corrected along J' c (Posa, Kuindersma and Tedrake, ICRA 2016).
+    A single contact is corrected by a motion of the root: a translation for a point contact, a translation and a
+    rotation for a foot. The robot then moves as if pinned at the contact, and the joints have the polynomials of a
+    model with a fixed root. Several contacts, and contacts of a robot with a fixed root, are corrected along J' c
+    (Posa, Kuindersma and Tedrake, ICRA 2016).
     """
     robot, nv = point.robot, point.robot.nv
     if not contacts:
         return ca.SX.zeros(nv)
     if pinned(robot, contacts):
         return ca.vertcat(c, ca.SX.zeros(nv - c.numel()))
-    return pull(contacts, point, c)
+    return transposed_jacobian_product(contacts, point, c)
 
 
-def pull(contacts: Sequence[BoundContact], point: RobotPoint, c: ca.SX) -> ca.SX:
+def transposed_jacobian_product(contacts: Sequence[BoundContact], point: RobotPoint, c: ca.SX) -> ca.SX:
     """J' c, (nv,), for the velocity rows J v of contacts."""
     # The gradient of J v by v is J, whatever v is.
     v = ca.SX.sym("v", point.robot.nv)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class KinematicBody(RigidBody):
-    """x = (q, v), u = a; f = (v, a). Points know no torques."""
+    """x = (q, v), u = a; f = (v, a). Points have no torques."""
 
     algebraic: tuple[Variable, ...] = ()
     residuals: tuple[Variable, ...] = ()
@@ -32,7 +32,7 @@ class KinematicBody(RigidBody):
         return self._accelerations
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> RobotPoint:
-        """Wrap columns of symbols as a RobotPoint; accelerations are read as of the other forms."""
+        """Wrap columns of symbols as a RobotPoint; accelerations have the names that they have in the other forms."""
         nq = self.robot.nq
         accelerations = self._names["algebraic variable"] if u is not None else []
         return RobotPoint(

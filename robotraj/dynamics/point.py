@@ -42,7 +42,7 @@ class FrameMotion(Protocol):
 
 
 class FramePoint(Protocol):
-    """A point that knows the frames of its robot: in symbols or in numbers."""
+    """A point with the frames of its robot: symbolic or numeric."""
 
     def frame(self, name: str) -> FrameMotion:
         """Return the pose and motion of a frame."""
@@ -68,7 +68,7 @@ class ContactTerms(Protocol):
         """Acceleration rows [m/s^2, rad/s^2]."""
 
 
-class ContactGraphs(ContactTerms, Protocol):
+class SymbolicContactTerms(ContactTerms, Protocol):
     """The terms of a contact as symbols."""
 
     @property
@@ -115,7 +115,7 @@ class RobotPoint(Point):
         Torques of the actuated joints [N m, N].
     forces : Named
         Contact forces by contact name [N].
-    shares : dict of str
+    contact_terms : dict of str
         Terms of the contacts as symbols, by contact name (``dynamics.contact_terms``).
     """
 
@@ -144,7 +144,7 @@ class RobotPoint(Point):
         self.q = q
         self.v = v
         self.forces = Named("contact", (), ())
-        self.shares: dict[str, ContactGraphs] = {}
+        self.contact_terms: dict[str, SymbolicContactTerms] = {}
 
     @property
     def a(self) -> ca.SX:
@@ -162,7 +162,7 @@ class RobotPoint(Point):
     def inverse_dynamics(self) -> ca.SX:
         """RNEA(q, v, a), the generalised force (nv,) of the motion without contacts, damping or friction [N m, N].
 
-        Before it is first read, symbols may be put in its place (``dynamics.torques``).
+        ``dynamics.torques`` replaces it by symbols before it is first read.
         """
         no_force = ca.SX(6, self.robot.model.njoints)
         return self.symbolic.inverse_dynamics(self.q, self.v, self.a, no_force)

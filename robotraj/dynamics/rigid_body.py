@@ -1,9 +1,9 @@
 """A robot as a DAE: by inverse dynamics (RNEA, the default) or by forward dynamics (ABA).
 
-Both forms carry the same physics, M(q) a + h(q, v) = B tau - d(v) + J(q)' f, with d the joint damping and smoothed
-Coulomb friction of the URDF and f the forces of the contacts. The inverse form makes the accelerations and the
-contact forces algebraic variables, so that the rates (v, a) are linear and RNEA is the only nonlinear block of a point;
-contacts add their accelerations to the rows and their place and velocity to the invariants.
+Both forms represent one equation of motion, M(q) a + h(q, v) = B tau - d(v) + J(q)' f. d is the joint damping and
+smoothed Coulomb friction of the URDF, f the forces of the contacts. The inverse form makes the accelerations and the
+contact forces algebraic variables. The rates (v, a) are then linear, and RNEA is the only nonlinear block of a point.
+Contacts add their accelerations to the rows of g, and their positions and velocities to the invariants.
 Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5, 7 and 8.
 """
 
@@ -20,7 +20,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import TimeOrders
-from robotraj.dynamics.holding import correct, hold, pinned, share_of
+from robotraj.dynamics.holding import contact_terms_of, correct, hold, pinned
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Column, Named, Variable
 
@@ -36,15 +36,15 @@ RATE_UNITS = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
 
 @dataclass(frozen=True)
 class RigidBody(OneLine):
-    """What all forms share: states (q, v), controls tau of the actuated joints.
+    """Base class of all forms: states (q, v), controls tau of the actuated joints.
 
     Attributes
     ----------
     robot : Robot
     design : Design or None
-        Which parameters are numbers of the robot.
+        Physical quantities of the robot that are parameters.
     contacts : tuple of BoundContact
-        What is held throughout the phase.
+        Contacts that hold throughout the phase.
     """
 
     robot: Robot
@@ -105,7 +105,7 @@ class RigidBody(OneLine):
         return tuple(force for contact in self.contacts for force in contact.forces)
 
     def _numbers(self, p: ca.SX, names: Sequence[str]) -> tuple[SymbolicModel | DesignedModel, Column]:
-        """Pinocchio's algorithms and the damping, with the parameters of the design put in."""
+        """Pinocchio's algorithms and the damping, with the parameters of the design."""
         if self.design is None:
             return self.robot.symbolic, self.robot.damping
         bodies = self.design.bodies(Named("parameter", names, p))
@@ -117,10 +117,10 @@ class RigidBody(OneLine):
         force = ca.SX(robot.nv, 1)
         for i, joint in enumerate(robot.actuated):
             force[robot.velocity_names.index(joint)] = tau[i]
-        # Joints without damping keep no product in the graph either.
+        # A robot without damping has no product in its graph.
         if not isinstance(damping, np.ndarray) or damping.any():
             force -= damping * v
-        # Frictionless joints keep no tanh in the graph.
+        # Frictionless joints have no tanh in the graph.
         rough = np.flatnonzero(robot.friction).tolist()
         for i in rough:
             force[i] -= robot.friction[i] * ca.tanh(v[i] / robot.friction_speed)
@@ -175,8 +175,8 @@ class RigidBody(OneLine):
     def correction(self, point: RobotPoint, c: ca.SX) -> ca.SX:
         """Return W c: along the quaternion, and along the directions of ``holding.correct`` for contacts."""
         first = int(self._has_quaternion)
-        if point.shares and not pinned(self.robot, self.contacts):
-            corrected = sum((share.corrected for share in point.shares.values()), ca.SX.zeros(len(self.states)))
+        if point.contact_terms and not pinned(self.robot, self.contacts):
+            corrected = sum((each.corrected for each in point.contact_terms.values()), ca.SX.zeros(len(self.states)))
         else:
             count = (c.numel() - first) // 2
             places, rates = c[first : first + count], c[first + count :]
@@ -186,7 +186,7 @@ class RigidBody(OneLine):
         return corrected
 
     def along(self, point: RobotPoint, moved: ca.SX, sped: ca.SX) -> ca.SX:
-        """Rates (nq + nv,) of the state that moves along one tangent vector (nv,) and gains speed along another."""
+        """Rates (nq + nv,) of a state whose q changes along one tangent vector (nv,) and whose v along another."""
         if self._has_quaternion:
             moved = self.robot.symbolic.configuration_rate(point.q, moved)
         return ca.vertcat(moved, sped)
@@ -203,7 +203,7 @@ class InverseRigidBody(RigidBody):
 
     @property
     def time_orders(self) -> TimeOrders | None:
-        """0 for positions, 1 for velocities, 2 for accelerations; None where a state is held or no angle or place."""
+        """0 for positions, 1 for velocities, 2 for accelerations; None with invariants or where nq != nv."""
         n, states = self.robot.nv, self.states
         if self.invariants or len(states) != 2 * n:
             return None
@@ -234,10 +234,10 @@ class InverseRigidBody(RigidBody):
     def residual(self, point: RobotPoint) -> ca.SX:
         """Torque balance RNEA(q, v, a) - B tau + d(v) - J' f, (nv,) [N m, N], then contact accelerations."""
         balance = point.inverse_dynamics - self._applied(point.v, point.tau, point.damping)
-        shares = [share_of(contact, point) for contact in self.contacts]
-        for share in shares:
-            balance += share.reaction
-        return ca.vertcat(balance, *(row for share in shares for row in share.accelerations))
+        terms = [contact_terms_of(contact, point) for contact in self.contacts]
+        for each in terms:
+            balance += each.reaction
+        return ca.vertcat(balance, *(row for each in terms for row in each.accelerations))
 
 
 @dataclass(frozen=True)
@@ -265,7 +265,7 @@ class ForwardRigidBody(RigidBody):
 
 @dataclass(frozen=True)
 class InverseDynamics:
-    """Choose RNEA with the accelerations as unknowns: fewer operations, the default, and the one that has contacts."""
+    """Choose RNEA with the accelerations as unknowns: the default, with fewer operations; it supports contacts."""
 
     def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> InverseRigidBody:
         """Bind to a robot."""
@@ -282,7 +282,7 @@ class ForwardDynamics:
         Raises
         ------
         InputError
-            Contacts: their forces are algebraic variables, which this form has none of.
+            Contacts are given: their forces are algebraic variables, and this form has none.
         """
         refuse_contacts(contacts, "ForwardDynamics")
         return ForwardRigidBody(robot, design)

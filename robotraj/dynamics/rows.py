@@ -1,4 +1,4 @@
-"""Rows of what a user's expression returns."""
+"""Conversion of the values of user expressions to rows."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError, called
 
-SOMEWHERE = 0.7
+TRIAL_VALUE = 0.7
 """Value of all symbols in a trial evaluation; roots, logarithms and divisions are defined there."""
 
 
@@ -34,7 +34,7 @@ def rows_of(what: str, function: Callable[..., object], *arguments: object) -> l
         It returned other types than numbers and SX, or NaN for a symbol, as ``math.sin`` does.
     """
     rows = as_rows(called(what, function, *arguments), what)
-    for i in _nan_somewhere(rows):
+    for i in _nan_rows(rows):
         if _holds_nan(rows[i]):
             which = "" if len(rows) == 1 else f" in row {i}"
             raise InputError(
@@ -50,11 +50,11 @@ def as_rows(values: Any, what: str) -> list[ca.SX]:
         if isinstance(values, ca.SX | ca.DM | ca.MX):
             column = ca.SX(values)
             return [column[i] for i in range(column.numel())]
-        # The ravel of a NumPy scalar returns an array of the scalar, without end.
+        # The ravel of a NumPy scalar returns an array of that scalar: the recursion would not end.
         if isinstance(values, Sequence) or (hasattr(values, "ravel") and not isinstance(values, np.generic)):
             parts = values.ravel() if hasattr(values, "ravel") else values
             return [row for part in parts for row in as_rows(part, what)]
-        # Of a complex number float() keeps the real part; of a generator CasADi makes an empty matrix.
+        # float() discards the imaginary part of a complex number; CasADi converts a generator to an empty matrix.
         row = ca.SX(float(values) if isinstance(values, np.number | np.bool_) and np.isrealobj(values) else values)
         if not row.is_scalar():
             raise TypeError("no scalar")
@@ -65,19 +65,19 @@ def as_rows(values: Any, what: str) -> list[ca.SX]:
         ) from error
 
 
-def _nan_somewhere(rows: Sequence[ca.SX]) -> list[int]:
-    """Which expressions are NaN at one point. One function for each takes as long as the expressions."""
+def _nan_rows(rows: Sequence[ca.SX]) -> list[int]:
+    """Return the indices of expressions that are NaN at one trial point, from a single function of all of them."""
     if not rows:
         return []
     column = ca.vertcat(*rows)
     symbols = ca.symvar(column)
     function = ca.Function("rows", [ca.vertcat(ca.SX(0, 1), *symbols)], [ca.densify(column)])
-    values = np.array(function(ca.DM.ones(len(symbols)) * SOMEWHERE)).ravel()
+    values = np.array(function(ca.DM.ones(len(symbols)) * TRIAL_VALUE)).ravel()
     return [int(i) for i in np.flatnonzero(np.isnan(values))]
 
 
 def _holds_nan(row: ca.SX) -> bool:
-    """Whether NaN is one of the numbers in an expression; where it is NaN, it may be one of roots and logarithms."""
+    """Whether NaN is a constant of an expression; roots and logarithms may be NaN at the trial point alone."""
     symbols = ca.symvar(row)
     function = ca.Function("row", [ca.vertcat(ca.SX(0, 1), *symbols)], [row])
     numbers = [k for k in range(function.n_instructions()) if function.instruction_id(k) == ca.OP_CONST]

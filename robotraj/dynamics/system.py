@@ -17,7 +17,7 @@ from robotraj.dynamics.rows import rows_of
 from robotraj.dynamics.variable import Column, Named, Scalar, Variable
 
 Expression: TypeAlias = "Callable[[Any], Column | Sequence[Scalar] | Scalar]"
-"""A function of a point; users annotate the point as they please."""
+"""A function of a point, with any type annotation of the point."""
 
 
 @dataclass(frozen=True, init=False)
@@ -72,7 +72,7 @@ class System(OneLine):
                 raise InputError(f"System {name!r}: {kind} must be a list of names, got the string {given!r}.")
         every = [*states, *controls, *algebraic]
         if not states:
-            raise InputError(f"System {name!r} has no states.")
+            raise InputError(f"System {name!r} has no states; name at least one in states=.")
         twice = [n for n, count in Counter(every).items() if count > 1]
         if twice:
             raise InputError(f"System {name!r}: the name {twice[0]!r} is used twice; every variable needs its own.")
@@ -99,7 +99,7 @@ class System(OneLine):
 
 @dataclass(frozen=True)
 class SystemDynamics(OneLine):
-    """A System seen through the DAE protocol."""
+    """A System with the DAE protocol."""
 
     system: System
 
@@ -125,7 +125,7 @@ class SystemDynamics(OneLine):
 
     @property
     def invariants(self) -> tuple[Variable, ...]:
-        """None: a System's own rows are its residual."""
+        """No invariants: the rows of a System are its residual."""
         return ()
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
@@ -161,7 +161,7 @@ class SystemDynamics(OneLine):
 
 
 def _column(function: Expression, point: Point, length: int, what: str, per: str) -> ca.SX:
-    """Turn what a user's function returns into an SX column of the right length, or say what is wrong."""
+    """Return the values of a user's function as an SX column of the given length; else raise InputError."""
     rows = rows_of(what, function, point)
     if len(rows) != length:
         raise InputError(f"The {what} returned {len(rows)} values; it must return {length}, one per {per}.")

@@ -1,4 +1,4 @@
-"""A robot's inverse dynamics as unknown numbers r inside the expressions of a stage."""
+"""The inverse dynamics of a robot as symbols r in the expressions of a stage."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Torques:
         """Whether the expression depends on the torques."""
         return bool(ca.depends_on(expression, self.symbols))
 
-    def written_out(self, expression: ca.SX) -> ca.SX:
+    def with_graph(self, expression: ca.SX) -> ca.SX:
         """Substitute the graph of the inverse dynamics for r."""
         nv = self.symbols.numel()
         nq = self.arguments.numel() - 2 * nv
@@ -66,7 +66,7 @@ def _tree(text: str) -> RigidTree:
     return rigid_tree(model)
 
 
-def torques_apart(point: Point) -> Torques | None:
+def separate_torques(point: Point) -> Torques | None:
     """Represent the inverse dynamics of a point by symbols in every expression built from it.
 
     Returns
@@ -74,7 +74,7 @@ def torques_apart(point: Point) -> Torques | None:
     Torques or None
         None where the point does not belong to a robot or its model has unknown parameters (``rt.design.Design``).
         None where a joint is neither revolute, prismatic nor a free-flyer at the root. None where all joints are
-        prismatic: the expressions then contain M a + g itself, which is small.
+        prismatic: the expressions then contain the graph of M a + g, which is small.
     """
     if not isinstance(point, RobotPoint) or not point.moves or not isinstance(point.symbolic, SymbolicModel):
         return None

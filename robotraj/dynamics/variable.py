@@ -50,7 +50,7 @@ class Variable:
 
 
 class Named(Mapping[str, Any]):
-    """A vector read by name: ``point.x["v"]``; an unknown name is refused with the valid ones.
+    """A vector read by name: ``point.x["v"]``; an unknown name raises an error that lists the valid ones.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class Named(Mapping[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._index:
-            # Points at the ends of a phase, which links and Mayer terms read, are given none.
+            # Points at the ends of a phase, for links and Mayer terms, have neither controls nor algebraic variables.
             advice = "The ends of a phase have times, states and parameters alone." if self._values is None else ""
             raise unknown_name(self.kind, name, self._index, advice)
         return self._values[self._index[name]]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj.guess.least_time import fastest_line
 from robotraj.problem.constraints.bounds import Bounds
-from robotraj.robot.chart import way
+from robotraj.robot.chart import coordinate_difference
 from robotraj.robot.limits import Limits
 from robotraj.robot.root import QUATERNION
 
@@ -95,6 +95,6 @@ def guessed_duration(phase: Phase, given: float | None) -> float:
         guess = max(guess, MARGIN * law.duration)
     elif phase.robot is not None and isinstance(phase.limits, Limits):
         first, last = (x[: phase.robot.nq] for x in ends_of(phase))
-        gaps = np.abs(way(phase.robot.model, first, last))
+        gaps = np.abs(coordinate_difference(phase.robot.model, first, last))
         guess = max(guess, MARGIN * float(np.max(gaps / phase.limits.velocity, initial=0.0)))
     return float(np.clip(guess, low, high))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from robotraj.native._native import Call, Tape
 
 Pattern = tuple[Indices, Indices]
-NOWHERE: Indices = np.zeros(0, dtype=np.int64)
+NO_POSITIONS: Indices = np.zeros(0, dtype=np.int64)
 
 
 class Addend:
@@ -86,7 +86,7 @@ class Added:
     def call(self, name: str) -> tuple[Call, int]:
         """Return the call of ``"values"``, ``"jacobian"`` or ``"hessian"``, and the number of its results."""
         made, numbers = self.addend.values if name == "values" else getattr(self.addend, name)[0]
-        multipliers = self.rows if name == "hessian" else NOWHERE
+        multipliers = self.rows if name == "hessian" else NO_POSITIONS
         return load_native().Call(made, self.inputs, multipliers), numbers
 
     def terms(self, name: str, first: int, unknowns: int) -> Sums:
@@ -143,7 +143,7 @@ def _nonzeros(inputs: list[ca.SX], matrix: ca.SX) -> tuple[tuple[Tape, int], Pat
     return (tape(inputs, nonzeros(matrix)), len(rows)), (rows, columns)
 
 
-def where_in(symbols: ca.SX, entries: ca.SX) -> NDArray[np.int64]:
+def positions_in(symbols: ca.SX, entries: ca.SX) -> NDArray[np.int64]:
     """Return the index of every entry in a column of symbols; -1 for zeros, -2 for other expressions."""
     known = {each.element_hash(): i for i, each in enumerate(symbols.elements())}
     found = [-1 if each.is_zero() else known.get(each.element_hash(), -2) for each in entries.elements()]

@@ -27,7 +27,7 @@ from robotraj.problem.objectives.expressions import Lagrange
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.problem.rows import evaluated
-from robotraj.robot.chart import way
+from robotraj.robot.chart import coordinate_difference
 from robotraj.robot.limits import Limits
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solvers.base import Solver
@@ -143,7 +143,7 @@ def _smooth(phase: Phase, duration: float | None) -> Objective:
     assert phase.robot is not None
     first, last = ends_of(phase)
     nq = phase.robot.nq
-    distance = float(np.linalg.norm(way(phase.robot.model, first[:nq], last[:nq])))
+    distance = float(np.linalg.norm(coordinate_difference(phase.robot.model, first[:nq], last[:nq])))
     time = guessed_duration(phase, duration)
     weight = time**4 / (36.0 * distance**2) if distance > 0 and time > 0 else 1.0
     return Duration() + weight * smooth

@@ -92,7 +92,7 @@ class Chart:
         return np.concatenate([rotated(quaternion, v[PLACE]), turn, v[REST]])
 
 
-def way(model: pin.Model, first: Array, last: Array) -> Array:
+def coordinate_difference(model: pin.Model, first: Array, last: Array) -> Array:
     """Return the difference (nv,) of the coordinates of two configurations (nq,)."""
     start, end = Chart.around(model, first).coordinates(np.array([first, last]))
     return np.asarray(end - start)

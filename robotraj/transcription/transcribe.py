@@ -102,7 +102,7 @@ def transcribe(
             points.append(point)
             blocks += more
         else:
-            points.append(collocate(phase, i, layout, rows, linear, engine.torques_apart, interval_limits, known))
+            points.append(collocate(phase, i, layout, rows, linear, engine.separate_torques, interval_limits, known))
         impose_on_controls(interval_limits, phase, i, layout, rows, linear)
         blocks += end_constraint_blocks(phase, i, layout, rows)
         chosen = start_equalities_block(phase, i, layout, rows, known) if collocated and known is not None else None
@@ -119,7 +119,7 @@ def transcribe(
     every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]
     every += [widen(block, *shape) for block in blocks]
     for block in every:
-        block.stage.as_tapes = engine.torques_apart
+        block.stage.as_tapes = engine.separate_torques
     matrix = linear.matrix(shape)
     start = start_of(problem, layouts, unknowns, variables, guess or default_guess(problem))
     scale = variable_scale(variables, start)

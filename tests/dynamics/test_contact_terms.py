@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.dynamics.contact_terms import contacts_apart, taken_out, written_out
+from robotraj.dynamics.contact_terms import extract_addends, insert_graphs, separate_contact_terms
 from robotraj.dynamics.point import RobotPoint
 from robotraj.problem.constraints.base import symbols_of
 
@@ -32,7 +32,7 @@ def posed(robot: rt.Robot, feet: list[str], **more: float) -> tuple[rt.Phase, Ro
 
 def test_phases_share_what_a_foot_adds(robot: rt.Robot) -> None:
     one, other = (
-        contacts_apart(phase.body, point, c)
+        separate_contact_terms(phase.body, point, c)
         for phase, point, c in (posed(robot, ["FL_FOOT", "HR_FOOT"]), posed(robot, ["FR_FOOT", "HR_FOOT", "HL_FOOT"]))
     )
     assert len(one) == 10
@@ -43,29 +43,31 @@ def test_phases_share_what_a_foot_adds(robot: rt.Robot) -> None:
 
 def test_a_single_foot_is_not_corrected_along_its_jacobian(robot: rt.Robot) -> None:
     phase, point, c = posed(robot, ["HR_FOOT"])
-    assert len(contacts_apart(phase.body, point, c)) == 4
-    assert not ca.depends_on(phase.body.correction(point, c), ca.vertcat(*(s.reaction for s in point.shares.values())))
+    assert len(separate_contact_terms(phase.body, point, c)) == 4
+    assert not ca.depends_on(
+        phase.body.correction(point, c), ca.vertcat(*(s.reaction for s in point.contact_terms.values()))
+    )
 
 
 @pytest.mark.parametrize("feet", [["HR_FOOT"], ["FL_FOOT", "HR_FOOT", "HL_FOOT"]])
 def test_the_rows_are_the_same_apart_and_written_out(robot: rt.Robot, feet: list[str]) -> None:
     phase, point, c = posed(robot, feet)
     plain = rows(phase, point, c)
-    parts = contacts_apart(phase.body, point, c)
-    apart = rows(phase, point, c)
+    parts = separate_contact_terms(phase.body, point, c)
+    separated = rows(phase, point, c)
     every = ca.vertcat(*(ca.symvar(plain)))
-    both = ca.Function("both", [every], [plain, written_out(apart, parts)])
+    both = ca.Function("both", [every], [plain, insert_graphs(separated, parts)])
     first, second = both(np.random.default_rng(4).uniform(0.2, 1.2, every.numel()))
     np.testing.assert_allclose(np.array(first), np.array(second), atol=1e-9)
-    assert not any(ca.depends_on(written_out(apart, parts), part.symbols) for part in parts)
+    assert not any(ca.depends_on(insert_graphs(separated, parts), part.symbols) for part in parts)
 
 
 def test_what_reads_expressions_is_written_out(robot: rt.Robot) -> None:
     phase, point, c = posed(robot, ["FL_FOOT", "HR_FOOT"])
-    parts = contacts_apart(phase.body, point, c)
+    parts = separate_contact_terms(phase.body, point, c)
     y = rows(phase, point, c)
     known = ca.vertcat(point.q, point.v, point.a, *point.p.values(), c)
-    rest, added = taken_out(y, known, parts)
+    rest, added = extract_addends(y, known, parts)
     # The forces are no symbols of it: only the reactions read them.
     assert len(added) == 8
     reactions = ca.vertcat(*(part.symbols for part in parts if part.symbols.numel() == robot.nv))

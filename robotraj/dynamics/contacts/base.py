@@ -36,7 +36,7 @@ class LimitRow:
     Attributes
     ----------
     name : str
-        What is bounded, for example ``"friction cone"``.
+        Name of the bounded quantity, for example ``"friction cone"``.
     unit : str
     lower, upper : float
         Bounds, infinite where open.
@@ -67,11 +67,11 @@ class Contact(OneLine, ABC):
     @property
     @abstractmethod
     def label(self) -> str:
-        """Its name: the one given, else that of its frame."""
+        """Name of the contact; by default that of its frame."""
 
     @abstractmethod
     def bind(self, robot: Robot) -> BoundContact:
-        """Check names against a robot and write out variables and rows.
+        """Check names against a robot and return the variables and rows.
 
         Raises
         ------

@@ -123,11 +123,11 @@ class FlatFoot(Contact):
 
     @property
     def label(self) -> str:
-        """Its name."""
+        """Name of the contact."""
         return label_of(self.name, self.frame)
 
     def bind(self, robot: Robot) -> BoundFlatFoot:
-        """Find the foot's axes and whether it moves in a plane, and write out rows and forces."""
+        """Find the foot's axes and whether it moves in a plane, and return its rows and forces."""
         who = f"FlatFoot {self.label!r}"
         robot.frame(self.frame)
         spot = Spot(self.frame, self.offset)
@@ -177,7 +177,7 @@ class FlatFoot(Contact):
         if abs(left[axis]) < 0.99:
             raise InputError(
                 f"The normal and forward axes of FlatFoot {self.label!r} do not lie in the plane that {robot.name!r} "
-                "moves in; give others, or leave them out."
+                "moves in; give others, or omit them."
             )
         shape = self._shape()
         return shape if left[axis] > 0.0 else Rectangle(shape.front, shape.back, shape.half)
@@ -220,11 +220,11 @@ class BoundFlatFoot(BoundContact):
 
     def velocity(self, point: FramePoint) -> list[Scalar]:
         """Velocity of the sole's point, then angular velocity [m/s, rad/s]."""
-        return self._kept(self.spot.velocity(point), self.spot.angular_velocity(point))
+        return self._held(self.spot.velocity(point), self.spot.angular_velocity(point))
 
     def acceleration(self, point: FramePoint) -> list[Scalar]:
         """Acceleration of the sole's point, then angular acceleration [m/s^2, rad/s^2]."""
-        return self._kept(self.spot.acceleration(point), self.spot.angular_acceleration(point))
+        return self._held(self.spot.acceleration(point), self.spot.angular_acceleration(point))
 
     def wrench(self, point: FramePoint, forces: Sequence[Scalar]) -> list[Wrench]:
         """Move the wrench to the frame's origin."""
@@ -291,5 +291,5 @@ class BoundFlatFoot(BoundContact):
         front, back = self.shape.front * normal + moment, self.shape.back * normal - moment
         return [normal, reach - along, reach + along, front, back]
 
-    def _kept(self, linear: Sequence[Scalar], angular: Sequence[Scalar]) -> list[Scalar]:
+    def _held(self, linear: Sequence[Scalar], angular: Sequence[Scalar]) -> list[Scalar]:
         return [linear[i] for i in self.where.axes] + [angular[i] for i in self.about]

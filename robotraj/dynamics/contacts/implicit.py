@@ -87,11 +87,11 @@ class ImplicitContact(Contact):
 
     @property
     def label(self) -> str:
-        """Its name."""
+        """Name of the contact."""
         return label_of(self.name, self.frame)
 
     def bind(self, robot: Robot) -> BoundImplicitContact:
-        """Find the axes in which the point can move, and write out forces and rows."""
+        """Find the axes in which the point can move, and return its forces and rows."""
         robot.frame(self.frame)
         spot = Spot(self.frame, self.offset)
         axes, _ = mobility(robot, lambda q: spot.jacobian(robot, q))
@@ -111,12 +111,12 @@ class ImplicitContact(Contact):
             Variable(f"force.{name}.slip", "m/s", "slipping speed", name),
         )
         rows = [LimitRow("gap", "m", 0.0, np.inf, name)]
-        rows += [LimitRow("no force apart", "N m", -np.inf, self.relaxation, name)]
+        rows += [LimitRow("gap complementarity", "N m", -np.inf, self.relaxation, name)]
         rows += [LimitRow(v.name.rsplit(".", 1)[-1], v.unit, 0.0, np.inf, name, v.name) for v in forces]
         rows += [LimitRow("friction cone", "N", 0.0, np.inf, name)]
-        rows += [LimitRow("no slip inside the cone", "W", -np.inf, self.relaxation, name)]
+        rows += [LimitRow("slip complementarity", "W", -np.inf, self.relaxation, name)]
         rows += [LimitRow("slipping speed", "m/s", 0.0, np.inf, name) for _ in directions]
-        rows += [LimitRow("friction against the slip", "W", -np.inf, self.relaxation, name) for _ in directions]
+        rows += [LimitRow("friction complementarity", "W", -np.inf, self.relaxation, name) for _ in directions]
         up = tuple(float(part) for part in normal)
         ground, friction = as_ground(self.ground), float(self.friction)
         return BoundImplicitContact(

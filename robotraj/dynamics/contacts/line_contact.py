@@ -103,7 +103,7 @@ class LineContact(FrictionContact):
 
     @property
     def label(self) -> str:
-        """Its name."""
+        """Name of the contact."""
         return label_of(self.name, self.frame)
 
     def bind(self, robot: Robot) -> BoundContact:
@@ -170,7 +170,7 @@ class BoundLineContact(BoundContact):
         """Place of the edge's middle [m], then the rotation of l from its held direction about u and w [rad]."""
         spot, place = self.spot.position(point), self.where.place(anchors)
         left = self.spot.axis(point, self.along)
-        ahead, normal = self._lying(anchors)
+        ahead, normal = self._heading_and_normal(anchors)
         turn = add(scale(dot(left, normal), ahead), scale(-dot(left, ahead), normal))
         return [spot[i] - place[i] for i in range(3)] + [dot(turn, axis) for axis in _across(left)]
 
@@ -203,7 +203,7 @@ class BoundLineContact(BoundContact):
         contact: LineContact = self.contact  # type: ignore[assignment]
         normal, tangential = self.where.components([forces[i] for i in range(3)], anchors)
         moment = self._moment(point, forces)
-        ahead, upward = self._lying(anchors)
+        ahead, upward = self._heading_and_normal(anchors)
         tipping, twist = dot(moment, ahead), dot(moment, upward)
         reach, grip = 0.5 * self.width * normal, 0.25 * self.width * float(contact.friction) * normal
         friction = contact.cone.rows(float(contact.friction), normal, *tangential)
@@ -229,7 +229,7 @@ class BoundLineContact(BoundContact):
         forward, upward = _across(self.spot.axis(point, self.along))
         return add(scale(forces[3], forward), scale(forces[4], upward))
 
-    def _lying(self, anchors: Mapping[str, Scalar]) -> tuple[list[Scalar], list[Scalar]]:
+    def _heading_and_normal(self, anchors: Mapping[str, Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """Heading at right angles to the held edge, and the ground's normal there."""
         (first, second), normal = self.where.tangents(anchors)
         yaw = anchors[f"{self.name}.yaw"]

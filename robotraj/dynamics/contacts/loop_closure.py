@@ -74,7 +74,7 @@ class LoopClosure(Contact):
 
     @property
     def label(self) -> str:
-        """Its name."""
+        """Name of the contact."""
         return f"{self.frame_a}-{self.frame_b}" if self.name is None else self.name
 
     def bind(self, robot: Robot) -> BoundLoopClosure:
@@ -116,18 +116,18 @@ class BoundLoopClosure(BoundContact):
     def position(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Displacement from b to a [m], then the rotation from b to a [rad near zero]."""
         gap = subtract(self.first.position(point), self.second.position(point))
-        return self._kept(gap, self._rotation(point) if self.about else [])
+        return self._held(gap, self._rotation(point) if self.about else [])
 
     def velocity(self, point: FramePoint) -> list[Scalar]:
         """Velocity of a minus that of b [m/s, rad/s]."""
         gap = subtract(self.first.velocity(point), self.second.velocity(point))
-        return self._kept(gap, subtract(self.first.angular_velocity(point), self.second.angular_velocity(point)))
+        return self._held(gap, subtract(self.first.angular_velocity(point), self.second.angular_velocity(point)))
 
     def acceleration(self, point: FramePoint) -> list[Scalar]:
         """Acceleration of a minus that of b [m/s^2, rad/s^2]."""
         gap = subtract(self.first.acceleration(point), self.second.acceleration(point))
         turn = subtract(self.first.angular_acceleration(point), self.second.angular_acceleration(point))
-        return self._kept(gap, turn)
+        return self._held(gap, turn)
 
     def wrench(self, point: FramePoint, forces: Sequence[Scalar]) -> list[Wrench]:
         """Wrench on a and its opposite on b, each at its own frame's origin."""
@@ -152,5 +152,5 @@ class BoundLoopClosure(BoundContact):
         values, count = [forces[i] for i in range(len(self.forces))], len(self.axes)
         return spread(values[:count], self.axes) + spread(values[count:], self.about)
 
-    def _kept(self, linear: Sequence[Scalar], angular: Sequence[Scalar]) -> list[Scalar]:
+    def _held(self, linear: Sequence[Scalar], angular: Sequence[Scalar]) -> list[Scalar]:
         return [linear[i] for i in self.axes] + [angular[i] for i in self.about]

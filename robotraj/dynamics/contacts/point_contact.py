@@ -112,11 +112,11 @@ class PointContact(FrictionContact):
 
     @property
     def label(self) -> str:
-        """Its name."""
+        """Name of the contact."""
         return label_of(self.name, self.frame)
 
     def bind(self, robot: Robot) -> BoundPointContact:
-        """Find the axes in which the point can move, and write one row and one force for each."""
+        """Find the axes in which the point can move, and return one row and one force for each."""
         return bind_point(self, robot, Spot(self.frame, self.offset))
 
 

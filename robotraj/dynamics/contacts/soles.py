@@ -134,12 +134,12 @@ class FourCorners(Sole):
         about = [moment[0], moment[1] + middle * force[2], moment[2] - middle * force[1]]
         torsion = [
             mu * (half_length + shape.half) * force[2]
-            + way * about[2]
+            + sign * about[2]
             - (
-                one * (shape.half * force[0] - way * mu * about[0])
-                + two * (half_length * force[1] - way * mu * about[1])
+                one * (shape.half * force[0] - sign * mu * about[0])
+                + two * (half_length * force[1] - sign * mu * about[1])
             )
-            for way, one, two in product((1.0, -1.0), (1.0, -1.0), (1.0, -1.0))
+            for sign, one, two in product((1.0, -1.0), (1.0, -1.0), (1.0, -1.0))
         ]
         friction_rows = [reach - force[0], reach + force[0], reach - force[1], reach + force[1]]
         return [*friction_rows, *pressure_rows(shape, force[2], moment), *torsion]

@@ -84,7 +84,7 @@ class Design:
             quantity.check_lower(name, float(bounds[name]))
 
     def describe(self, name: str) -> tuple[str, str]:
-        """Return the meaning of a parameter and its unit; both are empty if the design does not use it."""
+        """Return the label of a parameter and its unit; both are empty if the design does not use it."""
         mine = [quantity for known, quantity in self.entries if known == name]
         return ", ".join(q.label for q in mine), mine[0].unit(self.robot) if mine else ""
 

@@ -26,10 +26,10 @@ class JointDamping(Quantity):
     """
 
     joint: str
-    what = "damping of joint"
+    description = "damping of joint"
 
     @property
-    def whose(self) -> str:
+    def target(self) -> str:
         """Name of the joint."""
         return self.joint
 

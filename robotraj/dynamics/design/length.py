@@ -18,7 +18,7 @@ from robotraj.dynamics.variable import Scalar
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
-SHORTEST = 1e-6
+MIN_LENGTH = 1e-6
 """Smallest length [m] that can be scaled."""
 
 
@@ -51,10 +51,10 @@ class LinkLength(Quantity):
     joint: str
     tip: str | None = None
     along: Sequence[float] | None = None
-    what = "length of the link of joint"
+    description = "length of the link of joint"
 
     @property
-    def whose(self) -> str:
+    def target(self) -> str:
         """Name of the joint."""
         return self.joint
 
@@ -105,7 +105,7 @@ class LinkLength(Quantity):
                 f"rt.design.LinkLength: along={self.along!r} is no direction; give three numbers, not all zero."
             )
         length = float(tip @ direction / norm) if norm > 0 else 0.0
-        if abs(length) < SHORTEST:
+        if abs(length) < MIN_LENGTH:
             raise InputError(
                 f"rt.design.LinkLength: the body of joint {self.joint!r} has no length to its tip"
                 f"{'' if self.tip is None else f' {self.tip!r}'}; name one away from it with tip=. "

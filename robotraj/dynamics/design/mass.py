@@ -28,10 +28,10 @@ class BodyMass(Quantity):
     """
 
     body: str
-    what = "mass of body"
+    description = "mass of body"
 
     @property
-    def whose(self) -> str:
+    def target(self) -> str:
         """Name of the body."""
         return self.body
 

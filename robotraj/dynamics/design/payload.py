@@ -29,11 +29,11 @@ class Payload(Quantity):
     """
 
     frame: str
-    what = "payload at"
+    description = "payload at"
     after_others = True
 
     @property
-    def whose(self) -> str:
+    def target(self) -> str:
         """Name of the frame."""
         return self.frame
 

@@ -19,24 +19,24 @@ class Quantity(OneLine, ABC):
 
     Attributes
     ----------
-    what : str
+    description : str
         Label for messages: ``"mass of body"``.
     after_others : bool
         Whether it is applied after the other quantities. A payload is added to a body whose mass is a parameter.
     """
 
-    what: str
+    description: str
     after_others: bool = False
 
     @property
     @abstractmethod
-    def whose(self) -> str:
+    def target(self) -> str:
         """Name of its joint, link or frame."""
 
     @property
     def label(self) -> str:
         """Label with the name: ``mass of body 'forearm'``."""
-        return f"{self.what} {self.whose!r}"
+        return f"{self.description} {self.target!r}"
 
     @abstractmethod
     def unit(self, robot: Robot) -> str:

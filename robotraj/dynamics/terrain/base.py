@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 class Ground(OneLine, ABC):
     """A height field. A new ground is one frozen dataclass with ``surface``, written in CasADi's functions.
 
-    Contacts, clearance and replays all use that one expression. Every method takes CasADi symbols and numbers, floats
-    and NumPy arrays (x and y broadcast), and returns values of the same kind.
+    Contacts, clearance and replays all use that one expression. Methods take CasADi symbols, CasADi
+    numbers, floats or NumPy arrays (x and y broadcast), and return values of the same kind.
     """
 
     @abstractmethod

@@ -14,7 +14,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Array, Ground
 
-FEWEST = 4
+MIN_SAMPLES = 4
 """Smallest number of samples along a side: that of a cubic spline with not-a-knot ends."""
 
 
@@ -49,10 +49,10 @@ class HeightMap(Ground):
 
     def __post_init__(self) -> None:
         heights = np.array(self.heights, dtype=float)
-        if heights.ndim != 2 or min(heights.shape) < FEWEST:
+        if heights.ndim != 2 or min(heights.shape) < MIN_SAMPLES:
             raise InputError(
                 f"rt.terrain.HeightMap has heights of shape {heights.shape}; give (n, m) samples along x and y, "
-                f"at least {FEWEST} along each."
+                f"at least {MIN_SAMPLES} along each."
             )
         bad = np.argwhere(~np.isfinite(heights))
         if len(bad):

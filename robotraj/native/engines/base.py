@@ -62,13 +62,13 @@ class Engine(OneLine, ABC):
 
     Attributes
     ----------
-    torques_apart : bool
+    separate_torques : bool
         Whether stages keep their inverse dynamics as symbols, so that the graph of these is never built.
     made_for_ipopt : bool
         Whether it caches the functions that IPOPT calls; IPOPT is then the default solver.
     """
 
-    torques_apart: ClassVar[bool] = False
+    separate_torques: ClassVar[bool] = False
     made_for_ipopt: ClassVar[bool] = False
 
     @abstractmethod

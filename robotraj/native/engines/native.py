@@ -39,7 +39,7 @@ class Native(Engine):
     >>> solution = rt.plan(phase, engine=rt.engines.Native())  # doctest: +SKIP
     """
 
-    torques_apart: ClassVar[bool] = True
+    separate_torques: ClassVar[bool] = True
 
     threads: int = 1
 

@@ -213,14 +213,15 @@ def _entry(function: ca.Function, points: int, parts: int, slots: int) -> str:
     names = ", ".join([*(f"x{i}" for _, _, i, _ in ins), *(f"y{i}" for _, _, i, _ in outs), "w"])
     calls = "".join(f"  {name}_{p}({names});\n" for p in range(parts))
     shapes = "".join(
-        f"static const casadi_int {way}{i}[3] = {{{size}, {points}, 1}};\n" for _, way, i, size in [*ins, *outs]
+        f"static const casadi_int {direction}{i}[3] = {{{size}, {points}, 1}};\n"
+        for _, direction, i, size in [*ins, *outs]
     )
     asked = "".join(
-        f"EXPORT casadi_int {name}_n_{way}(void) {{ return {len(group)}; }}\n"
-        f"EXPORT const casadi_int* {name}_sparsity_{way}(casadi_int i) {{\n"
-        f"  static const casadi_int* const all[] = {{{', '.join(f'{way}{i}' for i in range(len(group)))}}};\n"
+        f"EXPORT casadi_int {name}_n_{direction}(void) {{ return {len(group)}; }}\n"
+        f"EXPORT const casadi_int* {name}_sparsity_{direction}(casadi_int i) {{\n"
+        f"  static const casadi_int* const all[] = {{{', '.join(f'{direction}{i}' for i in range(len(group)))}}};\n"
         f"  return all[i];\n}}\n"
-        for way, group in (("in", ins), ("out", outs))
+        for direction, group in (("in", ins), ("out", outs))
     )
     return f"""{prototypes}
 #define EXPORT __attribute__((visibility("default")))

@@ -73,7 +73,7 @@ def assemble(
         resting[:start], [held.get(joint, value) for joint, value in zip(names, resting[start:], strict=True)]
     )
     model = reduced(whole, ids, at)
-    twins = rename_ambiguous_frames(model)
+    renamed = rename_ambiguous_frames(model)
     own = Limits.of(model, root)
     wanted = own if limits is None else own.override(limits)
     kept = np.append(q[:start], [value for joint, value in zip(names, q[start:], strict=True) if joint not in held])
@@ -87,7 +87,7 @@ def assemble(
     notes = (
         *findings,
         mimic_note(about.mimics, held, locked or {}),
-        renamed_frames_note(twins),
+        renamed_frames_note(renamed),
         armature_note,
         dissipation_note(model),
         friction_note(friction, wanted, units(model, root), motors),

@@ -147,8 +147,8 @@ def reduced(model: pin.Model, ids: list[int], q: Array) -> pin.Model:
     copy = model.copy()
     if not ids:
         return copy
-    twins = [frame for frame in copy.frames if frame.type == pin.FrameType.BODY and frame.name in model.names]
-    for frame in twins:
+    ambiguous = [frame for frame in copy.frames if frame.type == pin.FrameType.BODY and frame.name in model.names]
+    for frame in ambiguous:
         frame.name += LINK_MARK
     smaller = pin.buildReducedModel(copy, ids, q)
     for frame in smaller.frames:

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.dynamics.contact_terms import Apart, taken_out, written_out
+from robotraj.dynamics.contact_terms import SymbolicAddend, extract_addends, insert_graphs
 from robotraj.dynamics.torques import Torques
 from robotraj.native.build import load_native
 from robotraj.native.stage_tapes import Tapes
@@ -42,7 +42,7 @@ class PointFunctions:
     torques : Torques, optional
         The robot's inverse dynamics; y contains symbols in their place. Engines that evaluate them by themselves do
         not build or differentiate their graph. The functions below are the same with and without.
-    apart : sequence of Apart
+    addends : sequence of SymbolicAddend
         Terms of contacts, which y contains as symbols too, shared with other stages.
     as_tapes : bool
         Whether the engine of the NLP runs tapes, so that functions are made as tapes only. Functions with torques
@@ -56,18 +56,18 @@ class PointFunctions:
         y: Symbols,
         costed: int | None = None,
         torques: Torques | None = None,
-        apart: Sequence[Apart] = (),
+        addends: Sequence[SymbolicAddend] = (),
         as_tapes: bool = False,
     ) -> None:
         self.v, self.c, self._y = v, c, y if y.is_dense() else ca.densify(y)
         self.costed = costed
         self.torques = torques if torques is None or torques.are_in(self._y) else None
-        self._apart, self.as_tapes = apart, as_tapes
+        self._addends, self.as_tapes = addends, as_tapes
 
     @cached_property
     def y(self) -> Symbols:
         """The outputs, with the terms of contacts written out; symbols of torques stay."""
-        return written_out(self._y, self._apart)
+        return insert_graphs(self._y, self._addends)
 
     @cached_property
     def graph(self) -> StageGraph:
@@ -83,7 +83,9 @@ class PointFunctions:
         return tapes if tapes.runs else None
 
     def _chain(self, tree: RigidTree) -> TorqueChain:
-        rest, added = taken_out(self._y, ca.vertcat(self.v, self.c), self._apart) if self._apart else (self.y, [])
+        rest, added = (
+            extract_addends(self._y, ca.vertcat(self.v, self.c), self._addends) if self._addends else (self.y, [])
+        )
         return TorqueChain(self._graph_of(rest) if added else self.graph, self.costed, tree, added)
 
     def _graph_of(self, y: ca.SX) -> StageGraph:
@@ -106,7 +108,7 @@ class PointFunctions:
     @cached_property
     def _whole(self) -> Symbols:
         """The outputs as functions of v and c alone."""
-        return self.y if self.torques is None else self.torques.written_out(self.y)
+        return self.y if self.torques is None else self.torques.with_graph(self.y)
 
     @cached_property
     def function(self) -> ca.Function:

@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
-from robotraj.dynamics.contact_terms import contacts_apart
+from robotraj.dynamics.contact_terms import separate_contact_terms
 from robotraj.dynamics.rows import as_rows
-from robotraj.dynamics.torques import torques_apart
+from robotraj.dynamics.torques import separate_torques
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
@@ -62,7 +62,7 @@ def collocate(
     layout: PhaseLayout,
     rows: ScalarTable,
     linear: Triplets,
-    apart: bool = False,
+    separate: bool = False,
     interval_limits: ConstraintGeneration | None = None,
     carried: frozenset[int] | None = frozenset(),
 ) -> tuple[Block, Triplets, Triplets]:
@@ -70,13 +70,13 @@ def collocate(
 
     Parameters
     ----------
-    apart : bool
+    separate : bool
         Keep a robot's inverse dynamics out of the stage's graph, if possible.
     carried : frozenset of int or None
         See ``index_reduction.impose_equalities``.
     """
     dae = phase.dae
-    stage = _stage(phase, layout, apart)
+    stage = _stage(phase, layout, separate)
     nx, nz, held = len(dae.states), len(dae.residuals), len(dae.invariants)
     corrected = stage.outputs - held - nx
     scatter = Triplets()
@@ -138,22 +138,22 @@ _STAGES: WeakKeyDictionary[Phase, dict[tuple[bool, ...], PointFunctions]] = Weak
 """Stages with their derivatives, for phases that are transcribed again, on finer meshes above all."""
 
 
-def _stage(phase: Phase, layout: PhaseLayout, apart: bool) -> PointFunctions:
+def _stage(phase: Phase, layout: PhaseLayout, separate: bool) -> PointFunctions:
     """Return the stage of a phase: the same one on all meshes with the same free scalars."""
     scalars = interval_scalars(layout, 0)
-    key = apart, *(scalar.column is not None for scalar in scalars)
+    key = separate, *(scalar.column is not None for scalar in scalars)
     known = _STAGES.setdefault(phase, {})
     if key not in known:
-        known[key] = _make_stage(phase, scalars, apart)
+        known[key] = _make_stage(phase, scalars, separate)
     return known[key]
 
 
-def _make_stage(phase: Phase, scalars: Sequence[Scalar], apart: bool) -> PointFunctions:
+def _make_stage(phase: Phase, scalars: Sequence[Scalar], separate: bool) -> PointFunctions:
     s = point_symbols(phase, scalars)
     dae = phase.dae
     point = dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
-    torques, c = torques_apart(point) if apart else None, ca.SX.sym("c", len(dae.invariants))
-    contacts = () if torques is None else contacts_apart(phase.body, point, c)
+    torques, c = separate_torques(point) if separate else None, ca.SX.sym("c", len(dae.invariants))
+    contacts = () if torques is None else separate_contact_terms(phase.body, point, c)
     integrand = weighted_sum([(w, as_rows(term.rate(point), "integrand")[0]) for w, term in phase.integrals])
     path, sums = (phase.rows.column(rows, point) for rows in (phase.rows.path, phase.rows.integrals))
     # The last two are mostly empty, and a product takes time even then.
@@ -162,9 +162,9 @@ def _make_stage(phase: Phase, scalars: Sequence[Scalar], apart: bool) -> PointFu
     y = ca.vertcat(*(part for part in (rates, dae.residual(point), path, *equations, *more) if part.numel()))
     costed = int(y.numel()) - 1 if phase.integrals else None
     if not dae.invariants:
-        return PointFunctions(s.unknowns, s.constants, y, costed, torques, contacts, apart)
+        return PointFunctions(s.unknowns, s.constants, y, costed, torques, contacts, separate)
     y = ca.vertcat(y, dae.correction(point, c), dae.invariant(point))
-    return PointFunctions(ca.vertcat(s.unknowns, c), s.constants, y, costed, torques, contacts, apart)
+    return PointFunctions(ca.vertcat(s.unknowns, c), s.constants, y, costed, torques, contacts, separate)
 
 
 def weighted_sum(terms: Sequence[tuple[float, ca.SX]]) -> ca.SX:

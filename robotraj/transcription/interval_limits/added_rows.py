@@ -80,7 +80,7 @@ def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:
     extra = [scatter.matrix(block.scatter.shape) for scatter, block in zip(scatters, kept, strict=True)]
     further = [widen(block, *shape) for block in more]
     for block in further:
-        block.stage.as_tapes = nlp.engine.torques_apart
+        block.stage.as_tapes = nlp.engine.separate_torques
     matrix = linear.matrix(shape)
     scales = dict(zip(nlp.variables.meaning.tolist(), nlp.scale.tolist(), strict=True))
     scale = np.append(nlp.scale, [scales[m] for m in variables.meaning[len(nlp.variables) :].tolist()])

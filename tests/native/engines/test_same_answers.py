@@ -54,14 +54,14 @@ def test_compiled_derivatives_are_those_of_compiled_values(posed: Posed, engine:
     nlp = rt.transcription.transcribe(problem, mesh, rt.guess.StraightLine(), engine=engine)
     rng = np.random.default_rng(1)
     w = nlp.guess + 0.1 * rng.standard_normal(len(nlp.guess))
-    m, way, h = rng.standard_normal(len(nlp.rows)), rng.standard_normal(len(w)), 1e-6
+    m, direction, h = rng.standard_normal(len(nlp.rows)), rng.standard_normal(len(w)), 1e-6
 
     def slope(function: object) -> np.ndarray:
-        return (function(w + h * way) - function(w - h * way)) / (2 * h)  # type: ignore[operator]
+        return (function(w + h * direction) - function(w - h * direction)) / (2 * h)  # type: ignore[operator]
 
-    np.testing.assert_allclose(nlp.jacobian(w) @ way, slope(nlp.values), rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(nlp.jacobian(w) @ direction, slope(nlp.values), rtol=1e-6, atol=1e-6)
     expected = slope(lambda at: nlp.gradient(at) + nlp.jacobian(at).T @ m)
-    np.testing.assert_allclose(nlp.hessian(w, m) @ way, expected, rtol=1e-5, atol=1e-5 * np.abs(expected).max())
+    np.testing.assert_allclose(nlp.hessian(w, m) @ direction, expected, rtol=1e-5, atol=1e-5 * np.abs(expected).max())
 
 
 def test_a_plan_takes_the_same_steps_to_the_same_answer(swing_up: Posed, engine: rt.engines.Compiled) -> None:
