@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from robotraj._util.errors import InputError
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.from_solution import FromSolution, is_solution
-from robotraj.guess.guess import EachPhase
 from robotraj.guess.straight_line import StraightLine
 
 if TYPE_CHECKING:
@@ -40,6 +39,8 @@ def as_guess(value: object) -> InitialGuess | None:
     if is_solution(value):
         return FromSolution(value)
     if isinstance(value, Sequence) and value and all(isinstance(entry, InitialGuess) for entry in value):
+        from robotraj.guess.guess import EachPhase
+
         return EachPhase(value)
     raise InputError(
         "guess= must be None, a guess such as rt.guess.StraightLine(), a sequence with one guess a phase, or a "

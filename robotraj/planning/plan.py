@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, NoSolutionFound
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
-from robotraj.planning.continuation import ContinuationStep, found_by, run_steps
-from robotraj.planning.diagnosis.ends import unheld_ends
 from robotraj.planning.progress import Deadline, watching
-from robotraj.planning.proving.prove import prove
-from robotraj.planning.refine import adapt
 from robotraj.planning.settings import resolve
 from robotraj.planning.solve import solve
 from robotraj.problem.phase import Phase
@@ -28,6 +25,9 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.strategy import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from robotraj.planning.continuation import ContinuationStep
 
 
 def plan(
@@ -167,11 +167,13 @@ def plan(
     settings = resolve(problem, given, settings)
     if time_limit is not None:
         above_zero("time_limit", time_limit, "s")
-    find = prove if settings.goals is not None else solve if settings.tolerance is None else adapt
+    find = _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
     with watching(settings.solver, progress) as shown:
         show = shown if time_limit is None else Deadline(time_limit, shown)
         if continuation:
+            from robotraj.planning.continuation import run_steps
+
             guess, records, interrupted = run_steps(problem, continuation, guess, settings, show)
         else:
             interrupted = None
@@ -180,6 +182,8 @@ def plan(
         try:
             solution = interrupted or find(problem, guess, settings, show)
         except KeyboardInterrupt:
+            from robotraj.planning.continuation import found_by
+
             found = found_by(records, guess)
             if found is None:
                 raise
@@ -190,9 +194,24 @@ def plan(
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)
         verb = "was" if len(problem.phases) == 1 else "were"
+        from robotraj.planning.diagnosis.ends import unheld_ends
+
         causes = "".join(f"\na likely cause: {cause}" for cause in unheld_ends(problem))
         raise NoSolutionFound(f"{names} {verb} not solved.\n{solution}{causes}", solution)
     return solution
+
+
+def _method(settings: Settings) -> Callable[..., Solution]:
+    """Return what plans by these settings; a process imports that method alone."""
+    if settings.goals is not None:
+        from robotraj.planning.proving.prove import prove
+
+        return prove
+    if settings.tolerance is not None:
+        from robotraj.planning.refine import adapt
+
+        return adapt
+    return solve
 
 
 def _out_of_time(solution: Solution, seconds: float) -> Solution:

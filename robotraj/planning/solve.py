@@ -15,7 +15,6 @@ from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
 from robotraj.planning.progress import Deadline
-from robotraj.planning.restarts import restarted
 from robotraj.planning.warm_start import earlier_multipliers, earlier_program, earlier_rows, lengthened
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
@@ -106,6 +105,8 @@ def solve(
                     restarts=Restarts(0),
                 )
                 return solve(asked, start, few, progress)
+
+            from robotraj.planning.restarts import restarted
 
             solution = restarted(solution, nlp, guess, once_more, settings.restarts, coarsely)
             if solution.success:

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.problem.constraints.integral import IntegralConstraint
-from robotraj.solvers.assembled.program import Assembled, assemble
 from robotraj.solvers.stagewise.multipliers import recover
 from robotraj.solvers.stagewise.reduction import Reduction, reduce
 from robotraj.solvers.stagewise.warm import carried_over
@@ -22,11 +21,12 @@ from robotraj.transcription.schemes.onestep import OneStep
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
+    from robotraj.solvers.assembled.program import Assembled
     from robotraj.transcription.layout import PhaseLayout
     from robotraj.transcription.nlp import Nlp
 
 Array = NDArray[np.float64]
-Formulation: TypeAlias = Reduction | Assembled
+Formulation: TypeAlias = "Reduction | Assembled"
 
 WIDEST = 10_000
 """Unknowns times equalities of a stage from which on their fully pivoted elimination is slower than a sparse one."""
@@ -37,21 +37,22 @@ near straight knees, where rows are almost dependent."""
 
 def formulate(nlp: Nlp) -> Formulation:
     """Write an NLP in stages where these are narrow and of full rank, else as a whole."""
-    if not _joins_neighbours(nlp):
-        return assemble(nlp)
-    reduction = reduce(nlp)
-    program = reduction.program
-    unknowns = program.nu + program.nx
-    if np.any(program.equalities > unknowns) or np.max(unknowns * program.equalities) > WIDEST:
-        return assemble(nlp)
-    return reduction
+    if _joins_neighbours(nlp):
+        reduction = reduce(nlp)
+        program = reduction.program
+        unknowns = program.nu + program.nx
+        if np.all(program.equalities <= unknowns) and np.max(unknowns * program.equalities) <= WIDEST:
+            return reduction
+    from robotraj.solvers.assembled.program import assemble
+
+    return assemble(nlp)
 
 
 def options(formulation: Formulation) -> dict[str, float]:
     """Options of the compiled solver that the formulation requires."""
-    if isinstance(formulation, Assembled):
-        return {"row_correction": ROW_CORRECTION, "least_row_correction": ROW_CORRECTION}
-    return {}
+    if isinstance(formulation, Reduction):
+        return {}
+    return {"row_correction": ROW_CORRECTION, "least_row_correction": ROW_CORRECTION}
 
 
 def multipliers(formulation: Formulation, y: Array, lam: Array) -> tuple[Array, Array]:
@@ -64,18 +65,16 @@ def multipliers(formulation: Formulation, y: Array, lam: Array) -> tuple[Array, 
     lam : ndarray (n_rows,)
         Multipliers of its rows.
     """
-    if isinstance(formulation, Assembled):
-        return formulation.multipliers(y, lam)
-    return recover(formulation, y, lam)
+    if isinstance(formulation, Reduction):
+        return recover(formulation, y, lam)
+    return formulation.multipliers(y, lam)
 
 
 def carried(known: Formulation, lam: Array, new: Formulation) -> Array | None:
     """Return multipliers of an earlier program for the rows of a similar one; None where the forms differ."""
-    if isinstance(known, Assembled) and isinstance(new, Assembled):
-        return new.carried_over(known, lam)
-    if isinstance(known, Reduction) and isinstance(new, Reduction):
-        return carried_over(known, lam, new)
-    return None
+    if isinstance(known, Reduction):
+        return carried_over(known, lam, new) if isinstance(new, Reduction) else None
+    return None if isinstance(new, Reduction) else new.carried_over(known, lam)
 
 
 def _joins_neighbours(nlp: Nlp) -> bool:
