@@ -108,7 +108,7 @@ def test_several_phases_take_their_outer_ends() -> None:
 
 
 def test_a_field_that_cannot_be_changed_is_named() -> None:
-    with pytest.raises(rt.InputError, match="which of 2 phases"):
+    with pytest.raises(rt.InputError, match="ambiguous: the problem has 2 phases"):
         two_phases().with_(duration=1.0)
     with pytest.raises(rt.InputError, match="objective"):
         pendulum().with_(objectives=rt.Duration())

@@ -54,7 +54,8 @@ def shot_polynomials(
         rate.size, len(before), len(sites)
     )
     breaks = layout.breaks(w)
-    states = [found[:nx, k].T for k in range(len(before))]
+    # Contiguous, as they are after loading: products of strided arrays differ in the last digit.
+    states = [np.ascontiguousarray(found[:nx, k].T) for k in range(len(before))]
     return (
         PiecewisePolynomial(breaks, [sites] * len(states), states),
         PiecewisePolynomial(breaks, [sites] * len(states), [np.zeros((len(sites), 0))] * len(states)),
