@@ -1,4 +1,4 @@
-"""The indirect view of a direct solution: costates, necessary conditions, Pontryagin's equations.
+"""Indirect methods for a direct solution: costates, necessary conditions, Pontryagin's equations.
 
 Start with ``costate_trajectory.py``. The room may import ``solution``, ``transcription`` and what lies below.
 """

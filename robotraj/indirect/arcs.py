@@ -1,4 +1,4 @@
-"""Arcs: stretches of a trajectory on which every control keeps to a bound or stays between its bounds."""
+"""Arcs: parts of a trajectory on which every control is either at one bound or between its bounds."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
 
-AT_BOUND = 1e-4
-"""Distance from a bound, relative to the range, below which a control that may be interior is at it."""
-INSIDE = 0.05
+BOUND_TOLERANCE = 1e-4
+"""Distance from a bound, relative to the range, below which a control counts as at the bound."""
+INTERIOR_MARGIN = 0.05
 """Distance from both bounds, relative to the range, beyond which a bang-bang control counts as interior."""
 
 
 class Side(Enum):
-    """Where a control is on an arc."""
+    """Position of a control relative to its bounds on an arc."""
 
     LOWER = "lower bound"
     UPPER = "upper bound"
@@ -34,7 +34,7 @@ class Side(Enum):
 
 @dataclass(frozen=True)
 class Arc(OneLine):
-    """From ``start`` to ``end`` [s] with one side for every control."""
+    """An arc from ``start`` to ``end`` [s], with one side for every control."""
 
     start: float
     end: float
@@ -42,7 +42,7 @@ class Arc(OneLine):
 
 
 def control_bounds(phase: Phase) -> tuple[Array, Array]:
-    """Lower and upper bounds of the controls held throughout, (nu,) each."""
+    """Return the lower and upper bounds of the controls over the whole phase, (nu,) each."""
     limits = phase.rows.limits(Where.THROUGHOUT, Where.AT_NODES)
     pairs = [limits.get(control.name, (-np.inf, np.inf)) for control in phase.dae.controls]
     lower, upper = np.reshape(pairs, (-1, 2)).T
@@ -50,7 +50,7 @@ def control_bounds(phase: Phase) -> tuple[Array, Array]:
 
 
 def affine_controls(costates: PhaseCostates) -> NDArray[np.bool_]:
-    """Which controls enter the Hamiltonian linearly, so that they are bang-bang or singular, (nu,)."""
+    """Return which controls enter the Hamiltonian linearly, (nu,); they are bang-bang or singular."""
     hamiltonian = costates.hamiltonian
     hessian = ca.hessian(hamiltonian.expressions["hamiltonian"], hamiltonian.symbols["u"])[0]
     dense = [[hessian[i, j].is_zero() for j in range(hessian.shape[1])] for i in range(hessian.shape[0])]
@@ -58,12 +58,12 @@ def affine_controls(costates: PhaseCostates) -> NDArray[np.bool_]:
 
 
 def find_arcs(costates: PhaseCostates) -> tuple[Arc, ...]:
-    """Read the sequence of arcs off a direct solution.
+    """Return the sequence of arcs of a direct solution.
 
     Raises
     ------
     InputError
-        A control that enters linearly runs between its bounds: a singular arc.
+        A control that enters linearly is between its bounds: a singular arc.
     """
     solution = costates.solution
     lower, upper = control_bounds(solution.phase)
@@ -102,21 +102,21 @@ def _control_values(costates: PhaseCostates) -> tuple[Array, Array]:
 def _refuse_singular(name: str, times: Array, values: Array, low: float, high: float, step: float) -> None:
     inside = np.ones(len(values), dtype=bool)
     if np.isfinite(low) and np.isfinite(high):
-        margin = INSIDE * (high - low)
+        margin = INTERIOR_MARGIN * (high - low)
         inside = (values > low + margin) & (values < high - margin)
     start = None
     for time, interior in zip(times, inside, strict=True):
         start = (time if start is None else start) if interior else None
         if start is not None and time - start > 2.5 * step:
             raise InputError(
-                f"Control {name!r} enters the Hamiltonian linearly and runs between its bounds from "
+                f"Control {name!r} enters the Hamiltonian linearly and is between its bounds from "
                 f"t = {start:.4g} s: a singular arc, whose control the first-order conditions do not "
-                f"give. Add a small quadratic cost on {name!r}, or keep the direct solution."
+                f"determine. Add a small quadratic cost on {name!r}, or keep the direct solution."
             )
 
 
 def _bang_bang(times: Array, values: Array, low: float, high: float, least: float) -> list[tuple[float, Side]]:
-    """Cut into runs at one bound, where the control passes the middle; runs under ``least`` are noise."""
+    """Divide into runs at one bound, at crossings of the middle; runs shorter than ``least`` are ignored."""
     offset = values - 0.5 * (low + high)
     runs = [(float(times[0]), Side.UPPER if offset[0] > 0 else Side.LOWER)]
     for k in range(1, len(times)):
@@ -128,14 +128,14 @@ def _bang_bang(times: Array, values: Array, low: float, high: float, least: floa
 
 
 def _bounded(times: Array, values: Array, low: float, high: float) -> list[tuple[float, Side]]:
-    """Cut into runs at a bound or between the bounds; a run needs two nodes."""
+    """Divide into runs at a bound or between the bounds; a run has at least two nodes."""
     scale = high - low if np.isfinite(high - low) else 1.0 + float(np.max(np.abs(values)))
     runs: list[tuple[float, Side]] = []
     for k, value in enumerate(values):
         side = Side.INTERIOR
-        if value <= low + AT_BOUND * scale:
+        if value <= low + BOUND_TOLERANCE * scale:
             side = Side.LOWER
-        elif value >= high - AT_BOUND * scale:
+        elif value >= high - BOUND_TOLERANCE * scale:
             side = Side.UPPER
         if not runs or side is not runs[-1][1]:
             runs.append((float(times[k] if k == 0 else 0.5 * (times[k - 1] + times[k])), side))

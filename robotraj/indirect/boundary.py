@@ -1,7 +1,7 @@
-"""Pontryagin's boundary value problem: arcs joined at switching times, phases without freedom.
+"""Pontryagin's boundary value problem: arcs joined at switching times, with as many equations as unknowns.
 
-Unknown are the states and costates at every knot, the durations of the arcs and the multipliers pi of end
-constraints; given are
+The unknowns are the states and costates at every knot, the durations of the arcs and the multipliers pi of end
+constraints. The boundary conditions are
 
     x = value, or lambda(t0) = -dPhi/dx(t0),      Phi = M + pi' psi (Mayer terms and end constraints)
     x = value, or lambda(tf) = +dPhi/dx(tf)
@@ -38,20 +38,20 @@ from robotraj.problem.rows import PhaseRow
 
 Array = NDArray[np.float64]
 
-ACTIVE = 1e-6
+ACTIVE_TOLERANCE = 1e-6
 """Distance from a bound at which an end constraint or the duration counts as active."""
 
 
 @dataclass(frozen=True)
 class Conditions(Link):
-    """Rows that vanish, of the start of the first arc and the end of the last."""
+    """Boundary conditions between the start of the first arc and the end of the last, as rows that are zero."""
 
     arcs: int
     labels: tuple[str, ...]
     expression: Callable[[Any, Any], ca.SX]
 
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
-        """Write one row for each condition."""
+        """Return one row for each condition."""
         rows = tuple(Row("boundary condition", "", 0.0, 0.0, label) for label in self.labels)
         return BoundLink(
             "boundary conditions",
@@ -66,7 +66,7 @@ class Conditions(Link):
 
 @dataclass(frozen=True, eq=False)
 class EndData(OneLine):
-    """What is known of the ends of the direct solution.
+    """Active conditions at the ends of the direct solution.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class EndData(OneLine):
     time : float or None
         Fixed end time [s], None where free.
     constraints : tuple of (PhaseRow, float)
-        Active rows at an end, each with the bound that it takes.
+        Active rows at an end, each with its active bound.
     """
 
     start: Array
@@ -85,22 +85,24 @@ class EndData(OneLine):
 
 
 def end_data(equations: Pontryagin, x0: Array, xf: Array, duration: float) -> EndData:
-    """Tell which end conditions are active at a solution from 0 to ``duration``."""
+    """Return the end conditions that are active at a solution from 0 to ``duration``."""
     phase = equations.phase
     fixed = []
     for bounds, value in ((phase.start_bounds, x0), (phase.end_bounds, xf)):
         scale = 1.0 + np.abs(value)
-        low = np.abs(value - bounds.lower) < ACTIVE * scale
-        high = np.abs(value - bounds.upper) < ACTIVE * scale
+        low = np.abs(value - bounds.lower) < ACTIVE_TOLERANCE * scale
+        high = np.abs(value - bounds.upper) < ACTIVE_TOLERANCE * scale
         fixed.append(np.where(low, bounds.lower, np.where(high, bounds.upper, np.nan)))
     least, most = phase.duration_bounds
-    time = next((b for b in (least, most) if abs(duration - b) < ACTIVE * (1.0 + duration)), None)
+    time = next((b for b in (least, most) if abs(duration - b) < ACTIVE_TOLERANCE * (1.0 + duration)), None)
     active = []
     for row in phase.rows:
         if row.where in (Where.START, Where.END):
             state, t = (xf, duration) if row.where is Where.END else (x0, 0.0)
             found = _end_value(equations, row, t, state)
-            active += [(row, b) for b in {row.lower, row.upper} if abs(found - b) < ACTIVE * (1.0 + abs(found))]
+            active += [
+                (row, b) for b in {row.lower, row.upper} if abs(found - b) < ACTIVE_TOLERANCE * (1.0 + abs(found))
+            ]
     return EndData(fixed[0], fixed[1], time, tuple(active))
 
 
@@ -108,15 +110,15 @@ def _end_value(equations: Pontryagin, row: PhaseRow, t: float, state: Array) -> 
     function = equations.phase.rows.function((row,))
     if any(function.jac_sparsity(0, i).nnz() for i in (2, 3)):
         raise InputError(
-            f"{row.label!r} at an end depends on accelerations or controls; rt.indirect.polish accepts end constraints "
-            "on states and time alone. Keep the direct solution."
+            f"{row.label!r} at an end depends on accelerations or controls; rt.indirect.polish supports end "
+            "constraints on states and time only. Keep the direct solution."
         )
     free = (np.zeros(function.size1_in(i)) for i in (2, 3))
     return float(function(t, state, *free, equations.parameters))
 
 
 def boundary_value_problem(equations: Pontryagin, arcs: Sequence[Arc], ends: EndData) -> Problem:
-    """Write the arcs and their conditions as a problem with as many rows as unknowns."""
+    """Return the problem of the arcs and their conditions, with as many rows as unknowns."""
     multipliers = {f"pi {i}": between(None, None) for i in range(len(ends.constraints))}
     phases = [
         Phase(
@@ -134,7 +136,7 @@ def boundary_value_problem(equations: Pontryagin, arcs: Sequence[Arc], ends: End
 
 
 def _switching(equations: Pontryagin, arcs: Sequence[Arc], k: int) -> list[Constraint]:
-    """H_u = 0 where a control changes sides, on an arc where it is at a bound; h = H at the very start."""
+    """Return H_u = 0 where a control changes sides, on the arc where it is at a bound, and h = H at the start."""
     sides = arcs[k].sides
     found: list[Constraint] = []
     if k == 0:
@@ -156,12 +158,12 @@ def _switching(equations: Pontryagin, arcs: Sequence[Arc], k: int) -> list[Const
 
 
 def _changed(arcs: Sequence[Arc], k: int) -> list[int]:
-    """Name the controls that change sides between arcs k and k + 1."""
+    """Return the indices of controls that change sides between arcs k and k + 1."""
     return [i for i, (a, b) in enumerate(zip(arcs[k].sides, arcs[k + 1].sides, strict=True)) if a is not b]
 
 
 def _conditions(equations: Pontryagin, count: int, ends: EndData) -> Conditions:
-    """Boundary conditions of states, costates and time."""
+    """Return the boundary conditions of states, costates and time."""
     nx = equations.nx
     phi, symbols = potential(equations, ends)
     gradients = [ca.densify(ca.gradient(phi, symbols[name])) for name in ("x0", "xf", "tf")]
@@ -191,7 +193,7 @@ def _conditions(equations: Pontryagin, count: int, ends: EndData) -> Conditions:
 
 
 def potential(equations: Pontryagin, ends: EndData) -> tuple[ca.SX, dict[str, ca.SX]]:
-    """Phi = M + pi' psi, symbolic, and its arguments t0, x0, tf, xf, pi."""
+    """Return Phi = M + pi' psi as an expression, and its arguments t0, x0, tf, xf, pi."""
     nx, phase = equations.nx, equations.phase
     symbols = {name: ca.SX.sym(name, n) for name, n in (("t0", 1), ("x0", nx), ("tf", 1), ("xf", nx))}
     symbols["pi"] = ca.SX.sym("pi", len(ends.constraints))
@@ -207,7 +209,7 @@ def potential(equations: Pontryagin, ends: EndData) -> tuple[ca.SX, dict[str, ca
 
 
 def _active_rows(equations: Pontryagin, ends: EndData, symbols: dict[str, ca.SX]) -> ca.SX:
-    """Active end constraints psi minus their bounds."""
+    """Return the active end constraints psi minus their bounds."""
     dae, names = equations.phase.dae, equations.phase.parameter_names
     p = ca.SX(ca.DM(equations.parameters))
     rows = []

@@ -1,4 +1,4 @@
-"""Checks outside Pontryagin's equations: unsupported constraints, and signs at an optimum."""
+"""Checks besides Pontryagin's equations: unsupported active constraints, and signs at an optimum."""
 
 from __future__ import annotations
 
@@ -17,51 +17,55 @@ from robotraj.problem.rows import PhaseRow
 
 Array = NDArray[np.float64]
 
-NOTICED = 1e-3
-"""Share of the largest costate that the multipliers of a state or path constraint may reach unnoticed."""
-SIGN = 1e-6
-"""Share of the largest switching function by which it may have the wrong sign."""
-HELD = 1e-7
-"""How far a bound may be broken [its SI unit], relative to 1 + the bound."""
-TOUCHED = 1e-6
-"""Distance from a bound, relative to 1 + the value, within which a row stands at it."""
+MULTIPLIER_TOLERANCE = 1e-3
+"""Multipliers of a state or path constraint below this fraction of the largest costate count as zero."""
+SIGN_TOLERANCE = 1e-6
+"""Largest value of the wrong sign, as a fraction of the largest switching function."""
+VIOLATION_TOLERANCE = 1e-7
+"""Largest violation of a bound [its SI unit], relative to 1 + the bound."""
+ACTIVE_DISTANCE = 1e-6
+"""Distance from a bound, relative to 1 + the value, below which a row is active."""
 SAMPLES = 12
-"""Places looked at inside an interval."""
+"""Number of samples in an interval."""
 
 
 def refuse_active_constraints(costates: PhaseCostates) -> None:
-    """Raise where a constraint on states, algebraic variables or a mixed path row is active.
+    """Raise InputError where a constraint on states, algebraic variables or a mixed path row is active.
 
-    Active is what stands at its bound and has a multiplier that is felt in the costates.
+    A constraint is active where it is at its bound and its multiplier is not negligible beside the costates.
     """
     duals, solution = costates.duals, costates.solution
     size = max(float(np.max(np.abs(v))) for v in duals.costate.values) + 1e-12
     breaks = duals.costate.breaks
     jumps = [a[0] - b[-1] for a, b in zip(duals.costate.values[1:], duals.costate.values[:-1], strict=True)]
-    felt = [float(t) for t, jump in zip(breaks[1:-1], jumps, strict=True) if np.max(np.abs(jump)) > NOTICED * size]
+    active = [
+        float(t)
+        for t, jump in zip(breaks[1:-1], jumps, strict=True)
+        if np.max(np.abs(jump)) > MULTIPLIER_TOLERANCE * size
+    ]
     for curve in (duals.states, duals.algebraic, duals.path):
         for k, (h, values) in enumerate(zip(np.diff(curve.breaks), curve.values, strict=True)):
-            busy = np.max(np.abs(values), axis=1, initial=0.0) * h > NOTICED * size
-            felt += [float(t) for t in curve.breaks[k] + h * curve.sites[k][busy]]
-    if not felt:
+            large = np.max(np.abs(values), axis=1, initial=0.0) * h > MULTIPLIER_TOLERANCE * size
+            active += [float(t) for t in curve.breaks[k] + h * curve.sites[k][large]]
+    if not active:
         return
-    times = np.unique(felt)
-    held = HeldRow(solution.phase, np.array(list(solution.parameters.values()), dtype=float))
+    times = np.unique(active)
+    held = ThroughoutRows(solution.phase, np.array(list(solution.parameters.values()), dtype=float))
     at = solution.trajectory
     controls = [control.name for control in solution.phase.dae.controls]
     for row, value in held(times, at.x(times), at.z(times), at.u(times)):
-        near = np.abs(value - row.lower) < TOUCHED * (1.0 + np.abs(value))
-        near |= np.abs(value - row.upper) < TOUCHED * (1.0 + np.abs(value))
+        near = np.abs(value - row.lower) < ACTIVE_DISTANCE * (1.0 + np.abs(value))
+        near |= np.abs(value - row.upper) < ACTIVE_DISTANCE * (1.0 + np.abs(value))
         if np.any(near) and row.variable not in controls:
             raise InputError(
-                f"polish carries bounds on controls alone, but {row.label} is active at t = "
+                f"polish supports active bounds on controls only, but {row.label} is active at t = "
                 f"{times[np.argmax(near)]:.4g} s. Keep the direct solution, with a finer mesh, or relax "
                 "that constraint."
             )
 
 
-def complaints(result: Polished, affine: NDArray[np.bool_]) -> list[str]:
-    """Sentences on what of the extremal contradicts an optimum, empty where nothing does."""
+def violated_conditions(result: Polished, affine: NDArray[np.bool_]) -> list[str]:
+    """Describe the optimality conditions that the extremal violates, a clause each; empty if there are none."""
     found: list[str] = []
     names = [control.name for control in result.equations.phase.dae.controls]
     lower, upper = result.equations.bounds
@@ -72,26 +76,28 @@ def complaints(result: Polished, affine: NDArray[np.bool_]) -> list[str]:
             slope, u = s["by_u"][:, i], s["u"][:, i]
             if side is Side.INTERIOR:
                 out = np.maximum(lower[i] - u, u - upper[i])
-                if np.max(out) > HELD * (1.0 + np.max(np.abs(u))):
+                if np.max(out) > VIOLATION_TOLERANCE * (1.0 + np.max(np.abs(u))):
                     t = s["t"][int(np.argmax(out))]
-                    found.append(f"{names[i]!r} leaves its bounds by {np.max(out):.2g} at t = {t:.5g} s on arc {k + 1}")
+                    found.append(
+                        f"{names[i]!r} violates its bounds by {np.max(out):.2g} at t = {t:.5g} s on arc {k + 1}"
+                    )
                 if not affine[i] and np.min(s["curvature"][:, i]) < 0:
                     t = s["t"][int(np.argmin(s["curvature"][:, i]))]
                     found.append(f"the Hamiltonian has no minimum in {names[i]!r} at t = {t:.5g} s")
                 continue
             wrong = -slope if side is Side.LOWER else slope
-            if np.max(wrong) > SIGN * (largest[i] + 1e-12):
+            if np.max(wrong) > SIGN_TOLERANCE * (largest[i] + 1e-12):
                 t = s["t"][int(np.argmax(wrong))]
                 found.append(
-                    f"{names[i]!r} is at its {side.value} at t = {t:.5g} s where |dH/du| is "
-                    f"{np.max(wrong):.2g} has the wrong sign for this bound; its arcs are not those of an optimum"
+                    f"{names[i]!r} is at its {side.value} at t = {t:.5g} s where dH/du has the wrong sign for this "
+                    f"bound, |dH/du| = {np.max(wrong):.2g}; its arcs are not those of an optimum"
                 )
-        found += _broken(result.equations, s)
+        found += _violated_rows(result.equations, s)
     return found
 
 
 def _samples(result: Polished, k: int) -> dict[str, Array]:
-    """Values along arc k: times, states, controls and derivatives of the Hamiltonian."""
+    """Return values along arc k: times, states, controls and derivatives of the Hamiltonian."""
     part, equations = result.trajectories[k], result.equations
     tau = (np.arange(SAMPLES) + 0.5) / SAMPLES
     times = (part.x.breaks[:-1, None] + np.diff(part.x.breaks)[:, None] * tau).ravel()
@@ -113,27 +119,29 @@ def _samples(result: Polished, k: int) -> dict[str, Array]:
     return values | {"t": times, "x": y[:, :nx], "z": a[:, :nz], "u": u}
 
 
-def _broken(equations: Pontryagin, s: dict[str, Array]) -> list[str]:
-    """Say which constraints held throughout the extremal breaks."""
+def _violated_rows(equations: Pontryagin, s: dict[str, Array]) -> list[str]:
+    """Describe the constraints over the whole phase that the extremal violates."""
     found = []
-    for row, value in HeldRow(equations.phase, equations.parameters)(s["t"], s["x"], s["z"], s["u"]):
+    for row, value in ThroughoutRows(equations.phase, equations.parameters)(s["t"], s["x"], s["z"], s["u"]):
         out = np.maximum(row.lower - value, value - row.upper)
         bound = min((abs(b) for b in (row.lower, row.upper) if np.isfinite(b)), default=0.0)
-        if np.max(out) > HELD * (1.0 + bound):
+        if np.max(out) > VIOLATION_TOLERANCE * (1.0 + bound):
             unit = f" {row.unit}" if row.unit else ""
-            found.append(f"{row.label} is broken by {np.max(out):.2g}{unit} at t = {s['t'][int(np.argmax(out))]:.5g} s")
+            found.append(
+                f"{row.label} is violated by {np.max(out):.2g}{unit} at t = {s['t'][int(np.argmax(out))]:.5g} s"
+            )
     return found
 
 
 @dataclass(frozen=True, eq=False)
-class HeldRow(OneLine):
-    """Rows of a phase that hold throughout, with their values along a trajectory."""
+class ThroughoutRows(OneLine):
+    """The rows of a phase that hold at all its times, with their values along a trajectory."""
 
     phase: Phase
     parameters: Array
 
     def __call__(self, t: Array, x: Array, z: Array, u: Array) -> list[tuple[PhaseRow, Array]]:
-        """Pairs of rows and their values (m,) at times (m,), states (m, nx), z and u."""
+        """Return pairs of a row and its values (m,) at times (m,), states (m, nx), z and u."""
         table = self.phase.rows
         values = table.sample(table.throughout, t, x, z, u, self.parameters)
         return list(zip(table.throughout, values.T, strict=True))

@@ -1,7 +1,7 @@
 """Costates of a solution: callable values in time, named by states.
 
-lambda = dJ/dx: by how much the least cost from here to the end changes with the state here (minimisation, H =
-l + lambda' f, dlambda/dt = -dH/dx).
+lambda = dJ/dx, the derivative of the least remaining cost with respect to the state. J is minimised,
+H = l + lambda' f and dlambda/dt = -dH/dx.
 """
 
 from __future__ import annotations
@@ -96,13 +96,13 @@ class PhaseCostates(OneLine):
             "nu": duals.residual(t, interval),
             "eta": duals.path(t, interval),
         }
-        # Integrals stand in the rows of the NLP as the duration times what is averaged.
+        # A row of the NLP holds an integral as the duration times an average.
         known["eta"][:, len(self.hamiltonian.path) :] *= self.solution.duration
         more = {name: getattr(duals, name)(t, interval) for name in ("states", "algebraic", "controls")}
         return known | more | self.hamiltonian(**known)
 
     def _costate(self, t: Array, interval: int | None) -> Array:
-        """Lambda on the side of the interval, since it may jump at a knot."""
+        """Return lambda from the side of the interval, since it may jump at a knot."""
         if interval is None:
             return self.duals.costate(t)
         knots = self.solution.knots
@@ -110,7 +110,7 @@ class PhaseCostates(OneLine):
         return self.duals.costate(np.clip(t, knots[interval] + nudge, knots[interval + 1] - nudge))
 
     def at(self, t: Any) -> CostateSample:
-        """Evaluate at global times within the phase [s]; at a jump, just after it."""
+        """Evaluate at global times within the phase [s]; at a jump, the value after it."""
         first, last = self.solution.t0, self.solution.t0 + self.solution.duration
         times = np.asarray(t, dtype=float)
         slack = 1e-9 * max(1.0, last - first)
@@ -145,12 +145,12 @@ class Costates(OneLine):
 
 
 def costates(solution: Solution) -> Costates:
-    """Costates of a solution, from the multipliers of its NLP by covector mapping.
+    """Return the costates of a solution, from the multipliers of its NLP by covector mapping.
 
     Parameters
     ----------
     solution : Solution
-        From ``rt.plan``, by any scheme; fixed or free duration, ODE or DAE.
+        A solution of ``rt.plan`` by any scheme: fixed or free duration, ODE or DAE.
 
     Returns
     -------
@@ -160,26 +160,26 @@ def costates(solution: Solution) -> Costates:
     Raises
     ------
     InputError
-        The solver did not converge, or a phase holds contacts, a quaternion or an equation of its state.
+        The solver did not converge, or a phase has contacts, a quaternion or an equality constraint on its state.
 
     Notes
     -----
-    Sign: lambda = dJ/dx of the minimised objective J. Order at the knots is the scheme's own; see
+    Sign: lambda = dJ/dx of the minimised objective J. The order of convergence at the knots depends on the scheme; see
     ``robotraj.solution.costates.covector``.
     """
     require_solution(solution, "rt.indirect.costates")
     held = [phase.name for phase in solution.problem.phases if phase.dae.invariants]
     if held:
         raise InputError(
-            f"Phase {held[0]!r} holds contacts or the quaternion of a floating root at every collocation point: its "
-            "states obey those rows, and its costates are not unique. Costates are of phases without them."
+            f"Phase {held[0]!r} has contacts or the quaternion of a floating root as invariants: its costates are not "
+            "unique. Use costates for phases without invariants."
         )
     for phase in solution.problem.phases:
         for equation in path_equalities(phase)[:1]:
             row = phase.rows.path[equation.row]
             raise InputError(
-                f"Phase {phase.name!r} holds an equation of its state, {row.label!r}, throughout, with its rates: its "
-                "costates are not unique. Costates are of phases without one."
+                f"Phase {phase.name!r} has an equality constraint on its state, {row.label!r}, at all times: its "
+                "costates are not unique. Use costates for phases without one."
             )
     if not solution.duals:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Proof of the polished trajectory: every interval is integrated again by another method.
+"""Error of the polished trajectory: every interval is integrated again by another method.
 
 Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.5 (DOP853).
 """
@@ -22,14 +22,16 @@ from robotraj.transcription.extract import PhaseTrajectory
 Array = NDArray[np.float64]
 
 RELATIVE, ABSOLUTE = 1e-12, 1e-13
-LOOKS = np.array([0.0, 0.37, 0.71, 1.0])
-"""Where in an interval trajectory and integration are compared."""
-MOST_STEPS = 12
+"""Tolerances of the integration."""
+SAMPLE_FRACTIONS = np.array([0.0, 0.37, 0.71, 1.0])
+"""Fractions of an interval at which the trajectory and the integration are compared."""
+MAX_STEPS = 12
+"""Largest number of Newton steps for the algebraic variables."""
 
 
 @dataclass(frozen=True, eq=False)
 class Flow(OneLine):
-    """The equations of an arc as numbers, algebraic variables solved for at every call."""
+    """The equations of an arc as numeric functions; every call solves for the algebraic variables."""
 
     equations: Pontryagin
     sides: tuple[Side, ...]
@@ -48,7 +50,7 @@ class Flow(OneLine):
 
     @cached_property
     def _explicit(self) -> ca.Function | None:
-        """(t, y) -> rates, where the algebraic rows are affine in their unknowns or there are none; else None."""
+        """(t, y) -> rates if the algebraic rows are affine in their unknowns or absent; else None."""
         n, m = len(self.equations.state_names), len(self.equations.algebraic_names(self.sides))
         t, y, a = ca.SX.sym("t"), ca.SX.sym("y", n), ca.SX.sym("a", m)
         rates, rows = self.equations.equations(t, y, a, self.sides)
@@ -66,7 +68,7 @@ class Flow(OneLine):
         if not n:
             return a
         rows = self._functions[1].map(m)
-        for _ in range(MOST_STEPS):
+        for _ in range(MAX_STEPS):
             value, jacobian = (np.array(part) for part in rows(t[None, :], y.T, a.T))
             stacked = jacobian.reshape(n, m, n).transpose(1, 0, 2)
             step = np.linalg.solve(stacked, value.T[:, :, None])[:, :, 0]
@@ -76,7 +78,7 @@ class Flow(OneLine):
         return a
 
     def defects(self, trajectory: PhaseTrajectory) -> Array:
-        """Largest difference inside every interval between the trajectory and its integration from the left, (K, n)."""
+        """Return the largest difference between trajectory and integration in every interval, (K, n)."""
         breaks = trajectory.x.breaks
         explicit = self._explicit
         found = np.zeros((len(breaks) - 1, trajectory.x.size))
@@ -89,7 +91,7 @@ class Flow(OneLine):
                 a = self.algebraic(times, y[None, :], trajectory.z(times, k))
                 return np.array(self._functions[0](t, y, a[0])).ravel()
 
-            stops = breaks[k] + (breaks[k + 1] - breaks[k]) * LOOKS
+            stops = breaks[k] + (breaks[k + 1] - breaks[k]) * SAMPLE_FRACTIONS
             y = trajectory.x(stops[:1], k)[0]
             for first, last in zip(stops[:-1], stops[1:], strict=True):
                 absolute = ABSOLUTE * (1.0 + np.abs(y))
@@ -102,6 +104,6 @@ class Flow(OneLine):
 
 
 def scales(trajectories: Sequence[PhaseTrajectory]) -> Array:
-    """Size of every state, 1 + its largest magnitude, (n,)."""
+    """Return the size of every state, 1 + its largest magnitude, (n,)."""
     values = np.vstack([part for trajectory in trajectories for part in trajectory.x.values])
     return 1.0 + np.max(np.abs(values), axis=0)

@@ -1,8 +1,8 @@
-"""A motion cut where bounds on its states are met and left: each arc a phase of free duration.
+"""Division of a motion where bounds on its states become active or inactive: one phase of free duration per arc.
 
-Where a bound on a state is met, the costate jumps, and controls bend or jump. Inside an interval neither can be
-represented; on the end of a phase both can, and free durations let the ends come to stand there. Where a bound S(x) of
-order q is met, its q - 1 first derivatives, which no control enters, vanish with it (tangency):
+Where a state reaches a bound, the costate jumps, and controls or their rates jump. A polynomial on an interval
+represents neither; the boundary between two phases represents both, and free durations move it to the right time.
+Where a bound S(x) of order q is reached, its first q - 1 derivatives, which do not depend on controls, are zero:
 
     S(x) = 0,   dS/dt = 0,   ...,   d^(q-1) S/dt^(q-1) = 0   at the junctions.
 
@@ -39,19 +39,19 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-NEAR = 1e-3
+BOUND_TOLERANCE = 1e-3
 """Distance from a bound, relative to the range of the state over the motion, below which the state is at it."""
-SHORTEST = 0.02
-"""Share of the motion below which a stretch at a bound is a touch, no arc."""
+MIN_ARC_FRACTION = 0.02
+"""Fraction of the duration below which a contact with a bound is a touch point, not an arc."""
 SAMPLES = 2001
-"""Times at which the motion is looked at."""
-LEAST, MOST = 0.2, 5.0
-"""How far the duration of an arc may shrink and grow from what was read off."""
+"""Number of times at which the motion is sampled."""
+MIN_FACTOR, MAX_FACTOR = 0.2, 5.0
+"""Bounds of the duration of an arc, relative to that in the given solution."""
 
 
 @dataclass(frozen=True)
 class BoundArc(OneLine):
-    """A state at a bound from ``start`` to ``end`` [s]; junctions are the ends that lie inside the motion."""
+    """A state at a bound from ``start`` to ``end`` [s]; ends inside the motion are junctions."""
 
     start: float
     end: float
@@ -60,21 +60,21 @@ class BoundArc(OneLine):
 
 
 @dataclass(frozen=True)
-class Cut(InitialGuess):
-    """Start every phase from its piece of an earlier solution of one phase.
+class ArcGuess(InitialGuess):
+    """A guess of every phase from its part of an earlier solution of one phase.
 
     Parameters
     ----------
     source : PhaseSolution
     times : sequence of float
-        Ends of the pieces [s], one more than there are.
+        Ends of the parts [s], one more than parts.
     """
 
     source: PhaseSolution
     times: Sequence[float]
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
-        """Sample piece number ``index``."""
+        """Sample part number ``index``."""
         first, last = self.times[index], self.times[index + 1]
 
         def sampled(variables: Sequence[Variable]) -> Any:
@@ -91,11 +91,11 @@ class Cut(InitialGuess):
 
 
 def cut_at_junctions(solution: Solution) -> tuple[Problem, InitialGuess]:
-    """Restate a motion as one phase per arc of its active state bounds, and the motion as its guess.
+    """Return a problem with one phase per arc of a motion's active state bounds, and the motion as its guess.
 
-    Bounds of states are those of ``states=`` and joint limits, on position and speed. Solve the problem on a few
-    intervals, and tightly, since the objective hardly moves with the durations of the arcs; by Radau IIA or Lobatto
-    IIIA, since Gauss-Legendre has no node at knots, where a bound's multiplier then makes a step of the costate::
+    Bounds of states are those of ``states=`` and joint limits on position and speed. Solve the problem on a few
+    intervals per phase with a tight solver tolerance, since the objective is insensitive to the durations of the arcs.
+    Use Radau IIA or Lobatto IIIA: Gauss-Legendre has no node at the knots, where the costate jumps::
 
         problem, guess = rt.indirect.cut_at_junctions(rt.plan(phase, tolerance=1e-6))
         rt.indirect.costates(rt.plan(problem, rt.Mesh(3, rt.schemes.RadauIIA(3)), guess, rt.Ipopt(1e-12)))
@@ -103,79 +103,74 @@ def cut_at_junctions(solution: Solution) -> tuple[Problem, InitialGuess]:
     Parameters
     ----------
     solution : Solution
-        Of one phase, converged.
+        A converged solution of one phase.
 
     Returns
     -------
     Problem
-        Phases joined by ``Continuity``, of free durations that add up to one that the motion may have.
+        Phases joined by ``Continuity``. Their durations are free; the sum satisfies the bounds on the duration.
     InitialGuess
 
     Raises
     ------
     InputError
-        Several phases, no arc on a bound of a state, or what cannot be shared out over phases: unknown parameters,
-        integral constraints, end costs other than ``Duration``.
+        Several phases, no arc at a bound of a state, or a phase that cannot be divided: with unknown parameters,
+        integral constraints, or end costs other than ``Duration``.
     """
     require_solution(solution, "rt.indirect.cut_at_junctions")
     if len(solution.phases) != 1:
         raise InputError(f"cut_at_junctions takes a solution of one phase; this one has {len(solution.phases)}.")
     part = solution.phases[0]
     phase = solution.problem.phases[0]
-    _refuse_what_cannot_be_shared(phase)
-    stretches = _stretches(part)
-    inside = part.t0 + SHORTEST * part.duration, part.t0 + (1 - SHORTEST) * part.duration
-    junctions = [
-        (time, stretch)
-        for stretch in stretches
-        for time in (stretch.start, stretch.end)
-        if inside[0] < time < inside[1]
-    ]
+    _refuse_indivisible(phase)
+    bound_arcs = _bound_arcs(part)
+    inside = part.t0 + MIN_ARC_FRACTION * part.duration, part.t0 + (1 - MIN_ARC_FRACTION) * part.duration
+    junctions = [(time, arc) for arc in bound_arcs for time in (arc.start, arc.end) if inside[0] < time < inside[1]]
     if not junctions:
         raise InputError(
-            f"No bound on a state of phase {phase.name!r} is met or left inside the motion along more than "
-            f"{SHORTEST:.0%} of it: there is nothing to cut."
+            f"Phase {phase.name!r} has no junction: no state bound becomes active or inactive inside the motion and is "
+            f"active for more than {MIN_ARC_FRACTION:.0%} of it. Use the solution without dividing it."
         )
     junctions.sort(key=lambda pair: pair[0])
     times = [part.t0, *(time for time, _ in junctions), part.t0 + part.duration]
-    phases = [_piece(phase, part, i, times, junctions) for i in range(len(times) - 1)]
+    phases = [_arc_phase(phase, part, i, times, junctions) for i in range(len(times) - 1)]
     last, (low, high) = len(phases) - 1, phase.duration_bounds
     whole = Linkage([0, last], lambda a, b: b.end.t - a.start.t, low, high, name=f"duration of {phase.name}", unit="s")
-    return Problem(phases, [*(Continuity(i, i + 1) for i in range(last)), whole]), Cut(part, tuple(times))
+    return Problem(phases, [*(Continuity(i, i + 1) for i in range(last)), whole]), ArcGuess(part, tuple(times))
 
 
-def _refuse_what_cannot_be_shared(phase: Phase) -> None:
+def _refuse_indivisible(phase: Phase) -> None:
     what = None
     if phase.parameter_names and not np.array_equal(*phase.parameter_bounds):
-        what = "parameters that are unknown"
+        what = "unknown parameters"
     if phase.rows.integrals:
         what = "an integral constraint"
     terms = phase.objective.terms if phase.objective else ()
     if any(isinstance(term, EndCost) and not isinstance(term, Duration) for _, term in terms):
-        what = "a cost of its end points"
+        what = "a cost of its ends"
     if what:
         raise InputError(
-            f"Phase {phase.name!r} has {what}, which cannot be shared out over arcs; write its phases out."
+            f"Phase {phase.name!r} has {what}, which cannot be divided among arcs; write one phase per arc."
         )
 
 
-def _stretches(part: PhaseSolution) -> list[BoundArc]:
-    """Arcs on bounds of states, in the order of time."""
+def _bound_arcs(part: PhaseSolution) -> list[BoundArc]:
+    """Return the arcs at bounds of states, in the order of time."""
     times = np.linspace(part.t0, part.t0 + part.duration, SAMPLES)
     x = part.trajectory.x(times)
-    reach = NEAR * np.maximum(np.ptp(x, axis=0), 1e-9)
+    reach = BOUND_TOLERANCE * np.maximum(np.ptp(x, axis=0), 1e-9)
     found = []
     for i, bound, _ in _state_bounds(part.phase):
         at = np.abs(x[:, i] - bound) < reach[i]
         edges = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]])))
         for first, after in edges.reshape(-1, 2):
-            if after - first > SHORTEST * SAMPLES:
+            if after - first > MIN_ARC_FRACTION * SAMPLES:
                 found.append(BoundArc(float(times[first]), float(times[after - 1]), i, bound))
-    return sorted(found, key=lambda stretch: stretch.start)
+    return sorted(found, key=lambda arc: arc.start)
 
 
 def _state_bounds(phase: Phase) -> list[tuple[int, float, Row]]:
-    """Index of the state, bound and row of every finite bound that holds throughout."""
+    """Return the state's index, the bound and the row of every finite bound over the whole phase."""
     return [
         (state, bound, row)
         for row, state in phase.rows.bounds_of(phase.dae.states)
@@ -184,10 +179,10 @@ def _state_bounds(phase: Phase) -> list[tuple[int, float, Row]]:
     ]
 
 
-def _piece(
+def _arc_phase(
     phase: Phase, part: PhaseSolution, i: int, times: Sequence[float], junctions: Sequence[tuple[float, BoundArc]]
 ) -> Phase:
-    """Phase of arc i: the rows of the ends go with the first and the last, a junction is the end of the arc before."""
+    """Return the phase of arc i: only the first and last have end constraints; a junction ends the arc before it."""
     first, last = i == 0, i == len(times) - 2
     kept = [
         constraint
@@ -199,7 +194,7 @@ def _piece(
     duration = times[i + 1] - times[i]
     return replace(
         phase,
-        duration=(LEAST * duration, MOST * duration),
+        duration=(MIN_FACTOR * duration, MAX_FACTOR * duration),
         start=phase.start if first else None,
         end=phase.end if last else None,
         constraints=kept,
@@ -207,13 +202,13 @@ def _piece(
     )
 
 
-def _junction(phase: Phase, stretch: BoundArc) -> list[AtEnd]:
-    """Hold the bound and its derivatives that no control enters at the end."""
+def _junction(phase: Phase, arc: BoundArc) -> list[AtEnd]:
+    """Return the rows at the end: the bound and its derivatives that do not depend on controls."""
     dae, names = phase.dae, phase.parameter_names
     sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(names))
     t, x, z, u, p = [ca.SX.sym(n, size) for n, size in zip("txzup", sizes, strict=True)]
     rates = dae.rates(dae.point(t, x, z, u, p, names))
-    value = x[stretch.state] - stretch.bound
+    value = x[arc.state] - arc.bound
     rows: list[ca.SX] = []
     while len(rows) < len(dae.states) and not ca.depends_on(value, ca.vertcat(z, u)):
         rows.append(value)
@@ -225,5 +220,5 @@ def _junction(phase: Phase, stretch: BoundArc) -> list[AtEnd]:
         at = ca.vertcat(*(point.x[name] for name in states)), ca.vertcat(*(point.p[name] for name in names))
         return function(point.t, *at)
 
-    label = dae.states[stretch.state].name
+    label = dae.states[arc.state].name
     return [AtEnd(PathConstraint(expression, [0.0] * len(rows), [0.0] * len(rows), f"junction of {label}"))]

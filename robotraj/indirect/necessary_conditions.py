@@ -1,6 +1,6 @@
 """Pontryagin's necessary conditions, evaluated along a direct solution at its collocation points.
 
-    lambdadot = -H_x,   H_u = 0 or of the sign that its bound requires,
+    lambdadot = -H_x,   H_u = 0, or of the sign that an active bound requires,
     lambda(tf) = dPhi/dxf,   lambda(t0) = -dPhi/dx0,
     dH/dt = partial H / partial t,   H(tf) = -dPhi/dtf for a free duration,   multiplier * slack = 0
 
@@ -20,7 +20,7 @@ from robotraj._util.errors import InputError, require_solution
 from robotraj._util.polynomials import integrals
 from robotraj.indirect.arcs import control_bounds
 from robotraj.indirect.boundary import end_data, potential
-from robotraj.indirect.checks import TOUCHED, HeldRow
+from robotraj.indirect.checks import ACTIVE_DISTANCE, ThroughoutRows
 from robotraj.indirect.costate_trajectory import PhaseCostates, costates
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.indirect.report import ConditionsReport, NecessaryCondition
@@ -33,6 +33,7 @@ from robotraj.solution.solution import Solution
 Array = NDArray[np.float64]
 
 SMALL = 1e-12
+"""Added to denominators that may be zero."""
 
 
 def conditions(solution: Solution, tolerance: float = 1e-2) -> ConditionsReport:
@@ -41,10 +42,10 @@ def conditions(solution: Solution, tolerance: float = 1e-2) -> ConditionsReport:
     Parameters
     ----------
     solution : Solution
-        By any collocation scheme.
+        The solution, by any collocation scheme.
     tolerance : float
-        Largest residual, relative to the size of a condition's terms, that counts as held. The residuals fall
-        with the mesh, by the order of the costates, which is below that of the states between the knots.
+        Largest residual, relative to the size of a condition's terms, of a satisfied condition. The residuals
+        decrease with the mesh at the order of the costates, which is below that of the states between the knots.
 
     Returns
     -------
@@ -62,12 +63,12 @@ def conditions(solution: Solution, tolerance: float = 1e-2) -> ConditionsReport:
     linked = {i for link in solution.problem.bound_links for i in link.phases}
     found: list[NecessaryCondition] = []
     for i, part in enumerate(costates(solution).phases):
-        found += _Along(part, i in linked).conditions()
+        found += _PhaseConditions(part, i in linked).conditions()
     return ConditionsReport(tuple(found), tolerance)
 
 
-class _Along:
-    """Everything along one phase, at the nodes of its intervals."""
+class _PhaseConditions:
+    """Residuals of the conditions along one phase, at the nodes of its intervals."""
 
     def __init__(self, known: PhaseCostates, linked: bool) -> None:
         self.known, self.linked = known, linked
@@ -79,7 +80,7 @@ class _Along:
         self.at = {name: np.concatenate([part[name] for part in each]) for name in each[0]}
 
     def conditions(self) -> list[NecessaryCondition]:
-        """Write the lines of the report."""
+        """Return the entries of the report."""
         return [
             *self._costate_equation(),
             *self._controls(),
@@ -89,7 +90,7 @@ class _Along:
         ]
 
     def _line(self, name: str, variable: Variable | str, residual: Array | float, note: str = "") -> NecessaryCondition:
-        """Make a line of residuals at the nodes, (m,), or of one at the end."""
+        """Return the entry of residuals at the nodes, (m,), or of one residual at the end."""
         label = variable if isinstance(variable, str) else variable.name
         if np.ndim(residual) == 0:
             end = self.solution.t0 + self.solution.duration
@@ -99,7 +100,7 @@ class _Along:
         return NecessaryCondition(self.phase.name, name, label, float(values[worst]), float(self.at["t"][worst]), note)
 
     def _costate_equation(self) -> list[NecessaryCondition]:
-        """Compare the slope of the costates with -H_x, of which active bounds are a part."""
+        """Compare the rate of the costates with -H_x; H includes active bounds with their multipliers."""
         slope = self.known.duals.costate.derivative()
         nudge = 1e-9 * self.solution.duration
         rates = np.vstack([slope(np.clip(t, t[0] + nudge, t[-1] - nudge)) for t in self._inner()])
@@ -109,13 +110,13 @@ class _Along:
         return [self._line("costate equation", s, off[:, i]) for i, s in enumerate(self.dae.states)]
 
     def _inner(self) -> list[Array]:
-        """Nodes a hair inside their intervals, since the costate may jump at a knot."""
+        """Return the nodes, those at knots moved slightly into their intervals, since costates may jump at a knot."""
         knots = self.solution.knots
         parts = zip(self.intervals, knots[:-1], knots[1:], strict=True)
         return [np.clip(t, a + 1e-7 * (b - a), b - 1e-7 * (b - a)) for t, a, b in parts]
 
     def _controls(self) -> list[NecessaryCondition]:
-        """Check dH/du: zero where a control is inside its bounds, of the right sign where it is at one."""
+        """Check dH/du: zero where a control is between its bounds, of the required sign where it is at one."""
         slope = self.at["by_u"]
         size = np.max(self.at["size_by_u"], axis=0) + SMALL
         lower, upper = control_bounds(self.phase)
@@ -135,7 +136,7 @@ class _Along:
         return found
 
     def _transversality(self) -> list[NecessaryCondition]:
-        """Costates at free ends against the gradient of the end costs and end constraints."""
+        """Compare costates at free ends with the gradient of the end costs and end constraints."""
         if self.linked:
             return []
         parameters = np.array(list(self.solution.parameters.values()), dtype=float)
@@ -167,21 +168,21 @@ class _Along:
         return found
 
     def _size(self) -> float:
-        """Size of the Hamiltonian's terms."""
+        """Return the largest size of the Hamiltonian's terms."""
         return float(np.max(self.at["size"]))
 
     def _hamiltonian(self) -> list[NecessaryCondition]:
-        """H is constant, or changes by what depends on time explicitly alone."""
+        """Check that dH/dt = partial H / partial t; for an autonomous phase H is constant."""
         drift = self.at["H"]
         note = f"constant: {np.min(drift):.6g} to {np.max(drift):.6g}"
         if not self.known.hamiltonian.autonomous:
             drift = drift - self._explicit_change()
-            note = "less the integral of its explicit rate"
+            note = "minus the integral of partial H / partial t"
         off = np.abs(drift - np.median(drift)) / (self._size() + SMALL)
         return [self._line("Hamiltonian", "H", off, note)]
 
     def _explicit_change(self) -> Array:
-        """Integral of partial H / partial t from the start to every node, (m,)."""
+        """Return the integral of partial H / partial t from the start to every node, (m,)."""
         total, values, first = 0.0, [], 0
         for t, a, b, sites in zip(
             self.intervals,
@@ -197,7 +198,7 @@ class _Along:
         return np.concatenate(values)
 
     def _complementarity(self) -> list[NecessaryCondition]:
-        """Weigh multiplier times slack of every row against the Hamiltonian's terms."""
+        """Compare the product of multiplier and slack of every row with the Hamiltonian's terms."""
         at, found = self.at, []
         names = {
             **{v.name: at["states"][:, i] for i, v in enumerate(self.dae.states)},
@@ -207,7 +208,7 @@ class _Along:
         parameters = np.array(list(self.solution.parameters.values()), dtype=float)
         size = self._size() + SMALL
         path = 0
-        for row, value in HeldRow(self.phase, parameters)(at["t"], at["x"], at["z"], at["u"]):
+        for row, value in ThroughoutRows(self.phase, parameters)(at["t"], at["x"], at["z"], at["u"]):
             if row.kind is not Kind.BOUND:
                 multiplier = at["eta"][:, path]
                 path += 1
@@ -215,9 +216,9 @@ class _Along:
                 multiplier = names[str(row.variable)]
             below, above = value - row.lower, row.upper - value
             slack = np.where(multiplier > 0, above, below)
-            # Nothing bounds this side: any multiplier is wrong, weighed by the value itself.
+            # Without a bound on this side every multiplier is an error; its weight is the size of the value.
             slack = np.where(np.isinf(slack), 1.0 + np.abs(value), np.abs(slack))
             product = slack * np.abs(multiplier) / size
-            active = np.mean(np.minimum(below, above) <= TOUCHED * (1.0 + np.abs(value)))
+            active = np.mean(np.minimum(below, above) <= ACTIVE_DISTANCE * (1.0 + np.abs(value)))
             found.append(self._line("complementarity", row.label, product, f"active on {active:.0%}"))
         return found

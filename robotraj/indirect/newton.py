@@ -1,4 +1,4 @@
-"""Newton's method on an NLP without freedom: as many equality rows as unknowns."""
+"""Newton's method for an NLP with as many equality rows as unknowns."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from robotraj.transcription.nlp import Nlp
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 60
-LEAST_STEP = 1e-6
-"""Shortest part of a Newton step that is tried."""
+MAX_STEPS = 60
+MIN_STEP = 1e-6
+"""Smallest fraction of a Newton step in the line search."""
 
 
 @dataclass(frozen=True, eq=False)
 class NewtonRoot(OneLine):
-    """Where Newton's method stopped.
+    """Result of Newton's method.
 
     Attributes
     ----------
     w : ndarray (n_w,)
-        In physical units.
+        Unknowns in physical units.
     residual : float
         Largest scaled row.
     steps : int
     trouble : str
-        Why it stopped short, empty where it converged.
+        Reason of the failure; empty if it converged.
     """
 
     w: Array
@@ -43,8 +43,7 @@ class NewtonRoot(OneLine):
 def find_root(nlp: Nlp, tolerance: float) -> NewtonRoot:
     """Solve g(w) = 0 from ``nlp.guess`` by damped Newton steps with the exact sparse Jacobian.
 
-    Converged are rows that cannot be made smaller and are below ``tolerance``, both relative to the rows'
-    scales.
+    It converges where the scaled rows are below ``tolerance`` and further steps do not reduce them.
     """
     if len(nlp.rows) != len(nlp.variables):
         return NewtonRoot(nlp.guess, np.inf, 0, f"{len(nlp.rows)} equations for {len(nlp.variables)} unknowns")
@@ -70,10 +69,10 @@ def find_root(nlp: Nlp, tolerance: float) -> NewtonRoot:
     w = nlp.guess / nlp.scale
     g = values(w)
     settled = 0
-    for step in range(MOST_STEPS):
+    for step in range(MAX_STEPS):
         size = float(np.max(np.abs(g)))
         if not np.isfinite(size):
-            return NewtonRoot(w * nlp.scale, np.inf, step, "an expression gave NaN or infinity")
+            return NewtonRoot(w * nlp.scale, np.inf, step, "an expression is NaN or infinite")
         try:
             direction = -splu(jacobian(w)).solve(g)
         except RuntimeError:
@@ -89,13 +88,13 @@ def find_root(nlp: Nlp, tolerance: float) -> NewtonRoot:
             if size < tolerance:
                 return NewtonRoot(w * nlp.scale, size, step)
             part *= 0.5
-            if part < LEAST_STEP:
-                return NewtonRoot(w * nlp.scale, size, step, "Newton's steps no longer bring the equations closer")
+            if part < MIN_STEP:
+                return NewtonRoot(
+                    w * nlp.scale, size, step, "the line search found no Newton step that reduces the residual"
+                )
         w, g = trial, after
         settled = settled + 1 if float(np.max(np.abs(g))) < tolerance else 0
         if settled >= 3:
             break
     size = float(np.max(np.abs(g)))
-    return NewtonRoot(
-        w * nlp.scale, size, step + 1, "" if size < tolerance else f"no convergence in {MOST_STEPS} steps"
-    )
+    return NewtonRoot(w * nlp.scale, size, step + 1, "" if size < tolerance else f"no convergence in {MAX_STEPS} steps")

@@ -1,4 +1,4 @@
-"""What polish returns: the extremal on its arcs."""
+"""The result of ``polish``: the extremal on its arcs."""
 
 from __future__ import annotations
 
@@ -71,17 +71,17 @@ class Polished(OneLine):
     arcs : tuple of Arc
         Times and sides of the controls.
     trajectories : tuple of PhaseTrajectory
-        States, costates, Hamiltonian and cost as polynomials, an entry an arc.
+        States, costates, Hamiltonian and cost as polynomials, one entry per arc.
     residual : float
-        Largest scaled equation of the discretised boundary value problem.
+        Largest scaled residual of the discretised boundary value problem.
     error : float
         Largest difference, at and between knots, to an independent integration of every interval (DOP853, 1e-12),
         relative to 1 + the size of the state.
     steps : int
-        Newton steps, all meshes together.
+        Newton steps on all meshes.
     tolerance : float
     trouble : str
-        Why this is no solution; empty for one.
+        Reason of a failure; empty for a solution.
     """
 
     equations: Pontryagin
@@ -95,7 +95,7 @@ class Polished(OneLine):
 
     @property
     def success(self) -> bool:
-        """Whether the equations hold to the tolerance and every further check passed."""
+        """Whether the equations hold to the tolerance and all other checks passed."""
         return not self.trouble and self.residual <= self.tolerance and self.error <= self.tolerance
 
     @property
@@ -130,7 +130,7 @@ class Polished(OneLine):
         return np.unique(np.concatenate([part.x.breaks for part in self.trajectories]))
 
     def at(self, t: Any) -> PolishedSample:
-        """Evaluate at times [s]; at a switching time, the later arc.
+        """Evaluate at times [s]; at a switching time, on the later arc.
 
         Raises
         ------
@@ -141,7 +141,9 @@ class Polished(OneLine):
         first, last = self.arcs[0].start, self.arcs[-1].end
         slack = 1e-9 * max(1.0, last - first)
         if times.ndim > 1 or not np.all((times >= first - slack) & (times <= last + slack)):
-            raise InputError(f"The polished motion runs from {first:g} s to {last:g} s; got t = {t}.")
+            raise InputError(
+                f"The time t = {t} is outside the polished motion; give times from {first:g} s to {last:g} s."
+            )
         starts = np.array([arc.start for arc in self.arcs])
         owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
         nx, dae = self.equations.nx, self.equations.phase.dae
@@ -167,7 +169,7 @@ class Polished(OneLine):
         return [Flow(self.equations, arc.sides) for arc in self.arcs]
 
     def on_arc(self, k: int, times: Array) -> tuple[Array, Array]:
-        """States (m, 2 nx + 2) and controls (m, nu) of arc k at times."""
+        """Return states (m, 2 nx + 2) and controls (m, nu) of arc k at times."""
         part = self.trajectories[k]
         y = part.x(times)
         # Between the nodes H_u = 0 determines controls more accurately than a polynomial through the nodes.
@@ -227,10 +229,10 @@ class Polished(OneLine):
         ]
         names = [control.name for control in self.equations.phase.dae.controls]
         for arc in self.arcs:
-            sides = ", ".join(f"{n} {_word(side)}" for n, side in zip(names, arc.sides, strict=True))
+            sides = ", ".join(f"{n} {_describe(side)}" for n, side in zip(names, arc.sides, strict=True))
             lines.append(f"  {arc.start:.10f} to {arc.end:.10f} s: {sides}")
         return "\n".join(lines)
 
 
-def _word(side: Side) -> str:
+def _describe(side: Side) -> str:
     return "interior" if side is Side.INTERIOR else f"at its {side.value}"

@@ -1,9 +1,8 @@
 """The hybrid method: a direct solution starts the boundary value problem of Pontryagin's conditions.
 
-Arcs, their order and the guess come from the direct solution; the equations are then solved by collocation of
-high order and Newton's method, the meshes of the arcs refined until an independent integration agrees, and
-the answer is checked for conditions outside the equations: signs of the switching functions, controls within
-bounds, state constraints.
+The direct solution determines the arcs, their order and the guess. Collocation of high order and Newton's method solve
+the equations. The meshes of the arcs are refined until an independent integration agrees. The result is then checked
+for conditions besides the equations: signs of the switching functions, bounds of controls, state constraints.
 
 Sources: von Stryk and Bulirsch, Direct and indirect methods for trajectory
 optimization, Annals of Operations Research 37 (1992); Bryson and Ho, Applied Optimal Control (1975).
@@ -23,7 +22,7 @@ from robotraj._util.errors import InputError, require_solution
 from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.indirect.arcs import Arc, affine_controls, control_bounds, find_arcs
 from robotraj.indirect.boundary import EndData, boundary_value_problem, end_data, potential
-from robotraj.indirect.checks import complaints, refuse_active_constraints
+from robotraj.indirect.checks import refuse_active_constraints, violated_conditions
 from robotraj.indirect.costate_trajectory import PhaseCostates, costates
 from robotraj.indirect.flow import Flow, scales
 from robotraj.indirect.newton import NewtonRoot, find_root
@@ -42,10 +41,10 @@ Array = NDArray[np.float64]
 
 POINTS = 7
 """Lobatto points of an interval: order 12."""
-MOST_ROUNDS = 8
-"""Meshes tried."""
-NEWTON = 1e-10
-"""Largest scaled row of a converged root, at most; the given tolerance where that is smaller."""
+MAX_MESHES = 8
+"""Largest number of meshes."""
+ROOT_TOLERANCE = 1e-10
+"""Largest scaled row of a converged root, unless the given tolerance is smaller."""
 
 
 def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
@@ -54,8 +53,8 @@ def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
     Parameters
     ----------
     solution : Solution
-        Of one phase, solved by a collocation scheme: an ODE, an index-1 DAE or a robot, with bounds on
-        controls, fixed or free end states, end constraints on states, fixed or free duration.
+        A solution of one phase by a collocation scheme: an ODE, an index-1 DAE or a robot. Supported are bounds on
+        controls, fixed or free end states, end constraints on states, and fixed or free duration.
     tolerance : float
         Largest error of an interval against an independent integration, and largest boundary residual,
         relative to 1 + the size of each state.
@@ -63,16 +62,15 @@ def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
     Returns
     -------
     Polished
-        Arcs, switching times, costates, objective, ``.at(t)``; ``print`` shows all of it.
+        Arcs, switching times, costates, objective, ``.at(t)``; ``print`` lists the arcs.
 
     Raises
     ------
     InputError
-        What is not covered: several phases, unknown parameters, active state or path constraints, singular
-        arcs.
+        The solution has several phases, unknown parameters, active state or path constraints, or singular arcs.
     PolishFailed
-        The equations were not solved to the tolerance, or their solution breaks what an optimum must hold; it
-        carries the last iterate as ``.solution``, whose ``trouble`` states the reason.
+        The equations were not solved to the tolerance, or their solution violates a condition of an optimum. Its
+        ``.solution`` is the last iterate, whose ``trouble`` is the reason.
     """
     require_solution(solution, "rt.indirect.polish")
     if not tolerance > 0:
@@ -100,7 +98,7 @@ def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
     x0, xf = (known.solution.trajectory.x(np.array([t]))[0] for t in (knots[0], knots[-1]))
     ends = end_data(equations, x0, xf, known.solution.duration)
     found = _solve(equations, known, arcs, ends, tolerance)
-    trouble = found.trouble or "; ".join(complaints(found, affine_controls(known)))
+    trouble = found.trouble or "; ".join(violated_conditions(found, affine_controls(known)))
     result = replace(found, trouble=trouble)
     if not result.success:
         raise PolishFailed(f"The plan {phase.name!r} was not polished: {trouble}.\n{result}", result)
@@ -110,19 +108,19 @@ def polish(solution: Solution, tolerance: float = 1e-9) -> Polished:
 def _solve(
     equations: Pontryagin, known: PhaseCostates, arcs: Sequence[Arc], ends: EndData, tolerance: float
 ) -> Polished:
-    """Newton's method on meshes that are refined until the independent integration agrees."""
+    """Solve by Newton's method on meshes that are refined until the independent integration agrees."""
     problem = boundary_value_problem(equations, arcs, ends)
     knots = known.solution.knots
     counts = [max(2, int(np.ceil(np.sum((knots > a.start) & (knots < a.end)) / 3))) for a in arcs]
     meshes = [Mesh(count, LobattoIIIA(POINTS)) for count in counts]
     guess: InitialGuess = FromDirect(equations, known, tuple(arcs), _multipliers(equations, known, ends))
     steps = 0
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_MESHES):
         nlp = transcribe(problem, meshes, guess)
-        root = find_root(nlp, min(tolerance, NEWTON))
+        root = find_root(nlp, min(tolerance, ROOT_TOLERANCE))
         steps += root.steps
         trajectories = extract(nlp, root.w)
-        trouble = root.trouble or _backwards(trajectories)
+        trouble = root.trouble or _negative_duration(trajectories)
         if trouble:
             return _wrap(equations, arcs, trajectories, root, np.inf, steps, tolerance, trouble)
         size = scales(trajectories)
@@ -135,14 +133,14 @@ def _solve(
             return _wrap(equations, arcs, trajectories, root, worst, steps, tolerance, "")
         meshes = [_refined(mesh, each, tolerance) for mesh, each in zip(meshes, errors, strict=True)]
         guess = FromArcs(trajectories)
-    trouble = f"an independent integration still differs by {worst:.1e} after {MOST_ROUNDS} meshes"
+    trouble = f"an independent integration still differs by {worst:.1e} after {MAX_MESHES} meshes"
     return _wrap(equations, arcs, trajectories, root, worst, steps, tolerance, trouble)
 
 
-def _backwards(trajectories: Sequence[PhaseTrajectory]) -> str:
+def _negative_duration(trajectories: Sequence[PhaseTrajectory]) -> str:
     for k, part in enumerate(trajectories):
         if not part.duration > 0:
-            return f"arc {k + 1} would last {part.duration:.3g} s: its sequence is not that of an optimum"
+            return f"arc {k + 1} has the duration {part.duration:.3g} s: the sequence of arcs is not that of an optimum"
     return ""
 
 
@@ -163,7 +161,7 @@ def _wrap(
 
 
 def _refined(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
-    """Cut intervals whose error is too large, by the order of the method."""
+    """Divide intervals whose error is too large, into as many parts as the order of the method requires."""
     pieces = np.ones(mesh.count, dtype=int)
     bad = errors > 0.1 * tolerance
     ratio = np.where(np.isfinite(errors[bad]), errors[bad], 1.0) / (0.1 * tolerance)
@@ -175,7 +173,7 @@ def _refined(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
 
 
 def _multipliers(equations: Pontryagin, known: PhaseCostates, ends: EndData) -> Array:
-    """End multipliers that fit the direct costates best, (n,)."""
+    """Return the end multipliers that fit the direct costates best in the least-squares sense, (n,)."""
     if not ends.constraints:
         return np.zeros(0)
     phi, symbols = potential(equations, ends)
@@ -190,7 +188,7 @@ def _multipliers(equations: Pontryagin, known: PhaseCostates, ends: EndData) -> 
 
 
 class FromDirect(InitialGuess):
-    """States, costates and controls of a direct solution, arc by arc."""
+    """A guess of states, costates and controls from a direct solution, arc by arc."""
 
     def __init__(self, equations: Pontryagin, known: PhaseCostates, arcs: tuple[Arc, ...], multipliers: Array) -> None:
         self._equations, self._known, self._arcs, self._multipliers = equations, known, arcs, multipliers
@@ -219,7 +217,7 @@ class FromDirect(InitialGuess):
 
 
 class FromArcs(InitialGuess):
-    """The arcs of an earlier mesh."""
+    """A guess from the arcs on an earlier mesh."""
 
     def __init__(self, trajectories: Sequence[PhaseTrajectory]) -> None:
         self._trajectories = trajectories

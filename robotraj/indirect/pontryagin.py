@@ -3,9 +3,10 @@
     xdot = f,   lambdadot = -H_x,   hdot = H_t,   Jdot = l,
     0 = H_u for interior controls,   0 = H_z,   0 = g;   controls at a bound are constants
 
-The value h of the Hamiltonian and the cost J so far are states of their own: boundary conditions of time and
-the objective then read like any other. Source: Bryson and Ho, Applied Optimal Control (1975), chapters 2 and
-3.
+The value h of the Hamiltonian and the cost J so far are additional states. Conditions on the duration and the
+objective are then boundary conditions of states.
+
+Source: Bryson and Ho, Applied Optimal Control (1975), chapters 2 and 3.
 """
 
 from __future__ import annotations
@@ -33,12 +34,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Pontryagin(OneLine):
-    """The equations of a phase, on arcs.
+    """Pontryagin's equations of a phase, on arcs.
 
     Attributes
     ----------
     original : Phase
-        A robot's is taken by forward dynamics: fewer unknowns, the same costates.
+        The phase. A robot has forward dynamics here: fewer unknowns, the same costates.
     parameters : ndarray
         Values of the phase's parameters.
     bounds : ndarray (2, nu)
@@ -81,7 +82,7 @@ class Pontryagin(OneLine):
         return [*controls, *(f"z {v.name}" for v in dae.algebraic), *(f"nu {r.name}" for r in dae.residuals)]
 
     def controls(self, sides: Sequence[Side], interior: Any) -> list[Any]:
-        """All controls of an arc; ``interior`` holds the values of the interior ones in order."""
+        """Return all controls of an arc; ``interior`` holds the values of the interior ones in order."""
         which = self.interior(sides)
         values: list[Any] = []
         for i, side in enumerate(sides):
@@ -89,7 +90,7 @@ class Pontryagin(OneLine):
         return values
 
     @cached_property
-    def _everything(self) -> ca.Function:
+    def _outputs(self) -> ca.Function:
         """(t, x, lambda, z, nu, u) -> state rates, H_u, H_z, g, H."""
         h, s = self.hamiltonian, self.hamiltonian.symbols
         e = h.expressions
@@ -110,7 +111,7 @@ class Pontryagin(OneLine):
         )
 
     def end_cost(self, t0: float, x0: Array, tf: float, xf: Array) -> float:
-        """Value of the Mayer terms."""
+        """Return the value of the Mayer terms."""
         nx, phase = self.nx, self.phase
         symbols = [ca.SX.sym("t0"), ca.SX.sym("x0", nx), ca.SX.sym("tf"), ca.SX.sym("xf", nx)]
         p = ca.SX(ca.DM(self.parameters))
@@ -120,16 +121,16 @@ class Pontryagin(OneLine):
         return float(ca.Function("mayer", symbols, [value])(t0, x0, tf, xf))
 
     def evaluate(self, t: Any, y: Any, a: Any, sides: Sequence[Side]) -> dict[str, ca.SX]:
-        """Write the outputs for symbols y, the states, and a, the algebraic variables of an arc."""
+        """Return the outputs for symbols y, the states, and a, the algebraic variables of an arc."""
         nx, nu = self.nx, len(self.interior(sides))
         nz = len(self.phase.dae.algebraic)
         u = ca.vertcat(*(ca.SX(value) for value in self.controls(sides, [a[i] for i in range(nu)])))
         x, costate, z, multipliers = y[:nx], y[nx : 2 * nx], a[nu : nu + nz], a[nu + nz :]
-        values = self._everything(t, x, costate, z, multipliers, u)
-        return dict(zip(self._everything.name_out(), values, strict=True)) | {"u": u}
+        values = self._outputs(t, x, costate, z, multipliers, u)
+        return dict(zip(self._outputs.name_out(), values, strict=True)) | {"u": u}
 
     def equations(self, t: Any, y: Any, a: Any, sides: Sequence[Side]) -> tuple[ca.SX, ca.SX]:
-        """Rates of the states and algebraic rows of an arc."""
+        """Return the rates of the states and the algebraic rows of an arc."""
         out = self.evaluate(t, y, a, sides)
         interior = [out["by_u"][i] for i in self.interior(sides)]
         return out["rates"], ca.vertcat(*interior, out["by_z"], out["residual"])
@@ -157,5 +158,5 @@ class Pontryagin(OneLine):
 
 
 def columns(named: Any, names: Sequence[str]) -> ca.SX:
-    """Stack named scalars into a column."""
+    """Return named scalars as a column."""
     return ca.vertcat(*(ca.SX(named[name]) for name in names)) if names else ca.SX(0, 1)

@@ -18,13 +18,13 @@ class NecessaryCondition(OneLine):
         ``"costate equation"``, ``"stationarity"``, ``"saturation"``, ``"transversality"``, ``"Hamiltonian"``,
         ``"complementarity"``.
     label : str
-        The state, control, joint or row it is about.
+        The state, control, joint or row of the condition.
     residual : float
-        How far it is off, relative to the size of its terms.
+        Largest residual, relative to the size of its terms.
     time : float
-        When it is worst [s].
+        Time of the largest residual [s].
     note : str
-        What was found, in words.
+        Explanation of the result.
     """
 
     phase: str
@@ -43,7 +43,7 @@ class ConditionsReport(OneLine):
     ----------
     conditions : tuple of NecessaryCondition
     tolerance : float
-        Largest relative residual of a condition that counts as held.
+        Largest relative residual of a satisfied condition.
     """
 
     conditions: tuple[NecessaryCondition, ...]
@@ -61,15 +61,15 @@ class ConditionsReport(OneLine):
         return not self.failed
 
     def worst(self, name: str) -> float:
-        """Largest relative residual of the conditions of that name, 0 where there are none."""
+        """Return the largest relative residual of the conditions of a name; 0 if there are none."""
         return max((c.residual for c in self.conditions if c.name == name), default=0.0)
 
     def check(self) -> None:
-        """Raise ``ValidationFailed`` where a condition does not hold."""
+        """Raise ``ValidationFailed`` if a condition does not hold."""
         if not self.passed:
             worst = self.failed[0]
             raise ValidationFailed(
-                f"{worst.name} of {worst.label} is off by {worst.residual:.2g} at t = {worst.time:.4g} s, "
+                f"{worst.name} of {worst.label} has the residual {worst.residual:.2g} at t = {worst.time:.4g} s, "
                 f"more than {self.tolerance:g}; refine the mesh there.",
                 self,
             )
@@ -93,5 +93,5 @@ class ConditionsReport(OneLine):
             "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
             for row in [head, *rows]
         ]
-        verdict = "all hold" if self.passed else f"{len(self.failed)} of {len(self.conditions)} are off"
+        verdict = "all hold" if self.passed else f"{len(self.failed)} of {len(self.conditions)} do not hold"
         return "\n".join([f"necessary conditions, to {self.tolerance:g} of their terms: {verdict}", *lines])

@@ -124,15 +124,15 @@ def test_constraints_of_the_ends_go_with_the_ends() -> None:
 
 
 def test_what_cannot_be_cut_is_refused(kirk: Any) -> None:
-    with pytest.raises(rt.InputError, match="nothing to cut"):
+    with pytest.raises(rt.InputError, match="has no junction"):
         rt.indirect.cut_at_junctions(rt.plan(kirk.phase(), rt.Mesh(10)))
     two = rt.Problem([hurry(), hurry()], [])
     with pytest.raises(rt.InputError, match="one phase; this one has 2"):
         rt.indirect.cut_at_junctions(rt.plan(two, rt.Mesh(10)))
     mayer = rt.Phase(BLOCK, 1.0, rt.State([0, 0]), None, EFFORT + rt.Mayer(lambda a, b: (b.x["x"] - 1) ** 2))
-    with pytest.raises(rt.InputError, match="a cost of its end points"):
+    with pytest.raises(rt.InputError, match="a cost of its ends"):
         rt.indirect.cut_at_junctions(rt.plan(mayer, rt.Mesh(10)))
     scaled = rt.System(["x"], ["u"], lambda point: [point.p["k"] * point.u["u"]])
     unknown = rt.Phase(scaled, 1.0, rt.State([0]), rt.State([1]), EFFORT, parameters={"k": rt.between(1, 2)})
-    with pytest.raises(rt.InputError, match="parameters that are unknown"):
+    with pytest.raises(rt.InputError, match="unknown parameters"):
         rt.indirect.cut_at_junctions(rt.plan(unknown, rt.Mesh(10)))
