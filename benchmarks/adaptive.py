@@ -44,7 +44,7 @@ def hypersensitive() -> Case:
 
 
 def cases() -> Iterator[Case]:
-    """Give switches at half time and at an irrational share of it, and boundary layers."""
+    """Return problems with switches at half and at an irrational fraction of the duration, and with boundary layers."""
     yield block(1.0)
     yield block(sqrt(2))
     yield hypersensitive()

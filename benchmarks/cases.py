@@ -28,7 +28,7 @@ HEADS = (
 
 
 def cases() -> Iterator[Case]:
-    """Give published cases as equations and as URDFs, the biped, the sliding mass in phases, further problems."""
+    """Return published cases as equations and as URDFs, the biped, the sliding mass in phases, and further problems."""
     systems = {case.name: case for case in written(TABLE)}
     yield from systems.values()
     yield from robots(systems)

@@ -79,7 +79,7 @@ class Evaluator:
             self._buffer.set_res(i, memoryview(result))
 
     def __call__(self) -> np.ndarray:
-        """Give the results, one after the other."""
+        """Return the results in order."""
         self.call()
         return np.concatenate(self._results)
 

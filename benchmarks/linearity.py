@@ -56,7 +56,7 @@ def arm() -> rt.Problem:
 
 
 def nearest_line(n: Array, seconds: Array) -> Array:
-    """Give the straight line, as (at 0, slope), whose greatest relative distance from the seconds is least."""
+    """Return the line, as (intercept, slope), with the least maximum relative distance from the seconds."""
     rows = np.column_stack([np.ones_like(n), n]) / seconds[:, None]
     one = np.ones((len(n), 1))
     # |rows @ line - 1| <= distance, the third unknown, which is made least.

@@ -29,9 +29,9 @@ def test_linearity_reports_every_mesh(linearity: ModuleType, capsys: pytest.Capt
     linearity.by_ipopt()
     linearity.by_stages()
     linearity.in_fresh_processes()
-    told = capsys.readouterr().out
-    assert told.count("worst distance from the line") == 4
-    lines = [line.split() for line in told.splitlines() if line.endswith("%") and line.split()[0].isdigit()]
+    printed = capsys.readouterr().out
+    assert printed.count("worst distance from the line") == 4
+    lines = [line.split() for line in printed.splitlines() if line.endswith("%") and line.split()[0].isdigit()]
     assert [int(line[0]) for line in lines] == [5, 10, 20] + 3 * [2, 4, 8]
     assert all(float(line[1]) > 0 for line in lines)
 

@@ -1,4 +1,4 @@
-"""Every Python block of README, CONTRIBUTING and docs/ runs; every relative link leads to a file or a heading."""
+"""Every Python block of README, CONTRIBUTING and docs/ runs; every relative link has a target."""
 
 from __future__ import annotations
 

@@ -107,13 +107,13 @@ def test_no_module_imports_in_a_circle() -> None:
 
 
 @pytest.mark.parametrize("folder", sorted({path.parent for path in PACKAGE.rglob("*.py")}), ids=lambda f: f.name)
-def test_a_folder_can_be_overlooked_and_says_what_it_is_for(folder: Path) -> None:
+def test_a_folder_is_small_and_has_a_docstring(folder: Path) -> None:
     assert len([path for path in folder.iterdir() if path.suffix in (".py", ".js", ".css", ".html")]) <= 15
     assert len(ast.get_docstring(ast.parse((folder / "__init__.py").read_text())) or "") > 40
 
 
 @pytest.mark.parametrize("room", sorted(FLOOR))
-def test_a_room_says_where_to_start_and_what_it_may_import(room: str) -> None:
+def test_the_docstring_of_a_room_names_its_first_file_and_its_imports(room: str) -> None:
     doc = ast.get_docstring(ast.parse((PACKAGE / room / "__init__.py").read_text())) or ""
     assert "Start with" in doc and "may import" in doc
 

@@ -108,7 +108,7 @@ def point_function(name: str, intervals: int, which: str) -> Call:
         run()
         return result
 
-    return partial(call, buffer, columns)  # CasADi reads and writes arrays that must live as long
+    return partial(call, buffer, columns)  # CasADi reads and writes arrays that must exist as long
 
 
 def native_function(name: str, intervals: int, which: str) -> Call:

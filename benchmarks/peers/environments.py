@@ -48,7 +48,7 @@ DEFAULT_CACHE = Path.home() / ".cache" / "robotraj-peers"
 
 
 def python_of(name: str | None, cache: Path) -> Path:
-    """Give an environment's interpreter, installing it first where needed; None is the running one.
+    """Return an environment's interpreter, installed first where it is missing; None is the running one.
 
     Raises
     ------

@@ -69,7 +69,7 @@ def quickest(record: Mapping[str, Any], task: str, names: tuple[str, ...], figur
 
 
 def rows(record: Mapping[str, Any], titles: Mapping[str, str]) -> list[str]:
-    """Give a table: what should hold, the ratio, whether it does."""
+    """Return a table of goals: the goal, the ratio, and whether it is reached."""
     lines = ["| task | figure | peer | ours | ratio | goal | |", "|---|---|---|---|---|---|---|"]
     for goal in GOALS:
         theirs, peer = quickest(record, goal.task, goal.peers, goal.figure)

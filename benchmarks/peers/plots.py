@@ -1,4 +1,4 @@
-"""Two plots of a run: who takes how long in the solver, and how that grows with the mesh."""
+"""Two plots of a run: solver time of each tool, and its growth with the mesh."""
 
 from __future__ import annotations
 

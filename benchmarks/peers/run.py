@@ -32,7 +32,7 @@ from tools import TOOLS  # noqa: E402
 
 SWEEP = tuple(f"T4@{n}" for n in (25, 100, 200, 400))
 OTHERS = {"T6": "benchmarks/peers/legs/run.py", "lecture": "benchmarks/lecture.py"}
-"""Comparisons with a script of their own."""
+"""Comparisons with a separate script."""
 LIMIT = 300.0
 """Seconds after which a process is stopped; solvers stop after 120 processor seconds."""
 

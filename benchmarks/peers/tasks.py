@@ -87,7 +87,7 @@ TASKS = {
 
 
 def task_of(key: str) -> Task:
-    """Give a task by name, "T4", or on another mesh, "T4@200".
+    """Return a task by name, "T4", or on another mesh, "T4@200".
 
     Raises
     ------

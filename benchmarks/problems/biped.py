@@ -49,7 +49,7 @@ class Chain:
 
     @staticmethod
     def directions(q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any]) -> tuple[list[Plane], ...]:
-        """Give unit vectors along the links with their first and second rates."""
+        """Return unit vectors along the links with their first and second rates."""
         place, speed, acceleration = [], [], []
         for i, sign in enumerate([1, 1, 1, -1, -1]):
             s, c = sign * ca.sin(q[i]), sign * ca.cos(q[i])

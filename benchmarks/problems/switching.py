@@ -34,7 +34,7 @@ class Bang:
 
 
 def bangs() -> list[Bang]:
-    """Give the two-link arm (arcs integrated to 1e-12, printed to 1e-5) and the S-curve (closed form)."""
+    """Return the two-link arm (arcs integrated to 1e-12, printed to 1e-5) and the S-curve (closed form)."""
     cases = {case.name: case for case in written(TABLE)}
     constant = rt.schemes.ConstantControl()
     arm = {"u1": (1.49114,), "u2": (0.94314, 2.62755)}

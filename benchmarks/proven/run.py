@@ -59,7 +59,7 @@ def _remark(solution: object, report: object) -> str:
 
 
 def in_a_fresh_process(name: str) -> dict[str, object]:
-    """Plan a motion in a process of its own."""
+    """Plan a motion in a separate process."""
     try:
         done = subprocess.run(
             [sys.executable, __file__, "--one", name], capture_output=True, text=True, timeout=LIMIT, check=False

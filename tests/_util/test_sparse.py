@@ -102,7 +102,7 @@ def test_empty_matrices_and_refused_sums() -> None:
         csr_array((3, 2)) + csr_array((2, 3))
 
 
-def test_expansion_says_where_entries_come_from() -> None:
+def test_expansion_records_the_source_of_entries() -> None:
     matrix = Pair(6, 5, 12).ours
     which = np.array([3, 0, 3, 5])
     indices, data, position = expand(matrix, which)

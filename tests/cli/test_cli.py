@@ -1,4 +1,4 @@
-"""The command line does what it says, writes where it says, and fails in one clear line."""
+"""The command line does what its help describes, writes to the given paths, and fails with one clear line."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_demo_prints_the_phase_and_the_proof_and_writes_its_replay(here: Path) -
     assert all(f" {entry.name} " in said for entry in DEMOS.values())
 
 
-def test_demo_writes_where_it_is_told(here: Path) -> None:
+def test_demo_writes_to_the_given_path(here: Path) -> None:
     said = succeed("demo", "block", "--html", "a.html", "--save", "b", "--plot", "c.svg")
     assert "demos:" not in said
     assert all(f"wrote {here / name}" in said for name in ("a.html", "b.npz", "c.svg"))
@@ -198,7 +198,7 @@ def test_where_a_file_cannot_be_written_nothing_is_planned(
     assert message in (said := fail(*words, option, name)) and option in said
 
 
-def test_a_plan_that_is_not_found_says_why(here: Path) -> None:
+def test_a_failed_plan_prints_its_reason(here: Path) -> None:
     result = run("plan", "block", "--to", "10", "--start", "0", "--duration", "2", "--save", "last")
     assert result.exit_code == 3 and isinstance(result.exception, SystemExit)
     assert not rt.load_solution("last").success
@@ -224,11 +224,11 @@ def test_exit_codes_are_documented(command: str) -> None:
 
 def test_json_is_the_whole_output(here: Path) -> None:
     words = ("plan", "block", "--to", "1", "--duration", "2:4")
-    told = json.loads(succeed(*words, "--json", "--save", "a", "--html", "a.html"))
-    assert told["success"] and told["proved"] and told["status"] == "solved"
-    assert told["duration"] == pytest.approx(4.0) and told["written"] == [str(here / "a.npz"), str(here / "a.html")]
+    data = json.loads(succeed(*words, "--json", "--save", "a", "--html", "a.html"))
+    assert data["success"] and data["proved"] and data["status"] == "solved"
+    assert data["duration"] == pytest.approx(4.0) and data["written"] == [str(here / "a.npz"), str(here / "a.html")]
     again = json.loads(succeed("validate", "a.npz", "--json"))
-    assert again["proved"] and again["objective"] == told["objective"]
+    assert again["proved"] and again["objective"] == data["objective"]
     result = run("validate", "a.npz", "--local", "1e-15", "--json")
     assert result.exit_code == 4
     assert (
@@ -236,17 +236,17 @@ def test_json_is_the_whole_output(here: Path) -> None:
     )
 
 
-def test_json_says_what_was_not_solved(here: Path) -> None:
+def test_json_lists_what_was_not_solved(here: Path) -> None:
     result = run("plan", "block", "--to", "10", "--start", "0", "--duration", "2", "--json")
-    told = json.loads(result.stdout)
-    assert result.exit_code == 3 and not told["success"] and told["proved"] is None and told["violations"]
+    data = json.loads(result.stdout)
+    assert result.exit_code == 3 and not data["success"] and data["proved"] is None and data["violations"]
 
 
 def test_json_describes_a_robot() -> None:
-    told = json.loads(succeed("show", "cartpole", "--json"))
-    slider, pole = told["joints"]
+    data = json.loads(succeed("show", "cartpole", "--json"))
+    slider, pole = data["joints"]
     assert slider["position"] == [-2.0, 2.0] and slider["velocity"] is None and slider["actuated"]
-    assert not pole["actuated"] and "tip" in str(told["frames"]) and told["nu"] == 1
+    assert not pole["actuated"] and "tip" in str(data["frames"]) and data["nu"] == 1
 
 
 def test_a_script_is_refused_with_the_command_that_runs_it(here: Path) -> None:
@@ -285,7 +285,7 @@ def test_the_shell_completes_commands_robots_and_demos(words: str, offered: str)
     assert offered in result.stdout.split()
 
 
-def test_the_version_is_told() -> None:
+def test_the_version_is_printed() -> None:
     assert succeed("--version").startswith("robotraj")
 
 
@@ -298,22 +298,22 @@ def test_python_m_robotraj_runs() -> None:
 @pytest.mark.slow
 def test_compiled_functions_are_made_shown_used_and_cleared(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(here / "cache"))
-    assert "least effort: 3 of 3 point functions compiled" in (told := succeed("compile", "ur5"))
-    assert "least duration: 3 of 3" in told
+    assert "least effort: 3 of 3 point functions compiled" in (printed := succeed("compile", "ur5"))
+    assert "least duration: 3 of 3" in printed
     assert "6 functions," in succeed("cache")
     run("plan", "ur5", "--to", "1,-1,1,0,0,0", "--compiled", "--save", "plan.npz")  # proved or not
     assert "6 functions," in succeed("cache")
     assert "its problem: 0 of 3 point functions compiled" in succeed("compile", "plan.npz")
-    told = succeed("profile", "plan.npz")
-    assert [line.split()[0] for line in told.splitlines()][:4] == ["build", "compile", "setup", "solve"]
-    assert "linear algebra and steps" in told
+    printed = succeed("profile", "plan.npz")
+    assert [line.split()[0] for line in printed.splitlines()][:4] == ["build", "compile", "setup", "solve"]
+    assert "linear algebra and steps" in printed
     assert "freed" in succeed("cache", "--clear") and "0 functions, 0.0 MB" in succeed("cache")
 
 
-def test_a_plan_says_where_its_time_went(here: Path) -> None:
+def test_a_profile_of_a_plan_lists_its_times(here: Path) -> None:
     succeed("plan", "block", "--to", "1", "--duration", "4", "--save", "plan.npz")
-    told = [line.split() for line in succeed("profile", "plan.npz").splitlines()]
-    assert [words[0] for words in told] == ["build", "compile", "setup", "solve", *PARTS, "total"]
-    seconds = [float(words[-3]) for words in told[:-1]]
+    printed = [line.split() for line in succeed("profile", "plan.npz").splitlines()]
+    assert [words[0] for words in printed] == ["build", "compile", "setup", "solve", *PARTS, "total"]
+    seconds = [float(words[-3]) for words in printed[:-1]]
     assert sum(seconds[4:]) == pytest.approx(seconds[3], abs=1e-3)
-    assert sum(seconds[:4]) == pytest.approx(float(told[-1][1]), abs=1e-3)
+    assert sum(seconds[:4]) == pytest.approx(float(printed[-1][1]), abs=1e-3)

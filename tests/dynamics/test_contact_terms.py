@@ -1,4 +1,4 @@
-"""What contacts add to the equations: the same function wherever a foot stands, and nothing is lost by it."""
+"""Terms that contacts add to the equations: one function for all footholds, with the same values and derivatives."""
 
 from __future__ import annotations
 

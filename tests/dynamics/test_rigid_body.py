@@ -36,7 +36,7 @@ def somewhere(robot: rt.Robot) -> tuple[np.ndarray, ...]:
 
 
 def acceleration(robot: rt.Robot, q: Any, v: Any, tau: Any) -> np.ndarray:
-    """What plain Pinocchio says: ABA under B tau - dissipation."""
+    """Return the acceleration of Pinocchio's ABA under B tau - dissipation."""
     return pin.aba(robot.model, robot.model.createData(), q, v, robot.actuation @ tau - robot.dissipation(v))
 
 

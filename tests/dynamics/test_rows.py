@@ -97,6 +97,6 @@ def test_roots_and_logarithms_that_have_no_value_somewhere_are_not() -> None:
         ),
     ],
 )
-def test_a_plan_says_whose_function_makes_nan(make: Callable[[], rt.Phase], named: str) -> None:
+def test_a_plan_names_the_function_that_returns_nan(make: Callable[[], rt.Phase], named: str) -> None:
     with pytest.raises(InputError, match=f"{named}.* NaN"):
         rt.plan(make(), rt.Mesh(4))

@@ -77,7 +77,7 @@ def test_solo_crawls_from_its_own_guess(dog: rt.Robot) -> None:
 
     end = solution.duration
     for foot, other in (("HL_FOOT", "HR_FOOT"), ("FL_FOOT", "FR_FOOT")):
-        # Two step lengths on; the other stands where the mirror image of the first half has it.
+        # Two step lengths ahead; the other foot is at the mirror image of its place in the first half.
         first, last = place(foot, 0.0), place(foot, end)
         np.testing.assert_allclose(last[0] - first[0], 0.1, atol=1e-4)
         stood = place(other, 0.25)

@@ -1,4 +1,4 @@
-"""Up one stair, from standing to standing: footholds on treads, feet over edges, and the energy that a climb takes."""
+"""Up one stair, from rest to rest: footholds on treads, feet above edges, and the energy of a climb."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ def test_feet_stand_on_given_footholds(bolt: rt.Robot) -> None:
 
 
 def planned_feet(robot: rt.Robot) -> np.ndarray:
-    """Horizontal positions (2, 2) of Bolt's feet where it stands."""
+    """Horizontal positions (2, 2) of Bolt's feet in its standing posture."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, rt.gait.stand(robot, BOLT["feet"], PAW))
     return np.array([data.oMf[robot.frame(foot)].translation[:2] for foot in BOLT["feet"]])

@@ -49,7 +49,7 @@ def test_a_robot_with_a_saturated_motor_is_reported_by_joint(swing_up: Any) -> N
     assert "effort limit, slider" in str(report)
 
 
-def test_minimum_time_asks_for_a_hamiltonian_of_minus_one(block: Any) -> None:
+def test_minimum_time_has_a_hamiltonian_of_minus_one(block: Any) -> None:
     # The interval beside the switch bends, and moves H there by the square of its length.
     report = rt.indirect.conditions(rt.plan(block(), rt.Mesh(20)), tolerance=2e-2)
     assert report.passed, str(report)

@@ -29,7 +29,7 @@ def cut(phase: rt.Phase, mesh: rt.Mesh) -> rt.Solution:
 
 @pytest.fixture(scope="module", params=[1 / 9, 0.08, 0.13])
 def bounce(bryson_denham: Any, request: pytest.FixtureRequest) -> tuple[float, rt.Solution]:
-    """A top, and the plan that knows nothing of its arcs."""
+    """A top, and its plan without a division into arcs."""
     return request.param, rt.plan(bryson_denham.phase(top=request.param), tolerance=1e-6)
 
 

@@ -117,7 +117,7 @@ def test_six_joints() -> None:
 
 
 @pytest.mark.slow
-def test_a_polished_cost_falls_with_the_start_as_its_costate_says(swing_up: Any) -> None:
+def test_the_costate_is_the_derivative_of_a_polished_cost(swing_up: Any) -> None:
     costs = [rt.indirect.polish(rt.plan(swing_up((h, 0.0)), rt.Mesh(40))) for h in (1e-3, 0.0, -1e-3)]
     slope = (costs[0].objective - costs[2].objective) / 2e-3
     assert costs[1].at(0.0).costate["q.slider"] == pytest.approx(slope, rel=1e-5)
@@ -218,7 +218,7 @@ def test_free_duration_explicit_time_and_a_fixed_parameter() -> None:
 
 
 def test_a_motion_without_controls() -> None:
-    # x0 is free within bounds, J = x(1)^2 falls with it: x0 stands at its lower bound.
+    # x0 is free within bounds, J = x(1)^2 decreases with it: x0 is at its lower bound.
     system = rt.System(["x"], [], lambda p: [-p.x["x"]])
     cost = rt.Mayer(lambda a, b: b.x["x"] ** 2)
     polished = rt.indirect.polish(

@@ -17,7 +17,7 @@ each_processor = pytest.mark.parametrize("processor", NATIVE.processors())
 
 
 def native(matrix: Any) -> Any:
-    """The matrix as the compiled module takes it."""
+    """Return the matrix in the format of the compiled module."""
     a = sp.csr_matrix(matrix)
     a.sort_indices()
     return NATIVE.Csr(*a.shape, a.indptr.astype(np.int64), a.indices.astype(np.int64), a.data)

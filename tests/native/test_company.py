@@ -96,7 +96,7 @@ def test_a_forked_process_solves_and_frees_what_it_was_given(pendulum: Any) -> N
     expected = program.solve(start, -BOUND, BOUND).objective
     child = os.fork()
     if child == 0:
-        # Nothing of pytest's may run here: what went well is told by the exit status.
+        # No code of pytest may run here: the exit status is the result.
         same = program.solve(start, -BOUND, BOUND).objective == expected
         other = written.build()
         same = same and other.solve(start, -BOUND, BOUND).objective == expected

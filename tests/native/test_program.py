@@ -320,7 +320,7 @@ def test_a_callback_stops_a_solve_and_the_iterate_stays(pendulum: Any) -> None:
 
 
 def test_a_problem_without_a_lowest_value_ends(shooting: Any) -> None:
-    """Curvature is negative wherever the iteration goes: the correction of the inertia makes steps, the bounds none."""
+    """The curvature is negative at every iterate: steps come from the inertia correction; no bound limits them."""
     written = shooting(lambda x, u: x + u, 1, 1, 4, lambda x, u: -(u**2), [0.0]).write()
     start = np.full(written.linear.shape[1], 0.1)
     outcome = written.build().solve(start, NONE, NONE, Options(max_iterations=200), time_limit=20.0)
@@ -389,7 +389,7 @@ def test_functions_that_are_no_numbers_fail_without_a_crash(shooting: Any) -> No
     assert np.isnan(outcome.objective)
 
 
-def test_rows_that_are_no_numbers_are_told_by_the_violation(shooting: Any) -> None:
+def test_rows_that_are_not_finite_have_the_violation_nan(shooting: Any) -> None:
     written = shooting(lambda x, u: x + ca.sqrt(u), 1, 1, 4, lambda x, u: u**2, [0.0], [1.0]).write()
     outcome = written.build().solve(np.full(7, -1.0), NONE, NONE, Options(max_iterations=20))
     assert outcome.status not in ("solved", "acceptable")

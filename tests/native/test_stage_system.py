@@ -142,7 +142,7 @@ def test_what_a_solution_leaves(name: str, processor: str, damped: bool) -> None
     assert greatest == np.abs(np.concatenate([gradient, rows[:second]])).max()
 
 
-def test_an_indefinite_hessian_is_told() -> None:
+def test_an_indefinite_hessian_is_reported() -> None:
     case = stages("an arm's shape", "")
     n, m = case.hessian.shape[0], case.jacobian.shape[0]
     dx, ds = np.zeros(n), np.full(m - case.split[1], 1e8)
@@ -151,7 +151,7 @@ def test_an_indefinite_hessian_is_told() -> None:
     assert case.solver.solve(dx, None, ds, np.ones(n), np.ones(m))[0] == "indefinite"
 
 
-def test_dependent_equalities_are_told_unless_they_are_damped() -> None:
+def test_dependent_equalities_are_reported_unless_they_are_damped() -> None:
     nu, nx, ng, nh = (np.array(each, dtype=np.int64) for each in ([1, 0], [2, 2], [2, 0], [0, 0]))
     rows, columns = np.array([0, 0, 1, 1, 2, 3]), np.array([1, 3, 2, 4, 1, 1])
     diagonal = np.arange(5)

@@ -142,7 +142,7 @@ def test_dependent_constraints_are_zero_pivots() -> None:
     negative, zero, _ = made.factorise(values, 1e-8, 1e-13)
     assert zero == 1
     assert negative == np.sum(np.linalg.eigvalsh(matrix) < 0)
-    # What has no pivot is left out of the solution: the rest still holds where the rows agree.
+    # Entries without a pivot are zero in the solution: consistent rows are still satisfied.
     b = twice @ np.ones(18)
     np.testing.assert_allclose(twice @ made.solve(b), b, atol=1e-9)
 

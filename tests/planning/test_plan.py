@@ -1,4 +1,4 @@
-"""Plans that fail say why and keep what they had; plans that start from others take fewer iterations."""
+"""Failed plans report the reason and keep the last iterate; plans that start from others need fewer iterations."""
 
 from __future__ import annotations
 
@@ -247,7 +247,7 @@ def test_a_phase_alone_is_a_problem() -> None:
 
 
 def test_success_is_claimed_only_after_every_row_was_evaluated_again() -> None:
-    """A solver that claims success at its guess is not believed."""
+    """The status of a solver that reports success at its guess is checked."""
 
     class Boaster(rt.Ipopt):
         def solve(self, nlp: Any, progress: Any = None, multipliers: Any = None) -> Any:

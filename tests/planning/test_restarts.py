@@ -1,4 +1,4 @@
-"""Durations that were guessed too short, and guesses that lead nowhere: problems that were called infeasible."""
+"""Restarts of feasible problems whose first solve fails: durations guessed too short, and poor guesses."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def oscillator(start: float, duration: Any = (0.1, 40.0), **changes: Any) -> rt.
 @pytest.mark.parametrize("halves", [1, 2, 3, 4])
 @pytest.mark.parametrize("solver", [rt.InteriorPoint(), rt.Ipopt()], ids=["interior point", "ipopt"])
 def test_the_bang_bang_oscillator(halves: int, solver: rt.solvers.Solver) -> None:
-    # From 2 m, m a whole number, half circles about -1 and 1 lead home: m pi seconds.
+    # From 2 m, m a whole number, half circles about -1 and 1 return to the origin in m pi seconds.
     solution = rt.plan(oscillator(2.0 * halves), rt.Mesh(), solver=solver)
     assert solution.duration == pytest.approx(halves * np.pi, rel=1e-2)
 
@@ -119,7 +119,7 @@ def test_a_guess_that_was_long_enough_is_not_called_short() -> None:
 
 
 def test_motions_that_a_fixed_duration_makes_impossible_are_passed_over() -> None:
-    # A radian at 1 rad/s takes a second: 3, 9 and 27 times 0.02 s are refused.
+    # The least duration of 1 rad at 1 rad/s is 1 s: 3, 9 and 27 times 0.02 s are too short.
     robot = rt.load("pendulum")
     never = rt.PathConstraint(lambda point: point.tau[0] ** 2, upper=-1.0, name="never")
     limits = robot.limits.with_(velocity=1.0)
@@ -155,7 +155,7 @@ def test_an_interruption_ends_all_beginnings(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def around_a_ball(duration: float = 1.0, **changes: Any) -> rt.Phase:
-    """A ur5 whose tool goes round a ball to a place 0.3 m away; no joint says where that is."""
+    """A ur5 whose tool moves around a ball to a place 0.3 m away, without joint positions at the end."""
     robot = rt.load("ur5")
     home = [0, -1.3, 1.6, -1.9, -1.57, 0]
     place = np.array([0.5854305, 0.10921554, 0.30325228])

@@ -128,7 +128,7 @@ def largest_share_of_effort(solution: rt.Solution) -> float:
     return float(np.max(np.abs(tau) / part.robot.limits.effort))
 
 
-def test_torques_that_bulge_over_their_limits_are_told_and_held_where_asked_for() -> None:
+def test_torques_that_exceed_their_limits_between_points_are_reported_and_bounded_on_request() -> None:
     bulging = rt.plan(hurried(), rt.Mesh(20))
     share = largest_share_of_effort(bulging)
     assert share > 1.05
@@ -149,7 +149,7 @@ def largest_acceleration(solution: rt.Solution) -> float:
     return max(float(np.abs(a).max()) for a in every)
 
 
-def test_accelerations_that_bulge_over_their_limits_are_told_and_held_where_torques_are() -> None:
+def test_accelerations_that_exceed_their_limits_between_points_are_reported_and_bounded_with_torques() -> None:
     phase = hurried()
     phase = phase.with_(objective=rt.Duration() + 1e-4 * rt.Effort(), limits=phase.limits.with_(acceleration=6.0))
     for scheme in (rt.HermiteSimpson(), rt.schemes.RadauIIA(3)):
@@ -180,7 +180,7 @@ def test_a_refined_effort_is_that_of_the_limits_themselves() -> None:
     assert rt.plan(phase, tolerance=1e-6).objective == pytest.approx(1071.8077, rel=1e-6)
 
 
-def test_an_interrupted_last_solve_of_a_refinement_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupted_last_solve_of_a_refinement_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     states = {"x": rt.between(0, 4), "v": rt.between(-2, 2), "a": rt.between(-4, 4)}
     carriage = rt.System(["x", "v", "a"], ["j"], lambda p: [p.x["v"], p.x["a"], p.u["j"]])
     limits = {"states": states, "controls": {"j": rt.between(-40, 40)}}

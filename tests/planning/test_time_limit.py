@@ -37,7 +37,7 @@ def test_the_last_iterate_is_kept(options: dict[str, object]) -> None:
 
 
 def test_other_beginnings_are_part_of_the_plan() -> None:
-    """No robot reaches so far; without a limit the plan takes many times as long."""
+    """The goal is out of reach; without a limit the plan takes many times as long."""
     far = cartpole().with_(duration=0.05)
     began = time.process_time()
     solution = rt.plan(far, time_limit=0.3, check=False)

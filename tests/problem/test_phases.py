@@ -131,7 +131,7 @@ def test_a_robot_that_turns_once_in_a_period() -> None:
     assert last.q - first.q == pytest.approx([2 * np.pi], abs=1e-9)
     assert last.v == pytest.approx(first.v, abs=1e-9)
     assert first.v[0] > 1
-    # By symmetry it stands upright at half time.
+    # By symmetry it is upright at half of the duration.
     assert solution.at(1.0).q == pytest.approx([np.pi], abs=0.2)
     rt.validate(solution).check(drift=1e-3)
 

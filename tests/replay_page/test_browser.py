@@ -1,4 +1,4 @@
-"""The page in a headless Chromium, offline: what is drawn is what Pinocchio says."""
+"""The page in a headless Chromium, offline: drawn poses are those of Pinocchio."""
 
 import shutil
 from collections.abc import Iterator
@@ -47,7 +47,7 @@ BOXES = """() => {
 
 
 class Browser:
-    """Opens pages offline and remembers all they complained of and asked for."""
+    """Opens pages offline and records their warnings, errors and requests."""
 
     def __init__(self, chromium: Any) -> None:
         self.chromium, self.complaints, self.requests = chromium, [], []
@@ -232,8 +232,8 @@ def test_arrows_and_cones_stand_where_the_plan_has_the_forces(walk, browser, tmp
     path = replay(walk, tmp_path / "walk.html", periods=3)
     page, course = browser.open(path), gait_cycles(walk, 3)
     scale = page.evaluate("() => robotraj.view.contacts.scale")
-    told = contact_scene(course, walk.phases[0].phase.robot, 1.0)
-    assert scale == pytest.approx(page.evaluate("() => robotraj.view.contacts.data.length") / told["unit"])
+    expected = contact_scene(course, walk.phases[0].phase.robot, 1.0)
+    assert scale == pytest.approx(page.evaluate("() => robotraj.view.contacts.data.length") / expected["unit"])
     for t, foot, number in ((0.3, "left_foot", 0), (1.0, "right_foot", 1), (1.75, "left_foot", 2)):
         page.evaluate(f"() => robotraj.seek({t})")
         drawn, now = page.evaluate(DRAWN), course.phases[number].at(t)

@@ -1,4 +1,4 @@
-"""Contacts in replays: forces where they act, cones where feet stand, impulses, required heights, mirrored periods."""
+"""Contacts in replays: forces at their points, cones at the feet, impulses, required heights, mirrored periods."""
 
 import base64
 import gzip

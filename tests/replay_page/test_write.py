@@ -76,7 +76,7 @@ def test_the_same_solution_gives_the_same_page(ur5, wave_plan, tmp_path):
     assert pages[0] == pages[1]
 
 
-def test_the_heading_says_what_was_solved_and_how(ur5, wave_plan, tmp_path):
+def test_the_heading_names_the_problem_and_the_method(ur5, wave_plan, tmp_path):
     plan = replace(
         wave_plan(ur5, 2.5, phases=2),
         success=False,

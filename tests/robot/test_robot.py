@@ -342,7 +342,7 @@ def test_bad_loads_are_refused_by_name(case, tmp_path):
 
 
 @pytest.mark.parametrize("case", FILES)
-def test_files_that_are_no_urdf_are_told_apart(case, tmp_path):
+def test_errors_distinguish_files_that_are_not_urdfs(case, tmp_path):
     text, part = FILES[case]
     path = tmp_path / "robot.urdf"
     path.write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Velocities of configurations with a quaternion: what Pinocchio's integrate and difference say, on many at once."""
+"""Velocities of many configurations with a quaternion agree with Pinocchio's integrate and difference."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ BEFORE = [(5, [0, 1, 2, 3, 4]), (4, [0, 1, 2, 3]), (2, [0, 1, 2]), (2, [0, 1]), 
 
 
 def five_link_map(stance: str) -> np.ndarray:
-    """Give A of (root_pitch, left_hip, left_knee, right_hip, right_knee) = A q, q the absolute angles q1 to q5."""
+    """Return A of (root_pitch, left_hip, left_knee, right_hip, right_knee) = A q, q the absolute angles q1 to q5."""
     pitch, hip, knee = [0, 0, -1, 0, 0], [0, -1, 1, 0, 0], [-1, 1, 0, 0, 0]
     other_hip, other_knee = [0, 0, 1, -1, 0], [0, 0, 0, 1, -1]
     legs = [hip, knee, other_hip, other_knee] if stance == "left" else [other_hip, other_knee, hip, knee]

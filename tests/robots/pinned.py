@@ -42,7 +42,7 @@ class Planar:
         return v
 
     def pinned(self, frame: str, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
-        """Accelerations while the foot stands: M a + h = tau + J' f, J a + J' v = 0."""
+        """Return the accelerations while the foot is held: M a + h = tau + J' f, J a + J' v = 0."""
         h = pin.nonLinearEffects(self.model, self.data, q, v)
         pin.forwardKinematics(self.model, self.data, q, v, np.zeros_like(v))
         drift = pin.getFrameClassicalAcceleration(
@@ -51,7 +51,7 @@ class Planar:
         return self.saddle(frame, q, np.concatenate([tau - h, -drift]))
 
     def impact(self, frame: str, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Velocities after the foot came to stand: M (v+ - v-) = J' impulse, J v+ = 0."""
+        """Return the velocities after the foot's impact: M (v+ - v-) = J' impulse, J v+ = 0."""
         return self.saddle(frame, q, np.concatenate([self.mass(q) @ v, [0.0, 0.0]]))
 
     def saddle(self, frame: str, q: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""five_link moves and strikes the ground as the paper's balances of angular momentum say."""
+"""five_link's motion and heel strike satisfy the paper's balances of angular momentum."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_five_link_accelerates_as_the_balances_of_angular_momentum_say(name, sta
 
 @pytest.mark.parametrize("stance", ["left", "right"])
 @pytest.mark.parametrize("name", TORSO)
-def test_five_link_loses_at_heel_strike_what_the_paper_says(name, stance):
+def test_five_link_has_the_papers_velocities_after_heel_strike(name, stance):
     robot, rng = Planar(name), np.random.default_rng(4)
     before, after = five_link_map(stance), five_link_map(OTHER[stance])
     for _ in range(SAMPLES):

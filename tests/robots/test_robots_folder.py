@@ -1,4 +1,4 @@
-"""The robots that ship with robotraj obey their textbook equations and say where they come from."""
+"""The robots that ship with robotraj satisfy their textbook equations and name their sources."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ GRAVITY = 9.81
 
 
 def objective(robot: rt.Robot, contact: object, calm: float = 1e-5) -> rt.objectives.Objective:
-    """Give what a gait minimises by default, and a little of the joints' accelerations."""
+    """Return the default objective of a gait plus a small weight on the joints' accelerations."""
     posture = rt.gait.gait_objective(robot, rt.gait.stand(robot, contact=contact))  # type: ignore[arg-type]
     return posture + calm * rt.Lagrange(lambda point: ca.sumsqr(point.a[6:]))
 
@@ -30,7 +30,7 @@ def assert_it_is_proved(solution: rt.Solution) -> None:
 
 
 def assert_cones_hold(solution: rt.Solution, friction: float, count: int = 400) -> None:
-    """|f_t| <= mu f_n wherever one looks, of forces and of impulses."""
+    """Check |f_t| <= mu f_n at all times, of forces and of impulses."""
     times = np.linspace(0.0, solution.duration, count)
     for force in solution.at(times).forces.values():
         held = force[:, 2] > 0.0

@@ -1,4 +1,4 @@
-"""Exported tables hold what the solution says, with units, at the times asked for."""
+"""Exported tables contain the values of the solution, with units, at the given times."""
 
 from __future__ import annotations
 
@@ -80,35 +80,35 @@ def test_times_can_be_given(cartpole: rt.Solution, tmp_path: Path) -> None:
 
 
 def test_a_json_tells_the_whole_story(cartpole: rt.Solution, tmp_path: Path) -> None:
-    told = json.loads(cartpole.to_json(tmp_path / "swing.json", samples=11).read_text())
-    assert told["status"] == "solved" and told["success"] is True
-    assert told["objective"] == cartpole.objective and told["duration"] == 2.0
-    assert told["iterations"] == cartpole.iterations and told["violations"] == []
-    assert told["phases"][0]["name"] == "swing-up" and told["phases"][0]["subject"] == "cartpole"
-    assert told["phases"][0]["knots"] == cartpole.knots.tolist()
-    assert told["units"]["v.pole"] == "rad/s"
-    assert list(told["columns"]) == list(told["units"])
-    assert {len(column) for column in told["columns"].values()} == {11}
-    assert told["columns"]["tau.slider"] == cartpole.at(np.linspace(0, 2, 11)).tau[:, 0].tolist()  # type: ignore[index]
+    data = json.loads(cartpole.to_json(tmp_path / "swing.json", samples=11).read_text())
+    assert data["status"] == "solved" and data["success"] is True
+    assert data["objective"] == cartpole.objective and data["duration"] == 2.0
+    assert data["iterations"] == cartpole.iterations and data["violations"] == []
+    assert data["phases"][0]["name"] == "swing-up" and data["phases"][0]["subject"] == "cartpole"
+    assert data["phases"][0]["knots"] == cartpole.knots.tolist()
+    assert data["units"]["v.pole"] == "rad/s"
+    assert list(data["columns"]) == list(data["units"])
+    assert {len(column) for column in data["columns"].values()} == {11}
+    assert data["columns"]["tau.slider"] == cartpole.at(np.linspace(0, 2, 11)).tau[:, 0].tolist()  # type: ignore[index]
 
 
 def test_a_phase_without_a_variable_leaves_it_empty(two_phases: rt.Solution, tmp_path: Path) -> None:
     header, rows = rows_of(two_phases.to_csv(tmp_path / "two.csv", samples=[0.5, 1.0, 2.0]))
     control = [row[header.index("u [N]")] for row in rows]
     assert control[0] != "" and control[1:] == ["", ""]
-    told = json.loads(two_phases.to_json(tmp_path / "two.json", samples=[0.5, 2.0]).read_text())
-    assert told["columns"]["u"][1] is None and told["columns"]["x"][1] is not None
-    assert told["parameters"] == {"mass": 2.0}
-    assert [phase["start"] for phase in told["phases"]] == [0.0, pytest.approx(1.0)]
+    data = json.loads(two_phases.to_json(tmp_path / "two.json", samples=[0.5, 2.0]).read_text())
+    assert data["columns"]["u"][1] is None and data["columns"]["x"][1] is not None
+    assert data["parameters"] == {"mass": 2.0}
+    assert [phase["start"] for phase in data["phases"]] == [0.0, pytest.approx(1.0)]
 
 
 def test_a_failed_solution_is_exported_with_its_violations(tmp_path: Path) -> None:
     system = rt.System(["x"], ["u"], lambda p: [p.u["u"]], name="integrator")
     phase = rt.Phase(system, 1.0, start=rt.State({"x": 0}), end=rt.State({"x": 5}), controls={"u": rt.between(-1, 1)})
     solution = rt.plan(phase, rt.Mesh(3), check=False)
-    told = json.loads(solution.to_json(tmp_path / "failed.json").read_text())
-    assert told["success"] is False and told["status"] == solution.status.value
-    assert told["violations"] == [str(violation) for violation in solution.violation_list] != []
+    data = json.loads(solution.to_json(tmp_path / "failed.json").read_text())
+    assert data["success"] is False and data["status"] == solution.status.value
+    assert data["violations"] == [str(violation) for violation in solution.violation_list] != []
 
 
 @pytest.mark.parametrize(

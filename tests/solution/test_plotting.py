@@ -172,7 +172,7 @@ def test_phases_are_banded_and_limits_end_with_them() -> None:
     assert len(axes.patches) == 1
 
 
-def test_a_failed_solution_says_so_in_red() -> None:
+def test_the_plot_of_a_failed_solution_is_marked_in_red() -> None:
     solution = plan(block(duration=3.0), 5, check=False)
     figure = solution.plot()
     assert figure.get_suptitle().startswith("INFEASIBLE")

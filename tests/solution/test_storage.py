@@ -209,7 +209,7 @@ def test_a_failed_solution_keeps_its_status_and_violations(tmp_path: Path) -> No
     assert loaded.violation_list == solution.violation_list
 
 
-def test_a_system_loads_without_its_equations_and_says_so(block: rt.Solution, tmp_path: Path) -> None:
+def test_a_system_loads_without_its_equations_and_raises_on_use(block: rt.Solution, tmp_path: Path) -> None:
     path = block.save(tmp_path / "block")
     with pytest.warns(UserWarning, match=r"without the equations of system 'block'.*problem="):
         loaded = rt.load_solution(path)
@@ -311,7 +311,7 @@ def test_a_class_outside_the_list_is_neither_written_nor_made() -> None:
 
 
 def _is_kept(kind: type) -> bool:
-    """Whether users may make values of the class: rooms above add classes of their own for one solve."""
+    """Whether users construct values of the class; higher rooms define internal classes for one solve."""
     above = ("robotraj.indirect.", "robotraj.planning.", "tests.")
     return kind.__module__.startswith("robotraj.") and not (
         kind.__module__.startswith(above) or inspect.isabstract(kind)
@@ -460,7 +460,7 @@ def test_another_version_is_refused_and_named(block: rt.Solution, tmp_path: Path
         rt.load_solution(path)
 
 
-def test_a_damaged_file_says_so(block: rt.Solution, tmp_path: Path) -> None:
+def test_a_damaged_file_raises_an_error(block: rt.Solution, tmp_path: Path) -> None:
     good = block.save(tmp_path / "good")
     path = rewritten(good, tmp_path / "bad.npz", **{"phases.0.trajectory.x.values": None})
     with pytest.raises(rt.InputError, match="damaged"):
@@ -484,7 +484,7 @@ def test_saving_where_nothing_can_be_saved_is_refused(block: rt.Solution, tmp_pa
         block.save(tmp_path / "folder.npz")
 
 
-def test_a_contact_on_a_function_is_not_saved_and_says_why(tmp_path: Path) -> None:
+def test_a_contact_on_a_function_is_not_saved_and_the_error_names_the_remedy(tmp_path: Path) -> None:
     robot = rt.load("hopper", root="planar")
     stand = {"root_x": 0.0, "root_z": 0.5, "root_pitch": 0.0, "hip": 0.0, "leg": 0.5}
     phase = rt.Phase(

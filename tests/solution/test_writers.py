@@ -1,4 +1,4 @@
-"""Files are written whole or not at all: an older one stays, nothing half-written is left, the message says so."""
+"""Files are written completely or not at all: an older file is kept, and the error reports it."""
 
 from __future__ import annotations
 

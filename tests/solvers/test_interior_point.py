@@ -37,7 +37,7 @@ def test_it_finds_the_optimum_of_ipopt_and_its_multipliers_prove_it(
     assert "interior point" in staged.message
     assert staged.objective == pytest.approx(ipopt.objective, rel=1e-6)
     assert not staged.violations()
-    # Stationarity and signs, in scaled units, of the multipliers that elimination had left out.
+    # Stationarity and signs, in scaled units, of the multipliers of eliminated rows.
     known = staged.multipliers
     assert known is not None and known.origin is not None
     nlp, w = known.origin.nlp, known.origin.w
@@ -122,7 +122,7 @@ def overdetermined() -> rt.Phase:
 
 
 @pytest.mark.parametrize("fallback", [None, rt.Ipopt()], ids=["alone", "with ipopt"])
-def test_more_equations_than_unknowns_are_told_by_the_status(fallback: rt.Ipopt | None) -> None:
+def test_more_equations_than_unknowns_have_a_status(fallback: rt.Ipopt | None) -> None:
     solution = rt.plan(overdetermined(), rt.Mesh(5), solver=rt.InteriorPoint(fallback=fallback), check=False)
     assert solution.status is rt.solvers.Status.OVERDETERMINED
     assert "equations for" in solution.message

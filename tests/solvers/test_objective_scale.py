@@ -24,7 +24,7 @@ def test_the_gap_of_the_first_barrier_is_a_share_of_the_objective() -> None:
 
 
 @pytest.mark.parametrize(("objective", "bounds"), [(0.0, 100), (np.nan, 100), (np.inf, 100), (5.0, 0)])
-def test_an_objective_is_left_as_it_is_where_its_size_says_nothing(objective: float, bounds: int) -> None:
+def test_an_objective_without_a_meaningful_size_is_not_scaled(objective: float, bounds: int) -> None:
     assert objective_scale(objective, bounds, 50, 1e-2) == 1.0
 
 

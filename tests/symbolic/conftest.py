@@ -60,7 +60,7 @@ class Case:
         return [np.array(result).reshape(result.shape[0], count, -1).transpose(1, 0, 2) for result in results]
 
     def point(self, index: int) -> dict[str, np.ndarray]:
-        """One point, with ``fext`` as 6 x njoints and ``forces`` as Pinocchio takes it."""
+        """One point, with ``fext`` as 6 x njoints and ``forces`` in Pinocchio's format."""
         njoints = self.model.njoints
         values = {
             name: value[:, index].copy() for name, value in self.points.items() if name not in ("fext", "direction")

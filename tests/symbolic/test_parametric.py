@@ -79,7 +79,7 @@ def test_frame_moves_with_the_translations(arm, other: pin.Model, parametric: Sy
 
 
 def test_inverse_dynamics_is_linear_in_the_inertias(arm, parametric: SymbolicModel) -> None:
-    """Its derivative is Pinocchio's joint torque regressor, armature apart."""
+    """Without armature, its derivative is Pinocchio's joint torque regressor."""
     point = arm.point(3)
     names = parametric.inverse_dynamics.name_in()
     values = {name: ca.SX.sym(name, parametric.inverse_dynamics.sparsity_in(i)) for i, name in enumerate(names)}

@@ -50,7 +50,7 @@ def test_the_solver_keeps_its_compiled_program() -> None:
     third = rt.plan(problem.with_(start=rt.State(q=np.add(START, 0.1), v=0)), MESH, guess=again, **OPTIONS)
     assert third.success
     assert origin(third).compiled.native is origin(first).compiled.native  # type: ignore[attr-defined]
-    # What an earlier solution says does not change when its program solves another problem.
+    # An earlier solution does not change when its program solves another problem.
     np.testing.assert_allclose(first.at(first.duration).q, GOAL, atol=1e-9)
     assert np.abs(first.multipliers.rows).max() > 0  # type: ignore[union-attr]
 

@@ -268,7 +268,7 @@ def test_bang_bang_with_a_tenth_less_force_drifts_by_a_tenth_of_the_way(make):
     assert report.drift["v.slider"].largest == pytest.approx(0.05, abs=1e-12)
     assert report.drift["v.slider"].time == pytest.approx(0.5)
     assert report.residual.dynamics["slider"].value == pytest.approx(0.1)
-    # 10 % less force does 10 % less work while speeding up, and takes 10 % less out while slowing down.
+    # 10 % less force does 10 % less work while speeding up, and removes 10 % less while slowing down.
     assert report.energy.worst == pytest.approx(0.1 * 0.5 * 0.25)
     with pytest.raises(ValidationFailed, match="v.slider by 0.005 m/s"):
         report.check()

@@ -1,4 +1,4 @@
-"""What a plan of a walk is worth, measured on plain Pinocchio from samples of the tool's own interpolant.
+"""Quality of a plan of a walk, computed with Pinocchio from samples of the tool's interpolant.
 
 Samples, with K intervals, S times each, F feet: t (K, S), q (K, S, nq), v and a (K, S, nv), tau (K, S, nu), force
 (K, S, F, 6) on each foot in world axes at its frame [N, N m], stands (K, F).

@@ -59,7 +59,7 @@ def samples(walk, model, problem, solver):
         problem.runningModels, problem.runningDatas, list(solver.xs)[:-1], solver.us, strict=True
     ):
         if not hasattr(action, "differential") or action.dt == 0.0:
-            continue  # an impulse, which takes no time
+            continue  # an impulse, whose duration is zero
         q, v, a = x[: model.nq], x[model.nq :], np.array(found.differential.xout)
         s = np.linspace(0.0, action.dt, SAMPLES)
         pin.framesForwardKinematics(model, data, q)

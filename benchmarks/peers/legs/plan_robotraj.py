@@ -67,7 +67,7 @@ def periodic(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
 
 
 def foot_of(walk: Walk, frame: str) -> rt.contacts.Contact:
-    """Give the contact of a foot."""
+    """Return the contact of a foot."""
     if walk.sole is None:
         return rt.PointContact(frame, friction=walk.friction)
     return rt.FlatFoot(frame, *walk.sole, friction=walk.friction)
@@ -142,7 +142,7 @@ class Still:
     v: tuple[float, ...]
 
     def __call__(self, t: Any) -> dict[str, Any]:
-        """Give posture and rest at any time."""
+        """Return the posture at rest at any time."""
         return {"q": self.q, "v": self.v}
 
 

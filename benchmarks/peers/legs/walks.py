@@ -23,12 +23,12 @@ class Walk:
     swing, support : int
         Nodes of a swing and of the stance on all feet before it.
     swings : tuple of (feet, share)
-        What swings, in turn, and how far as a share of ``length``; None is a stance on all feet.
+        Swinging feet in order, and the step as a fraction of ``length``; None is a stance on all feet.
     friction : float
     sole : (length, width), optional
         Of the robot's flat foot [m].
     box : (length, width), optional
-        What Crocoddyl's example takes for it [m].
+        Its size in Crocoddyl's example [m].
     """
 
     title: str
@@ -58,7 +58,7 @@ class Walk:
 FEET = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
 SOLES = ("left_sole_link", "right_sole_link")
 WALKS = {
-    # Nodes of Crocoddyl's examples/quadrupedal_gaits_fwddyn.py; steps shorter and lower: solo12 stands 0.235 m high.
+    # Nodes of Crocoddyl's examples/quadrupedal_gaits_fwddyn.py; steps are shorter and lower: solo12 is 0.235 m high.
     "L1": Walk(
         "solo12 walk", "solo12", FEET, "standing", 0.1, 0.05, 1e-2, 25, 2,
         (None, (("HR_FOOT",), 0.5), (("FR_FOOT",), 0.5), None, (("HL_FOOT",), 1.0), (("FL_FOOT",), 1.0)),

@@ -64,7 +64,7 @@ class Motion(om.ExplicitComponent):
 
 
 def limits(lower: Any, upper: Any, nodes: int) -> dict[str, Any]:
-    """Bounds as Dymos 1.15.1 takes those of vectors: of all nodes that are not fixed, one after the other."""
+    """Return bounds in the format of Dymos 1.15.1 for vectors: those of all nodes that are not fixed, in order."""
     finite = np.isfinite(upper).all()
     return {"lower": np.tile(lower, nodes), "upper": np.tile(upper, nodes)} if finite else {}
 

@@ -99,7 +99,7 @@ def curves_of(solution: rt.Solution) -> tuple[np.ndarray, ...]:
 
 
 def mesh_of(task: Task) -> rt.Mesh:
-    """Give equal intervals of Hermite-Simpson, or twice as many of lower order that crowd at both ends."""
+    """Return equal intervals of Hermite-Simpson, or twice as many of lower order that are dense at both ends."""
     if os.environ.get("PEERS_MESH") == "Chebyshev":
         return rt.Mesh.chebyshev(2 * task.intervals, rt.schemes.RadauIIA(2))
     # A bang-bang force is constant within each interval, so that it cannot bulge over its limit.

@@ -1,4 +1,4 @@
-"""Contacts on robots of every root, at random points, on the ground that their foot then stands on."""
+"""Contacts on robots of every root, at random points, on a ground that contains the foot."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Case:
         return RobotPoint(0.0, none, none, none, none, self.robot, q, v, a, None)
 
     def placed(self, q: Array) -> Any:
-        """The case with a ground on which the foot stands in q: a plane through it, along the sole or the edge."""
+        """Return the case with a ground under the foot in q: a plane through it, along the sole or the edge."""
         if isinstance(self.contact, LoopClosure):
             return self
         frame = self.numbers(q, np.zeros(self.robot.nv), np.zeros(self.robot.nv)).frame(self.contact.frame)

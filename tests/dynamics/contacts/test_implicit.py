@@ -38,7 +38,7 @@ def let_go(height: float, speed: float, friction: float, duration: float) -> rt.
     )
 
 
-def test_a_sliding_mass_stops_where_friction_says() -> None:
+def test_friction_stops_a_sliding_mass() -> None:
     friction, speed = 0.4, 2.0
     stop = speed / (friction * G)
     solution = let_go(0.0, speed, friction, 1.5 * stop)
@@ -63,7 +63,7 @@ def test_a_falling_mass_is_caught_and_stays() -> None:
     assert sample.q[:, 1].min() > -1e-8
     assert np.abs(sample.q[landed, 1]).max() < 1e-4
     assert sample.forces["body"][times < fall - 2 * solution.duration / INTERVALS, 2].max() < 1e-3
-    # The impact takes the momentum of the fall: the impulse of all forces is weight times time.
+    # The impact cancels the momentum of the fall: the impulse of all forces is weight times time.
     steps = np.diff(solution.knots)
     middle = solution.at(solution.knots[:-1] + 0.5 * steps).forces["body"][:, 2]
     assert steps @ middle == pytest.approx(2.0 * G * solution.duration, rel=1e-3)

@@ -21,7 +21,7 @@ QUANTITIES = {
 }
 VALUES = {"m": 3.1, "L": 0.61, "l": 0.2, "w": 1.3, "d": 0.4}
 NAMES = list(QUANTITIES)
-# The last ones stand on stretched bodies, one of them turned against its joint.
+# The last frames are on scaled bodies; one is rotated relative to its joint.
 FRAMES = ["shoulder_link", "wrist_1_link", "ee_link", "tool0"]
 
 
@@ -66,7 +66,7 @@ def test_frames(point, numeric, motion, frame: str, what: str) -> None:
 
 
 @pytest.mark.parametrize("frame", FRAMES)
-def test_a_frame_moves_as_its_jacobian_says(point, motion, frame: str) -> None:
+def test_a_frame_moves_by_its_jacobian(point, motion, frame: str) -> None:
     _, symbolic, symbols = point
     product = ca.mtimes(symbolic.symbolic.frame_jacobian(frame)(symbolic.q), symbolic.v)
     difference = evaluate(product - symbolic.frame(frame).velocity, symbols, motion)

@@ -1,4 +1,4 @@
-"""The witness, the replay and files see the robot that was designed."""
+"""The witness, the replay and files use the robot with its optimised design."""
 
 from __future__ import annotations
 

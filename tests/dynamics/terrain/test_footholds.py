@@ -1,4 +1,4 @@
-"""Contacts stand where the ground lets them: on its height, and with their whole sole on one tread."""
+"""Contacts satisfy the ground's constraints: they are at its height, with their whole sole on one tread."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 @pytest.fixture
 def engine(tmp_path: Path) -> rt.engines.Compiled:
-    """Compiles functions of any size, into a cache of its own."""
+    """Compiles functions of any size, into a separate cache."""
     return rt.engines.Compiled(least=1, cache=tmp_path / "cache")
 
 
@@ -71,6 +71,6 @@ def stance() -> tuple[rt.Problem, Mesh]:
 
 @pytest.fixture(name="polynomial")
 def small_function() -> ca.Function:
-    """An SX function that takes no time to compile."""
+    """An SX function that compiles quickly."""
     x, y = ca.SX.sym("x", 3), ca.SX.sym("y", 2)
     return ca.Function("polynomial", [x, y], [ca.vertcat(x[0] * y[1] + x[2], ca.dot(x, x) - 2.5 * y[0])])

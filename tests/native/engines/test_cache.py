@@ -34,7 +34,7 @@ WANTED = [Mapped(POLYNOMIAL, 8)]
 
 
 def use(engine: rt.engines.Compiled) -> None:
-    """Prepare a function and see that it computes."""
+    """Prepare a function and check its value."""
     [mapped] = engine.prepare(WANTED)
     x, y = np.arange(24.0).reshape(3, 8), np.ones((2, 8))
     np.testing.assert_array_equal(np.array(mapped(x, y)), np.array(POLYNOMIAL.map(8)(x, y)))
@@ -113,8 +113,8 @@ def test_another_process_finds_it(engine: rt.engines.Compiled) -> None:
         f"engine = rt.engines.Compiled(least=1, cache={str(engine.cache)!r})\n"
         "print(*engine.libraries([Mapped(polynomial, 8)]))\n"
     )
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert told.stdout.strip() == str(library(engine))
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == str(library(engine))
 
 
 def test_a_damaged_library_is_made_again(engine: rt.engines.Compiled) -> None:

@@ -136,7 +136,7 @@ def test_values_and_derivatives_are_those_of_the_graph(name: str) -> None:
     assert native.torques is not None
     points = points_of(plain)
     assert_same(evaluated(native, points), expected(plain, points))
-    # Without its torques apart, a stage is run as one tape.
+    # Without separate torques, a stage is evaluated as one tape.
     assert_same(evaluated(plain, points), expected(plain, points))
 
 

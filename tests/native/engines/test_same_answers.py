@@ -1,4 +1,4 @@
-"""Compiled C gives what CasADi's virtual machine gives, wherever it is asked."""
+"""Compiled C returns the values of CasADi's virtual machine at all points."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def compare(problem: rt.Problem, mesh: rt.Mesh, engine: rt.engines.Compiled) -> 
 def test_rows_objective_and_derivatives_are_the_same(posed: Posed, engine: rt.engines.Compiled) -> None:
     problem, mesh = posed
     nlp = compare(problem, mesh, engine)
-    # Every stage function of these problems stands in the cache: nothing was left to the virtual machine unnoticed.
+    # Every stage function of these problems is in the cache: the virtual machine evaluated none of them.
     large = [each.function for each in nlp.point_functions if each.count >= points_at_once()]
     assert len(engine.libraries(nlp.point_functions)) >= len(large) > 2
 

@@ -43,14 +43,14 @@ def test_the_weak_motor_is_named_with_a_torque_that_would_do(ur5: rt.Robot) -> N
     assert coarse(reach(ur5, limits=stronger), None).success
 
 
-def test_a_pose_out_of_reach_is_told_with_the_miss(ur5: rt.Robot) -> None:
+def test_a_pose_out_of_reach_is_reported_with_its_distance(ur5: rt.Robot) -> None:
     far = rt.AtEnd(rt.FramePosition("tool0", [1.5, 0.0, 0.3]))
     _, found = relaxed_motion(reach(ur5, end=rt.State(v=0), constraints=[far]), coarse)
     assert found and found[0].name.startswith("frame position") and found[0].time == pytest.approx(1.0)
     assert abs(found[0].bound - found[0].needed) > 0.3
 
 
-def test_a_duration_below_what_the_motors_allow_is_told() -> None:
+def test_a_duration_too_short_for_the_motors_is_reported() -> None:
     """A double integrator over 1 m with force 1 on 1 kg needs 2 s from rest to rest."""
     block = rt.System(["x", "v"], ["u"], dynamics=lambda p: [p.x["v"], p.u["u"]])
     phase = rt.Phase(

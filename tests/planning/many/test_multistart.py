@@ -1,4 +1,4 @@
-"""Multistart: distinct optima told apart, counted and ranked, the same on any executor."""
+"""Multistart: distinct optima are distinguished, counted and ranked, identically on any executor."""
 
 from __future__ import annotations
 

@@ -114,7 +114,7 @@ def test_robots_travel_to_the_default_processes_of_a_script(tmp_path: Path) -> N
 
 
 @pytest.mark.slow
-def test_a_script_without_a_guard_is_told_what_to_do(tmp_path: Path) -> None:
+def test_the_error_of_a_script_without_a_guard_names_the_remedy(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
         "import robotraj as rt\n"
@@ -231,7 +231,7 @@ def test_ctrl_c_does_not_wait_for_fresh_processes() -> None:
 
 def test_ctrl_c_while_tasks_are_handed_over() -> None:
     class Pressed(ThreadPoolExecutor):
-        """Gives the third task no chance."""
+        """Never runs the third task."""
 
         left = 2
 

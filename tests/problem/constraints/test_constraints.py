@@ -1,4 +1,4 @@
-"""Constraints hold where they say, on plans that would break them otherwise."""
+"""Constraints hold at their times, on plans that would violate them otherwise."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_clearance_keeps_the_tip_above_a_slope_and_a_bump() -> None:
             poses = [tip(robot, q).translation for q in solution.at(solution.phases[0].points).q]
             return min(float(p[2] - height(p[0], p[1])) for p in poses)
 
-        # The way below the shoulder, which only the ground forbids, is one of several optima; IPOPT takes it.
+        # The path below the shoulder, which only the ground forbids, is one of several optima; IPOPT finds it.
         assert least(rt.plan(free, rt.Mesh(), solver=rt.Ipopt())) < 0.0
         assert least(rt.plan(held, rt.Mesh(), solver=rt.Ipopt())) >= 0.05 - 1e-6
 
@@ -128,7 +128,7 @@ def test_frame_pose_is_reached_however_it_is_written(write: str) -> None:
     assert np.linalg.norm(pin.log6(goal.actInv(data.oMf[frame])).vector) < 1e-5
 
 
-def test_a_constraint_at_the_start_says_nothing_later() -> None:
+def test_a_constraint_at_the_start_does_not_apply_later() -> None:
     quiet = rt.AtStart(rt.constraints.JointEffort(rt.between(0, 0)))
     solution = rt.plan(swing(quiet))
     assert solution.at(0.0).tau[0] == pytest.approx(0, abs=1e-7)

@@ -1,4 +1,4 @@
-"""Links that cannot hold say which phase, state or parameter is wrong."""
+"""Errors of links that cannot hold name the phase, state or parameter."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_a_state_that_does_not_exist_lists_the_valid_ones(push: Any) -> None:
     assert "'w'" in refused(phases, rt.Periodic({"w": 1.0}))
 
 
-def test_a_period_of_a_phase_by_its_number_says_what_is_meant(push: Any) -> None:
+def test_a_period_of_a_phase_by_its_number_is_an_error_that_names_the_remedy(push: Any) -> None:
     assert "Phases are named by first= and last=" in refused([push.phase()], rt.Periodic(0))  # type: ignore[arg-type]
 
 

@@ -1,4 +1,4 @@
-"""A mirror that swaps legs must say which foot becomes which."""
+"""A mirror that swaps legs needs the pairs of feet."""
 
 from __future__ import annotations
 

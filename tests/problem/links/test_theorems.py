@@ -72,7 +72,7 @@ def test_a_bounce_loses_speed_at_the_wall(push: Any) -> None:
 
 
 def test_a_linkage_of_one_phase_joins_its_own_ends(push: Any) -> None:
-    """Rest is not asked for, but that speed turns round: v(1) = -v(0); the parabola u = -2 costs 4 instead of 12."""
+    """The condition is not rest but a reversed speed, v(1) = -v(0): the parabola u = -2 costs 4 instead of 12."""
     phase = push.phase(1.0, {"x": 0, "v": 1}, {"x": 0})
     turn = rt.links.Linkage((0,), lambda step: step.end.x["v"] + step.start.x["v"])
     assert push.plan([phase], [turn]).objective == pytest.approx(4, **CLOSE)
@@ -179,7 +179,7 @@ def test_an_integral_holds_in_its_own_phase_alone(push: Any) -> None:
     assert solution.phases[0].at(1.0).x["v"] == pytest.approx(w, abs=1e-7)
 
 
-def test_time_runs_on_where_no_link_says_when_a_phase_starts(push: Any) -> None:
+def test_time_is_continuous_where_no_link_sets_the_start_of_a_phase(push: Any) -> None:
     phases = [push.phase(1.0, [0, 0], [1, 0]), push.phase(1.0, [1, 0], [0, 0]), push.phase(0.5, [0, 0], [1, 0])]
     solution = push.plan(phases, [])
     assert [part.t0 for part in solution.phases] == pytest.approx([0, 1, 2], abs=1e-9)
@@ -200,7 +200,7 @@ def test_time_runs_on_where_no_link_says_when_a_phase_starts(push: Any) -> None:
     ],
     ids=["equal duration", "durations", "total", "place", "parameter"],
 )
-def test_a_link_that_says_nothing_of_a_start_time_leaves_time_running_on(push: Any, link: rt.links.Link) -> None:
+def test_time_is_continuous_under_a_link_without_start_times(push: Any, link: rt.links.Link) -> None:
     known = {"parameters": {"p": rt.between(0, 1)}}
     phases = [push.phase((1.5, 3), [0, 0], [1, 0], **known), push.phase((1.5, 3), [1, 0], [2, 0], **known)]
     problem = rt.Problem(phases, [link])
@@ -209,7 +209,7 @@ def test_a_link_that_says_nothing_of_a_start_time_leaves_time_running_on(push: A
     assert second.t0 == pytest.approx(first.duration, abs=1e-8)
 
 
-def test_a_link_that_says_when_a_phase_starts_has_its_way(push: Any) -> None:
+def test_a_link_may_set_the_start_of_a_phase(push: Any) -> None:
     phases = [push.phase(1.0, [0, 0], [1, 0]), push.phase(1.0, [1, 0], [0, 0]), push.phase(1.0, [1, 0], [2, 0])]
     pause = rt.links.Linkage((0, 1), lambda a, b: b.start.t - a.end.t, 0.5, 0.5, name="pause")
     solution = push.plan(phases, [pause, rt.links.Jump(0, 2, {"x": None, "v": None})])

@@ -1,4 +1,4 @@
-"""Objectives and guesses of phases whose design is free know the design."""
+"""Objectives and guesses of phases with a free design use the design."""
 
 from __future__ import annotations
 

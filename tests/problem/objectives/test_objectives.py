@@ -1,4 +1,4 @@
-"""Objectives add up, scale, and are what their formulas say."""
+"""Objectives add up, scale, and equal their formulas."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_effort_is_the_integral_of_squared_torques_without_a_half() -> None:
     assert rt.plan(move(SQUARE), rt.Mesh(4)).objective == pytest.approx(12.0, rel=1e-9)
 
 
-def test_weights_and_time_trade_off_as_calculus_says() -> None:
+def test_weighted_effort_and_time_have_the_analytical_optimum() -> None:
     """12 w / T^3 + c T is least at T = (36 w / c)^(1/4)."""
     w, c = 0.5, 3.0
     solution = rt.plan(move(w * SQUARE + rt.Duration() * c, (0.1, 9)), rt.Mesh(4))

@@ -24,7 +24,7 @@ def reach(arm: rt.Robot, scheme: rt.schemes.LobattoIIIA, knots: int) -> rt.Solut
     return rt.plan(rt.Phase(arm, duration=2.0, objective=rt.Effort(), **ends), mesh=rt.Mesh(knots, scheme))
 
 
-def test_a_constant_reference_costs_what_the_riccati_equation_says() -> None:
+def test_a_constant_reference_has_the_cost_of_the_riccati_equation() -> None:
     # min of the integral of (x - 1)^2 + u^2, x(0) = 0: tanh T, with x = 1 - cosh(T - t) / cosh T.
     phase = rt.Phase(
         INTEGRATOR,

@@ -1,4 +1,4 @@
-"""Shapes are found without being told where, follow the planning model, and are optional."""
+"""Shapes are found without package_dirs, follow the planning model, and are optional."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ AROUND = ["package://my_robot/meshes/part.obj", "../meshes/part.obj", "{absolute
 
 @pytest.fixture
 def package(tmp_path, urdf):
-    """Return a function that writes a package whose URDF in a folder of its own names a mesh."""
+    """Return a function that writes a package whose URDF, in a separate folder, names a mesh."""
 
     def write(address):
         folder = tmp_path / "my_robot"

@@ -53,7 +53,7 @@ def test_a_follower_may_be_locked_where_its_leader_puts_it_and_nowhere_else(urdf
         rt.load(path, locked={"thumb": 1.0})
 
 
-def test_the_robot_says_what_was_locked(urdf):
+def test_the_notes_of_a_robot_list_locked_joints(urdf):
     assert any("finger at 0, thumb at 0.3" in note for note in rt.load(gripper(urdf)).notes)
 
 

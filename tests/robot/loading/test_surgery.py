@@ -14,7 +14,7 @@ CONTINUOUS = ("kinova", "double_pendulum_continuous", "tiago_no_hand")
 
 
 def with_cosines(model, angle):
-    """The configuration of the original model that the angles stand for."""
+    """Return the configuration of the original model for the angles."""
     q = pin.neutral(model)
     for joint in list(model.joints)[1:]:
         value = angle[joint.idx_v]
@@ -115,7 +115,7 @@ def test_the_callers_model_is_never_written_to(name):
     assert model.saveToString() == before
 
 
-def test_links_named_like_their_joints_are_told_apart(urdf):
+def test_links_named_like_their_joints_are_distinguished(urdf):
     joints = (("a", "revolute", "0 0 1"), ("b", "continuous", "0 1 0"), ("c", "revolute", "1 0 0"))
     text = urdf.chain(*joints).read_text(encoding="utf-8")
     for link, joint in (("link1", "a"), ("link2", "b"), ("link3", "c")):

@@ -1,4 +1,4 @@
-"""A plan passed through several times: periods join, mirrored feet stand where they came down."""
+"""A plan repeated several times: periods join, and mirrored feet stay at their footholds."""
 
 from types import SimpleNamespace
 

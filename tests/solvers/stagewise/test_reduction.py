@@ -1,4 +1,4 @@
-"""A program in stages says what the NLP says: same objective, rows and bounds, and exact derivatives."""
+"""A program in stages is equivalent to the NLP: equal objective, rows and bounds, and exact derivatives."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Numbers:
             values += part.jacobian @ own.ravel(order="F")
         shape = (program.linear.rows, y.size)
         jacobian = sparse.csr_array((values, program.jacobian), shape=shape)
-        # The list leaves out x_{k+1}, which stands in the dynamics with -1.
+        # The list omits x_{k+1}, whose coefficient in the dynamics is -1.
         dynamics = len(self.reduction.slots.carried)
         states = np.flatnonzero(program.columns_of_states)
         minus = sparse.csr_array((-np.ones(dynamics), (np.arange(dynamics), states)), shape=shape)
@@ -99,7 +99,7 @@ class Numbers:
 
 
 def consistent(reduction: Reduction, y: Array) -> Array:
-    """Make the states of y what the dynamics say."""
+    """Set the states of y to those of the dynamics."""
     slots, program = reduction.slots, reduction.program
     states = np.flatnonzero(program.columns_of_states)
     arriving = slots.carried[:, 0]
@@ -130,7 +130,7 @@ def test_program_and_nlp_say_the_same(
     program, rows = reduction.program, numbers.rows(y)
     dynamics = len(reduction.slots.carried)
     np.testing.assert_allclose(rows[:dynamics], 0.0, atol=1e-12)
-    # Every row and bound of the NLP is as far from its bounds as the program says.
+    # Every row and bound of the NLP has the distance from its bounds that it has in the program.
     lower = np.concatenate([np.zeros(rows.size - program.lower.size), program.lower])
     upper = np.concatenate([np.zeros(rows.size - program.upper.size), program.upper])
     ours = np.max(np.maximum(lower - rows, rows - upper), initial=0.0)

@@ -1,4 +1,4 @@
-"""Rows that hold by themselves, or that others say already, are left out; what contradicts them is not."""
+"""Redundant rows are removed; contradicting rows are kept."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ def solve(problem: rt.Problem, solver: rt.solvers.Solver, guess: rt.Solution | N
 def test_rows_of_fixed_columns_are_no_equations(robot: rt.Robot) -> None:
     held = level(robot, rt.State(q=reaching(robot, 0.4, -0.3), v=0))
     program = reduce(transcribe(held, MESH, None, None)).program
-    # A stage has the height of its first knot and its rate. Both ends say them by the joints' positions and rest; the
-    # first has the height's acceleration.
+    # A stage has the height of its first knot and its rate. The fixed joint positions and the rest at both ends imply
+    # them; the first stage has the height's acceleration.
     assert program.equalities.tolist() == [1, *[2] * 11, 12]
 
 
@@ -77,7 +77,7 @@ def test_a_hand_held_at_a_height_is_planned_as_by_ipopt(robot: rt.Robot, objecti
     assert staged.objective == pytest.approx(ipopt.objective, rel=1e-6)
 
 
-def test_a_goal_that_says_the_height_again_is_one_row(robot: rt.Robot) -> None:
+def test_a_goal_that_repeats_the_height_is_one_row(robot: rt.Robot) -> None:
     goal = rt.AtEnd(rt.FramePosition("tool0", [0.1, 0.5, HEIGHT]))
     problem = level(robot, rt.State(v=0), goal)
     program = reduce(transcribe(problem, MESH, None, None)).program

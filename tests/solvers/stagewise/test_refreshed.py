@@ -128,7 +128,7 @@ def loosened(nlp: Nlp) -> Nlp:
 
 
 def limited(nlp: Nlp) -> Nlp:
-    """Give one open column a bound."""
+    """Add a bound to one unbounded column."""
     upper = nlp.variables.upper.copy()
     upper[np.flatnonzero(np.isinf(upper))[0]] = 100.0
     return replace(nlp, variables=replace(nlp.variables, upper=upper))

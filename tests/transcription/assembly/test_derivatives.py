@@ -98,7 +98,7 @@ def test_derivatives_are_those_of_the_whole_graph(name: str, problems: dict) -> 
 
 
 def test_only_requested_results_are_evaluated_and_a_failure_is_reported() -> None:
-    """IPOPT takes a shorter step where a function cannot be evaluated."""
+    """IPOPT shortens its step where a function cannot be evaluated."""
     asked = []
 
     def first(x: Array, _: Array) -> Array:

@@ -18,7 +18,7 @@ def seen(errors: list[float], broken: float = 0.0, growth: float = 1.0) -> Asses
 
 
 def test_intervals_within_the_tolerance_stay_and_others_are_cut_by_the_order_of_the_scheme() -> None:
-    """Three points: the error falls as h^4, and a quarter of the tolerance is aimed at: 4 * 4 = 16 asks for 2 parts."""
+    """Three points: the error falls as h^4, the target is a quarter of the tolerance: 4 * 4 = 16 needs 2 parts."""
     mesh = rt.Mesh(4)
     refined = rt.refinement.Equidistribute().refine(mesh, seen([0.1, 4, 4, 0.1]), TOLERANCE)
     assert refined.knots == pytest.approx([0, 1 / 4, 3 / 8, 1 / 2, 5 / 8, 3 / 4, 1])

@@ -1,4 +1,4 @@
-"""Knots that move stand on the switching times of bang-bang problems."""
+"""Moving knots converge to the switching times of bang-bang problems."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""plan(tolerance=...): meshes that refine until the error holds, and say so where it does not."""
+"""plan(tolerance=...): meshes are refined until the error is below the tolerance; else the plan reports it."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_a_tighter_tolerance_is_a_smaller_error(optimum: float) -> None:
     assert errors[0] < 1e-3 and errors[1] < 1e-5 and errors[2] < 1e-8
 
 
-def test_the_meshes_are_told_one_by_one() -> None:
+def test_the_meshes_are_listed_one_by_one() -> None:
     solution = rt.plan(swing_up(), rt.Mesh(5, rt.schemes.RadauIIA(3)), tolerance=1e-6)
     steps = solution.refinement
     assert steps[0].intervals == 5 and steps[0].points == 15
@@ -389,7 +389,7 @@ def test_a_small_objective_is_as_accurate_as_a_large_one() -> None:
     assert solution.objective == pytest.approx(0.02 * (3 - np.sqrt(5)), rel=1e-6)
 
 
-def test_a_complementarity_that_the_user_asks_for_stays() -> None:
+def test_the_users_complementarity_is_kept() -> None:
     plain = rt.Ipopt(tolerance=1e-7)
     assert plain.sharper(0.1).options == {"compl_inf_tol": pytest.approx(1e-8)}
     assert plain.sharper(1e-9) == plain.sharper(1e-10)

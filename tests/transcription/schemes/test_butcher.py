@@ -97,7 +97,7 @@ def test_matrix_integrates_every_polynomial_that_the_nodes_determine(scheme: Col
 @pytest.mark.parametrize("scheme", SCHEMES, ids=label)
 def test_weights_are_exact_to_the_order_and_no_further(scheme: Collocation) -> None:
     def error(power: int) -> float:
-        # Shifted Legendre polynomials see the error without cancellation: their integral is 0.
+        # Shifted Legendre polynomials measure the error without cancellation: their integral is 0.
         polynomial = np.polynomial.legendre.Legendre.basis(power)
         return float(abs(scheme.weights @ polynomial(2 * scheme.nodes - 1) - (power == 0)))
 

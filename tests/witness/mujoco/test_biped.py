@@ -1,4 +1,4 @@
-"""Bolt, two legs that end in points, walks in space: it cannot stand still, and MuJoCo follows its steps."""
+"""Bolt, with two point feet, walks in space: it cannot stand still, and MuJoCo tracks its steps."""
 
 from functools import partial
 

@@ -42,7 +42,7 @@ def resting(robot, contacts, q):
 
 
 def standing(robot, frame, place, rotation=None):
-    """Configuration (nq,) whose frame stands at a place, turned by a rotation."""
+    """Return the configuration (nq,) whose frame is at a place with a rotation."""
     q = np.array(robot.neutral)
     q[7:] = np.linspace(0.3, -0.6, robot.nq - 7)
     model, data = robot.model, robot.model.createData()
@@ -54,7 +54,7 @@ def standing(robot, frame, place, rotation=None):
 
 
 def distances(robot, contact, q):
-    """Distances [m] of MuJoCo's contacts where the plan's foot stands on the ground."""
+    """Return the distances [m] of MuJoCo's contacts while the plan's foot is on the ground."""
     course = ReferenceMotion(resting(robot, [contact], q))
     feet = feet_of(course)
     soft = rt.witness.SoftGround(radius=0.01)

@@ -12,7 +12,7 @@ from robotraj.witness.simulation.mirror_image import mirror_image, mirror_of
 
 
 def signed(robot, mirror):
-    """Matrix that takes velocities to those of the mirrored motion, from the signs of its states."""
+    """Return the matrix from velocities to those of the mirrored motion, from the signs of its states."""
     both = {**mirror.partners, **{b: a for a, b in mirror.partners.items()}}
     names = list(robot.velocity_names)
     matrix = np.zeros((robot.nv, robot.nv))
@@ -42,7 +42,7 @@ def test_the_image_needs_the_torques_of_the_robot_in_the_mirrored_motion(name):
     own = pin.rnea(image.model, image.model.createData(), q, v, a)
     needed = pin.rnea(robot.model, robot.model.createData(), mirrored, swap @ v, swap @ a)
     weight = 9.81 * sum(inertia.mass for inertia in robot.model.inertias)
-    # Joints stand within the tolerance of the mirror where their images do.
+    # Joints are within the tolerance of the mirror where their images are.
     np.testing.assert_allclose(swap @ own, needed, atol=5e-3 * weight)
     unchanged = pin.rnea(robot.model, robot.model.createData(), q, v, a)
     if name == "hyq":
