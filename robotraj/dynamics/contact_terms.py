@@ -74,7 +74,9 @@ def extract_addends(y: ca.SX, known: ca.SX, addends: Sequence[SymbolicAddend]) -
     plain, inputs = [], []
     for each in addends:
         places = positions_in(known, each.arguments)
-        if (places >= 0).all():
+        # An addend has one row for each entry: an entry that no row reads, or several rows, stays in the graph.
+        read = np.bincount(ca.jacobian_sparsity(y, each.symbols).get_triplet()[1], minlength=each.symbols.numel())
+        if (places >= 0).all() and (read == 1).all():
             plain.append(each)
             inputs.append(places)
     y = insert_graphs(y, [each for each in addends if each not in plain])
@@ -82,7 +84,7 @@ def extract_addends(y: ca.SX, known: ca.SX, addends: Sequence[SymbolicAddend]) -
         return y, []
     symbols = ca.vertcat(*(each.symbols for each in plain))
     rows, columns = ca.jacobian(y, symbols).sparsity().get_triplet()
-    row_of = np.full(symbols.numel(), -1, dtype=np.int64)
+    row_of = np.zeros(symbols.numel(), dtype=np.int64)
     row_of[columns] = rows
     ends = np.cumsum([each.symbols.numel() for each in plain])[:-1]
     own = zip(plain, inputs, np.split(row_of, ends), strict=True)

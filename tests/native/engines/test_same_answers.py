@@ -129,3 +129,26 @@ def test_small_functions_few_points_and_shooting_stay_with_the_virtual_machine(
     assert [f.size_out(0) for f in engine.prepare(wanted)] == [(2, 50), (3, 50)]
     rt.engines.Compiled(least=1, cache=tmp_path / "cache").prepare([Mapped(polynomial, 1)])
     assert not (tmp_path / "cache").exists()
+
+
+def test_contacts_of_which_a_row_reads_no_force_are_the_same() -> None:
+    robot = rt.load("hopper", root="planar")
+    still = {"root_z": 0.5, "root_pitch": 0.0, "hip": 0.0, "leg": 0.5}
+    phase = rt.Phase(
+        robot,
+        duration=1.0,
+        contacts=[rt.contacts.ImplicitContact("foot", friction=0.8, relaxation=1.0)],
+        start=rt.State(q=still | {"root_x": 0.0}, v=0),
+        end=rt.State(q=still | {"root_x": 0.5}, v=0),
+        objective=rt.Effort({"hip": 1.0, "leg": 0.01}),
+    )
+    mesh = rt.Mesh(3, rt.schemes.RadauIIA(1))
+    plain, native = (
+        rt.transcription.transcribe(rt.Problem([phase]), mesh, engine=engine)
+        for engine in (rt.engines.VirtualMachine(), rt.engines.Native())
+    )
+    w = plain.guess + 0.1 * np.random.default_rng(3).standard_normal(len(plain.guess))
+    m = np.random.default_rng(4).standard_normal(len(plain.rows))
+    np.testing.assert_allclose(native.values(w), plain.values(w), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(native.jacobian(w).toarray(), plain.jacobian(w).toarray(), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(native.hessian(w, m).toarray(), plain.hessian(w, m).toarray(), rtol=1e-8, atol=1e-8)
