@@ -73,7 +73,7 @@ def torques(contact: BoundContact, point: RobotPoint, forces: Sequence[Scalar]) 
 
 
 def pinned(robot: Robot, contacts: Sequence[BoundContact]) -> bool:
-    """Whether corrections move the root alone: the robot has one contact with as many rows as root freedoms."""
+    """Whether corrections move only the root: the robot has one contact with as many rows as root freedoms."""
     return len(contacts) == 1 and bool(contacts[0].anchors) and len(contacts[0].holds) in ROOT_FREEDOMS[robot.root]
 
 

@@ -77,7 +77,7 @@ def _nan_rows(rows: Sequence[ca.SX]) -> list[int]:
 
 
 def _holds_nan(row: ca.SX) -> bool:
-    """Whether NaN is a constant of an expression; roots and logarithms may be NaN at the trial point alone."""
+    """Whether NaN is a constant of an expression; roots and logarithms may be NaN only at the trial point."""
     symbols = ca.symvar(row)
     function = ca.Function("row", [ca.vertcat(ca.SX(0, 1), *symbols)], [row])
     numbers = [k for k in range(function.n_instructions()) if function.instruction_id(k) == ca.OP_CONST]

@@ -1,4 +1,4 @@
-"""Loading the compiled module, and refusing one that does not fit what is installed."""
+"""Load the compiled module; a module built against other versions raises BuildMismatch."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def load_native() -> ModuleType:
     Raises
     ------
     BuildMismatch
-        When the module is missing, cannot be loaded, or was built against other versions.
+        The module is missing, cannot be loaded, or was built against other versions.
     """
     try:
         native = import_module("robotraj.native._native")

@@ -31,7 +31,7 @@ def rigid_tree(model: pin.Model) -> RigidTree:
     for i in range(1, model.njoints):
         joint, free = model.joints[i], flies and i == 1
         if flies and not free and model.parents[i] == 0:
-            raise ValueError(f"joint '{model.names[i]}' hangs in the world beside a free-flyer")
+            raise ValueError(f"joint '{model.names[i]}' is attached to the world beside a free-flyer")
         direction, angular = (_NO_AXIS, False) if free else _axis(model.names[i], joint, neutral)
         place, body = model.jointPlacements[i], model.inertias[i]
         parents.append(model.parents[i] - 1)

@@ -60,7 +60,7 @@ class Limits(OneLine):
     effort : (nv,) array
         abs(tau) <= effort [N m, N].
     free : int
-        Number of the root's entries, which come first. A limit for all joints does not apply to them. A floating root
+        Number of the root's entries, which are first. A limit for all joints does not apply to them. A floating root
         has six entries and no position limits.
     """
 
@@ -159,7 +159,7 @@ class Limits(OneLine):
         return replace(self, **new)
 
     def override(self, changes: Limits | Mapping[str, Any]) -> Limits:
-        """Apply ``rt.load``'s ``limits=``: a mapping by quantity, see ``with_``, or Limits."""
+        """Return the limits after ``limits=`` of ``rt.load``: a mapping by quantity, see ``with_``, or Limits."""
         if isinstance(changes, Limits):
             if changes.joints != self.joints:
                 raise InputError(

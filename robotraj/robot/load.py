@@ -28,16 +28,15 @@ def load(
     Parameters
     ----------
     source : str, path, pinocchio.Model or pinocchio.RobotWrapper
-        A name (``catalogue()`` lists them; robotraj's own win over example-robot-data's), the path of a URDF
-        file, or a model, which is copied and never written to.
+        A name, the path of a URDF file, or a model, which is copied and not changed. ``catalogue()`` lists the names;
+        robotraj's robots precede those of example-robot-data.
     package_dirs : path or sequence of paths
         Folders that are searched for meshes before the URDF's own.
     trust_paths : bool
         Read meshes from any path that the URDF names, and search the folders above the URDF and ROS's package paths.
         Default: meshes in ``package_dirs`` and the URDF's own folder only. Robots of the catalogue are trusted.
     actuated : iterable of str, optional
-        Joints with a motor. Default: those the catalogue knows (acrobot: the elbow; cartpole: the slider),
-        else all.
+        Joints with a motor. Default: those of the catalogue (acrobot: the elbow; cartpole: the slider), else all.
     locked : mapping, optional
         Joints locked at a position, ``{"wrist": 0.0}`` [rad, m]; q and v do not contain them.
     root : str
@@ -56,15 +55,15 @@ def load(
     Raises
     ------
     InputError
-        An unknown name, an unreadable file, a URDF that is no tree or too large, numbers in it that are missing, NaN
-        or infinite, moving bodies with an indefinite inertia, joints with more than one degree of freedom, names that
-        the root would share with joints or links, nothing left to move, impossible limits.
+        The name is unknown or the file unreadable. The URDF is not a tree, is too large, or has numbers that are
+        missing, NaN or infinite. A moving body has an indefinite inertia, or a joint several degrees of freedom. A
+        joint or link has a name of the root. No joint moves. The limits are impossible.
 
     Warns
     -----
     UserWarning
-        The URDF has inertias that no rigid body has, joints that move no mass, axes that are no unit vectors, or limits
-        that no motor has. ``robot.notes`` and ``robotraj show`` list them.
+        The URDF has inertias of no rigid body, joints without moving mass, axes that are not unit vectors, or
+        implausible limits. ``robot.notes`` and ``robotraj show`` list them.
 
     Notes
     -----

@@ -49,9 +49,9 @@ def reference(model: pin.Model, srdf: Path | None, root: str = "fixed") -> tuple
 
 
 def inside(q: Array, limits: Limits) -> Array:
-    """Move each joint to the nearest position within its limits; inverted limits move nothing [rad, m].
+    """Move each joint to the nearest position within its limits [rad, m]; inverted limits are ignored.
 
-    A floating root has one position more than limits; it stays.
+    A floating root does not move; it has one position more than limits.
     """
     lower, upper = limits.positions
     return np.where(lower <= upper, np.clip(q, lower, upper), q)

@@ -34,16 +34,16 @@ class Robot:
     """A robot ready for planning: M(q) a + h(q, v) = B tau - damping v - friction tanh(v / friction_speed).
 
     Made by ``rt.load``. Every moving joint has one position and one velocity; that of a continuous joint is its
-    angle. The root is fixed, or comes first in q and v:
+    angle. The root is fixed, or first in q and v:
 
     - ``"planar"``: q and v start with root_x [m] and root_z [m] along the world's axes and root_pitch [rad] about +y.
-    - ``"floating"``: q starts with the position of the root link's origin in the world root_x, root_y, root_z [m] and
-      the unit quaternion root_qx, root_qy, root_qz, root_qw (x, y, z, w) that turns the root link's axes into the
-      world's; v starts with the root link's linear velocity root_vx, root_vy, root_vz [m/s] and angular velocity
-      root_wx, root_wy, root_wz [rad/s], both in the root link's own axes. So nq = nv + 1, and q' is no v:
+    - ``"floating"``: q starts with the position of the root link's origin in the world root_x, root_y, root_z [m].
+      The unit quaternion root_qx, root_qy, root_qz, root_qw (x, y, z, w) follows: the rotation from the root link's
+      axes to the world's. v starts with the root link's linear velocity root_vx, root_vy, root_vz [m/s] and angular
+      velocity root_wx, root_wy, root_wz [rad/s], both in the root link's axes. So nq = nv + 1, and q' differs from v:
       q moved by v for a time is ``pin.integrate(robot.model, q, v * time)``. Source: Pinocchio's free-flyer.
 
-    Arrays are read-only, and nothing is shared with the caller's model.
+    Arrays are read-only and independent of the caller's model.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Robot:
     origin : str
         Source of the robot, for printing.
     end_effector : str or None
-        The frame whose path is worth drawing, where known.
+        Frame whose path replays draw, if known.
     notes : tuple of str
         Decisions and findings of loading, such as locked mimic joints, rotors, impossible inertias.
     root : str

@@ -1,9 +1,8 @@
 """The root of a robot: fixed, moving in the plane y = 0, or floating.
 
 Planar: three plain joints before the URDF's root link, along world x, along world z, then about +y. Floating:
-Pinocchio's free-flyer, whose position is that of the root link's origin in the world and its quaternion (x, y, z,
-w), and whose velocity is that of the root link in its own axes, linear part first. Neither has motors, limits or
-damping.
+Pinocchio's free-flyer. Its position is that of the root link's origin in the world and the quaternion (x, y, z, w). Its
+velocity is that of the root link in the link's axes, linear part first. Neither root has motors, limits or damping.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Numeric positions and velocities of a robot whose root may float; q' differs from v if q contains a quaternion.
 
-The root comes first: q starts with the origin of the root link in the world and the quaternion (x, y, z, w) of its
-axes, v with its linear and angular velocity in its own axes (Pinocchio's free-flyer). Every other joint has one
+The root is first, as in Pinocchio's free-flyer. q starts with the origin of the root link in the world and the
+quaternion (x, y, z, w) of its axes, v with its linear and angular velocity in these axes. Every other joint has one
 position and one velocity. Without a floating root the functions are those of vectors: q' = v.
 """
 

@@ -57,7 +57,7 @@ class Linearised(FrictionCone):
     Parameters
     ----------
     faces : int
-        n, 3 or more. Four keep 71 % of the friction in the worst direction, eight 92 %.
+        n, 3 or more. In the worst direction four faces allow 71 % of the friction, eight 92 %.
 
     Raises
     ------

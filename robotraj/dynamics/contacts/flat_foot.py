@@ -173,7 +173,7 @@ class FlatFoot(Contact):
         return Rectangle(back, front, 0.0 if self.width is None else self.width / 2.0)
 
     def _section(self, left: Triple, axis: int, robot: Robot) -> Rectangle:
-        """Return the rectangle as seen along the axis out of the plane, which is the foot's left or its right."""
+        """Return the rectangle in the plane of motion; the axis out of the plane is the foot's left or right."""
         if abs(left[axis]) < 0.99:
             raise InputError(
                 f"The normal and forward axes of FlatFoot {self.label!r} do not lie in the plane that {robot.name!r} "

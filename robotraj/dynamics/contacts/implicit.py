@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 class ImplicitContact(Contact):
     """A point that may touch the ground at any time, by relaxed complementarity.
 
-    With the gap phi(q) >= 0 above the ground, the normal force n >= 0, friction forces b_k >= 0 along directions d_k
-    in the ground (two in a plane, four in space) and the slipping speed s >= 0,
+    phi(q) >= 0 is the gap above the ground, n >= 0 the normal force and s >= 0 the slipping speed. b_k >= 0 are
+    friction forces along directions d_k in the ground, two in a plane and four in space. The rows are
 
         phi n <= e,    mu n - sum b_k >= 0,    (mu n - sum b_k) s <= e,
         s + d_k' v >= 0,    (s + d_k' v) b_k <= e,
 
-    where the relaxation e is reduced towards zero in stages (``rt.planning.tightening``). The foot then has a force
+    ``rt.planning.tightening`` reduces the relaxation e towards zero in stages. The foot then has a force
     only where it touches. It sticks inside the friction cone, and friction dissipates the most where it slips. An
     impact is a force that lasts one interval. Plan short motions, with one collocation point at the end of each
     interval: ``rt.schemes.RadauIIA(1)`` (implicit Euler).

@@ -35,7 +35,7 @@ class Rectangle:
 
 
 class Sole(OneLine, ABC):
-    """Rows that are not negative while the sole can carry a wrench. A new model is one new class."""
+    """Rows that are not negative for wrenches that the sole can transmit. A new model is one new class."""
 
     @abstractmethod
     def labels(self) -> tuple[tuple[str, str], ...]:
@@ -69,7 +69,7 @@ class PressureAndTorsion(Sole):
         ``SecondOrder()`` or ``Linearised(faces)``.
     radius : float, optional
         r [m]. Default: two thirds of the radius of the largest circle about the middle of the sole that fits in it.
-        A uniform pressure on that circle can carry this torsion.
+        A uniform pressure on that circle transmits this torsion.
     """
 
     cone: FrictionCone = field(default_factory=SecondOrder)

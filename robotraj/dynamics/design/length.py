@@ -81,8 +81,8 @@ class LinkLength(Quantity):
         Raises
         ------
         InputError
-            The joint or the tip is unknown, the tip is on another body or at the joint's origin, or the body has
-            several child joints and no tip is given.
+            The joint or the tip is unknown. The tip is on another body or at the joint's origin. The body has several
+            child joints, and no tip is given.
         """
         model, joint = robot.model, joint_id(robot, self.joint)
         children = {model.names[i]: model.jointPlacements[i].translation for i in _children(robot, joint)}

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 class Payload(Quantity):
     """The parameter m is a point mass [kg] at the origin of a frame, in addition to the body's mass.
 
-    With r the frame's origin in its joint's frame, the payload adds m to the body's mass, m r to its first moment h
-    and m (r'r 1 - r r') to its inertia about the joint's origin. On a body with a ``LinkLength`` r is scaled as well.
+    r is the frame's origin in its joint's frame. The payload adds m to the body's mass, m r to its first moment h and
+    m (r'r 1 - r r') to its inertia about the joint's origin. On a body with a ``LinkLength`` r is scaled as well.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class Payload(Quantity):
         return "kg"
 
     def check(self, robot: Robot) -> tuple[object, ...]:
-        """Check that the frame moves; a frame may carry several payloads."""
+        """Check that the frame moves; a frame may have several payloads."""
         robot.frame(self.frame)
         body_of_name(robot, self.frame, "rt.design.Payload")
         return ()

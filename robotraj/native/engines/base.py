@@ -63,9 +63,9 @@ class Engine(OneLine, ABC):
     Attributes
     ----------
     separate_torques : bool
-        Whether stages keep their inverse dynamics as symbols, so that the graph of these is never built.
+        Whether stages represent inverse dynamics by symbols, so that their graph is not built.
     made_for_ipopt : bool
-        Whether it caches the functions that IPOPT calls; IPOPT is then the default solver.
+        Whether the engine caches the functions that IPOPT calls; IPOPT is then the default solver.
     """
 
     separate_torques: ClassVar[bool] = False

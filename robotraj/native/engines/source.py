@@ -4,7 +4,7 @@ CasADi writes an SX function as one C function of tens of thousands of lines; co
 This file rewrites the same lines in the same order:
 
 - Every value is assigned once (``t17``). A new function begins every few hundred lines; several files hold them.
-- Values used in one part alone are its local variables. Values that later parts read are kept in a work array.
+- Values used in only one part are its local variables. Values that later parts read are kept in a work array.
   Constants and arguments are read again where they are used.
 - Every value is a vector over points, as wide as a vector register; one call evaluates several points.
 
@@ -34,7 +34,7 @@ _TYPES = """
 #define POINTS {points}
 typedef double V __attribute__((vector_size({bytes})));
 """
-# Without it, later SSE code (BLAS, the solver) runs slower; gcc adds it only from -O2 on.
+# Without this instruction, later SSE code (BLAS, the solver) is slower; gcc adds it only from -O2 on.
 _LEAVE = """#ifdef __AVX__
   __builtin_ia32_vzeroupper();
 #endif
@@ -149,12 +149,12 @@ def _vector(expression: str) -> str | None:
         return f"{square[1]}*{square[1]}"
     if not _WHOLE.fullmatch(expression):
         return None
-    # A number less nothing, of every point: less, since plus would lose the sign of -0.
+    # A scalar minus a zero vector is a vector; adding a zero vector would change the sign of -0.
     return expression if _VALUE.search(expression) else f"({expression}) - (V){{0}}"
 
 
 def _write_parts(parts: Sequence[Sequence[_Line]], name: str) -> tuple[list[str], int]:
-    """Write the parts as C functions; give them and the size of the work array their values share."""
+    """Return the parts as C functions, and the size of the work array that their values share."""
     home = {line.target: (p, line) for p, part in enumerate(parts) for line in part if line.target is not None}
     last = {read: p for p, part in enumerate(parts) for line in part for read in line.reads}
     slot: dict[int, int] = {}
@@ -184,7 +184,7 @@ def _write_parts(parts: Sequence[Sequence[_Line]], name: str) -> tuple[list[str]
 
 
 def _parameters(function: ca.Function) -> str:
-    """Write what every part takes: arguments, results and work, one vector of points per number."""
+    """Return the parameters of every part: arguments, results and work, one vector of points per number."""
     names = [f"const V* restrict x{i}" for i in range(function.n_in())]
     names += [f"V* restrict y{i}" for i in range(function.n_out())]
     return f"#define PARAMETERS {', '.join([*names, 'V* restrict w'])}\n"

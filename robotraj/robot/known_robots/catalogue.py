@@ -9,7 +9,7 @@ from robotraj.robot.known_robots.own_robots import own_robot, own_robots
 
 
 def catalogue() -> tuple[KnownRobot, ...]:
-    """List every robot known by name: robotraj's own first, then example-robot-data's; own names win."""
+    """List every robot known by name: robotraj's first, which take precedence, then example-robot-data's."""
     own = own_robots()
     others = [entry for name, entry in sorted(example_robots().items()) if name not in own]
     return (*own.values(), *others)

@@ -46,8 +46,8 @@ def assemble(
     Raises
     ------
     InputError
-        Unknown joints, joints of more than one degree of freedom, nothing left to move, impossible limits, a root
-        that the model cannot have.
+        A joint is unknown or has several degrees of freedom, no joint moves, the limits are impossible, or the model
+        cannot have the root.
     """
     stand = root_of(root)
     check_joints(about.model)

@@ -1,4 +1,4 @@
-"""Read a URDF file: its XML, for what Pinocchio ignores, and its model."""
+"""Read a URDF file: its XML, with the elements that Pinocchio ignores, and its model."""
 
 from __future__ import annotations
 

@@ -27,11 +27,11 @@ UNIT_AXIS = 1e-2
 SPEEDS = (1e-6, 1e6)
 """Velocity [rad/s, m/s] and effort [N m, N] limits outside are findings; 0 and no limit are reported elsewhere."""
 UNLIMITED = 1e20
-"""Limits above mean that there is none."""
+"""Magnitudes above represent no limit."""
 
 
 def check_numbers(file: str, root: Element) -> tuple[str, ...]:
-    """Refuse what is no number and return findings, one sentence each.
+    """Raise InputError for values that are no numbers, and return findings, one sentence each.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def _joint_findings(joint: Element) -> Iterator[str]:
     for key in ("velocity", "effort") if limit is not None else ():
         size = float(limit.get(key, "0") if limit is not None else "0")
         if size and size < UNLIMITED and not SPEEDS[0] <= size <= SPEEDS[1]:
-            yield f"Joint {name!r} has the {key} limit {size:g}, no motor's. Correct it with limits={{{key!r}: ...}}."
+            yield f"Joint {name!r} has the implausible {key} limit {size:g}. Correct it with limits={{{key!r}: ...}}."
 
 
 def _link_findings(link: Element) -> Iterator[str]:
