@@ -1,4 +1,4 @@
-"""What a solver is: a value that takes an Nlp and returns where it stopped and why."""
+"""The interface of solvers: values that take an Nlp and return the last iterate, a status and multipliers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Iteration:
-    """What a solver tells while it runs: number, objective and largest violated scaled row."""
+    """One iteration of a solver: number, objective and largest violation of a scaled row."""
 
     number: int
     objective: float
@@ -35,13 +35,13 @@ Progress = Callable[[Iteration], None]
 
 @dataclass(frozen=True, eq=False)
 class Origin:
-    """What is kept of a solve, for others like it.
+    """Data of a solve, kept for solves of similar problems.
 
     Attributes
     ----------
     nlp : Nlp
     w : ndarray (n_w,)
-        Where it ended, in physical units.
+        Last iterate, in physical units.
     """
 
     nlp: Nlp
@@ -52,7 +52,7 @@ class Origin:
 class Multipliers(OneLine):
     """Multipliers of rows (n_g,) and of variable bounds (n_w,), in physical units: grad f + J' rows + bounds = 0.
 
-    Physical units carry them from one scaling to the next, as a warm start needs.
+    In physical units they are independent of the scaling, as a warm start requires.
     """
 
     rows: Array
@@ -65,7 +65,7 @@ class Multipliers(OneLine):
 
     @property
     def origin(self) -> Origin | None:
-        """What the solver that found them keeps, to start from it again."""
+        """Data of the solver that found them, for a later solve; None where it keeps none."""
         return None
 
     @property
@@ -75,12 +75,12 @@ class Multipliers(OneLine):
 
 
 class LateMultipliers(Multipliers):
-    """Multipliers found when they are first read: a solver that eliminated rows gets theirs by a further solve.
+    """Multipliers computed at first use: those of eliminated rows need a further solve.
 
     Parameters
     ----------
     find : callable
-        Gives them.
+        Returns the multipliers.
     sizes : (int, int)
     origin : Origin, optional
     """
@@ -102,40 +102,40 @@ class LateMultipliers(Multipliers):
 
     @property
     def origin(self) -> Origin | None:
-        """What the solver that found them keeps."""
+        """Data of the solver that found them, for a later solve."""
         origin: Origin | None = self.__dict__["_origin"]
         return origin
 
     @property
     def rows(self) -> Array:
-        """Of rows (n_g,)."""
+        """Multipliers of rows (n_g,)."""
         return self.plain.rows
 
     @property
     def bounds(self) -> Array:
-        """Of variable bounds (n_w,)."""
+        """Multipliers of variable bounds (n_w,)."""
         return self.plain.bounds
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        # What comes back from another process holds the numbers alone.
+    def __reduce__(self) -> tuple[type[Multipliers], tuple[Array, Array]]:
+        # Another process receives the numbers alone.
         return Multipliers, (self.rows, self.bounds)
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Where a solver stopped.
+    """The result of a solve.
 
     Attributes
     ----------
     status : Status
     message : str
-        The solver's own words.
+        Message of the solver.
     w : ndarray (n_w,)
         Last iterate, in physical units.
     multipliers : Multipliers
     iterations : int
     times : dict of str to float
-        Seconds: ``"setup"``, ``"solve"``; what is part of another entry is named after it, ``"solve: functions"``.
+        Seconds: ``"setup"``, ``"solve"``; the name of a part begins with its whole, ``"solve: functions"``.
     """
 
     status: Status
@@ -151,55 +151,55 @@ class Solver(OneLine, ABC):
 
     @property
     def stagewise(self) -> bool:
-        """Whether it works stage by stage: it calls native functions itself, and rows within a stage cost it little."""
+        """Whether the solver works by stages: it calls native functions itself, and rows within a stage are cheap."""
         return False
 
     def at_most(self, iterations: int) -> Solver:
-        """Return this solver with no more than these iterations; itself where it counts none."""
+        """Return this solver with at most this number of iterations; itself where it has no such limit."""
         return self
 
     def from_nearby(self) -> Solver:
-        """Give the same solver for a start near the optimum, such as the solution on a coarser mesh."""
+        """Return this solver for a start near the optimum, such as the solution on a coarser mesh."""
         return self
 
     def resolve(
         self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
     ) -> Outcome:
-        """Solve an NLP like one that was solved before, with what the solver has from then.
+        """Solve an NLP similar to an earlier one, with the data of that solve.
 
         Parameters
         ----------
         nlp : Nlp
-            That differs from the earlier one in bounds, fixed values or guess; where it differs in more, this is
+            Differs from the earlier one in bounds, fixed values or guess alone. Any other NLP is solved by
             ``solve``.
         known : Multipliers
-            The earlier outcome's, whose ``origin`` is what the solver kept.
+            Of the earlier outcome; their ``origin`` has the data of the solver.
         progress, multipliers
             As for ``solve``.
         """
         return self.solve(nlp, progress, multipliers)
 
     def within(self, seconds: float) -> Solver:
-        """Give the same solver with at most so many wall-clock seconds a solve; one without a clock gives itself."""
+        """Return this solver with a limit of wall-clock seconds for one solve; itself where it has no such limit."""
         return self
 
     def sharper(self, factor: float) -> Solver:
-        """Give the same solver, leaving ``factor`` of what it leaves of the objective; one without a say gives itself.
+        """Return this solver with ``factor`` times its gap of the objective; itself where it cannot change the gap.
 
-        An interior-point method stops where multiplier times distance from its bound is small, bound by bound: the
-        finer the mesh, the more bounds there are.
+        An interior-point method stops where multiplier times distance from the bound is small at every bound. The gap
+        is their sum, and a finer mesh has more bounds.
         """
         return self
 
     @abstractmethod
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
-        """Solve from ``nlp.guess``; keep the last iterate whatever happens.
+        """Solve from ``nlp.guess``; return the last iterate also where the solve fails.
 
         Parameters
         ----------
         nlp : Nlp
         progress : callable, optional
-            Called once an iteration.
+            Called once per iteration.
         multipliers : Multipliers, optional
             Of an earlier solution, for a warm start.
         """

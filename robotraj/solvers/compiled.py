@@ -1,11 +1,11 @@
-"""What is kept of a solve by the compiled interior-point method, for solves of similar problems."""
+"""Data that the compiled interior-point method keeps of a solve, for solves of similar problems."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
 from dataclasses import field
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,13 @@ from robotraj._util.values import dataclass
 from robotraj.solvers.base import Iteration, Multipliers, Origin, Progress
 from robotraj.solvers.formulation import Formulation, carried
 
+if TYPE_CHECKING:
+    from robotraj.native import Program
+
 
 @dataclass(frozen=True, eq=False)
 class CompiledProgram:
-    """A program in C++, which one solve at a time writes its numbers to.
+    """A program in C++, used by one solve at a time.
 
     Attributes
     ----------
@@ -27,7 +30,7 @@ class CompiledProgram:
         Held by the solve that uses the program.
     """
 
-    native: Any
+    native: Program
     threads: int
     alone: threading.Lock = field(default_factory=threading.Lock)
 
@@ -42,20 +45,20 @@ class CompiledOrigin(Origin):
 
 
 def origin_of(multipliers: Multipliers | None) -> CompiledOrigin | None:
-    """Return what is kept of the solve that found the multipliers; None where another solver found them."""
+    """Return the origin of multipliers; None where another solver found them."""
     origin = None if multipliers is None else multipliers.origin
     return origin if isinstance(origin, CompiledOrigin) else None
 
 
-def warm_start(multipliers: Multipliers | None, formulation: Formulation) -> dict[str, Any]:
-    """Return arguments with which a solve starts from multipliers; none where they do not fit."""
+def warm_start(multipliers: Multipliers | None, formulation: Formulation) -> dict[str, NDArray[np.float64]]:
+    """Return the arguments of a solve that starts from multipliers; an empty mapping where they do not fit."""
     origin = origin_of(multipliers)
     lam = None if origin is None else carried(origin.formulation, origin.lam, formulation)
     return {} if lam is None else {"lam": lam}
 
 
 def report(progress: Progress | None) -> Callable[[int, float, float], bool] | None:
-    """Turn a progress callback into one that never asks the solver to stop."""
+    """Turn a progress callback into one that never stops the solver."""
     if progress is None:
         return None
 

@@ -1,4 +1,4 @@
-"""The form in which an NLP is handed to the compiled solver: in stages, or assembled as a whole.
+"""The form of an NLP for the compiled solver: in stages, or assembled as a whole.
 
 A problem whose unknowns join neighbouring intervals alone is written in stages, and a Riccati recursion solves its
 Newton systems. Contacts, closed gaits, design parameters, integrals and shooting join distant intervals or make stages
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 Formulation: TypeAlias = "Reduction | Assembled"
 
 WIDEST = 10_000
-"""Unknowns times equalities of a stage from which on their fully pivoted elimination is slower than a sparse one."""
+"""Unknowns times equalities of a stage above which a fully pivoted elimination is slower than a sparse one."""
 ROW_CORRECTION = 1e-13
 """Regularisation of the rows of an assembled problem, times mu^(1/4): small enough for Newton's method to converge
 near straight knees, where rows are almost dependent."""

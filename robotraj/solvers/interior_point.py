@@ -13,7 +13,7 @@ from __future__ import annotations
 import os
 import time
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from robotraj.solvers.stagewise.native import native_program, refresh
 from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
+    from robotraj.native import Options
     from robotraj.transcription.nlp import Nlp
 
 WARM_BARRIER = 1e-4
@@ -48,52 +49,53 @@ STATUSES = {
     "stopped": Status.INTERRUPTED,
 }
 FACTORS = (100.0, 10.0)
-"""How far the problem of one barrier is solved before the barrier falls.
+"""Accuracy to which the problem of one barrier is solved before the barrier falls, in multiples of the barrier.
 
-The first takes a quarter fewer iterations; where its line search fails, the second begins again from the guess."""
+The first takes a quarter fewer iterations. Where its line search fails, the second starts again from the guess."""
 SHORTEST = 1e-3
-"""Seconds that a fallback is given at least."""
+"""Shortest time limit of a fallback [s]."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
-"""Ends that another solver may turn into better ones; limits that the user set are not among them, nor problems whose
-variables run off, as they would with any solver."""
+"""Statuses after which the fallback solves the problem.
+
+Limits that the user set are not among them. Neither is divergence, which any solver would meet."""
 RUN_OFF = 1e12
-"""Scaled variables beyond this, where a solve ends unsolved, have run off to infinity."""
+"""A solve has diverged where it ends unsolved with a scaled variable beyond this."""
 
 
 @dataclass(frozen=True)
 class InteriorPoint(Solver):
     """A primal-dual interior-point method with a filter line search.
 
-    A motion whose unknowns join neighbouring intervals alone is solved stage by stage; contacts, closed gaits, design
-    parameters, integrals and shooting by a sparse factorisation.
+    A motion whose unknowns join neighbouring intervals alone is solved stage by stage. Contacts, closed gaits, design
+    parameters, integrals and shooting are solved by a sparse factorisation.
 
     Parameters
     ----------
     tolerance : float
         Optimality tolerance on the scaled problem.
     max_iterations : int
-        Of one solve, those of the restoration phase included. The ``fallback`` has its own.
+        Of one solve, those of the restoration phase included. Those of the ``fallback`` are counted separately.
     time_limit : float or None
-        Wall-clock seconds of one solve, those of the ``fallback`` included; finer meshes and other beginnings
-        are further solves.
+        Wall-clock seconds of one solve, those of the ``fallback`` included. Solves on finer meshes and restarts are
+        further solves.
     initial_barrier : float
         The first barrier parameter.
     barrier_factor : float, optional
-        The barrier falls where the error of its problem is below this multiple of it. By default 100 and, where the
-        line search fails, once more from the guess with 10.
+        The barrier falls where the error of its problem is below this multiple of it. The default is 100. Where the
+        line search fails, the solve starts again from the guess with 10.
     adaptive_barrier : bool
-        Choose the barrier parameter of every step by what a step without a barrier achieves, as long as that makes
-        progress (Nocedal, Waechter, Waltz, SIAM J. Optim. 19, 2009). Off, it falls monotonically.
+        Choose the barrier parameter of every step from a step without a barrier, as long as that makes progress
+        (Nocedal, Waechter, Waltz, SIAM J. Optim. 19, 2009). Otherwise the parameter falls monotonically.
     threads : int, optional
-        That evaluate points side by side; as many as the process has processors by default. The answers are the same,
-        bit by bit, for any number.
+        Number of threads that evaluate points, by default the number of processors of the process. Solutions are
+        identical bit by bit for any number.
     fallback : Solver or None
-        Solves what remains unsolved, unless its variables ran off or a ``max_iterations`` of the user's own was
-        reached; the message names the reason. None leaves it unsolved.
+        Solves the problem where this method fails, unless it diverged or reached a ``max_iterations`` set by the user.
+        The message names the reason. None switches it off.
     objective_scale : float, optional
-        What the objective is multiplied by; by default a number that makes the first barrier weigh alike whatever the
-        mesh and, but for small objectives on coarse meshes, the unit: see ``robotraj.solvers.objective_scale``.
-        Multipliers are those of the objective as it is.
+        Factor of the objective. The default makes the weight of the first barrier independent of the mesh and, except
+        for small objectives on coarse meshes, of the unit; see ``robotraj.solvers.objective_scale``. Multipliers
+        belong to the unscaled objective.
     """
 
     tolerance: float = 1e-8
@@ -116,7 +118,7 @@ class InteriorPoint(Solver):
             above_zero("InteriorPoint(barrier_factor)", self.barrier_factor)
         if self.objective_scale is not None and not 0 < self.objective_scale < np.inf:
             raise InputError(
-                "InteriorPoint(objective_scale) must be above 0 and finite, or None to be chosen, "
+                "InteriorPoint(objective_scale) must be above 0 and finite, or None for the default, "
                 f"got {self.objective_scale}."
             )
         if self.threads is not None:
@@ -127,7 +129,7 @@ class InteriorPoint(Solver):
             )
 
     def from_nearby(self) -> InteriorPoint:
-        """Start at a smaller barrier."""
+        """Return this solver with a smaller first barrier."""
         return replace(self, initial_barrier=min(self.initial_barrier, WARM_BARRIER))
 
     def at_most(self, iterations: int) -> InteriorPoint:
@@ -135,12 +137,12 @@ class InteriorPoint(Solver):
         return replace(self, max_iterations=min(self.max_iterations, iterations))
 
     def within(self, seconds: float) -> InteriorPoint:
-        """Give the same solver with at most so many wall-clock seconds a solve."""
+        """Return this solver with a limit of wall-clock seconds for one solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))
 
     @property
     def stagewise(self) -> bool:
-        """It does."""
+        """True."""
         return True
 
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
@@ -165,12 +167,12 @@ class InteriorPoint(Solver):
         """Solve with the compiled program of an earlier solve: no symbolic work, no chain rule, no allocation."""
         began = time.perf_counter()
         origin = known.origin
-        # An NLP with guards, or of another transcription, has other blocks: nothing of the earlier program fits it.
+        # An NLP with added rows, or of another transcription, has other blocks: the earlier program does not fit.
         if not isinstance(origin, CompiledOrigin) or origin.nlp.blocks is not nlp.blocks:
             return self.solve(nlp, progress, multipliers)
         compiled = origin.compiled
         formulation = origin.formulation.refreshed(nlp) if compiled.threads == self._threads else None
-        # Plans in other threads may start from the same solution: the first one has its program.
+        # Plans in several threads may start from the same solution: only the first one uses its program.
         if formulation is None or not compiled.alone.acquire(blocking=False):
             return self.solve(nlp, progress, multipliers)
         try:
@@ -217,7 +219,7 @@ class InteriorPoint(Solver):
         if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:
             status = Status.DIVERGED
         spent = time.perf_counter() - ready
-        # A limit that the user left as it is ends this method's attempt, not the plan.
+        # A default limit ends this method's attempt, not the plan.
         exhausted = status is Status.ITERATION_LIMIT and self.max_iterations == InteriorPoint.max_iterations
         if (status in UNSOLVED or exhausted) and self.fallback is not None:
             outcome = self._fall_back(
@@ -231,7 +233,7 @@ class InteriorPoint(Solver):
             times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent, "solve: interior point": spent}
             return replace(outcome, iterations=iterations + outcome.iterations, times=times)
         parts = {f"solve: {name}": sum(each.times[name] for each in tried) for name in found.times if name != "total"}
-        # Vectors, line search and residuals; what Python adds around the solve is nothing beside them.
+        # Vectors, line search and residuals; the time of Python around the solve is negligible.
         parts["solve: steps"] = max(0.0, spent - sum(parts.values()))
         y, lam = found.y, found.lam
         sizes = len(nlp.rows), len(nlp.variables)
@@ -248,20 +250,21 @@ class InteriorPoint(Solver):
 
     def _options(
         self, barrier_factor: float, iterations: int, multipliers: Multipliers | None, formulation: Formulation
-    ) -> Any:
-        return load_native().Options(
+    ) -> Options:
+        chosen: Options = load_native().Options(
             tolerance=self.tolerance,
             max_iterations=iterations,
             initial_barrier=self.initial_barrier if origin_of(multipliers) is None else WARM_BARRIER,
             barrier_factor=barrier_factor,
             adaptive_barrier=self.adaptive_barrier,
-            # Pivots of a last interval that must reach the goal are of the order of its length squared: with a larger
-            # threshold they would be taken for zeros.
+            # Pivots of a last interval with a fixed end are of the order of its length squared: a larger threshold
+            # would take them for zeros.
             elimination_tolerance=1e-10,
-            # Bounds hold at the answer: a wider relaxation shows in the eighth digit of minimum times.
+            # Bounds hold at the solution: a wider relaxation changes the eighth digit of minimum times.
             bound_relaxation=1e-10,
             **options(formulation),
         )
+        return chosen
 
     def _fall_back(
         self,

@@ -1,13 +1,14 @@
-"""What an interior-point method multiplies the objective by."""
+"""The factor by which an interior-point method multiplies the objective."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from robotraj.native import Program as NativeProgram
     from robotraj.solvers.stagewise.program import Program
     from robotraj.transcription.nlp import Nlp
 
@@ -16,23 +17,23 @@ Array = NDArray[np.float64]
 SHARE = 0.05
 """Share of the objective at the guess that the first barrier leaves open."""
 LEAST = 1e-4
-"""Smallest scale: an absurd objective at the guess, of a singular posture say, is not to make the optimum vanish."""
+"""Smallest scale: a huge objective at the guess, such as that of a singular posture, must not hide the optimum."""
 FINE = 100
-"""Stages from which on an objective may be enlarged, in proportion."""
+"""Number of stages above which an objective may be enlarged, in proportion."""
 
 
 def objective_scale(objective: float, bounds: int, stages: int, barrier: float) -> float:
-    """Make the objective at the guess outweigh the first barrier alike, in other units and on other meshes.
+    """Return a scale at which the first barrier has the same weight in any unit and on any mesh.
 
     At the minimum of a barrier problem of parameter mu the gap between objective and optimum is about m mu, for m
-    bounds: here it is to be ``SHARE`` of the objective f_0 at the guess,
+    bounds. The scale s makes it ``SHARE`` of the objective f_0 at the guess:
 
         s = m mu / (SHARE |f_0|),    1e-4 <= s <= max(1, stages / 100).
 
     The number of bounds grows with the mesh, the integral does not: without s the same barrier weighs more on finer
-    meshes. An objective is enlarged on those alone: on coarse ones minimum times would creep. A solve whose last
-    barrier is mu_n leaves SHARE |f_0| mu_n / mu, some 1e-8 |f_0|. The scale is 1 where f_0 is zero or not finite, and
-    where there are no bounds.
+    meshes. An objective is enlarged on fine meshes alone, since minimum times would converge slowly on coarse ones. A
+    solve with the last barrier mu_n leaves a gap of SHARE |f_0| mu_n / mu, about 1e-8 |f_0|. The scale is 1 where f_0
+    is zero or not finite, and where there are no bounds.
 
     Parameters
     ----------
@@ -51,8 +52,8 @@ def objective_scale(objective: float, bounds: int, stages: int, barrier: float) 
     return float(np.clip(bounds * barrier / (SHARE * abs(objective)), LEAST, max(1.0, stages / FINE)))
 
 
-def of_program(native: Any, start: Array, program: Program, barrier: float, nlp: Nlp) -> float:
-    """Return the scale of the compiled program of an NLP, that starts from ``start``: in a sensible unit first."""
+def of_program(native: NativeProgram, start: Array, program: Program, barrier: float, nlp: Nlp) -> float:
+    """Return the scale of the compiled program of an NLP; ``Nlp.objective_scale`` chooses a unit first."""
     first = native.objective(start)
     unit = nlp.objective_scale(first)
     bounds = int(np.isfinite(program.lower).sum() + np.isfinite(program.upper).sum())

@@ -1,4 +1,4 @@
-"""How a solve ended, and what to do about it."""
+"""How a solve ended, and the remedy."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class Status(Enum):
-    """How a solve ended; ``remedy`` says what to try."""
+    """How a solve ended; ``remedy`` is a sentence on the next step."""
 
     SOLVED = "solved"
     ROWS_VIOLATED = "rows violated"
@@ -24,7 +24,7 @@ class Status(Enum):
 
     @property
     def remedy(self) -> str:
-        """What to try next."""
+        """The next step, as a sentence."""
         return _REMEDIES[self]
 
 

@@ -37,7 +37,7 @@ def test_a_quick_case_reaches_its_optimum(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["brachistochrone", "biped, torso of the code", "sliding mass, 3 phases"])
 def test_the_interior_point_method_reaches_it_with_nothing_to_fall_back_on(name: str) -> None:
-    """The first stalls unless the problem of every barrier is solved better; guards of the second are linear rows."""
+    """The first stalls unless the problem of every barrier is solved better; added rows of the second are linear."""
     (case,) = (case for case in EVERY if case.name == name)
     solver = rt.InteriorPoint(fallback=None)
     solution = rt.plan(case.problem, guess=case.guess, tolerance=TOLERANCE, solver=solver)

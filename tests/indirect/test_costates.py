@@ -238,7 +238,7 @@ def test_initial_costate_of_a_dae_with_an_end_cost(algebraic: Any) -> None:
     assert part.final[0] == pytest.approx(10 * (end - 2), rel=1e-8)
 
 
-def test_guards_between_collocation_points_push_the_costates_too(bryson_denham: Any) -> None:
+def test_added_rows_between_collocation_points_change_the_costates_too(bryson_denham: Any) -> None:
     # On 4 intervals of two Gauss points the bound bulges over between them: rows are set there.
     mesh = rt.Mesh(5, rt.schemes.GaussLegendre(points=2))
     solution = rt.plan(bryson_denham.phase(), mesh, solver=TIGHT)

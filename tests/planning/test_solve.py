@@ -38,7 +38,7 @@ def below(bound: float) -> rt.PathConstraint:
     ],
     ids=["at the end", "integral", "of a control"],
 )
-def test_rows_of_the_same_name_that_are_held_elsewhere_take_no_guards(other: Callable[[], Any]) -> None:
+def test_rows_of_the_same_name_that_hold_elsewhere_are_not_added(other: Callable[[], Any]) -> None:
     known = rt.plan(turning(below(0.1)), RADAU, interval_limits=rt.interval_limits.ConstraintGeneration(1e-5))
     assert known.added_rows
     warm, cold = (rt.plan(turning(other()), RADAU, guess=guess) for guess in (known, None))

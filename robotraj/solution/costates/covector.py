@@ -103,7 +103,7 @@ class _Phase:
         self.state_bounds = self._bound_density("states", self.nx)
         self.algebraic_bounds = self._bound_density("algebraic", self.nz)
         self._defects(nlp, index, rows)
-        self._guards(nlp, index, block.scatter, rows)
+        self._added_rows(nlp, index, block.scatter, rows)
 
     def _jacobians(self, block: object, w: Array) -> Array:
         """Dense dy/dv at every place, (places, n_y, n_v)."""
@@ -146,12 +146,12 @@ class _Phase:
         flat = rows[self.defect_rows].reshape(-1, self.nx)
         self.defects = np.split(flat, np.cumsum(counts)[:-1])
 
-    def _guards(self, nlp: Nlp, index: int, scatter: csr_array, rows: Array) -> None:
-        """Rows between collocation points, by interval: tau, impulse and what they add to the stages."""
+    def _added_rows(self, nlp: Nlp, index: int, scatter: csr_array, rows: Array) -> None:
+        """Rows between collocation points, by interval: tau, impulse and contributions to the stages."""
         rates = (np.arange(self.places)[:, None] * self.stage.outputs + np.arange(self.nx)).ravel()
         reading = csr_array(scatter.tocsc()[:, rates])
         others = np.setdiff1d(np.flatnonzero(np.diff(reading.indptr)), self.defect_rows)
-        self.guards: dict[int, list[tuple[float, Array, Array]]] = {}
+        self.added_rows: dict[int, list[tuple[float, Array, Array]]] = {}
         knots = self.layout.mesh.knots
         for row in others:
             fraction = nlp.rows.fraction[row]
@@ -160,7 +160,7 @@ class _Phase:
             dense = reading[[row]].toarray().reshape(self.places, self.nx)[interval.places]
             impulse = rows[row] * np.asarray(nlp.linear[[row]].toarray()).ravel()[interval.left]
             tau = (fraction - knots[k]) / (knots[k + 1] - knots[k])
-            self.guards.setdefault(k, []).append((tau, impulse, rows[row] * dense))
+            self.added_rows.setdefault(k, []).append((tau, impulse, rows[row] * dense))
 
     def duals(self) -> PhaseDuals:
         """Map interval by interval."""
@@ -170,7 +170,9 @@ class _Phase:
         breaks, sites, values = [self.breaks[0]], [], []
         for k in range(len(self.layout.intervals)):
             pushes = self._pushes(k, stages[k], nu[k])
-            start = -self.defects[k].sum(axis=0) + sum((g[1] for g in self.guards.get(k, ())), np.zeros(self.nx))
+            start = -self.defects[k].sum(axis=0) + sum(
+                (row[1] for row in self.added_rows.get(k, ())), np.zeros(self.nx)
+            )
             if nodes[k][0] == 0.0:
                 start = start + pushes[0]
             cuts, jumps = self._impulses(k)
@@ -211,7 +213,7 @@ class _Phase:
         if scheme.nodes[-1] < 1.0:
             coefficients -= scheme.weights[:, None] * mu[-1]
         length = self.layout.intervals[k].clock.length
-        for _, _, reads in self.guards.get(k, ()):
+        for _, _, reads in self.added_rows.get(k, ()):
             coefficients += reads / length
         return coefficients / scheme.weights[:, None]
 
@@ -268,7 +270,7 @@ class _Phase:
     def _impulses(self, k: int) -> tuple[list[float], list[Array]]:
         """Places strictly inside interval k where the costate jumps, ascending, and by how much it falls."""
         interval = self.layout.intervals[k]
-        found = [(tau, impulse) for tau, impulse, _ in self.guards.get(k, ())]
+        found = [(tau, impulse) for tau, impulse, _ in self.added_rows.get(k, ())]
         for place, tau in zip(interval.places, interval.scheme.nodes, strict=True):
             if 0.0 < tau < 1.0:
                 jump = self.state_bounds.impulse[place] + self._path_impulse(place)

@@ -1,8 +1,8 @@
-"""A program handed to the compiled solver."""
+"""Programs of the compiled solver."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,8 +11,12 @@ from robotraj.native.engines.base import Engine
 from robotraj.solvers.stagewise.matrices import native
 from robotraj.solvers.stagewise.program import BlockProgram, Program
 
+if TYPE_CHECKING:
+    from robotraj.native import Program as NativeProgram
+    from robotraj.native import Term
 
-def native_program(program: Program, engine: Engine, threads: int) -> Any:
+
+def native_program(program: Program, engine: Engine, threads: int) -> NativeProgram:
     """Copy a program into C++, its point functions evaluated by ``engine``.
 
     Parameters
@@ -20,9 +24,9 @@ def native_program(program: Program, engine: Engine, threads: int) -> Any:
     program : Program
     engine : Engine
     threads : int
-        That evaluate points side by side; the answers are the same for any number.
+        Number of threads that evaluate points; solutions are the same for any number.
     """
-    return load_native().Program(
+    made: NativeProgram = load_native().Program(
         program.nu,
         program.nx,
         program.equalities,
@@ -37,19 +41,20 @@ def native_program(program: Program, engine: Engine, threads: int) -> Any:
         [_term(part, engine) for part in program.blocks],
         threads,
     )
+    return made
 
 
-def refresh(native: Any, program: Program) -> None:
-    """Put the numbers of a refreshed program (``Reduction.refreshed``) into what C++ has of the earlier one."""
+def refresh(native: NativeProgram, program: Program) -> None:
+    """Write the numbers of a refreshed program (``Reduction.refreshed``) to the compiled one."""
     native.set_offsets(program.shift, program.constant)
     for number, part in enumerate(program.blocks):
         native.set_block_offsets(number, part.shift)
         native.set_constants(number, np.ascontiguousarray(part.block.constants.T).ravel())
 
 
-def _term(part: BlockProgram, engine: Engine) -> Any:
+def _term(part: BlockProgram, engine: Engine) -> Term:
     block = part.block
-    return load_native().Term(
+    made: Term = load_native().Term(
         engine.block(block.stage, block.count, block.costs),
         native(block.gather),
         part.shift,
@@ -60,3 +65,4 @@ def _term(part: BlockProgram, engine: Engine) -> Any:
         part.jacobian,
         part.hessian,
     )
+    return made

@@ -59,7 +59,7 @@ def homes(
 ) -> tuple[Indices, Indices, int]:
     """Stages among which each column may be read at no cost, (n_w,) twice, and the number of stages.
 
-    Of states that guards added nothing is known here: their first stage is beyond their last.
+    Columns of states of added rows have no stage yet: their first stage is beyond their last.
 
     Parameters
     ----------
@@ -154,10 +154,10 @@ def _live(first: Indices, last: Indices, columns: Indices, stages: Indices) -> N
 def _housed(
     rows: Indices, columns: Indices, count: int, low: Indices, high: Indices, constant: NDArray[np.bool_]
 ) -> tuple[Indices, Indices]:
-    """Give columns of unknown home the stage of the first row that reads them beside columns of an interval.
+    """Put columns without a stage into that of the first row that reads them beside columns of an interval.
 
-    That is where a guard's state is read off the interval's polynomial: its path row, which reads nothing else, would
-    stand in the first stage, and carry the state through all that lie between.
+    In that row the state of an added row is evaluated on the interval's polynomial. Its path row reads no other column:
+    it would stand in the first stage, and carry the state through all stages between.
     """
     strays = low > high
     if not strays.any():

@@ -10,7 +10,7 @@ with derivatives by the chain rule, as sparse combinations of the nonzeros of th
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ from robotraj.transcription.assembly.block import Block, Indices
 from robotraj.transcription.assembly.triplets import scaled
 
 if TYPE_CHECKING:
-    from robotraj.native import Csr, Stacked
+    from robotraj.native import Chain, Csr, Stacked
 
 Array = NDArray[np.float64]
 
@@ -274,12 +274,13 @@ def _at_places(reads: Csr, places: Indices, slots: Slots) -> Csr:
     return summed((reads.rows, slots.matrix.rows), (row, at, data))
 
 
-def _chain(block: Block, reads: Csr, gather: Csr, places: Indices) -> Any:
+def _chain(block: Block, reads: Csr, gather: Csr, places: Indices) -> Chain:
     stage = block.stage
     patterns = (np.asarray(side, dtype=np.int64) for side in (*stage.jacobian_pattern, *stage.hessian_pattern))
-    return load_native().Chain(
+    made: Chain = load_native().Chain(
         block.count, stage.inputs, stage.outputs, *patterns, native(block.scatter), reads, gather, places
     )
+    return made
 
 
 def _cost(form: Form, order: Order, slots: Slots, known: Mask, values: Array) -> tuple[Array, float]:

@@ -1,4 +1,4 @@
-"""Values that are computed once for each stage, however often its problem is reduced.
+"""Values that are computed once for each stage, also where its problem is reduced several times.
 
 A phase keeps its stage from one transcription to the next, and with the stage the derivatives that belong to it.
 """
@@ -21,7 +21,7 @@ class Kept(Generic[T]):
         self._known: WeakKeyDictionary[PointFunctions, dict[Hashable, T]] = WeakKeyDictionary()
 
     def get(self, stage: PointFunctions, arguments: Hashable, make: Callable[[], T]) -> T:
-        """Give what ``make`` gave for the stage and these arguments."""
+        """Return the value of ``make`` for the stage and these arguments."""
         known = self._known.setdefault(stage, {})
         if arguments not in known:
             known[arguments] = make()

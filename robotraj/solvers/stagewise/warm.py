@@ -1,4 +1,4 @@
-"""Multipliers of one program as a start for another of the same problem: with guards, or with other ends."""
+"""Multipliers of one program as a start for another of the same problem: with added rows or other ends."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ KINDS = 8
 
 
 def carried_over(known: Reduction, multipliers: Array, new: Reduction) -> Array:
-    """Give the multipliers of a program's rows for those rows of another that mean the same, zero for all others.
+    """Return multipliers of a program for the equal rows of another one, zero for all other rows.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def carried_over(known: Reduction, multipliers: Array, new: Reduction) -> Array:
 
 
 def _keys(reduction: Reduction) -> Keys:
-    """Say what every row of a program means: a state carried over, a row of the NLP or one side of it, a bound."""
+    """Return a key for every row of a program: a state carried over, a row of the NLP or one side of it, a bound."""
     form, program, slots = reduction.form, reduction.program, reduction.slots
     rows, columns = program.form_rows, program.bound_columns
     carried = slots.carried[:, 0]

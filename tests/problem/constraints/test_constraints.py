@@ -143,7 +143,7 @@ def test_a_path_constraint_of_many_rows_numbers_them() -> None:
     assert names == ["speeds[0]", "speeds[1]"]
 
 
-def test_rows_of_a_robot_by_forward_dynamics_are_guarded_between_points_too() -> None:
+def test_rows_of_a_robot_by_forward_dynamics_are_added_between_points_too() -> None:
     """Its accelerations are expressions of the torques; a row on them is none of the state alone."""
     rows = [rt.GroundClearance("tip", -0.7), rt.constraints.JointAcceleration({"slider": rt.between(-50, 50)})]
     assert rt.plan(swing(*rows, dynamics=rt.dynamics.ForwardDynamics()), rt.Mesh(20)).success

@@ -221,8 +221,10 @@ def test_shooting_is_refused() -> None:
 
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("duration", [2.0, (1.0, 3.0)])
-def test_a_guard_of_a_path_row_stays_in_its_interval(mesh: str, duration: float | tuple[float, float]) -> None:
-    """The states it reads would otherwise be carried from the first stage on, those of all guards side by side."""
+def test_an_added_row_of_a_path_constraint_stays_in_its_interval(
+    mesh: str, duration: float | tuple[float, float]
+) -> None:
+    """Otherwise the states that it depends on would be carried from the first stage on, for all added rows at once."""
     system = rt.System(["x", "y", "v"], ["a", "w"], lambda point: [point.x["v"], point.u["w"], point.u["a"]])
     away = rt.PathConstraint(lambda point: point.x["x"] ** 2 + point.x["y"] ** 2, lower=0.1, name="away")
     ends = rt.State([-1, 0, 0]), rt.State([1, 1, 0])

@@ -264,7 +264,7 @@ def test_rows_are_held_between_the_knots_where_the_tolerance_is_not_reached(
 
 
 @pytest.mark.parametrize("solver", [rt.InteriorPoint(fallback=None), rt.Ipopt()], ids=lambda s: type(s).__name__)
-def test_guards_come_along_on_the_intervals_that_a_mesh_keeps(solver: rt.InteriorPoint | rt.Ipopt) -> None:
+def test_added_rows_are_kept_on_the_intervals_that_a_mesh_keeps(solver: rt.InteriorPoint | rt.Ipopt) -> None:
     phase, scheme = s_curve(), rt.schemes.RadauIIA(3)
     before = rt.plan(
         phase, rt.Mesh(12, scheme), solver=solver, interval_limits=rt.interval_limits.ConstraintGeneration(1e-5)
@@ -272,10 +272,10 @@ def test_guards_come_along_on_the_intervals_that_a_mesh_keeps(solver: rt.Interio
     first = min(each.interval for each in before.added_rows)
     assert first < 11
     knots = np.linspace(0, 1, 13)
-    # The last interval is cut, and another one before the first guard: that one's number grows by one.
+    # The last interval is cut, and another one before the first added row: its interval's number grows by one.
     cuts = [0.5 * knots[1], 0.5 * (knots[-2] + 1)] if first > 0 else [0.5 * (knots[-2] + 1)]
     mesh = rt.Mesh(tuple(sorted([*knots, *cuts])), scheme)
-    # Nothing is broken by 100: no guard joins those that come along.
+    # No row is violated by 100: no further row is added.
     alone = rt.interval_limits.ConstraintGeneration(100)
     after = rt.plan(phase, mesh, before, solver, interval_limits=alone, check=False)
     kept = [each for each in before.added_rows if each.interval not in ({0, 11} if first > 0 else {11})]

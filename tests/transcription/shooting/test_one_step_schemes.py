@@ -179,7 +179,7 @@ def test_single_shooting_has_no_states_between_the_ends_but_holds_their_rows() -
     assert solution.objective == pytest.approx(multiple.objective, rel=1e-7)
 
 
-GUARDED = {
+HELD_BETWEEN = {
     "multiple": rt.schemes.MultipleShooting(control=rt.schemes.LinearControl()),
     "multiple, adaptive": rt.schemes.MultipleShooting(rt.schemes.Adaptive(), control=rt.schemes.LinearControl()),
     "single": rt.schemes.SingleShooting(control=rt.schemes.LinearControl()),
@@ -188,7 +188,7 @@ GUARDED = {
 
 
 @pytest.mark.parametrize("as_row", [False, True], ids=["bound", "path row"])
-@pytest.mark.parametrize("scheme", GUARDED.values(), ids=GUARDED)
+@pytest.mark.parametrize("scheme", HELD_BETWEEN.values(), ids=HELD_BETWEEN)
 def test_rows_on_states_are_held_between_knots(scheme: rt.schemes.MultipleShooting, as_row: bool) -> None:
     """At 0.3 s and 0.7 s a block with least effort keeps below 1.4 m/s, half-way it would reach 1.5 m/s."""
     block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
