@@ -13,13 +13,13 @@ import lazy_loader
 from robotraj.native.build import load_native
 
 if TYPE_CHECKING:
-    from robotraj.native._native import CasadiBlock, Csr, Options, Outcome, PointBlock, Program, Stacked, Term
+    from robotraj.native._native import CasadiBlock, Chain, Csr, Options, Outcome, PointBlock, Program, Stacked, Term
 else:
     _native = load_native()
-    CasadiBlock, PointBlock, Csr = _native.CasadiBlock, _native.PointBlock, _native.Csr
+    CasadiBlock, PointBlock, Csr, Chain = _native.CasadiBlock, _native.PointBlock, _native.Csr, _native.Chain
     Options, Outcome = _native.Options, _native.Outcome
     Program, Stacked, Term = _native.Program, _native.Stacked, _native.Term
 
 __getattr__, _, _ = lazy_loader.attach(__name__, submodules=["engines"])
 
-__all__ = ["CasadiBlock", "Csr", "Options", "Outcome", "PointBlock", "Program", "Stacked", "Term"]
+__all__ = ["CasadiBlock", "Chain", "Csr", "Options", "Outcome", "PointBlock", "Program", "Stacked", "Term"]
