@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -35,24 +35,28 @@ from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.schemes.mesh import Mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from robotraj.dynamics.point import RobotPoint
 
 
 @dataclass(frozen=True)
 class Kinematic(InitialGuess):
     """Plan the same problem without dynamics first, and start from that motion.
 
-    Accelerations are the controls; ends, limits of position, velocity and acceleration, links and every
-    constraint that does not depend on torques hold. What is minimised is the integral of the squared
-    accelerations and, where the duration is free, time, weighed so that a rest-to-rest motion takes the
-    guessed duration. The guess then has the torques of the inverse dynamics along that motion.
+    Accelerations are the controls. Ends, links, limits of position, velocity and acceleration, and all constraints that
+    do not depend on torques hold. The objective is the integral of the squared accelerations. A free duration is added
+    with a weight at which a rest-to-rest motion takes the guessed duration. Torques of the guess are those of inverse
+    dynamics along the motion.
 
     Parameters
     ----------
     mesh : Mesh
         Of the kinematic plan, for every phase.
     guess : InitialGuess, optional
-        For the kinematic plan; a straight line by default.
+        Of the kinematic plan; a straight line by default.
     solver : Solver
     duration : float, optional
         Guessed duration [s] of each phase where it is free.
@@ -64,13 +68,13 @@ class Kinematic(InitialGuess):
     duration: float | None = None
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
-        """Plan one phase by itself."""
+        """Plan one phase alone."""
         return self.prepared(Problem([phase])).of(phase, 0)
 
     def prepared(self, problem: Problem) -> InitialGuess:
         """Plan all phases and their links without dynamics.
 
-        A kinematic plan that fails warns, and its last iterate is the guess.
+        Where the kinematic plan fails, a warning is issued and its last iterate is the guess.
 
         Raises
         ------
@@ -96,17 +100,17 @@ class _Planned(InitialGuess):
     phases: Sequence[PhaseSolution]
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
-        """Sample the motion; torques follow from it."""
+        """Sample the motion; torques follow by inverse dynamics."""
         part = self.phases[index]
 
-        def read(what: str) -> Any:
-            return lambda s: getattr(part.at(part.t0 + np.clip(s, 0.0, 1.0) * part.duration), what)
+        def read(name: str) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+            return lambda s: np.asarray(getattr(part.at(part.t0 + np.clip(s, 0.0, 1.0) * part.duration), name))
 
         return joint_motion(phase, part.duration, read("q"), read("v"), read("a"), part.parameters)
 
 
 def kinematic_phase(phase: Phase, duration: float | None = None) -> Phase:
-    """Take the dynamics, and all that depends on torques, out of a phase.
+    """Return a phase without dynamics and without constraints that depend on torques.
 
     Raises
     ------
@@ -131,10 +135,10 @@ def kinematic_phase(phase: Phase, duration: float | None = None) -> Phase:
 
 
 def _smooth(phase: Phase, duration: float | None) -> Objective:
-    """Squared accelerations, and time where it is free.
+    """Return the integral of squared accelerations, plus the duration where it is free.
 
-    From rest to rest over a distance d in T, the least integral of a^2 is 12 d^2 / T^3; with T added and a^2
-    weighed by w it is least at T^4 = 36 w d^2.
+    From rest to rest over a distance d in T, the least integral of a^2 is 12 d^2 / T^3. The minimum of
+    T + w 12 d^2 / T^3 is at T^4 = 36 w d^2.
     """
     low, high = phase.duration_bounds
     smooth = Lagrange(_squared_accelerations)
@@ -149,12 +153,12 @@ def _smooth(phase: Phase, duration: float | None) -> Objective:
     return Duration() + weight * smooth
 
 
-def _squared_accelerations(point: Any) -> Any:
+def _squared_accelerations(point: RobotPoint) -> ca.SX:
     return ca.sumsqr(point.a)
 
 
 def _reads_torques(constraint: Constraint, phase: Phase) -> bool:
-    """Whether an expression depends on torques, tried where torques are symbols of their own."""
+    """Whether an expression depends on torques, tested by inverse dynamics, where torques are symbols."""
     inner = constraint.constraint if isinstance(constraint, AtStart | AtEnd) else constraint
     if isinstance(inner, JointEffort):
         return True

@@ -1,4 +1,4 @@
-"""plan(): from a problem to a checked solution in one call."""
+"""plan(): transcribe a problem, solve it and check the solution."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def plan(
 ) -> Solution:
     """Transcribe, solve and check.
 
-    Every setting that is left open is decided by the rules below; ``solution.settings`` has them with reasons.
+    The rules below decide every setting that is left open; ``solution.settings`` has them with reasons.
 
     Parameters
     ----------
@@ -66,9 +66,9 @@ def plan(
         How point functions are evaluated. All engines agree to rounding. ``rt.engines.Native()`` and
         ``rt.engines.VirtualMachine()`` need no compiler; ``rt.engines.Compiled()`` keeps C libraries for later plans.
     tolerance : float, optional
-        The mesh is refined until the relative error between the knots (``rt.refinement.errors_of``) is below this and
-        the objective has settled to it. Schemes of low order need many intervals. The status says where a tolerance
-        was not reached.
+        The mesh is refined until the relative error between the knots (``rt.refinement.errors_of``) and the relative
+        change of the objective are below this. Schemes of low order need many intervals. Otherwise the status is
+        ``Status.TOLERANCE_NOT_REACHED``.
     refinement : Refinement, optional
         How meshes are refined. ``rt.refinement.SplitOrRaise()`` splits the intervals of shooting and of compressed
         collocation, which have no order to raise.
@@ -82,20 +82,20 @@ def plan(
         slightly stricter. Remaining violations are in ``solution.interval_violations`` and
         ``solution.control_interval_violations``.
     restarts : Restarts, optional
-        Other beginnings of a problem that was not solved from its guess; ``rt.planning.Restarts(0)`` for none.
-        The message of a solution on one mesh names its beginning.
+        Other initial guesses of a problem that was not solved from its guess; ``rt.planning.Restarts(0)`` for none.
+        The message of a solution on one mesh names its restart.
     goals : Goals, optional
-        What is measured between the points, and how small it must be: ``rt.solution.Goals()``. The mesh is refined
-        until it is, from ``mesh`` on; ``solution.proof`` has the measures. With a mesh alone nothing is proved.
+        Bounds on the errors between the points: ``rt.solution.Goals()``. The mesh is refined, from ``mesh`` on, until
+        all hold; ``solution.proof`` has the measured errors. With a mesh alone nothing is proved.
     settings : Settings, optional
-        ``solution.settings`` of an earlier plan: nothing is left open then. With the same problem, guess and
+        ``solution.settings`` of an earlier plan, which decide every setting. With the same problem, guess and
         continuation the plan is repeated bit for bit. Other options replace single settings.
     time_limit : float, optional
-        Processor time [s] of the whole plan: building, solves on all meshes, other beginnings and diagnosis. The best
+        Processor time [s] of the whole plan: building, solves on all meshes, restarts and diagnosis. The best
         solution so far is returned; its status is ``Status.TIME_LIMIT`` unless it is a proved motion. Building one
         program is not interrupted.
     check : bool
-        Raise where no solution was found; else return it with its status.
+        Raise an error where no solution was found; otherwise return the last iterate with its status.
     progress : bool, optional
         Show iterations; by default only on a terminal.
 
@@ -108,11 +108,11 @@ def plan(
     NoSolutionFound
         With ``check``, when the status is not solved; the error carries the last iterate as ``.solution``.
     InputError
-        An option is of another kind, or the problem cannot be posed.
+        An option has another type, or the problem cannot be posed.
 
     Notes
     -----
-    Settings left open. Of the rules of a setting the first whose conditions hold applies:
+    Settings that are left open. The first rule of a setting whose conditions hold applies:
 
     ===============  =================================================  ==============================================
     setting          where                                              choice
@@ -215,7 +215,7 @@ def _method(settings: Settings) -> Callable[..., Solution]:
 
 
 def _out_of_time(solution: Solution, seconds: float) -> Solution:
-    """Give the status of a plan that its time limit ended: a motion that was proved by then is a success."""
+    """Return a solution with the status of a plan stopped by its time limit: solved where its motion is proved."""
     proved = solution.proof is not None and solution.proof.motion_holds
     status = Status.SOLVED if proved else Status.TIME_LIMIT
     message = f"{solution.message}; the time limit of {seconds:g} s was reached"

@@ -44,7 +44,7 @@ class Rule:
     Attributes
     ----------
     setting : str
-        Its name, which is that of the option of ``rt.plan``.
+        Name of the setting and of the option of ``rt.plan``.
     conditions : tuple of Condition
         All of them must hold.
     choice : object
@@ -62,9 +62,9 @@ class Rule:
         return all(condition.holds(case) for condition in self.conditions)
 
 
-def _rule(setting: str, *conditions_choice_reason: Any) -> Rule:
+def _rule(setting: str, *conditions_choice_reason: object) -> Rule:
     *conditions, choice, reason = conditions_choice_reason
-    return Rule(setting, tuple(conditions), choice, reason)
+    return Rule(setting, tuple(c for c in conditions if isinstance(c, Condition)), choice, str(reason))
 
 
 RULES: tuple[Rule, ...] = (
@@ -74,7 +74,7 @@ RULES: tuple[Rule, ...] = (
     _rule("mesh", when.PROVED, when.EXACT, graded(COARSE), "a coarse mesh finds the course of the motion"),
     _rule("mesh", when.PROVED, when.CONTACTS, Mesh(STEP), "a coarse mesh finds the course of a step"),
     _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh finds the course of the motion"),
-    _rule("mesh", when.ALWAYS, Mesh(20, RadauIIA(3)), "a coarse mesh that refinement starts from"),
+    _rule("mesh", when.ALWAYS, Mesh(20, RadauIIA(3)), "refinement starts from a coarse mesh"),
     _rule("solver", when.COMPILED, Ipopt(), "the engine keeps the functions that IPOPT calls"),
     _rule("solver", when.NO_STAGES, Ipopt(), "shooting and moving knots have no form in stages"),
     _rule("solver", when.AUGMENTED, Ipopt(), "the other solver stalls more often with contacts and corners"),
@@ -104,21 +104,21 @@ RULES: tuple[Rule, ...] = (
         when.STAGEWISE,
         when.FREE_TIME,
         BernsteinBounds(controls=True),
-        "one solve a mesh; what the bounds cost falls with the mesh",
+        "one solve a mesh; their effect on the objective falls with the mesh",
     ),
     _rule(
         "interval_limits",
         when.TOLERANCE,
         when.STAGEWISE,
         BernsteinBounds(states=False, controls=True),
-        "bounds on coefficients of speeds would cost more than the tolerance at a fixed duration",
+        "bounds on coefficients of speeds would raise the objective by more than the tolerance at a fixed duration",
     ),
     _rule(
         "interval_limits",
         when.ROBOTS,
         when.STAGEWISE,
         BernsteinBounds(),
-        "limits of speed hold everywhere in one solve; further rows cost a solver by stages little",
+        "limits of speed hold everywhere in one solve; further rows are cheap for a solver by stages",
     ),
     _rule(
         "interval_limits",
@@ -126,12 +126,14 @@ RULES: tuple[Rule, ...] = (
         ConstraintGeneration(),
         "rows are imposed only where a solution violates them, so the optimum stays",
     ),
-    _rule("refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective is left to settle"),
-    _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme leads straight to the mesh needed"),
+    _rule(
+        "refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective has not converged yet"
+    ),
+    _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme predicts the mesh"),
     _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),
     _rule("refinement", when.ALWAYS, None, "no tolerance, so the mesh stays"),
     _rule("restarts", when.CONTACTS, Restarts(0), "other initial guesses seldom help with contacts, and take long"),
-    _rule("restarts", when.ALWAYS, Restarts(), "a guess may be too short, or lead into an obstacle"),
+    _rule("restarts", when.ALWAYS, Restarts(), "a guess may be too short, or cross an obstacle"),
 )
 
 SETTINGS = tuple(dict.fromkeys(rule.setting for rule in RULES))
@@ -145,7 +147,7 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
     ----------
     problem : Problem
     given : mapping of str to object
-        Options by name; None leaves one open. They replace what ``settings`` has.
+        Options by name; None leaves one open. They replace those of ``settings``.
     settings : Settings, optional
         Of an earlier plan. Nothing is left open then.
 
@@ -159,7 +161,7 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
         An option is of another kind, or ``refinement`` is given with a mesh alone.
     """
     if settings is not None and not isinstance(settings, Settings):
-        raise InputError(f"settings= must be those of a solution, solution.settings; got {settings!r}.")
+        raise InputError(f"settings= must be the settings of a solution, solution.settings; got {settings!r}.")
     values: dict[str, Any] = {}
     reasons: dict[str, str] = {}
     proved = settings is not None and settings.goals is not None
@@ -176,7 +178,7 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
             values[name], reasons[name] = rule.choice, rule.reason
     if values["refinement"] is not None and values["tolerance"] is None and values["goals"] is None:
         raise InputError(
-            "refinement= chooses how meshes are refined, but a mesh given alone stays as it is; "
+            "refinement= chooses how meshes are refined, but a mesh given alone is not refined; "
             "give tolerance= or goals= as well."
         )
     return Settings(**values, reasons={name: reasons[name] for name in SETTINGS})

@@ -1,6 +1,6 @@
-"""Dynamics with the variables that an objective brings along: rates, slacks, jerks, running integrals.
+"""Dynamics with the variables that an objective adds: rates, slacks, jerks, running integrals.
 
-An objective may need more than a point knows: the time derivative of a torque, a slack for an absolute value.
+An objective may need further quantities: the time derivative of a torque, a slack for an absolute value.
 It then wraps the dynamics of the phase in a larger DAE of the same physics, which schemes and transcription
 treat as any other:
 
@@ -9,7 +9,7 @@ treat as any other:
     Jerks               further algebraic variables j = da/dt of a robot
     RunningIntegral     a further state W from W = 0:   Wdot = l(x, z, u, p, t)
 
-Points of a wrapped phase read as before, ``point.u`` and ``point.tau`` among them; what is new stands in
+Points of a wrapped phase keep their attributes, such as ``point.u`` and ``point.tau``. Added variables are in
 ``point.extra``.
 """
 
@@ -30,6 +30,7 @@ from robotraj.dynamics.dae import Dynamics, TimeOrders
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rigid_body import InverseDynamics, RigidBody
 from robotraj.dynamics.variable import Variable
+from robotraj.problem.scalars import Scalar
 from robotraj.robot.robot import Robot
 
 
@@ -40,7 +41,7 @@ class Augmented(OneLine, ABC):
     Attributes
     ----------
     smooth : bool
-        Whether costs on what is new have no corners, so that a problem keeps the kind of optima that it has without.
+        Whether costs on the added variables are smooth, so that the structure of the optima does not change.
     """
 
     inner: Dynamics
@@ -88,7 +89,7 @@ class Augmented(OneLine, ABC):
 
     @abstractmethod
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
-        """Wrap columns of symbols as the inner Point, with what is new in ``point.extra``."""
+        """Return the inner Point of columns of symbols, with added variables in ``point.extra``."""
 
     def rates(self, point: Any) -> ca.SX:
         """Rates of the inner states."""
@@ -103,7 +104,7 @@ class Augmented(OneLine, ABC):
         return self.inner.invariant(point)
 
     def correction(self, point: Any, c: ca.SX) -> ca.SX:
-        """Correct the inner states; what was added keeps its rates."""
+        """Correct the inner states; added states keep their rates."""
         inner = self.inner.correction(point, c)
         return ca.vertcat(inner, ca.SX.zeros(len(self.states) - inner.numel()))
 
@@ -116,7 +117,7 @@ def body_of(dynamics: Dynamics) -> Dynamics:
 
 
 def has(dynamics: Dynamics, names: Sequence[str]) -> bool:
-    """Whether variables of these names exist already: another term of the objective brought them."""
+    """Whether another term of the objective added variables of these names already."""
     known = {v.name for v in (*dynamics.states, *dynamics.algebraic, *dynamics.controls)}
     return set(names) <= known
 
@@ -155,7 +156,7 @@ class ControlRates(Augmented):
         return TimeOrders(known.states + moved, known.algebraic, tuple(k + 1 for k in moved) + others)
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
-        """Hand the states that were controls back as controls."""
+        """Return the states that were controls as controls."""
         nx, nu = len(self.inner.states), len(self._moved)
         inner = None if u is None else ca.vertcat(x[nx:, :], u[nu:, :])
         point = self.inner.point(t, x[:nx, :], z, inner, p, names)
@@ -267,7 +268,7 @@ class RunningIntegral(Augmented):
     """A further state that integrates a rate from 0 at the start of the phase."""
 
     integral: Variable
-    rate: Callable[[Any], Any] = field(repr=False)
+    rate: Callable[[Any], Scalar] = field(repr=False)
 
     @property
     def states(self) -> tuple[Variable, ...]:

@@ -45,18 +45,18 @@ class Phase(OneLine):
     Parameters
     ----------
     subject : Robot or System
-        What moves.
+        The robot or system that moves.
     duration : float, (float, float) or Between
         Fixed or bounded duration [s].
     start, end : State, optional
         The state at both ends; None leaves it free.
     objective : Objective, optional
-        What is minimised; with None, any feasible motion is a solution.
+        The function to minimise; with None, any feasible motion is a solution.
     constraints : sequence of Constraint
         Imposed at every collocation point, or at one end with ``AtStart`` and ``AtEnd``.
     contacts : sequence of Contact
-        What a robot stands on or holds for the whole phase, ``rt.PointContact("foot")``. A foothold is an unknown of
-        the phase, a parameter such as ``"foot.x"`` [m].
+        Contacts of the robot during the whole phase, ``rt.PointContact("foot")``. A foothold is a parameter of the
+        phase such as ``"foot.x"`` [m], an unknown by default.
     parameters : mapping of str to number, Between or None
         Unknown or fixed constants, ``point.p[name]``. Footholds may be fixed or bounded here.
     design : mapping of str to Quantity or sequence of Quantity
@@ -123,7 +123,7 @@ class Phase(OneLine):
             raise FailedExpression(f"Phase {self.name!r}: {error}") from error.__cause__
 
     def _check(self) -> None:
-        """Refuse what cannot hold."""
+        """Raise an InputError where rows, ends, contacts or duration cannot hold."""
         if isinstance(self.limits, Limits) and self.robot is not None:
             check_limits(self.name, self.limits, self.robot)
         known, (_, longest) = self.parameter_bounds, self.duration_bounds
@@ -147,8 +147,8 @@ class Phase(OneLine):
         """The System that moves, or None for a robot."""
         return self.subject if isinstance(self.subject, System) else None
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickle the fields only: what is derived from them is derived again."""
+    def __getstate__(self) -> dict[str, object]:
+        """Pickle the fields only: derived values are computed again."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     @cached_property
@@ -178,7 +178,7 @@ class Phase(OneLine):
 
     @cached_property
     def body(self) -> Dynamics:
-        """What moves, as a semi-explicit DAE, without variables that the objective brings along."""
+        """The dynamics as a semi-explicit DAE, without variables that the objective adds."""
         if isinstance(self.subject, System):
             _ = self.bound_contacts
             return SystemDynamics(self.subject)
@@ -233,11 +233,8 @@ class Phase(OneLine):
         every: list[Constraint] = []
         if self.robot is not None and isinstance(self.limits, Limits):
             every += own_limits(self.limits, self.robot.actuated)
-        for kind, mapping in (
-            ("state", self.states),
-            ("control", self.controls),
-            ("algebraic variable", self.algebraic),
-        ):
+        variables = (("state", self.states), ("control", self.controls), ("algebraic variable", self.algebraic))
+        for kind, mapping in variables:
             if mapping:
                 every.append(VariableBounds(kind, mapping))
         every += self.constraints
@@ -273,7 +270,7 @@ class Phase(OneLine):
         Raises
         ------
         InputError
-            An unknown field, or whatever ``Phase`` itself refuses.
+            An unknown field, or a value that ``Phase`` refuses.
         """
         unknown = set(changes) - {entry.name for entry in fields(self)}
         if unknown:

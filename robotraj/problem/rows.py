@@ -93,7 +93,7 @@ class RowTable(OneLine):
     parameters : tuple of str
         Names of the parameters of the phase.
     constraints : tuple of BoundConstraint
-        What the rows are made of.
+        The bound constraints that impose the rows.
     """
 
     phase: str

@@ -1,4 +1,4 @@
-"""Types of what expressions of a point return."""
+"""Types of the values of expressions of a point."""
 
 from __future__ import annotations
 

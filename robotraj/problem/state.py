@@ -29,7 +29,7 @@ class State(OneLine):
         is given whole and of length 1; its negative is the same attitude, a full turn later.
 
     None leaves a value free, a number fixes it, ``rt.between(lower, upper)`` bounds it; joints that a mapping does not
-    name stay free. Arrays, lists and mappings are copied: what is written to them later changes no state.
+    name stay free. Arrays, lists and mappings are copied: later changes of them change no state.
     """
 
     values: BoundsLike = None
@@ -72,7 +72,7 @@ class State(OneLine):
 
 
 def _turn(q: Bounds, what: str) -> None:
-    """Put the quaternion of a position on length 1, in place; refuse one that cannot have it."""
+    """Normalise the quaternion of a position in place; refuse bounds that contain no unit quaternion."""
     lower, upper = q.lower[QUATERNION], q.upper[QUATERNION]
     if np.array_equal(lower, upper):
         lower[:] = upper[:] = unit_quaternion(lower, what)

@@ -22,8 +22,8 @@ SAMPLES = 61
 def clearance_scene(cycles: GaitCycles) -> list[dict[str, Any]]:
     """Return curves for the page's script: start and end [s], and points x, y, z of the required height [m].
 
-    ``ground`` is the height [m] of the ground below each point. Places that a constraint holds at one end of a phase
-    alone have none.
+    ``ground`` is the height [m] of the ground below each point. A constraint that holds at one end of a phase only
+    has no curve.
     """
     curves = []
     for cycle_phase in cycles.phases:
@@ -34,7 +34,7 @@ def clearance_scene(cycles: GaitCycles) -> list[dict[str, Any]]:
 
 
 def _curves(cycle_phase: CyclePhase, constraint: GroundClearance) -> list[dict[str, Any]]:
-    """Return one curve for each point; the highest of several required heights counts."""
+    """Return one curve for each point, at the highest of its required heights."""
     planned, phase = cycle_phase.planned, cycle_phase.phase
     body, names = phase.body, phase.parameter_names
     held = phase.rows.of(constraint)
@@ -64,13 +64,13 @@ def _curves(cycle_phase: CyclePhase, constraint: GroundClearance) -> list[dict[s
         # The value of a row minus its bound is the distance above the required height.
         spare = np.min([rows[i] - held[i].lower for i in mine], axis=0)
         below = np.asarray(ground.height(x, y), dtype=float)
-        asked = cycle_phase.points(np.column_stack([x, y, z - spare]))
+        required = cycle_phase.points(np.column_stack([x, y, z - spare]))
         floor = cycle_phase.points(np.column_stack([x, y, below]))
         found.append(
             {
                 "start": cycle_phase.t0,
                 "end": cycle_phase.t0 + cycle_phase.duration,
-                "points": [float(f"{v:.5g}") for v in asked.ravel()],
+                "points": [float(f"{v:.5g}") for v in required.ravel()],
                 "ground": [float(f"{v:.5g}") for v in floor[:, 2]],
             }
         )

@@ -14,10 +14,10 @@ RGB = (
 
 
 def rgb(number: int) -> tuple[float, float, float]:
-    """Colour of the trace or contact of that number; they come round again."""
+    """Return the colour of a trace or contact by its number, modulo the number of colours."""
     return RGB[number % len(RGB)]
 
 
 def css(number: int) -> str:
-    """Write the same as a style sheet does."""
+    """Return the colour of a trace or contact in CSS notation."""
     return "rgb({}, {}, {})".format(*(round(255 * part) for part in rgb(number)))

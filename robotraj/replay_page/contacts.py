@@ -1,4 +1,4 @@
-"""What holds the robot: contact forces, friction cones, impulses, and when each contact is held."""
+"""Contact forces, friction cones, impulses and the times during which each contact is held."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from robotraj.solution.cycles.gait_cycles import GaitCycles
 
 Array = NDArray[np.float64]
 IMPULSE_TIME = 0.1
-"""An impulse is drawn as long as the force that gives it in so many seconds."""
+"""An impulse is drawn as long as the constant force that produces it in this time [s]."""
 
 
 def weight_of(robot: Any) -> float:
-    """Weight of what moves [N]."""
+    """Return the weight of the moving bodies [N]."""
     model = robot.model
     mass = sum(float(inertia.mass) for inertia in model.inertias[1:])
     return mass * float(np.linalg.norm(model.gravity.linear))
 
 
 def contact_scene(cycles: GaitCycles, robot: Any, stature: float) -> dict[str, Any] | None:
-    """Write forces, cones and impulses for the page's script; None without contacts with the ground.
+    """Return forces, cones and impulses for the page's script, or None without contacts with the ground.
 
     Parameters
     ----------
     cycles : GaitCycles
     robot : Robot
     stature : float
-        Size of the robot [m]: its weight is drawn a third as long.
+        Size of the robot [m]. An arrow a third as long stands for the robot's weight.
     """
     holds = [hold for cycle_phase in cycles.phases for hold in footholds(cycle_phase)]
     if not holds:
@@ -51,7 +51,10 @@ def contact_scene(cycles: GaitCycles, robot: Any, stature: float) -> dict[str, A
 
 
 def held(cycles: GaitCycles) -> list[dict[str, Any]]:
-    """When each contact is held: its name and spans [start, end] [s], joined where one follows another."""
+    """Return the name of each contact and the spans [start, end] [s] during which it is held.
+
+    Spans that follow one another without a gap are joined.
+    """
     spans: dict[str, list[list[float]]] = {name: [] for name in contact_names(cycles)}
     for cycle_phase in cycles.phases:
         for hold in footholds(cycle_phase):
@@ -80,7 +83,7 @@ def _cones(hold: Foothold, foot: int) -> list[dict[str, Any]]:
 
 
 def _impacts(cycles: GaitCycles, names: list[str]) -> list[dict[str, Any]]:
-    """Impulses with their times, places [m] and world components [N s]."""
+    """Return the impulses with their times, places [m] and world components [N s]."""
     found = []
     for impact in cycles.impacts:
         for hold in footholds(impact.after):
@@ -95,5 +98,5 @@ def _impacts(cycles: GaitCycles, names: list[str]) -> list[dict[str, Any]]:
 
 
 def _rounded(values: Array, digits: int) -> list[float]:
-    """Round to significant digits, rows one after the other."""
+    """Round to significant digits and flatten row by row."""
     return [float(f"{value:.{digits}g}") for value in np.ravel(values)]

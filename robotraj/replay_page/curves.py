@@ -19,9 +19,9 @@ SAME = {"rad": "rad", "m": "m", "": ""}
 RATE = {"rad": "rad/s", "m": "m/s"}
 EFFORT = {"rad": "N m", "m": "N"}
 SAMPLES = 900
-"""About so many samples per phase, shared among its intervals; each shows at least 3, ends included."""
+"""Approximate number of samples per phase. Each of its intervals has at least 3, ends included."""
 ALL_SAMPLES = 3600
-"""About so many in all phases of all periods, shared among them."""
+"""Approximate number of samples in all phases of all periods."""
 
 
 @dataclass(frozen=True)
@@ -35,17 +35,17 @@ class Series(OneLine):
 
 @dataclass(frozen=True)
 class Panel(OneLine):
-    """One chart: its title, the symbol that heads its column of values, and its curves."""
+    """One chart: its title, the heading of its column of values, and its curves."""
 
     title: str
     symbol: str
     series: tuple[Series, ...]
     read: Callable[[Any], Array] = field(repr=False)
-    """From a sample at m times to values (m, number of series)."""
+    """Map a sample at m times to values (m, number of series)."""
 
 
 def robot_panels(robot: Any) -> list[Panel]:
-    """Position, velocity and torque charts of a robot's joints; torque of the actuated ones only."""
+    """Return the position and velocity charts of a robot's joints, and the torque chart of the actuated ones."""
 
     def series(prefix: str, names: Sequence[str], units: Sequence[str], unit: dict[str, str]) -> tuple[Series, ...]:
         return tuple(Series(n, unit[u], f"{prefix}.{n}") for n, u in zip(names, units, strict=True))
@@ -65,11 +65,11 @@ def robot_panels(robot: Any) -> list[Panel]:
 
 
 def contact_panel(cycle_phase: CyclePhase) -> list[Panel]:
-    """Chart of the normal force of each contact with the ground; none without contacts."""
+    """Return the chart of the normal forces of contacts with the ground; empty without contacts."""
     holds = footholds(cycle_phase)
     if not holds:
         return []
-    # A bound on the normal force of level ground is one of the variable along z.
+    # On level ground a bound on the normal force is a bound on the variable along z.
     series = tuple(Series(hold.name, "N", f"force.{hold.contact.name}.z") for hold in holds)
 
     def read(sample: Any) -> Array:
@@ -79,7 +79,7 @@ def contact_panel(cycle_phase: CyclePhase) -> list[Panel]:
 
 
 def system_panels(system: Any) -> list[Panel]:
-    """States, controls and algebraic variables of an ``rt.System``."""
+    """Return the charts of the states, controls and algebraic variables of an ``rt.System``."""
 
     def panel(title: str, symbol: str, group: Sequence[Any]) -> Panel:
         names = [variable.name for variable in group]
@@ -101,8 +101,8 @@ def system_panels(system: Any) -> list[Panel]:
 def curves(cycles: GaitCycles) -> list[dict[str, Any]]:
     """Sample every chart of a solution, ready for JSON.
 
-    Each interval between knots is read with its own polynomial, so a jump at a knot shows as one. Limits are
-    the tightest of the phase's rows that bound one variable throughout.
+    Each interval is evaluated with its polynomial, so a jump at a knot is visible. Limits are the tightest bounds
+    of the phase's rows that bound one variable throughout.
 
     Returns
     -------
@@ -141,7 +141,7 @@ def curves(cycles: GaitCycles) -> list[dict[str, Any]]:
 
 
 def _sample(cycle_phase: CyclePhase, wanted: float) -> tuple[Array, list[Any]]:
-    """Read a phase interval by interval; both sides of every knot are there."""
+    """Sample a phase interval by interval, with the left and right values of every knot."""
     knots = cycle_phase.knots
     count = max(3, int(np.ceil(wanted / max(len(knots) - 1, 1))) + 1)
     grids = [np.linspace(a, b, count) for a, b in zip(knots[:-1], knots[1:], strict=True)]
@@ -149,7 +149,7 @@ def _sample(cycle_phase: CyclePhase, wanted: float) -> tuple[Array, list[Any]]:
 
 
 def _limits(cycle_phase: CyclePhase) -> dict[str, tuple[float, float]]:
-    """Bounds by variable name, from the rows that hold throughout the phase, as they are in the period."""
+    """Return bounds by variable name, from the rows that hold throughout the phase, mapped to the period."""
     limits: dict[str, tuple[float, float]] = dict(cycle_phase.phase.rows.limits())
     robot = cycle_phase.phase.robot
     if cycle_phase.period == 0 or robot is None:
@@ -168,5 +168,5 @@ def _rows(values: Any) -> Array:
 
 
 def _rounded(values: Array, digits: int) -> list[float | None]:
-    """Round to significant digits; JSON has no NaN, so what is not finite becomes None and leaves a gap."""
+    """Round to significant digits; a value that is not finite becomes None, since JSON has no NaN."""
     return [float(f"{value:.{digits}g}") if np.isfinite(value) else None for value in values]

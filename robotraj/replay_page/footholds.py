@@ -1,4 +1,4 @@
-"""Contacts with the ground over the passages of a motion: where they stand, and the forces that act there."""
+"""Contacts with the ground in each phase of a motion: their places and their forces."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
 
 Array = NDArray[np.float64]
 SAMPLES = 120
-"""About so many samples of a force per phase, shared among its intervals; each shows at least 3, ends included."""
+"""Approximate number of samples of a force per phase. Each of its intervals has at least 3, ends included."""
 TOUCH = 0.01
-"""A contact that the optimum finds counts as held while it pushes with this share of its greatest force."""
+"""An implicit contact counts as held while its force exceeds this share of its largest force."""
 
 
 @dataclass(frozen=True, eq=False)
 class Foothold(OneLine):
-    """One contact over one cycle_phase, held throughout.
+    """One contact that is held throughout one phase of a period.
 
     Attributes
     ----------
     name : str
-        Of the contact that holds in this period.
+        Name of the contact that is held in this period.
     cycle_phase : CyclePhase
     contact : BoundContact
-        As planned.
+        The contact in the planned phase.
     """
 
     name: str
@@ -45,12 +45,12 @@ class Foothold(OneLine):
 
     @property
     def place(self) -> Array:
-        """Where it stands (3,) [m]."""
+        """Place of the contact (3,) [m]."""
         return self.cycle_phase.points(numbers(self._where.place(self.cycle_phase.parameters)))
 
     @property
     def spans(self) -> list[tuple[float, float]]:
-        """When it is held [s]."""
+        """Times at which it is held, (start, end) each [s]."""
         return [(self.cycle_phase.t0, self.cycle_phase.t0 + self.cycle_phase.duration)]
 
     @property
@@ -65,7 +65,7 @@ class Foothold(OneLine):
 
     @property
     def sole(self) -> Array:
-        """Corners (4, 3) [m] of a flat foot's sole on the ground as it is put down; none (0, 3) of other contacts."""
+        """Corners (4, 3) [m] of a flat foot's sole at touchdown; an empty array (0, 3) for other contacts."""
         contact = self.contact
         if not isinstance(contact, BoundFlatFoot):
             return np.empty((0, 3))
@@ -86,14 +86,14 @@ class Foothold(OneLine):
         return float(np.arctan(self.contact.contact.friction))  # type: ignore[attr-defined]
 
     def normal_force(self, sample: Any) -> Array:
-        """Force along the normal (m,) [N] in a sample of the cycle_phase."""
+        """Return the force along the normal (m,) [N] in a sample of the phase."""
         return np.asarray(np.atleast_2d(sample.forces[self.name])[:, :3] @ self.normal)
 
     @cached_property
     def track(self) -> tuple[Array, Array, Array]:
-        """Times (m,) [s], where the force acts (m, 3) [m], and the force (m, 3) [N].
+        """Times (m,) [s], points of application (m, 3) [m] and forces (m, 3) [N].
 
-        That of a flat foot acts at its centre of pressure.
+        The force of a flat foot acts at its centre of pressure.
         """
         planned = self.cycle_phase.planned
         knots = np.asarray(planned.knots, dtype=float)
@@ -117,7 +117,7 @@ class Foothold(OneLine):
         return numbers(self._where.tangents(self.cycle_phase.parameters)[1])
 
     def _spots(self, robot: Any, q: Array) -> Array:
-        """Place of the contact's point in configurations (m, nq) [m]."""
+        """Return the places (m, 3) [m] of the contact's point in configurations (m, nq)."""
         model, data, spot = robot.model, robot.model.createData(), self.contact.spot  # type: ignore[attr-defined]
         frame, offset, places = robot.frame(spot.frame), np.array(spot.offset), np.empty((len(q), 3))
         for k, configuration in enumerate(q):
@@ -127,16 +127,16 @@ class Foothold(OneLine):
 
 
 class FoundContact(Foothold):
-    """A contact that comes and goes as the optimum has it: held while it pushes, wherever it is then."""
+    """An implicit contact: it is held while its force is positive, and it may slide."""
 
     @property
     def place(self) -> Array:
-        """Where it first pushes (3,) [m]; where it starts, if it never does."""
+        """Place of the first positive force (3,) [m]; the place at the start if there is none."""
         return np.asarray(self.track[1][np.argmax(self._pushes)])
 
     @property
     def spans(self) -> list[tuple[float, float]]:
-        """When it pushes [s]."""
+        """Times at which the force is positive, (start, end) each [s]."""
         times, pushes = self.track[0], np.concatenate([[False], self._pushes, [False]])
         edges = np.flatnonzero(np.diff(pushes.astype(int)))
         return [
@@ -159,7 +159,10 @@ class FoundContact(Foothold):
 
 
 def footholds(cycle_phase: CyclePhase) -> list[Foothold]:
-    """Contacts with the ground in a cycle_phase; they alone have a place, a normal and a friction cone."""
+    """Return the contacts with the ground in a phase of a period.
+
+    Loop closures are not among them: they have no place, normal or friction cone.
+    """
     found = []
     for contact in cycle_phase.phase.bound_contacts:
         if not isinstance(contact, BoundLoopClosure):
@@ -169,12 +172,12 @@ def footholds(cycle_phase: CyclePhase) -> list[Foothold]:
 
 
 def contact_names(cycles: GaitCycles) -> list[str]:
-    """Contacts with the ground of all phases, and those that take their places in mirrored periods."""
+    """Return the names of the contacts with the ground in all phases, mirrored periods included."""
     return list(dict.fromkeys(hold.name for cycle_phase in cycles.phases for hold in footholds(cycle_phase)))
 
 
 def contact_frames(cycles: GaitCycles) -> dict[str, str]:
-    """Frame of each contact; those of mirrored periods are the partners' frames, where they have a name."""
+    """Return the frame of each contact; in a mirrored period it is the frame of the partner, if that is named."""
     frames: dict[str, str] = {}
     for cycle_phase in cycles.phases:
         for hold in footholds(cycle_phase):
@@ -187,12 +190,15 @@ def contact_frames(cycles: GaitCycles) -> dict[str, str]:
 
 
 def numbers(entries: Any) -> Array:
-    """Write entries of floats and CasADi's constants as an array."""
+    """Convert floats and CasADi constants to an array."""
     return np.array([float(entry) for entry in entries])
 
 
 def _pressure(wrench: Array, normal: Array) -> Array:
-    """From the sole's point to the centre of pressure (m, 3) [m]: n x m / f_n, where the foot is pressed down."""
+    """Return the vector (m, 3) [m] from the sole's point to the centre of pressure, n x m / f_n.
+
+    It is zero where the normal force vanishes.
+    """
     force = wrench[:, :3] @ normal
     pressed = force > 1e-3 * max(float(np.abs(force).max()), 1e-9)
     return np.cross(normal, wrench[:, 3:]) * np.where(pressed, 1.0 / np.where(pressed, force, 1.0), 0.0)[:, None]

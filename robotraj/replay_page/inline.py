@@ -13,10 +13,10 @@ HEIGHT = 560
 
 
 def inline(solution: Solution) -> str:
-    """CycleMap the page as an ``<iframe>`` that holds its own source; the text of the solution where it has no page.
+    """Return the page as an ``<iframe>`` with inlined source, followed by the text of the solution.
 
-    Solutions whose phases move several robots have no page. The frame runs its own scripts and reaches nothing of the
-    notebook around it.
+    A solution whose phases move several robots has no page; the text alone is returned. The scripts of the sandboxed
+    frame cannot access the notebook.
     """
     text = f"<pre style='line-height:1.2'>{html.escape(str(solution))}</pre>"
     try:

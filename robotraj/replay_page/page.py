@@ -1,4 +1,4 @@
-"""One HTML file from template, styles, scripts, meshcat's viewer and the data, everything inlined."""
+"""One HTML file with template, styles, scripts, meshcat's viewer and the data inlined."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ POLICY = (
     "default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:; "
     "connect-src data: blob:; base-uri 'none'; form-action 'none'"
 )
-"""Content-security policy: the scripts of the page itself, by hash, and nothing from anywhere else.
+"""Content-security policy: only the scripts of the page run, identified by hash, and no external source is loaded.
 
-Styles are inline, since the viewer writes some; without other sources they cannot load anything. The viewer reads its
-own meshes and textures as ``data:`` and ``blob:`` URLs.
+Inline styles are allowed, since the viewer writes some; they cannot load external files. The viewer reads meshes and
+textures as ``data:`` and ``blob:`` URLs.
 """
 
 
@@ -54,9 +54,9 @@ def page(heading: Heading, description: dict[str, Any], commands: bytes | None) 
     ----------
     heading : Heading
     description : dict
-        Data for the page's script; must survive JSON.
+        Data for the page's script, serialisable as JSON.
     commands : bytes or None
-        meshcat commands from ``RecordingWindow.packed``; None leaves out the 3D view and meshcat's viewer.
+        meshcat commands from ``RecordingWindow.packed``. With None the page has no 3D view.
     """
     text = json.dumps(description, separators=(",", ":"), allow_nan=False).encode()
     viewer = _inline(_meshcat("dist/main.min.js")) if commands is not None else ""
@@ -96,17 +96,17 @@ def _meshcat(name: str) -> str:
 
 
 def _licences() -> str:
-    """Licences of the inlined viewer and of the libraries in it, which must accompany every copy."""
+    """Return the licences of the inlined viewer and its libraries; every copy must include them."""
     return _meshcat("LICENSE") + "\n" + _meshcat("dist/main.min.js.LICENSE.txt")
 
 
 def _inline(script: str) -> str:
-    """Escape what would end the script element."""
+    """Escape the sequences that would end the script element."""
     return script.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
 def _hash(script: str) -> str:
-    """Source expression that allows one inline script."""
+    """Return the source expression that allows one inline script."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}'"
 
 

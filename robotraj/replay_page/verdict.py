@@ -18,18 +18,18 @@ Colour = Literal["good", "unproved", "bad"]
 """Green for a proved plan, amber for a motion that was not proved, red for no motion."""
 
 Data = dict[str, object]
-"""Values that survive JSON."""
+"""Values that JSON can hold."""
 
 LISTED = 40
 """Largest number of violated rows on the page."""
 
 UNPROVED = ("NOT_PROVED", "TOLERANCE_NOT_REACHED")
-"""Names of statuses: the plan satisfies the rows of their mesh, but not the goals between its points."""
+"""Names of statuses of a plan that satisfies the rows of its mesh, but not the goals between mesh points."""
 
 
 @dataclass(frozen=True)
 class Verdict(OneLine):
-    """What the page claims about a plan.
+    """The verdict that the page shows on a plan.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Figure(OneLine):
 
 
 def verdict(solution: Solution) -> Verdict:
-    """CycleMap the verdict: a plan is green only where its proof holds."""
+    """Return the verdict; it is green only if the proof of the plan holds."""
     if solution.status.name in UNPROVED:
         return Verdict("unproved", solution.status.value)
     if not solution.success:
@@ -77,7 +77,7 @@ def verdict(solution: Solution) -> Verdict:
 
 
 def figures(solution: Solution) -> list[Figure]:
-    """List the measures of the proof, or of the rows where nothing was proved."""
+    """List the measures of the proof; without a proof, those of the rows."""
     proof = solution.proof
     found = []
     if proof is not None:
@@ -98,7 +98,7 @@ def figures(solution: Solution) -> list[Figure]:
 
 
 def proof_data(solution: Solution) -> Data:
-    """CycleMap the page's data on the proof.
+    """Return the page's data on the proof.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def proof_data(solution: Solution) -> Data:
 
 
 def _given_mesh(solution: Solution) -> list[Data]:
-    """Describe the only mesh of a plan that was not refined; its error was not estimated."""
+    """Describe the only mesh of a plan that was not refined; its error is unknown."""
     return [
         {
             "intervals": sum(len(part.knots) - 1 for part in solution.phases),
@@ -138,7 +138,7 @@ def _given_mesh(solution: Solution) -> list[Data]:
 
 
 def _worst_of_each_row(solution: Solution) -> list[Violation]:
-    """CycleMap the largest violation of each row, largest first."""
+    """Return the largest violation of each row, largest first."""
     ranked = sorted((*solution.violation_list, *_between(solution)), key=lambda violation: -violation.relative)
     found: dict[tuple[str, str], Violation] = {}
     for violation in ranked:
@@ -151,7 +151,7 @@ def _between(solution: Solution) -> tuple[Violation, ...]:
 
 
 def _violation(solution: Solution, violation: Violation) -> Data:
-    """Describe a violated row, with the variable whose curve it is marked on."""
+    """Describe a violated row and name the variable whose curve carries its mark."""
     named = [part for part in solution.phases if part.phase.name == violation.phase]
     # Phases may share a name: the violation belongs to the one that runs at its time.
     inside = [part for part in named if part.t0 <= violation.time <= part.t0 + part.duration]
@@ -165,7 +165,7 @@ def _violation(solution: Solution, violation: Violation) -> Data:
 
 
 def _variable(part: PhaseSolution, violation: Violation) -> str | None:
-    """CycleMap the variable that a violated row bounds, or the state of a violated defect; None for other rows."""
+    """Return the variable that a violated row bounds, or the state of a violated defect; None for other rows."""
     for row in part.phase.rows:
         if row.name == violation.name and row.joint == violation.joint and row.variable is not None:
             return row.variable
@@ -174,5 +174,5 @@ def _variable(part: PhaseSolution, violation: Violation) -> str | None:
 
 
 def _number(value: float) -> float | None:
-    """JSON has no infinite numbers."""
+    """Round to six digits; return None for a value that is not finite, which JSON cannot hold."""
     return float(f"{value:.6g}") if np.isfinite(value) else None

@@ -24,7 +24,10 @@ from robotraj.solution.cycles.gait_cycles import GaitCycles, gait_cycles
 from robotraj.solution.solution import Solution
 
 SAME_PLACE = 1e-6
-"""Dimensions [m] of two phases' robots that differ by less are one: so far a solver may let them differ."""
+"""Largest difference [m] between dimensions of two phases' robots that count as equal.
+
+The solver's tolerance allows such a difference.
+"""
 
 
 def replay(
@@ -39,50 +42,50 @@ def replay(
 ) -> Path:
     """Write a page that shows the robot in motion beside its position, velocity and torque curves.
 
-    The file stands alone: meshcat's viewer, meshes, motion and curves are inside. It needs no network, and
-    writing it starts no server, process or browser. Phases follow one another on one time line.
+    The file contains meshcat's viewer, meshes, motion and curves, and needs no network. Writing it starts no server,
+    process or browser. Phases follow one another on one time line.
 
     In the browser's console, ``robotraj.seek(t)`` moves to a time [s], ``robotraj.time()`` reads it,
-    ``robotraj.poses()`` gives the world position [m] and quaternion (x, y, z, w) of every joint as drawn, and
+    ``robotraj.poses()`` returns the world position [m] and quaternion (x, y, z, w) of every joint as drawn, and
     ``robotraj.viewer`` is meshcat's viewer.
 
-    Where contacts are held, their forces are arrows (the page states their scale), with the friction cones
-    at the footholds, the impulses of impacts, the height that ``GroundClearance`` requires, and bars that show which
-    phase runs and which contact is held. A gait that closes on itself is shown through several periods, each displaced
-    from the last and mirrored if the plan is half a gait.
+    Forces of held contacts are arrows, whose scale the page shows. The page also shows friction cones at the
+    footholds, impulses of impacts and the height that ``GroundClearance`` requires. Bars show which phase runs and
+    which contacts are held. A periodic gait can be shown over several periods. Each is displaced from the one before,
+    and mirrored if the plan is half a gait.
 
-    A solution of an ``rt.System`` has no robot to show: its page holds the curves alone.
+    The page of an ``rt.System`` has the curves only, since there is no robot.
 
     Parameters
     ----------
     solution : Solution
-        Solved or not; the page shows the verdict.
+        A solution, successful or not; the page shows the verdict.
     path : path
         Ends in ``.html``; its directory must exist. An older file is replaced.
     speed : float
-        Playback speed the page starts with; 1 is real time.
+        Initial playback speed; 1 is real time.
     fps : int
-        Animation keys per second of motion, 1 to 240. Up to eight times as many are kept where the motion
-        bends, so that joints stay within about 1e-5 rad and m of the solution between keys.
+        Animation keys per second of motion, 1 to 240. Where the motion is curved, up to eight times as many are kept.
+        Between keys, joints then stay within about 1e-5 rad and m of the solution.
     traces : sequence of str, optional
-        Frames whose path is drawn; by default those of the contacts, else the tip of the longest chain. ``()`` draws
-        none.
+        Frames whose path is drawn. The default is the frames of the contacts; without contacts, the tip of the longest
+        chain. ``()`` draws none.
     periods : int
-        How often the plan is passed through; more than once needs ``rt.Periodic``, ``rt.Mirror`` or
-        ``rt.Touchdown(repeat=...)`` from its last phase to its first.
+        Number of periods. More than one requires ``rt.Periodic``, ``rt.Mirror`` or ``rt.Touchdown(repeat=...)`` from
+        the last phase to the first.
     title : str, optional
         Heading of the page; the robot's or system's name by default.
 
     Returns
     -------
     pathlib.Path
-        The file, absolute.
+        The absolute path of the file.
 
     Raises
     ------
     InputError
         A suffix other than ``.html``, a missing directory, a speed or fps out of range, phases that move
-        different robots, ``traces`` for a system, several periods of a plan that ends elsewhere. An
+        different robots, ``traces`` for a system, or several periods of a plan that is not periodic. An
         unknown frame raises UnknownName.
     """
     require_solution(solution, "rt.replay")
@@ -105,15 +108,15 @@ def page_of(
     periods: int = 1,
     title: str | None = None,
 ) -> str:
-    """CycleMap the text of the page; parameters and errors are those of ``replay``."""
+    """Return the text of the page; parameters and errors are those of ``replay``."""
     robot = _one_robot(solution)
     names = [traces] if isinstance(traces, str) else traces
     if robot is None and names:
-        raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; leave it out.")
+        raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; omit traces=.")
     cycles = gait_cycles(solution, periods)
     scene = None
     if robot is not None:
-        # Imported here, since meshcat and trimesh take a second to import.
+        # This import is deferred, since meshcat and trimesh take a second to import.
         from robotraj.replay_page.scene.scene import scene_of
 
         scene = scene_of(robot, cycles, fps, names)
@@ -162,7 +165,7 @@ def html_path(path: str | os.PathLike[str]) -> Path:
 
 
 def _one_robot(solution: Any) -> Any:
-    """CycleMap the robot that all phases move, in the dimensions of its design, or None if all are systems."""
+    """Return the robot of all phases, in the dimensions of its design, or None if all are systems."""
     robots = [realised(result) for result in solution.phases]
     if not robots:
         raise InputError("replay: the solution has no phase, so there is nothing to show.")
@@ -178,7 +181,7 @@ def _one_robot(solution: Any) -> Any:
 
 
 def _looks_like(robot: Any, other: Any) -> bool:
-    """Whether two robots are one, loads apart: the same joints and frames in the same places."""
+    """Return whether two robots have the same joints and frames in the same places; loads may differ."""
     if robot.joint_names != other.joint_names or robot.frame_names != other.frame_names:
         return False
     pairs = [*zip(robot.model.jointPlacements, other.model.jointPlacements, strict=True)]

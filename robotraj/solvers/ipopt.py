@@ -47,7 +47,7 @@ LOADED = dict.fromkeys(("ma27", "ma57", "ma77", "ma86", "ma97"), "hsllib") | {"p
 
 
 LEAST = 1e-13
-"""Product of multiplier and distance from its bound, in scaled units, below which there is nothing but round-off."""
+"""Product of multiplier and distance from its bound, in scaled units, below which there is only round-off."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,7 @@ class Ipopt(Solver):
         Optimality tolerance on the scaled problem (``tol``).
     max_iterations : int
     time_limit : float or None
-        Wall-clock seconds of one solve; finer meshes, rows between the points and other
-        beginnings are further solves.
+        Wall-clock seconds of one solve. Solves on finer meshes, with added rows and by restarts are further solves.
     barrier : str
         ``mu_strategy``: "monotone" stays with the local optimum next to the guess, "adaptive" often takes fewer
         iterations and may leave for another one.
@@ -75,7 +74,7 @@ class Ipopt(Solver):
         one of IPOPT's by its name there: "mumps", "spral" or, where ``options`` name a library as ``hsllib`` or
         ``pardisolib``, "ma27", "ma57", "ma77", "ma86", "ma97" or "pardiso".
     options : mapping
-        Any further IPOPT options by their own names; they win over the fields above.
+        Further IPOPT options by their names in IPOPT; they override the fields above.
 
     Raises
     ------
@@ -115,11 +114,11 @@ class Ipopt(Solver):
         return replace(self, max_iterations=min(self.max_iterations, iterations))
 
     def within(self, seconds: float) -> Ipopt:
-        """Give the same solver with at most so many wall-clock seconds a solve."""
+        """Return this solver with a limit of wall-clock seconds for one solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))
 
     def sharper(self, factor: float) -> Ipopt:
-        """Give the same solver with a smaller last barrier, unless ``options`` say how small it is."""
+        """Return this solver with a smaller last barrier, unless ``options`` set ``compl_inf_tol``."""
         if "compl_inf_tol" in self.options:
             return self
         return replace(self, options={"compl_inf_tol": max(factor * self.tolerance, LEAST), **self.options})
@@ -133,22 +132,22 @@ class Ipopt(Solver):
             "mu_init": self.initial_barrier,
             "print_level": 0,
             "sb": "yes",
-            # Bounds hold at the answer. IPOPT relaxes them by 1e-8 on its way, and undoing that moves rows with steep
-            # gradients by more than their tolerance.
+            # Bounds hold at the solution. IPOPT relaxes them by 1e-8 while it iterates. Restoring them then changes
+            # rows with steep gradients by more than their tolerance.
             "honor_original_bounds": "yes",
             "bound_relax_factor": 1e-10,
-            # Rows may say the same twice: a gait that closes on itself asks for what the motion keeps anyway. A pivot
-            # that is zero but for rounding then decides by its sign what IPOPT takes for the curvature, and iterates
-            # are chance. Every system is regularised instead, by so little that legs near a straight knee, where rows
-            # only almost agree, still take Newton's steps; with IPOPT's own 1e-8 those creep or diverge.
+            # Rows may be redundant, such as a periodic link on a quantity that the dynamics conserve. The sign of a
+            # pivot that is zero but for rounding would then decide on the inertia, and iterates would be random. Every
+            # system is regularised instead. The value is small enough for Newton's steps near a straight knee, where
+            # rows are almost dependent; IPOPT's default of 1e-8 converges slowly there or diverges.
             "perturb_always_cd": "yes",
             "jacobian_regularization_value": 1e-13,
         }
         options |= own_factors() if self.linear_solver == "ldl" else {"linear_solver": self.linear_solver}
         if self.linear_solver == "mumps":
-            # IPOPT asks for eleven times the memory that MUMPS expects to need, too large a piece for the allocator to
-            # keep between factorisations: its pages were cleared again each time, a seventh of the time that legs take.
-            # Where twice is too little, IPOPT asks for more by itself.
+            # By default IPOPT allocates eleven times the memory that MUMPS estimates. The allocator does not keep so
+            # large a block between factorisations, and clearing its pages takes a seventh of the time of legged
+            # plans. Where twice the estimate is too little, IPOPT increases it.
             options["mumps_mem_percent"] = 100
         if self.time_limit is not None:
             options["max_wall_time"] = self.time_limit
@@ -165,7 +164,7 @@ class Ipopt(Solver):
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
         """Solve from ``nlp.guess``."""
         functions = nlp.functions
-        # Assembling them is part of building the problem.
+        # The time of assembling them belongs to building the problem.
         began = time.perf_counter()
         n_w = len(nlp.variables)
         lower, upper = nlp.rows.lower * nlp.row_scale, nlp.rows.upper * nlp.row_scale
@@ -227,7 +226,7 @@ class Ipopt(Solver):
             message.replace("_", " "),
             point * nlp.scale,
             _multipliers(nlp, point * nlp.scale, lam_g, lam_x),
-            # Where there are more equations than unknowns IPOPT does not begin, nor set its count.
+            # With more equations than unknowns IPOPT does not start and does not set its count.
             0 if status is Status.OVERDETERMINED else int(stats["iter_count"]),
             {"setup": ready - began, "solve": ended - ready, **parts},
         )
@@ -239,14 +238,14 @@ def _unit(scale: float) -> dict[str, float]:
 
 
 def own_factors() -> dict[str, Any]:
-    """Options with which IPOPT takes the compiled module for HSL's MA97, and leaves ordering and scaling to it."""
+    """Return options with which IPOPT calls the compiled module as HSL's MA97, which orders and scales by itself."""
     library = load_native().__file__
     return {
         "linear_solver": "ma97",
         "hsllib": library,
         "ma97_order": "amd",
         "ma97_scaling": "none",
-        # As with MUMPS: few pivots wait, and steps are refined where that costs digits.
+        # As with MUMPS: few pivots are delayed, and iterative refinement restores the accuracy of steps.
         "ma97_u": 1e-6,
     }
 

@@ -195,7 +195,7 @@ def test_a_solver_that_is_no_plain_data_leaves_its_settings_out_of_the_file(tmp_
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"settings": 3}, "settings= must be those of a solution"),
+        ({"settings": 3}, "settings= must be the settings of a solution"),
         ({"restarts": 3}, r"restarts= must be rt\.planning\.Restarts"),
         ({"refinement": rt.refinement.RaiseOrder(), "mesh": rt.Mesh(5)}, "give tolerance= or goals= as well"),
         ({"engine": "casadi"}, "engine= must be"),

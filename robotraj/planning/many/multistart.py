@@ -1,4 +1,4 @@
-"""Many seeded starts, and the distinct local optima that they reach."""
+"""Multistart: seeded initial guesses and the distinct local optima of their solutions."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 
 SAMPLES = 201
-"""Fractions of a phase at which two trajectories are compared."""
+"""Number of points of a phase at which two trajectories are compared."""
 LEAST_RANGE = 1e-3
-"""States that move less than this are compared as if they moved this far [their SI unit]."""
+"""Smallest range relative to which states are compared [their SI unit]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Optimum:
     Attributes
     ----------
     solution : Solution
-        The best of them.
+        The solution with the lowest objective.
     starts : tuple of int
         Numbers of the starts; 0 is the guess without perturbation.
     """
@@ -56,22 +56,22 @@ class Optimum:
 
 @dataclass(frozen=True, eq=False)
 class Multistart:
-    """What many starts found.
+    """The result of a multistart.
 
     Attributes
     ----------
     optima : tuple of Optimum
         Distinct local optima, the lowest objective first.
     failures : mapping of Status to int
-        How many starts ended without a solution, by status.
+        Number of starts that ended without a solution, by status.
     starts : int
-        That were made.
+        Number of starts that were run.
     iterations : int
         Of all starts.
     left : int
-        Starts that Ctrl-C left out.
+        Number of starts that were not run because of Ctrl-C.
     objective_tolerance, trajectory_tolerance : float
-        Within which two solutions count as one.
+        Tolerances within which two solutions count as one.
     """
 
     optima: tuple[Optimum, ...]
@@ -131,48 +131,48 @@ def multistart(
     trajectory_tolerance: float = 1e-2,
     **options: Any,
 ) -> Multistart:
-    """Plan from a guess and from seeded random variations of it, and tell the distinct local optima.
+    """Plan from a guess and from seeded random variations of it; return the distinct local optima.
 
-    All starts of a process share one transcription, scaled at the guess, and the solver's program: a later start
-    takes its iterations and little more. No number of starts proves that the lowest optimum found is the lowest there
-    is.
+    All starts of a process share one transcription, scaled at the guess, and the program of the solver. A later start
+    takes little more than its iterations. No number of starts proves that the lowest optimum found is global.
 
     Parameters
     ----------
     problem : Problem or Phase
     starts : int
-        The first is the guess itself, the others are ``rt.guess.Perturbed`` variations.
+        Number of starts. The first is the guess, the others are ``rt.guess.Perturbed`` variations of it.
     seed : int
-        The same seed gives the same starts and the same answer, whatever the executor.
+        The same seed gives the same starts and the same result, with any executor.
     spread : float
         Size of the perturbations, relative to the ranges of the variables; see ``rt.guess.Perturbed``.
     patience : int, optional
-        Stop when this many starts in a row found no lower optimum; all are made by default.
+        Stop when this many starts in a row found no lower optimum; by default all starts are run.
     guess : InitialGuess, Solution or sequence of InitialGuess, optional
         A straight line by default.
     executor : concurrent.futures.Executor, optional
-        As of ``rt.sweep``: one fresh process per core by default. Where a start takes less than the second that a
-        process takes to begin, ``ThreadPoolExecutor(1)`` is quicker.
+        As of ``rt.sweep``: one new process per core by default. A process takes about a second to begin; where a start
+        takes less, ``ThreadPoolExecutor(1)`` is faster.
     objective_tolerance : float
-        Two solutions are one optimum if their objectives differ by less than this times 1 + |objective| ...
+        Two solutions are one optimum if their trajectories agree and their objectives differ by less than this times
+        1 + |objective|.
     trajectory_tolerance : float
-        ... and if, at equal fractions of each phase, no state differs by more than this times its range, nor
-        the duration by more than this times itself.
+        Trajectories agree if no state differs by more than this times its range at equal fractions of each phase,
+        and no duration by more than this relative to the longer one.
     **options
-        Of ``rt.plan``: mesh, solver, tolerance, stages ... ``rt.InteriorPoint(fallback=None)`` leaves starts that it
-        gives up instead of handing them to IPOPT, which would take longer over them than over all others.
+        Of ``rt.plan``: mesh, solver, tolerance, continuation ... ``rt.InteriorPoint(fallback=None)`` counts its failed
+        starts as failures; IPOPT would take longer for them than for all others.
 
     Returns
     -------
     Multistart
-        Print it for the table of optima and failures. After Ctrl-C it has what was found by then, and ``left`` is the
-        number of starts that were not made.
+        It prints as a table of optima and failures. After Ctrl-C it has the optima found so far, and ``left`` is the
+        number of starts that were not run.
 
     Raises
     ------
     InputError
-        No starts, no patience, a negative spread, seed or tolerance, what is no number, a problem that cannot be
-        posed, or an option that ``rt.plan`` does not have.
+        ``starts`` or ``patience`` is below 1; a spread, seed or tolerance is negative or no number; the problem cannot
+        be posed; or ``rt.plan`` does not have an option.
     """
     problem = Problem([problem]) if isinstance(problem, Phase) else problem
     if not isinstance(problem, Problem):
@@ -225,7 +225,7 @@ def multistart(
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """What all starts have in common."""
+    """Data that all starts share."""
 
     problem: Problem
     first: InitialGuess
@@ -233,7 +233,7 @@ class _Search:
 
 
 class _Own(threading.local):
-    """What the starts of a thread share: compiled programs are worked by one thread at a time."""
+    """Data that the starts of a thread share: a compiled program is used by one thread at a time."""
 
     def __init__(self) -> None:
         self.known: WeakKeyDictionary[_Search, Shared] = WeakKeyDictionary()
@@ -248,16 +248,16 @@ def _plan(search: _Search, guess: InitialGuess) -> Solution:
     return detach(plan(search.problem, guess=start, check=False, progress=False, **search.options))
 
 
-def _counts(value: Any, least: int) -> bool:
+def _counts(value: object, least: int) -> bool:
     return isinstance(value, int | np.integer) and not isinstance(value, bool) and bool(value >= least)
 
 
-def _measures(value: Any) -> bool:
+def _measures(value: object) -> bool:
     return isinstance(value, float | int | np.floating | np.integer) and bool(0 <= value < np.inf)
 
 
 def _out_of(patience: int | None, tolerance: float) -> Callable[[Sequence[Solution]], bool] | None:
-    """Whether the last starts, that many, found no optimum lower than those before, if any did."""
+    """Return whether the last ``patience`` starts found no optimum lower than the earlier ones; None for no limit."""
     if patience is None:
         return None
 

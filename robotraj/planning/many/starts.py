@@ -1,4 +1,4 @@
-"""Many starts of one problem: what the first plan made, the transcription and the solver's program, serves them all."""
+"""Starts of one problem: all use the transcription and the program of the solver that the first plan built."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
 
 class Shared:
-    """What plans of one problem on one mesh share, made when it is first asked for; for one thread at a time.
+    """Data that plans of one problem on one mesh share, built at first use; for one thread at a time.
 
-    Scales are those of one guess, whichever start comes first, so that every start ends as it would alone.
+    Scales are those of one guess, so that the result of a start does not depend on the order of the starts.
 
     Parameters
     ----------
     reference : InitialGuess
-        That decides the scales.
+        Guess at which the problem is scaled.
     """
 
     def __init__(self, reference: InitialGuess) -> None:
@@ -38,7 +38,7 @@ class Shared:
         self._problem: Problem | None = None
         self._nlp: Nlp | None = None
         self.known: Multipliers | None = None
-        """Of the last solve: ``origin`` is what its solver kept."""
+        """Multipliers of the last solve; their ``origin`` has the data of its solver."""
 
     def transcribed(
         self,
@@ -48,7 +48,7 @@ class Shared:
         engine: Engine | None,
         interval_limits: ConstraintGeneration,
     ) -> Nlp | None:
-        """Give the NLP started at a guess; None for another problem, mesh or engine than the first."""
+        """Return the NLP with a guess; None for another problem, mesh or engine than the first."""
         meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
         if self._nlp is None:
             self._problem, self._nlp = problem, transcribe(problem, meshes, self._reference, engine, interval_limits)
@@ -62,15 +62,15 @@ class Shared:
         return started_at(nlp, guess) if same else None
 
     def keep(self, nlp: Nlp, known: Multipliers) -> None:
-        """Keep what a solve of the shared NLP made."""
+        """Keep the results of a solve of the shared NLP."""
         if self._nlp is not None and nlp.blocks is self._nlp.blocks:
-            # Functions that were assembled for the solver come along.
+            # The NLP holds the functions that were assembled for the solver.
             self._nlp, self.known = nlp, known
 
 
 @dataclass(frozen=True, eq=False)
 class Start(InitialGuess):
-    """A guess whose plan uses what earlier plans of the same problem made.
+    """A guess whose plan uses data of earlier plans of the same problem.
 
     Parameters
     ----------
@@ -82,13 +82,13 @@ class Start(InitialGuess):
     shared: Shared
 
     def prepared(self, problem: Problem) -> InitialGuess:
-        """Prepare the guess itself."""
+        """Prepare the inner guess."""
         return replace(self, guess=self.guess.prepared(problem))
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
-        """Guess as the guess itself does."""
+        """Return the inner guess of a phase."""
         return self.guess.of(phase, index)
 
     def of_link(self, link: BoundLink, index: int) -> Mapping[str, float]:
-        """Guess as the guess itself does."""
+        """Return the inner guess of the parameters of a link."""
         return self.guess.of_link(link, index)

@@ -1,4 +1,4 @@
-"""Many problems planned side by side."""
+"""Sweeps: many problems planned in parallel."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
     Parameters
     ----------
     problems : sequence of Problem or Phase
-        Lambdas in them are sent to workers; their closures must be picklable by cloudpickle.
+        Problems are sent to workers; closures of lambdas in them must be picklable by cloudpickle.
     executor : concurrent.futures.Executor, optional
-        Any: processes, threads, ``dask.distributed.Client.get_executor()``. By default one fresh process per
-        core (spawned, so a script needs ``if __name__ == "__main__":`` around the call);
-        ``ThreadPoolExecutor(1)`` plans here, one after the other.
+        Processes, threads or ``dask.distributed.Client.get_executor()``. By default one new process per core. It is
+        spawned, so a script needs ``if __name__ == "__main__":`` around the call. ``ThreadPoolExecutor(1)`` plans in
+        this process, one problem after the other.
     **options
         Of ``rt.plan``: mesh, guess, solver, tolerance, continuation ...
 
@@ -41,7 +41,7 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
     InputError
         A problem, named by its number, cannot be posed or pickled; ``rt.plan`` has no such option.
     Interrupted
-        Ctrl-C; its ``found`` has the solutions found until then, by the numbers of their problems.
+        Ctrl-C was pressed; ``found`` has the solutions so far, by the numbers of their problems.
 
     Examples
     --------
@@ -77,12 +77,12 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
 
 
 def check_options(options: Mapping[str, Any]) -> None:
-    """Refuse what ``rt.plan`` does not take, before any worker is asked.
+    """Refuse options that ``rt.plan`` does not have, before a worker starts.
 
     Raises
     ------
     UnknownName
-        With the options that there are.
+        Naming the options of ``rt.plan``.
     """
     known = [name for name in signature(plan).parameters if name not in ("problem", "check", "progress")]
     for name in options:
@@ -99,13 +99,13 @@ def _plan(options: Mapping[str, Any], numbered: tuple[int, Problem]) -> Solution
 
 
 def detach(solution: Solution) -> Solution:
-    """Leave the problem out of a solution, for the way back to a process that has it."""
+    """Return a solution without its problem, for a process that has the problem."""
     bare: Any = None
     return replace(solution, problem=bare, phases=tuple(replace(part, phase=bare) for part in solution.phases))
 
 
 def attach(solution: Solution, problem: Problem) -> Solution:
-    """Give a detached solution its problem back, as its meshes could transcribe it."""
+    """Return a detached solution with its problem, in the form that its meshes transcribe."""
     problem = explicit(problem, [part.mesh for part in solution.phases])
     pairs = zip(solution.phases, problem.phases, strict=True)
     return replace(solution, problem=problem, phases=tuple(replace(part, phase=phase) for part, phase in pairs))

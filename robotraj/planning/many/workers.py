@@ -1,9 +1,9 @@
 """Work in any ``concurrent.futures`` executor, with results in the order of the tasks.
 
-Data shared by all tasks is sent with each task and unpacked once per worker, so that the graphs of a problem serve
-all its tasks. Between processes everything is sent by cloudpickle, because equations of Systems and
-expressions of constraints are mostly lambdas, which the standard library refuses to pickle. Threads share memory:
-nothing is sent there, and results that are only needed for sending, such as costates, are computed later.
+Data shared by all tasks is sent with each task and unpacked once per worker, so that all tasks
+of a problem use the same graphs. Processes exchange data by cloudpickle: equations of Systems and expressions of
+constraints are mostly lambdas, which the standard library cannot pickle. Threads share memory and send nothing.
+Results that only sending requires, such as costates, are computed later there.
 """
 
 from __future__ import annotations
@@ -14,20 +14,24 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 import cloudpickle
 
 from robotraj._util.errors import InputError, Interrupted, RobotrajError
 
+S = TypeVar("S")
+T = TypeVar("T")
+R = TypeVar("R")
+
 
 def run(
-    work: Callable[[Any, Any], Any],
-    shared: Any,
-    tasks: Sequence[Any],
+    work: Callable[[S, T], R],
+    shared: S,
+    tasks: Sequence[T],
     executor: Executor | None,
-    enough: Callable[[Sequence[Any]], bool] | None = None,
-) -> list[Any]:
+    enough: Callable[[Sequence[R]], bool] | None = None,
+) -> list[R]:
     """Return ``[work(shared, task) for task in tasks]``, computed by an executor.
 
     Parameters
@@ -36,20 +40,20 @@ def run(
         A function of a module.
     shared, tasks : picklable by cloudpickle
     executor : concurrent.futures.Executor, optional
-        Threads, processes, Dask's ``client.get_executor()`` ... By default as many fresh processes as there
-        are cores, started by spawn: nothing of this process leaks into them.
+        Threads, processes or Dask's ``client.get_executor()``. By default one new process per core, started by spawn:
+        it inherits nothing from this process.
     enough : callable, optional
-        Whether these first results are enough. The others are then left out, and those that nobody has begun are not
-        computed; what is returned does not depend on the executor.
+        Returns whether the first results are enough. Only these are returned then, and tasks that have not begun are
+        not computed. The result does not depend on the executor.
 
     Raises
     ------
     InputError
-        Something cannot be pickled, ``executor`` is none, or a task was refused; the message says which.
+        A part of a task cannot be pickled, ``executor`` is not an executor, or a task was refused.
     RobotrajError
         A worker process died.
     Interrupted
-        Ctrl-C, with what was done by then; tasks that nobody has begun are not computed.
+        Ctrl-C was pressed; ``found`` has the results so far. Tasks that have not begun are not computed.
     """
     if executor is None:
         if not tasks:
@@ -60,7 +64,7 @@ def run(
         try:
             return run(work, shared, tasks, own, enough)
         except KeyboardInterrupt:
-            # What is being computed is of no use any more.
+            # Results of running tasks are not needed.
             waiting = False
             raise
         finally:
@@ -86,16 +90,16 @@ def run(
 
 
 def _first(
-    submit: Callable[[Any], Future[Any]],
-    tasks: Sequence[Any],
-    unpacked: Callable[[Any], Any],
-    enough: Callable[[Sequence[Any]], bool] | None,
-) -> list[Any]:
-    """Hand over the tasks, and wait for results in their order until there are enough of them."""
-    futures: list[Future[Any]] = []
-    results: list[Any] = []
+    submit: Callable[[T], Future[S]],
+    tasks: Sequence[T],
+    unpacked: Callable[[S], R],
+    enough: Callable[[Sequence[R]], bool] | None,
+) -> list[R]:
+    """Submit the tasks, and wait for results in their order until there are enough."""
+    futures: list[Future[S]] = []
+    results: list[R] = []
     try:
-        # Processes start while tasks are handed over, which takes seconds: Ctrl-C may come then as well.
+        # Processes start while tasks are submitted, which takes seconds: Ctrl-C is caught then as well.
         for task in tasks:
             futures.append(submit(task))
         for future in futures:

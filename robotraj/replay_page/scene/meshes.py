@@ -49,7 +49,7 @@ def read_mesh(path: str) -> tuple[Part, ...]:
 
 
 def _colors(mesh: trimesh.Trimesh) -> list[tuple[Color | None, Any]]:
-    """CycleMap the colours of a mesh with the faces (a mask or slice) that wear each."""
+    """Return the colours of a mesh, each with its faces (a mask or slice)."""
     visual, everything = mesh.visual, slice(None)
     if not visual.defined:
         return [(None, everything)]

@@ -1,4 +1,4 @@
-"""An NLP as the compiled solver takes it where it has no stages.
+"""An NLP without stages, as the input of the compiled solver.
 
     y = free columns of w, scaled;   rows = [equalities, inequalities, bounds of y]
 
@@ -37,7 +37,7 @@ section 3.6."""
 
 @dataclass(frozen=True, eq=False)
 class Assembled:
-    """An NLP, its program, and how they belong together.
+    """An NLP, its program, and the maps between them.
 
     Attributes
     ----------
@@ -246,7 +246,7 @@ def _linear(nlp: Nlp, free: Indices, values: Array, rows: _ProgramRows) -> tuple
 
 
 def _gather(block: Block, free: Indices, values: Array) -> tuple[Csr, Array]:
-    """Return what the places read of y, and the part of fixed columns."""
+    """Return the gather of y, and the contributions of fixed columns."""
     row, column, data = entries(block.gather)
     at = _positions(free, values.size)[column]
     open_ = at >= 0
@@ -261,7 +261,7 @@ def _positions(free: Indices, count: int) -> Indices:
 
 
 def _gradient(block: Block) -> Csr | None:
-    """Where the gradients of the places go in that of the objective; None where the block has no cost."""
+    """Map from the gradients of the places to that of the objective; None where the block has no cost."""
     if not block.costs:
         return None
     return native(scaled(block.gather, rows=np.repeat(block.weights, block.stage.inputs))).transposed()

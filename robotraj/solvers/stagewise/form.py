@@ -3,8 +3,8 @@
     minimise  c + l' w + sum_b s_b' cost_b     subject to  lower <= L w + offset + sum_b S_b vec(Y_b) <= upper,
                                                            lower <= w <= upper
 
-It starts as the NLP itself; every step of the reduction (``linear``, ``controls``) gives another that means the same.
-Columns keep their numbers; rows that a step uses up stay as well, marked by what they became.
+The first form is the NLP; every step of the reduction (``linear``, ``controls``) returns an equivalent one. Columns
+keep their numbers. Rows that a step eliminates stay as well, marked by their new role.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Eliminated:
     columns : ndarray of int (E, m)
     factors : ndarray (E, m)
     rows : ndarray of int (E, m)
-        The rows that say so, with which they went.
+        The rows of these equations, which are eliminated too.
     """
 
     block: int
@@ -65,7 +65,7 @@ class Form:
     row_lower, row_upper : ndarray (n_rows,)
     lower, upper : ndarray (n_w,)
     gone : ndarray of bool (n_w,)
-        Columns that nothing reads any more.
+        Columns that no row and no block depends on any more.
     eliminated : tuple of Eliminated
     targets : ndarray of int (n_rows,)
         The column that a linear row defines (a defect's x_j), -1 where it defines none.
@@ -92,7 +92,7 @@ class Form:
 
     @classmethod
     def of(cls, nlp: Nlp) -> Form:
-        """Take an NLP as it is, in its scaled units."""
+        """Return the form of an NLP in its scaled units."""
         blocks = tuple(block.scaled(nlp.scale, nlp.row_scale) for block in nlp.blocks)
         linear = native(scaled(nlp.linear, nlp.row_scale, nlp.scale))
         n_rows, n_w = nlp.linear.shape

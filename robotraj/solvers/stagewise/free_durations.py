@@ -63,16 +63,16 @@ class Stretch:
     row_clock: Indices
 
     def columns(self, stretched: Array) -> Array:
-        """Give w for w'."""
+        """Return w for w'."""
         s = self.factor(stretched, self.clock)
         return np.asarray(stretched / s**self.power)
 
     def stretched(self, w: Array) -> Array:
-        """Give w' for w."""
+        """Return w' for w."""
         return np.asarray(w * self.factor(w, self.clock) ** self.power)
 
     def factor(self, w: Array, clock: Indices) -> Array:
-        """Give s for durations in columns ``clock``, 1 where there is none."""
+        """Return s for durations in columns ``clock``, 1 where there is none."""
         return np.where(clock >= 0, w[clock] * self.unit[clock], 1.0)
 
 
@@ -82,7 +82,7 @@ def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, 
     Parameters
     ----------
     form : Form
-        As ``Form.of(nlp)`` gave it.
+        As returned by ``Form.of(nlp)``.
     nlp : Nlp
     before : Stretch, optional
         Of a like NLP: its T_0 stay where they are within a factor of 2 of the guess, so that numbers made of them do.
@@ -124,7 +124,7 @@ def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, 
 
 
 def _orders(nlp: Nlp, index: int) -> TimeOrders | None:
-    """Give the orders of a phase's variables; None where its duration is fixed or its motion cannot be stretched."""
+    """Return the orders of a phase's variables; None where its duration is fixed or its motion cannot be stretched."""
     layout, dae = nlp.layouts[index], nlp.problem.phases[index].dae
     if layout.duration.column is None or isinstance(layout.mesh, MovingMesh):
         return None

@@ -29,7 +29,7 @@ def native(matrix: csr_array) -> Csr:
 
 
 def array(matrix: Csr) -> csr_array:
-    """Give a matrix to NumPy."""
+    """Return a matrix with NumPy's arrays."""
     return csr_array((matrix.data, matrix.indices, matrix.starts), (matrix.rows, matrix.columns))
 
 
@@ -41,14 +41,14 @@ def summed(shape: tuple[int, int], *parts: Entries) -> Csr:
 
 
 def entries(matrix: Csr | csr_array) -> Entries:
-    """Give the entries of a matrix, row after row."""
+    """Return the entries of a matrix, row after row."""
     starts = matrix.indptr if isinstance(matrix, csr_array) else matrix.starts
     counts = starts[1:] - starts[:-1]
     return np.arange(counts.size).repeat(counts), matrix.indices.astype(np.int64), matrix.data
 
 
 def entries_of(matrix: Csr, rows: Indices) -> Entries:
-    """Give the entries of some rows, with the position in ``rows`` in the place of the row."""
+    """Return the entries of some rows; the row of an entry is its position in ``rows``."""
     starts = matrix.starts[rows].astype(np.int64)
     counts = matrix.starts[rows + 1] - starts
     position = np.arange(rows.size).repeat(counts)

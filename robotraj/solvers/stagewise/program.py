@@ -1,4 +1,4 @@
-"""The numbers of a problem in stages: what the compiled solver takes.
+"""The numbers of a problem in stages, the input of the compiled solver.
 
     y = [u_0, x_0, u_1, x_1, ...],   v_b = G_b y + g_b,   Y_b = f_b(v_b, c_b)
     rows      = L y + l + sum_b S_b vec(Y_b),   in the order dynamics, path equalities, inequalities, stage after stage
@@ -39,7 +39,7 @@ class BlockProgram:
     block : Block
         Its gather reads y and its scatter writes the program's rows.
     shift : ndarray (n_v E,)
-        g, what the gather adds.
+        g, the offset of the gather.
     jacobian : Csr (nonzeros of the Jacobian, nonzeros of the places' Jacobians)
     hessian : Stacked (nonzeros of the Hessian, nonzeros of the places' Hessians)
     gradient : Csr (n_y, n_v E) or None
@@ -180,7 +180,7 @@ def build(form: Form, order: Order, slots: Slots, known: Mask, values: Array) ->
 
 
 def with_values(program: Program, form: Form, order: Order, slots: Slots, known: Mask, values: Array) -> Program | None:
-    """Give the program of a form that differs only in bounds, offsets, constants and known values.
+    """Return the program of a form that differs only in bounds, offsets, constants and known values.
 
     Combinations and patterns are those of ``program``; None where its rows are others.
     """
@@ -219,7 +219,7 @@ def _rows(form: Form, order: Order, slots: Slots, known: Mask) -> _Rows:
 
 
 def _numbers(form: Form, path: _Rows, dynamics: int) -> Indices:
-    """Give the program's row for each row of the form, -1 where it is none."""
+    """Return the row of the program for each row of the form, -1 for none."""
     number = np.full(len(form.row_lower), -1)
     kept = path.form_rows >= 0
     number[path.form_rows[kept]] = dynamics + np.flatnonzero(kept)
@@ -244,7 +244,7 @@ def _over_slots(form: Form, order: Order, slots: Slots, known: Mask, values: Arr
 def _linear(
     form: Form, order: Order, slots: Slots, known: Mask, values: Array, number: Indices, n_rows: int
 ) -> tuple[Entries, Array]:
-    """Rows of the form over slots, and what known columns and offsets add."""
+    """Rows of the form over slots, and the contributions of known columns and offsets."""
     row, column, data = entries(form.linear)
     kept = number[row] >= 0
     row, column, data = row[kept], column[kept], data[kept]
@@ -259,7 +259,7 @@ def _linear(
 
 
 def _reads(block: Block, known: Mask, values: Array) -> tuple[Csr, Array]:
-    """Keep what the places read of columns that are not known, and add up the part of those that are."""
+    """Return the gather of unknown columns, and the sum of the contributions of known ones."""
     row, column, data = entries(block.gather)
     fixed = known[column]
     offset = np.zeros(block.gather.shape[0])
@@ -268,7 +268,7 @@ def _reads(block: Block, known: Mask, values: Array) -> tuple[Csr, Array]:
 
 
 def _at_places(reads: Csr, places: Indices, slots: Slots) -> Csr:
-    """Give reads of columns as the stages of their places see these: over slots."""
+    """Return a gather of columns as one of slots, in the stages of the places."""
     row, column, data = entries(reads)
     at = slots.at(column, places[row // (reads.rows // places.size)])
     return summed((reads.rows, slots.matrix.rows), (row, at, data))

@@ -1,7 +1,7 @@
 """From an NLP to a program in stages and back.
 
-What is given up on the way there, fixed columns, controls that a torque balance gives, states that a linear defect
-gives, is found again on the way back: columns from the expressions, multipliers from stationarity.
+The reduction eliminates fixed columns, controls defined by a torque balance and states defined by a linear defect. The
+way back recovers columns from their expressions and multipliers from stationarity.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ Array = NDArray[np.float64]
 
 
 class NotStagewise(Exception):
-    """The problem has no form in stages; the message says why."""
+    """The problem has no form in stages; the message has the reason."""
 
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """An NLP, its program, and how they belong together.
+    """An NLP, its program, and the maps between them.
 
     Attributes
     ----------
@@ -44,11 +44,11 @@ class Reduction:
     form, order, slots : Form, Order, Slots
     program : Program
     known : ndarray of bool (n_w,)
-        Columns that stand as numbers.
+        Columns that are replaced by numbers.
     values : ndarray (n_w,)
         Their values, scaled.
     stretched : Stretch or None
-        What the velocities and accelerations of ``form`` are to those of the NLP.
+        Map between velocities and accelerations of ``form`` and those of the NLP.
     """
 
     nlp: Nlp
@@ -61,14 +61,14 @@ class Reduction:
     stretched: Stretch | None
 
     def start(self, w: Array) -> Array:
-        """Give y for a decision vector w in physical units."""
+        """Return y for a decision vector w in physical units."""
         scaled = w / self.nlp.scale
         if self.stretched is not None:
             scaled = self.stretched.stretched(scaled)
         return scaled[self.slots.variables]
 
     def columns(self, y: Array) -> Array:
-        """Decision vector w in physical units for y."""
+        """Return the decision vector w in physical units for y."""
         slots = self.slots
         w = self.nlp.guess / self.nlp.scale
         w[self.known] = self.values[self.known]
@@ -89,7 +89,7 @@ class Reduction:
         Parameters
         ----------
         nlp : Nlp
-            That differs in bounds, fixed values, guess or constants, over the same stage functions.
+            Differs in bounds, fixed values, guess or constants, over the same stage functions.
 
         Returns
         -------
@@ -123,7 +123,7 @@ def reduce(nlp: Nlp) -> Reduction:
 
 
 def _staged(nlp: Nlp, before: Stretch | None = None) -> tuple[Form, Stretch | None, Order, Mask]:
-    """Give the form, its stages, and which of its columns are numbers."""
+    """Return the form, its stages, and a mask of columns that are numbers."""
     for layout, phase in zip(nlp.layouts, nlp.problem.phases, strict=True):
         if isinstance(layout.scheme, OneStep):
             raise NotStagewise(f"phase {phase.name!r} is planned by {type(layout.scheme).__name__}")

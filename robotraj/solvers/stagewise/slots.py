@@ -65,7 +65,7 @@ class Slots:
 
 
 def make_slots(form: Form, order: Order, known: Mask, values: Array) -> Slots:
-    """Give every slot a number and an expression.
+    """Assign a number and an expression to every slot.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def make_slots(form: Form, order: Order, known: Mask, values: Array) -> Slots:
 
 
 def with_values(slots: Slots, form: Form, order: Order, known: Mask, values: Array) -> Slots:
-    """Give the slots of a form that differs only in its bounds, offsets and known values: the same, with another x0."""
+    """Return the slots of a form that differs only in bounds, offsets and known values: only x0 changes."""
     chain, start = _definitions(form, order, slots.base, slots.matrix.rows, slots.used, known, values)
     return replace(slots, offset=_settled(chain, start))
 
