@@ -20,7 +20,7 @@ from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
 from robotraj.witness.simulation.integration import integrate
-from robotraj.witness.simulation.robot import Simulation, split
+from robotraj.witness.simulation.robot import split
 
 
 @dataclass(frozen=True)
@@ -33,15 +33,12 @@ class TrackingResult:
         By state: final and largest distance between the simulated and the planned motion.
     feedback : mapping of str to Peak
         By actuated joint: largest torque that the feedback added [N m, N].
-    simulations : tuple of Simulation
-        The motion of each phase.
     failure : str or None
         Why and when the simulation stopped early; None if it did not.
     """
 
     error: Drift
     feedback: dict[str, Peak]
-    simulations: tuple[Simulation, ...]
     failure: str | None
 
     def __str__(self) -> str:
@@ -90,7 +87,6 @@ def track(
         raise InputError("The solution moves a System, and track() adds joint feedback to robots: use validate().")
     rows: list[tuple[DriftRow, ...]] = []
     added: list[dict[str, Peak]] = []
-    motions: list[Simulation] = []
     x: Array | None = None
     failure = None
     for planned in solution.phases:
@@ -129,12 +125,11 @@ def track(
         units = [TORQUE_UNITS[unit[joint]] for joint in robot.actuated]
         added.append(peaks(robot.actuated, units, motion.times, torques, planned.phase.name))
         rows.append(drift_of(plant, motion, planned.phase.name))
-        motions.append(simulation)
         x = motion.states[-1]
         if motion.failure is not None:
             failure = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"
             break
-    return TrackingResult(drifts.merge(rows), largest(added), tuple(motions), failure)
+    return TrackingResult(drifts.merge(rows), largest(added), failure)
 
 
 def _always(gain: Array, times: Array) -> Array:
