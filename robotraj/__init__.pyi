@@ -25,6 +25,7 @@ from .planning.compilation import precompile
 from .planning.many.multistart import multistart
 from .planning.many.sweep import sweep
 from .planning.plan import plan
+from .planning.replanning.replanner import Replanner
 from .problem import constraints, links, objectives
 from .problem.constraints.base import AtEnd, AtStart
 from .problem.constraints.bounds import between
@@ -87,6 +88,7 @@ __all__ = [
     "Phase",
     "PointContact",
     "Problem",
+    "Replanner",
     "Robot",
     "RobotrajError",
     "Solution",

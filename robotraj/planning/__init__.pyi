@@ -9,6 +9,7 @@ from .kinematic import Kinematic
 from .many.multistart import Multistart, Optimum, multistart
 from .many.sweep import sweep
 from .plan import plan
+from .replanning.replan import Replan
 from .settings import Restarts, Settings
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "Kinematic",
     "Multistart",
     "Optimum",
+    "Replan",
     "Restarts",
     "Settings",
     "multistart",

@@ -1,0 +1,1 @@
+"""Plans in a control loop: one problem, solved again and again from measured states."""

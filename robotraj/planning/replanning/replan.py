@@ -1,0 +1,67 @@
+"""The plan of one step of a control loop."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
+
+if TYPE_CHECKING:
+    from robotraj.solution.phase_solution import PhaseSolution
+    from robotraj.solution.sample import Sample
+    from robotraj.solvers.status import Status
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Replan(OneLine):
+    """What ``Replanner.step`` returns.
+
+    Attributes
+    ----------
+    motion : PhaseSolution
+        The planned motion; its time is 0 at ``start``.
+    start : float
+        Time [s] of the measurement that the plan starts from, on the clock of the caller.
+    fresh : bool
+        Whether this step's plan meets its rows. Otherwise ``motion`` is that of the last step that did.
+    status : Status
+        How the solve of this step ended; ``Status.TIME_LIMIT`` at the deadline.
+    violation : float
+        Largest violation of a scaled row by the iterate of this step, evaluated outside the solver.
+    iterations : int
+    seconds : float
+        Wall-clock time of the step.
+    """
+
+    motion: PhaseSolution
+    start: float
+    fresh: bool
+    status: Status
+    violation: float
+    iterations: int
+    seconds: float
+
+    @property
+    def end(self) -> float:
+        """Time [s] at which the plan ends, on the clock of the caller."""
+        return self.start + self.motion.duration
+
+    def at(self, t: float | Array) -> Sample:
+        """Evaluate the plan at a time, or at times (m,), on the clock of the caller [s].
+
+        Times before the start and after the end are taken as the start and the end.
+        """
+        return self.motion.at(np.clip(np.asarray(t, dtype=float) - self.start, 0.0, self.motion.duration))
+
+    def __str__(self) -> str:
+        kept = "" if self.fresh else ", plan of an earlier step kept"
+        return (
+            f"{self.status.value} after {self.iterations} iterations, {1e3 * self.seconds:.1f} ms, largest violation "
+            f"{self.violation:.1e}{kept}"
+        )

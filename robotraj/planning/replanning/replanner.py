@@ -1,0 +1,221 @@
+"""Plan again from measured states, within a deadline, without building anything."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.native.build import load_native
+from robotraj.planning.plan import plan
+from robotraj.planning.replanning.replan import Replan
+from robotraj.problem.problem import Problem
+from robotraj.problem.state import State
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.solution import Solution
+from robotraj.solvers.compiled import origin_of
+from robotraj.solvers.interior_point import STATUSES, InteriorPoint
+from robotraj.solvers.moving_ends import moving_ends
+from robotraj.solvers.objective_scale import of_program
+from robotraj.solvers.stagewise.native import refresh
+from robotraj.solvers.status import Status
+from robotraj.transcription.extract import extract
+from robotraj.transcription.schemes.lobatto import HermiteSimpson
+from robotraj.transcription.schemes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from robotraj.guess.base import InitialGuess
+    from robotraj.native import Options
+    from robotraj.problem.phase import Phase
+    from robotraj.solvers.formulation import Formulation
+    from robotraj.transcription.nlp import Nlp
+
+Array = NDArray[np.float64]
+
+INTERVALS = 50
+"""Intervals of the mesh that is used where none is given."""
+RETURNING = 0.1
+"""Share of the deadline kept for what follows the solver."""
+FEASIBLE = 1e-4
+"""Largest violation of a scaled row at which an iterate is a plan."""
+
+
+class Replanner:
+    """One problem, solved again and again from measured states.
+
+    The first plan is solved when the replanner is made; it builds and compiles everything. A step changes the fixed
+    values of the ends, starts the interior-point method at the last iterate with its multipliers, and stops at the
+    deadline. An iterate that meets the rows is the new plan, converged or not; otherwise the earlier plan is kept.
+
+    Parameters
+    ----------
+    problem : Phase or Problem
+        One phase whose start is fixed. Ends that are fixed can move with every step.
+    mesh : Mesh, optional
+        50 Hermite-Simpson intervals by default.
+    deadline : float, optional
+        Wall-clock seconds of a step; none by default. The solver reads the clock once an iteration.
+    guess : InitialGuess or Solution, optional
+        Of the first plan.
+    solver : InteriorPoint, optional
+        Of the steps. The default stops at 1e-4 and starts at a barrier of 1e-3: near its last solution a smaller
+        barrier takes more iterations, since limits become active or inactive from step to step.
+
+    Raises
+    ------
+    InputError
+        Several phases, a start that is not fixed, or a problem whose ends cannot move without building it again.
+    NoSolutionFound
+        The first plan was not found.
+
+    Notes
+    -----
+    Limits hold at the collocation points and, for speeds and positions, between them. A step proves nothing; the
+    feedback of a controller makes up for what is left. Source of the scheme: Diehl, Bock, Schloeder, A real-time
+    iteration scheme for nonlinear optimization in optimal feedback control, SIAM J. Control Optim. 43 (2005).
+    """
+
+    def __init__(
+        self,
+        problem: Problem | Phase,
+        mesh: Mesh | None = None,
+        *,
+        deadline: float | None = None,
+        guess: InitialGuess | Solution | None = None,
+        solver: InteriorPoint | None = None,
+    ) -> None:
+        phases = problem.phases if isinstance(problem, Problem) else (problem,)
+        if len(phases) != 1:
+            raise InputError(f"A Replanner plans one phase, but the problem has {len(phases)}.")
+        if deadline is not None and not deadline > 0.0:
+            raise InputError(f"Replanner(deadline) must be above 0 s, got {deadline!r}.")
+        if solver is not None and not isinstance(solver, InteriorPoint):
+            raise InputError(f"Replanner(solver) must be an rt.InteriorPoint, got {solver!r}.")
+        self.deadline = deadline
+        self._solver = solver or InteriorPoint(tolerance=1e-4, initial_barrier=1e-3)
+        self.first: Solution = plan(
+            problem, mesh=mesh or Mesh(INTERVALS, HermiteSimpson()), guess=guess, solver=InteriorPoint(fallback=None)
+        )
+        """The plan that was solved when the replanner was made."""
+        origin = origin_of(self.first.multipliers)
+        if origin is None:
+            raise InputError(
+                "The interior-point method kept no program of this problem, so that it cannot be replanned."
+            )
+        self._phase = self.first.phases[0].phase
+        self._compiled = origin.compiled
+        self._known = _Known(origin.formulation.nlp)
+        self._ends = moving_ends(origin.formulation, self._known.columns)
+        self._w, self._lam = np.array(origin.w), np.array(origin.lam)
+        self._plan, self._since = self.first.phases[0], 0.0
+        start = origin.formulation.start(origin.w)
+        program = origin.formulation.program
+        self._scale = of_program(origin.compiled.native, start, program, self._solver.initial_barrier, origin.nlp)
+
+    def step(self, t: float, start: State, end: State | None = None) -> Replan:
+        """Plan from a measured state.
+
+        Parameters
+        ----------
+        t : float
+            Time of the measurement [s], on a clock of the caller's choice.
+        start : State
+            The measured state; it may lie outside its limits by what sensors add.
+        end : State, optional
+            The new end, with the same values fixed as that of the problem; the last one by default.
+
+        Returns
+        -------
+        Replan
+            ``replan.at(t)`` samples it on the same clock.
+
+        Raises
+        ------
+        InputError
+            A state that leaves values open which the problem fixes, or NaN.
+        """
+        began = time.perf_counter()
+        formulation = self._ends.at(self._known.values(self._phase, start, end))
+        with self._compiled.alone:
+            refresh(self._compiled.native, formulation.program)
+            left = np.inf if self.deadline is None else (1.0 - RETURNING) * self.deadline
+            found = self._compiled.native.solve(
+                formulation.start(self._w),
+                formulation.program.lower,
+                formulation.program.upper,
+                self._options,
+                objective_scale=self._scale,
+                callback=None,
+                time_limit=max(0.0, left - (time.perf_counter() - began)),
+                lam=self._lam,
+            )
+        status = STATUSES.get(found.status, Status.SOLVER_ERROR)
+        w = formulation.columns(found.y)
+        violation = _violation(formulation, w)
+        fresh = violation <= FEASIBLE
+        if fresh:
+            self._w, self._lam = w, found.lam
+            self._plan = PhaseSolution(self._phase, self.first.phases[0].mesh, extract(formulation.nlp, w)[0])
+            self._since = float(t)
+        spent = time.perf_counter() - began
+        return Replan(self._plan, self._since, fresh, status, violation, found.iterations, spent)
+
+    @property
+    def _options(self) -> Options:
+        options: Options = load_native().Options(
+            tolerance=self._solver.tolerance,
+            max_iterations=self._solver.max_iterations,
+            initial_barrier=self._solver.initial_barrier,
+            barrier_factor=self._solver.barrier_factor or 100.0,
+            elimination_tolerance=1e-10,
+            bound_relaxation=1e-10,
+        )
+        return options
+
+
+class _Known:
+    """The fixed values of both ends of a phase: their columns and how they are read from states."""
+
+    def __init__(self, nlp: Nlp) -> None:
+        layout, variables = nlp.layouts[0], nlp.variables
+        phase = nlp.problem.phases[0]
+        bounds = phase.start_bounds, phase.end_bounds
+        self.fixed = [np.flatnonzero(given.lower == given.upper) for given in bounds]
+        if self.fixed[0].size < len(phase.body.states):
+            missing = [s.name for i, s in enumerate(phase.body.states) if i not in self.fixed[0]]
+            raise InputError(f"A Replanner needs a fixed start, but that of {phase.name!r} leaves {missing[0]} open.")
+        knots = layout.knots[0][self.fixed[0]], layout.knots[-1][self.fixed[1]]
+        columns = np.concatenate(knots)
+        # Both ends of a fixed value that is also bounded elsewhere stay fixed columns.
+        self.open = variables.lower[columns] == variables.upper[columns]
+        self.columns = columns[self.open]
+        self.last = [given.lower[chosen] for given, chosen in zip(bounds, self.fixed, strict=True)]
+
+    def values(self, phase: Phase, start: State, end: State | None) -> Array:
+        """Return the values of the columns, (m,), and remember them."""
+        for which, (name, state) in enumerate((("start", start), ("end", end))):
+            if state is None:
+                continue
+            if not isinstance(state, State):
+                raise InputError(f"The {name} of a step must be an rt.State, got {type(state).__name__}.")
+            given = state.bounds(phase.dae, name)
+            chosen = self.fixed[which]
+            lower = given.lower[chosen]
+            if not np.array_equal(lower, given.upper[chosen]):
+                loose = phase.dae.states[int(chosen[np.flatnonzero(lower != given.upper[chosen])[0]])].name
+                raise InputError(f"The {name} of a step leaves {loose} open, which the problem fixes: give its value.")
+            self.last[which] = lower
+        return np.concatenate(self.last)[self.open]
+
+
+def _violation(formulation: Formulation, w: Array) -> float:
+    """Return the largest violation of a scaled row or bound, NaN for an iterate that is no number."""
+    nlp = formulation.nlp
+    rows, variables = nlp.rows, nlp.variables
+    values = nlp.values(w)
+    of_rows = np.maximum(rows.lower - values, values - rows.upper) * nlp.row_scale
+    of_bounds = np.maximum(variables.lower - w, w - variables.upper) / nlp.scale
+    return max(0.0, float(np.max(of_rows, initial=0.0)), float(np.max(of_bounds, initial=0.0)))

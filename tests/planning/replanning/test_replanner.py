@@ -1,0 +1,114 @@
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+START = np.array([-1.1, -1.8, 1.6, -1.2, -1.57, 0.0])
+GOAL = np.array([1.1, -0.8, 0.6, -0.6, -0.6, 1.2])
+
+
+@pytest.fixture(scope="module")
+def ur5():
+    return rt.load("ur5")
+
+
+@pytest.fixture(scope="module")
+def reach(ur5):
+    return rt.Phase(
+        ur5, duration=1.0, start=rt.State(q=START, v=0), end=rt.State(q=GOAL, v=0), objective=rt.Effort(), name="reach"
+    )
+
+
+def test_a_step_finds_the_optimum_of_a_plan_from_there(reach):
+    replanner = rt.Replanner(reach, mesh=rt.Mesh(20), solver=rt.InteriorPoint(tolerance=1e-9))
+    q, v, goal = START + 0.05, np.full(6, 0.1), GOAL - 0.1
+    replan = replanner.step(0.0, rt.State(q=q, v=v), rt.State(q=goal, v=0))
+    cold = rt.plan(reach.with_(start=rt.State(q=q, v=v), end=rt.State(q=goal, v=0)), mesh=rt.Mesh(20))
+    times = np.linspace(0.0, 1.0, 31)
+    assert replan.fresh and replan.status is rt.solvers.Status.SOLVED
+    np.testing.assert_allclose(replan.at(times).q, cold.at(times).q, atol=1e-6)
+    np.testing.assert_allclose(replan.at(times).tau, cold.at(times).tau, atol=1e-3)
+    np.testing.assert_allclose(replan.at(0.0).q, q, atol=1e-12)
+    np.testing.assert_allclose(replan.at(1.0).q, goal, atol=1e-9)
+
+
+def test_steps_use_the_clock_of_the_caller(reach):
+    replanner = rt.Replanner(reach, mesh=rt.Mesh(10))
+    replan = replanner.step(7.5, rt.State(q=START, v=0))
+    assert (replan.start, replan.end) == (7.5, 8.5)
+    np.testing.assert_allclose(replan.at(7.0).q, START, atol=1e-9)
+    np.testing.assert_allclose(replan.at(9.0).q, GOAL, atol=1e-9)
+
+
+def test_an_end_stays_until_it_is_moved(reach):
+    replanner = rt.Replanner(reach, mesh=rt.Mesh(10))
+    moved = GOAL + 0.2
+    replanner.step(0.0, rt.State(q=START, v=0), rt.State(q=moved, v=0))
+    replan = replanner.step(0.1, rt.State(q=START + 0.01, v=0))
+    np.testing.assert_allclose(replan.at(1.1).q, moved, atol=1e-9)
+
+
+def test_a_plan_is_kept_where_the_goal_is_out_of_reach(reach):
+    replanner = rt.Replanner(reach, mesh=rt.Mesh(10), solver=rt.InteriorPoint(max_iterations=40))
+    kept = replanner.step(0.0, rt.State(q=START, v=0))
+    # 5 rad in 1 s exceed the speed limit of 3.15 rad/s.
+    replan = replanner.step(0.02, rt.State(q=START, v=0), rt.State(q=START + 5.0, v=0))
+    assert not replan.fresh and replan.violation > 1e-4
+    assert replan.start == 0.0 and replan.motion is kept.motion
+    again = replanner.step(0.04, rt.State(q=START, v=0), rt.State(q=GOAL, v=0))
+    assert again.fresh and again.start == 0.04
+
+
+def test_a_deadline_ends_a_step(reach):
+    replanner = rt.Replanner(reach, mesh=rt.Mesh(40), deadline=1e-5)
+    replan = replanner.step(0.0, rt.State(q=START + 0.3, v=0), rt.State(q=GOAL - 0.3, v=0))
+    assert replan.status is rt.solvers.Status.TIME_LIMIT
+    assert replan.iterations <= 1
+    assert "time limit" in str(replan)
+
+
+def test_a_measured_start_may_lie_outside_its_limits(ur5):
+    upper = ur5.limits.position_upper.copy()
+    q = START.copy()
+    q[2] = upper[2] - 0.1
+    reach = rt.Phase(ur5, 1.0, rt.State(q=q, v=0), rt.State(q=GOAL, v=0), rt.Effort())
+    replanner = rt.Replanner(reach, mesh=rt.Mesh(10))
+    q[2] = upper[2] + 3e-7
+    replan = replanner.step(0.0, rt.State(q=q, v=0))
+    assert replan.fresh
+    assert replan.at(np.linspace(0.1, 1.0, 50)).q[:, 2].max() < upper[2] + 1e-6
+
+
+def test_free_durations_and_systems():
+    block = rt.System(states=["x", "v"], controls=["u"], dynamics=lambda point: [point.x["v"], point.u["u"]])
+    move = rt.Phase(
+        block,
+        duration=(0.1, 20.0),
+        start=rt.State({"x": 0.0, "v": 0.0}),
+        end=rt.State({"x": 10.0, "v": 0.0}),
+        controls={"u": rt.between(-1.0, 1.0)},
+        objective=rt.Duration(),
+    )
+    replanner = rt.Replanner(move, mesh=rt.Mesh(20), solver=rt.InteriorPoint(tolerance=1e-8))
+    for distance in (10.0, 6.0, 2.5):
+        replan = replanner.step(0.0, rt.State({"x": 10.0 - distance, "v": 0.0}))
+        assert replan.fresh
+        assert replan.motion.duration == pytest.approx(2.0 * np.sqrt(distance), rel=1e-5)
+
+
+def test_bad_input(reach, ur5):
+    with pytest.raises(rt.InputError, match="one phase"):
+        rt.Replanner(rt.Problem([reach, reach.with_(start=None)], links=[rt.Continuity(0, 1)]))
+    with pytest.raises(rt.InputError, match="fixed start"):
+        rt.Replanner(reach.with_(start=rt.State(q=START)), mesh=rt.Mesh(10))
+    with pytest.raises(rt.InputError, match="deadline"):
+        rt.Replanner(reach, deadline=0.0)
+    with pytest.raises(rt.InputError, match="rt.InteriorPoint"):
+        rt.Replanner(reach, solver=rt.Ipopt())
+    replanner = rt.Replanner(reach, mesh=rt.Mesh(10))
+    with pytest.raises(rt.InputError, match="open"):
+        replanner.step(0.0, rt.State(q=START))
+    with pytest.raises(rt.InputError, match="rt.State"):
+        replanner.step(0.0, START)
+    with pytest.raises(rt.InputError):
+        replanner.step(0.0, rt.State(q=np.full(6, np.nan), v=0))
