@@ -25,9 +25,7 @@ class Replan(OneLine):
     Attributes
     ----------
     motion : PhaseSolution
-        The planned motion; its time is 0 at ``start``.
-    start : float
-        Time [s] of the measurement that the plan starts from, on the clock of the caller.
+        The planned motion, on the clock of the caller.
     fresh : bool
         Whether this step's plan meets its rows. Otherwise ``motion`` is that of the last step that did.
     status : Status
@@ -40,7 +38,6 @@ class Replan(OneLine):
     """
 
     motion: PhaseSolution
-    start: float
     fresh: bool
     status: Status
     violation: float
@@ -48,16 +45,21 @@ class Replan(OneLine):
     seconds: float
 
     @property
+    def start(self) -> float:
+        """Time of the measurement that the plan starts from [s]."""
+        return self.motion.t0
+
+    @property
     def end(self) -> float:
-        """Time [s] at which the plan ends, on the clock of the caller."""
-        return self.start + self.motion.duration
+        """Time at which the plan ends [s]."""
+        return self.motion.t0 + self.motion.duration
 
     def at(self, t: float | Array) -> Sample:
         """Evaluate the plan at a time, or at times (m,), on the clock of the caller [s].
 
         Times before the start and after the end are taken as the start and the end.
         """
-        return self.motion.at(np.clip(np.asarray(t, dtype=float) - self.start, 0.0, self.motion.duration))
+        return self.motion.at(np.clip(np.asarray(t, dtype=float), self.start, self.end))
 
     def __str__(self) -> str:
         kept = "" if self.fresh else ", plan of an earlier step kept"

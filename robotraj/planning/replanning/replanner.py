@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,14 +13,15 @@ from robotraj._util.errors import InputError
 from robotraj.native.build import load_native
 from robotraj.planning.plan import plan
 from robotraj.planning.replanning.replan import Replan
+from robotraj.planning.replanning.step_numbers import StepNumbers
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.solvers.compiled import origin_of
 from robotraj.solvers.interior_point import STATUSES, InteriorPoint
-from robotraj.solvers.moving_ends import moving_ends
 from robotraj.solvers.objective_scale import of_program
+from robotraj.solvers.parametric import parametric
 from robotraj.solvers.stagewise.native import refresh
 from robotraj.solvers.status import Status
 from robotraj.transcription.extract import extract
@@ -31,7 +33,6 @@ if TYPE_CHECKING:
     from robotraj.native import Options
     from robotraj.problem.phase import Phase
     from robotraj.solvers.formulation import Formulation
-    from robotraj.transcription.nlp import Nlp
 
 Array = NDArray[np.float64]
 
@@ -53,7 +54,8 @@ class Replanner:
     Parameters
     ----------
     problem : Phase or Problem
-        One phase whose start is fixed. Ends that are fixed can move with every step.
+        One phase whose start is fixed. Fixed values of its ends, fixed parameters and the time of its start change with
+        every step. A moving goal or obstacle is a parameter, or a function of ``point.t``.
     mesh : Mesh, optional
         50 Hermite-Simpson intervals by default.
     deadline : float, optional
@@ -107,25 +109,29 @@ class Replanner:
             )
         self._phase = self.first.phases[0].phase
         self._compiled = origin.compiled
-        self._known = _Known(origin.formulation.nlp)
-        self._ends = moving_ends(origin.formulation, self._known.columns)
+        self._numbers = StepNumbers(origin.formulation.nlp)
+        self._program = parametric(origin.formulation, self._numbers.columns, self._numbers.scalars)
         self._w, self._lam = np.array(origin.w), np.array(origin.lam)
-        self._plan, self._since = self.first.phases[0], 0.0
+        self._plan = self.first.phases[0]
         start = origin.formulation.start(origin.w)
         program = origin.formulation.program
         self._scale = of_program(origin.compiled.native, start, program, self._solver.initial_barrier, origin.nlp)
 
-    def step(self, t: float, start: State, end: State | None = None) -> Replan:
+    def step(
+        self, t: float, start: State, end: State | None = None, parameters: Mapping[str, float] | None = None
+    ) -> Replan:
         """Plan from a measured state.
 
         Parameters
         ----------
         t : float
-            Time of the measurement [s], on a clock of the caller's choice.
+            Time of the measurement [s], on a clock of the caller's choice. It is ``point.t`` at the start of the plan.
         start : State
             The measured state; it may lie outside its limits by what sensors add.
         end : State, optional
             The new end, with the same values fixed as that of the problem; the last one by default.
+        parameters : mapping of str to float, optional
+            New values of fixed parameters of the problem; the last ones by default.
 
         Returns
         -------
@@ -135,10 +141,10 @@ class Replanner:
         Raises
         ------
         InputError
-            A state that leaves values open which the problem fixes, or NaN.
+            A state that leaves values open which the problem fixes, an unknown parameter, or NaN.
         """
         began = time.perf_counter()
-        formulation = self._ends.at(self._known.values(self._phase, start, end))
+        formulation = self._program.at(self._numbers.values(t, start, end, parameters or {}))
         with self._compiled.alone:
             refresh(self._compiled.native, formulation.program)
             left = np.inf if self.deadline is None else (1.0 - RETURNING) * self.deadline
@@ -158,10 +164,9 @@ class Replanner:
         fresh = violation <= FEASIBLE
         if fresh:
             self._w, self._lam = w, found.lam
-            self._plan = PhaseSolution(self._phase, self.first.phases[0].mesh, extract(formulation.nlp, w)[0])
-            self._since = float(t)
-        spent = time.perf_counter() - began
-        return Replan(self._plan, self._since, fresh, status, violation, found.iterations, spent)
+            trajectory = extract(formulation.nlp, w)[0]
+            self._plan = PhaseSolution(self._phase, self.first.phases[0].mesh, trajectory)
+        return Replan(self._plan, fresh, status, violation, found.iterations, time.perf_counter() - began)
 
     @property
     def _options(self) -> Options:
@@ -174,41 +179,6 @@ class Replanner:
             bound_relaxation=1e-10,
         )
         return options
-
-
-class _Known:
-    """The fixed values of both ends of a phase: their columns and how they are read from states."""
-
-    def __init__(self, nlp: Nlp) -> None:
-        layout, variables = nlp.layouts[0], nlp.variables
-        phase = nlp.problem.phases[0]
-        bounds = phase.start_bounds, phase.end_bounds
-        self.fixed = [np.flatnonzero(given.lower == given.upper) for given in bounds]
-        if self.fixed[0].size < len(phase.body.states):
-            missing = [s.name for i, s in enumerate(phase.body.states) if i not in self.fixed[0]]
-            raise InputError(f"A Replanner needs a fixed start, but that of {phase.name!r} leaves {missing[0]} open.")
-        knots = layout.knots[0][self.fixed[0]], layout.knots[-1][self.fixed[1]]
-        columns = np.concatenate(knots)
-        # Both ends of a fixed value that is also bounded elsewhere stay fixed columns.
-        self.open = variables.lower[columns] == variables.upper[columns]
-        self.columns = columns[self.open]
-        self.last = [given.lower[chosen] for given, chosen in zip(bounds, self.fixed, strict=True)]
-
-    def values(self, phase: Phase, start: State, end: State | None) -> Array:
-        """Return the values of the columns, (m,), and remember them."""
-        for which, (name, state) in enumerate((("start", start), ("end", end))):
-            if state is None:
-                continue
-            if not isinstance(state, State):
-                raise InputError(f"The {name} of a step must be an rt.State, got {type(state).__name__}.")
-            given = state.bounds(phase.dae, name)
-            chosen = self.fixed[which]
-            lower = given.lower[chosen]
-            if not np.array_equal(lower, given.upper[chosen]):
-                loose = phase.dae.states[int(chosen[np.flatnonzero(lower != given.upper[chosen])[0]])].name
-                raise InputError(f"The {name} of a step leaves {loose} open, which the problem fixes: give its value.")
-            self.last[which] = lower
-        return np.concatenate(self.last)[self.open]
 
 
 def _violation(formulation: Formulation, w: Array) -> float:

@@ -1,3 +1,4 @@
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -112,3 +113,31 @@ def test_bad_input(reach, ur5):
         replanner.step(0.0, START)
     with pytest.raises(rt.InputError):
         replanner.step(0.0, rt.State(q=np.full(6, np.nan), v=0))
+
+
+def test_time_and_parameters_are_numbers_of_a_step():
+    block = rt.System(states=["x", "v"], controls=["u"], dynamics=lambda point: [point.x["v"], point.u["u"]])
+
+    def tracking(t0, amplitude):
+        def rate(point):
+            reference = point.p["amplitude"] * ca.sin(point.t + t0)
+            return (point.x["x"] - reference) ** 2 + 1e-3 * point.u["u"] ** 2
+
+        return rt.Phase(
+            block,
+            duration=1.0,
+            start=rt.State({"x": 0.3, "v": 0.0}),
+            objective=rt.Lagrange(rate) + 0.1 * rt.Mayer(lambda start, end: (end.x["x"] - end.p["amplitude"]) ** 2),
+            controls={"u": rt.between(-5.0, 5.0)},
+            constraints=[rt.PathConstraint(lambda point: point.x["x"] - point.p["amplitude"], upper=0.0)],
+            parameters={"amplitude": amplitude},
+        )
+
+    replanner = rt.Replanner(tracking(0.0, 1.0), mesh=rt.Mesh(15), solver=rt.InteriorPoint(tolerance=1e-9))
+    replan = replanner.step(2.0, rt.State({"x": 0.3, "v": 0.0}), parameters={"amplitude": 0.7})
+    cold = rt.plan(tracking(2.0, 0.7), mesh=rt.Mesh(15), solver=rt.InteriorPoint(tolerance=1e-9))
+    times = np.linspace(0.0, 1.0, 21)
+    np.testing.assert_allclose(replan.at(2.0 + times).x["x"], cold.at(times).x["x"], atol=1e-6)
+    np.testing.assert_allclose(replan.at(2.0 + times).u["u"], cold.at(times).u["u"], atol=1e-4)
+    with pytest.raises(rt.InputError, match="amplitude"):
+        replanner.step(2.0, rt.State({"x": 0.3, "v": 0.0}), parameters={"amplitud": 0.7})

@@ -3,7 +3,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.solvers.compiled import origin_of
-from robotraj.solvers.moving_ends import fixed_at, moving_ends
+from robotraj.solvers.parametric import parametric
 
 
 def solved(**options):
@@ -21,9 +21,9 @@ def test_affine_offsets_are_those_of_a_new_reduction(assembled):
     formulation = solved(constraints=constraints)
     layout = formulation.nlp.layouts[0]
     columns = np.concatenate([layout.knots[0], layout.knots[-1]])
-    ends = moving_ends(formulation, columns)
-    values = ends.base + np.random.default_rng(3).normal(size=columns.size)
-    affine, refreshed = ends.at(values), formulation.refreshed(fixed_at(formulation.nlp, columns, values))
+    program = parametric(formulation, columns)
+    values = program.base + np.random.default_rng(3).normal(size=columns.size)
+    affine, refreshed = program.at(values), formulation.refreshed(program.numbers.changed(formulation.nlp, values))
     np.testing.assert_allclose(affine.program.shift, refreshed.program.shift, atol=1e-12)
     for mine, other in zip(affine.program.blocks, refreshed.program.blocks, strict=True):
         np.testing.assert_allclose(mine.shift, other.shift, atol=1e-12)
@@ -35,4 +35,4 @@ def test_affine_offsets_are_those_of_a_new_reduction(assembled):
 def test_columns_with_a_range_do_not_move():
     formulation = solved()
     with pytest.raises(rt.InputError, match="range"):
-        moving_ends(formulation, formulation.nlp.layouts[0].knots[3])
+        parametric(formulation, formulation.nlp.layouts[0].knots[3])

@@ -1,0 +1,215 @@
+"""Programs as functions of the numbers fixed in them: ends, start time and parameters of a phase.
+
+A control loop solves one problem with other numbers e at every step. Offsets of the rows, of the blocks and of the
+columns that a reduction eliminated, and the bounds of rows, are affine in e,
+
+    offsets(e) = offsets(e0) + M (e - e0),
+
+and constants of the point functions are entries of e. M is found once, by refreshing the formulation with each number
+moved. A later change costs one sparse product; nothing symbolic is evaluated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.solvers.stagewise.reduction import Reduction
+from robotraj.transcription.collocation.symbols import phase_scalars
+from robotraj.transcription.layout import Scalar
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+    from robotraj.solvers.formulation import Formulation
+    from robotraj.transcription.assembly.block import Block
+    from robotraj.transcription.nlp import Nlp
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+NEGLIGIBLE = 1e-12
+"""Entries of M below this share of the largest are rounding."""
+SMALL = 1e-3
+"""Change of a number relative to its scale: a larger one may leave the bounds that the number has."""
+AGREEMENT = 1e-9
+"""Largest error of the affine offsets at an independent change, relative to the offsets."""
+
+
+@dataclass(frozen=True, eq=False)
+class Numbers:
+    """The numbers of an NLP of one phase that change from solve to solve.
+
+    Attributes
+    ----------
+    columns : ndarray of int (m,)
+        Fixed columns of the NLP.
+    scalars : tuple of int
+        Places of fixed scalars among start time, duration and parameters of the phase.
+    """
+
+    columns: Indices
+    scalars: tuple[int, ...]
+
+    def values(self, nlp: Nlp) -> Array:
+        """Return the numbers of an NLP (m + scalars,), in physical units.
+
+        Raises
+        ------
+        InputError
+            A column has a range.
+        """
+        lower = nlp.variables.lower[self.columns]
+        if not np.array_equal(lower, nlp.variables.upper[self.columns]):
+            raise InputError("Only fixed numbers can change from step to step: a column of the ends has a range.")
+        every = phase_scalars(nlp.layouts[0])
+        return np.append(lower, [every[i].value for i in self.scalars])
+
+    def steps(self, nlp: Nlp) -> Array:
+        """Return by how much each number is moved to find M."""
+        return SMALL * np.append(nlp.scale[self.columns], np.ones(len(self.scalars)))
+
+    def changed(self, nlp: Nlp, values: Array) -> Nlp:
+        """Return an NLP with other numbers."""
+        columns, layout = self.columns, nlp.layouts[0]
+        lower, upper, guess = nlp.variables.lower.copy(), nlp.variables.upper.copy(), nlp.guess.copy()
+        lower[columns] = upper[columns] = guess[columns] = values[: columns.size]
+        variables = replace(nlp.variables, lower=lower, upper=upper)
+        if not self.scalars:
+            return replace(nlp, variables=variables, guess=guess)
+        every = phase_scalars(layout)
+        for place, value in zip(self.scalars, values[columns.size :], strict=True):
+            every[place] = Scalar(None, float(value))
+        layout = replace(layout, t0=every[0], duration=every[1], parameters=tuple(every[2:]))
+        blocks = tuple(self.with_constants(nlp, block, values) for block in nlp.blocks)
+        return replace(nlp, variables=variables, guess=guess, layouts=(layout,), blocks=blocks)
+
+    def with_constants(self, nlp: Nlp, block: Block, values: Array) -> Block:
+        """Return a block with other fixed scalars, which are the last constants of its point function."""
+        fixed = [i for i, scalar in enumerate(phase_scalars(nlp.layouts[0])) if scalar.column is None]
+        if not self.scalars or len(block.constants) < len(fixed):
+            return block
+        constants = block.constants.copy()
+        for place, value in zip(self.scalars, values[self.columns.size :], strict=True):
+            constants[fixed.index(place) - len(fixed)] = value
+        return replace(block, constants=constants)
+
+
+@dataclass(frozen=True, eq=False)
+class Parametric:
+    """A formulation as a function of numbers.
+
+    Attributes
+    ----------
+    formulation : Formulation
+        At the numbers ``base``.
+    numbers : Numbers
+    base : ndarray (e,)
+    offsets : ndarray (k,)
+        At ``base``.
+    matrix : csr_array (k, e)
+        M.
+    """
+
+    formulation: Formulation
+    numbers: Numbers
+    base: Array
+    offsets: Array
+    matrix: csr_array
+
+    def at(self, values: Array) -> Formulation:
+        """Return the formulation for other numbers (e,), in physical units."""
+        known, numbers = self.formulation, self.numbers
+        nlp, program = known.nlp, known.program
+        offsets = self.offsets + self.matrix @ (values - self.base)
+        count = program.lower.size
+        sizes = [
+            1,
+            count,
+            count,
+            program.shift.size,
+            known.values.size,
+            *(block.shift.size for block in program.blocks),
+        ]
+        constant, lower, upper, shift, eliminated, *rest = np.split(offsets, np.cumsum(sizes))
+        blocks = tuple(
+            replace(part, shift=own, block=numbers.with_constants(nlp, part.block, values))
+            for part, own in zip(program.blocks, rest, strict=False)
+        )
+        program = replace(
+            program,
+            constant=float(constant[0]),
+            shift=shift,
+            blocks=blocks,
+            lower=np.where(np.isfinite(program.lower), lower, program.lower),
+            upper=np.where(np.isfinite(program.upper), upper, program.upper),
+        )
+        changed = numbers.changed(nlp, values)
+        if not isinstance(known, Reduction):
+            return replace(known, nlp=changed, program=program, values=eliminated)
+        form = replace(
+            known.form, blocks=tuple(numbers.with_constants(nlp, each, values) for each in known.form.blocks)
+        )
+        slots = replace(known.slots, offset=rest[-1])
+        return replace(known, nlp=changed, program=program, values=eliminated, form=form, slots=slots)
+
+
+def parametric(formulation: Formulation, columns: Indices, scalars: Sequence[int] = ()) -> Parametric:
+    """Find how a formulation depends on numbers fixed in it.
+
+    Parameters
+    ----------
+    formulation : Formulation
+        Of an NLP of one phase.
+    columns : ndarray of int (m,)
+        Fixed columns of the NLP.
+    scalars : sequence of int
+        Places of fixed scalars among start time, duration and parameters. The duration does not change.
+
+    Raises
+    ------
+    InputError
+        A column is not fixed, or a change of the numbers changes more than offsets and constants.
+    """
+    from scipy.sparse import csr_array
+
+    numbers = Numbers(columns, tuple(scalars))
+    base, steps, offsets = numbers.values(formulation.nlp), numbers.steps(formulation.nlp), _offsets(formulation)
+    parts = []
+    for j, step in enumerate(steps):
+        moved = base.copy()
+        moved[j] += step
+        parts.append((_offsets(_refreshed(formulation, numbers, moved)) - offsets) / step)
+    matrix = np.stack(parts, axis=1)
+    matrix[np.abs(matrix) < NEGLIGIBLE * np.max(np.abs(matrix), initial=0.0)] = 0.0
+    found = Parametric(formulation, numbers, base, offsets, csr_array(matrix))
+    other = base + steps * np.cos(np.arange(base.size))
+    expected = _offsets(_refreshed(formulation, numbers, other))
+    error = np.max(np.abs(_offsets(found.at(other)) - expected), initial=0.0)
+    if error > AGREEMENT * max(1.0, float(np.max(np.abs(expected), initial=0.0))):
+        raise InputError("This problem is not affine in its ends, time and parameters: plan each start with rt.plan.")
+    return found
+
+
+def _refreshed(formulation: Formulation, numbers: Numbers, values: Array) -> Formulation:
+    found = formulation.refreshed(numbers.changed(formulation.nlp, values))
+    if found is None:
+        raise InputError("Other ends or parameters change the structure of this problem: plan each start with rt.plan.")
+    return found
+
+
+def _offsets(formulation: Formulation) -> Array:
+    """Join the offsets that depend on the numbers."""
+    program = formulation.program
+    parts = [np.array([program.constant])]
+    parts += [np.where(np.isfinite(side), side, 0.0) for side in (program.lower, program.upper)]
+    parts += [program.shift, formulation.values, *(block.shift for block in program.blocks)]
+    if isinstance(formulation, Reduction):
+        parts.append(formulation.slots.offset)
+    return np.concatenate(parts)
