@@ -215,17 +215,35 @@ class Solution(OneLine):
             facts["gains"] = self.gains.plain
         return write(path, Contents(self.problem, self.phases, facts, self.settings))
 
-    def to_csv(self, path: str | Path, samples: int | Sequence[float] = 201, gains: bool = False) -> Path:
-        """Write a table over time, a column per variable with its unit; see ``robotraj.solution.export``."""
-        from robotraj.solution.export import to_csv
+    def to_csv(
+        self,
+        path: str | Path,
+        samples: int | Sequence[float] = 201,
+        gains: bool = False,
+        rate: float | None = None,
+    ) -> Path:
+        """Write a table over time, a column per variable with its unit; see ``robotraj.solution.export.tables``."""
+        from robotraj.solution.export.tables import to_csv
 
-        return to_csv(self, path, samples, gains)
+        return to_csv(self, path, samples, gains, rate)
 
-    def to_json(self, path: str | Path, samples: int | Sequence[float] = 201, gains: bool = False) -> Path:
-        """Write the status, figures and sampled trajectory as JSON; see ``robotraj.solution.export``."""
-        from robotraj.solution.export import to_json
+    def to_json(
+        self,
+        path: str | Path,
+        samples: int | Sequence[float] = 201,
+        gains: bool = False,
+        rate: float | None = None,
+    ) -> Path:
+        """Write the status, figures and sampled trajectory as JSON; see ``robotraj.solution.export.tables``."""
+        from robotraj.solution.export.tables import to_json
 
-        return to_json(self, path, samples, gains)
+        return to_json(self, path, samples, gains, rate)
+
+    def to_controller(self, path: str | Path, rate: float = 1000.0) -> Path:
+        """Write the file that a controller reads, by its suffix; see ``robotraj.solution.export.controllers``."""
+        from robotraj.solution.export.controllers import to_controller
+
+        return to_controller(self, path, rate)
 
     def plot(self) -> Figure:
         """Draw the trajectories with limits, knots and collocation points; see ``robotraj.solution.plotting``."""

@@ -19,7 +19,6 @@ def load_mujoco() -> Any:
         import mujoco
     except ImportError as error:
         raise InputError(
-            "MuJoCo is not installed, and rt.witness.second_opinion simulates with it: pip install 'robotraj[mujoco]' "
-            "(one wheel, 10 MB)."
+            "MuJoCo is not installed, and rt.witness.second_opinion simulates with it: pip install 'robotraj[mujoco]'."
         ) from error
     return mujoco

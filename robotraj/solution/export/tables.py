@@ -17,6 +17,7 @@ from robotraj._util.paths import whole_file
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solution.columns import values_of, variables_of
+from robotraj.solution.export.times import sample_times
 
 if TYPE_CHECKING:
     from robotraj.solution.planned import Planned
@@ -38,7 +39,9 @@ class Column(OneLine):
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
-def table(solution: Planned, samples: int | Sequence[float], gains: bool = False) -> list[Column]:
+def table(
+    solution: Planned, samples: int | Sequence[float], gains: bool = False, rate: float | None = None
+) -> list[Column]:
     """Sample every variable of all phases: states, accelerations of robots, algebraic variables, controls.
 
     Parameters
@@ -46,6 +49,8 @@ def table(solution: Planned, samples: int | Sequence[float], gains: bool = False
     solution : Solution
     samples : int or sequence of float
         Number of equally spaced times from start to end, or the times [s].
+    rate : float, optional
+        Samples per second in place of ``samples``; the first and the last are exactly the start and the end.
     gains : bool
         Add the entries of ``solution.gains``, ``gain.<motor>.q.<joint>`` and ``gain.<motor>.v.<joint>``.
 
@@ -59,7 +64,8 @@ def table(solution: Planned, samples: int | Sequence[float], gains: bool = False
     InputError
         Fewer than 2 samples, or times outside the solution.
     """
-    times = _times(solution, samples)
+    start = solution.phases[0].t0
+    times = sample_times(start, start + solution.duration, samples, rate)
     starts = np.array([phase.t0 for phase in solution.phases])
     owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
     units: dict[str, str] = {}
@@ -76,7 +82,11 @@ def table(solution: Planned, samples: int | Sequence[float], gains: bool = False
 
 
 def to_csv(
-    solution: Planned, path: str | os.PathLike[str], samples: int | Sequence[float] = 201, gains: bool = False
+    solution: Planned,
+    path: str | os.PathLike[str],
+    samples: int | Sequence[float] = 201,
+    gains: bool = False,
+    rate: float | None = None,
 ) -> Path:
     """Write a table over time with one header row, ``t [s], q.elbow [rad], ...``.
 
@@ -87,6 +97,8 @@ def to_csv(
         Its directory must exist; an older file is replaced.
     samples : int or sequence of float
         Number of equally spaced times, or the times [s].
+    rate : float, optional
+        Samples per second in place of ``samples``: start, start + 1 / rate, ..., end.
     gains : bool
         Add a column for every entry of ``solution.gains``: tau = tau_plan - K (x - x_plan).
 
@@ -95,8 +107,8 @@ def to_csv(
     pathlib.Path
         The file, absolute. Numbers have all their digits; a variable that a phase lacks is an empty cell.
     """
-    target = _target(path)
-    columns = table(solution, samples, gains)
+    target = export_target(path)
+    columns = table(solution, samples, gains, rate)
     with whole_file(target) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([column.heading for column in columns])
@@ -106,7 +118,11 @@ def to_csv(
 
 
 def to_json(
-    solution: Planned, path: str | os.PathLike[str], samples: int | Sequence[float] = 201, gains: bool = False
+    solution: Planned,
+    path: str | os.PathLike[str],
+    samples: int | Sequence[float] = 201,
+    gains: bool = False,
+    rate: float | None = None,
 ) -> Path:
     """Write status, figures, phases and the sampled trajectory as plain JSON.
 
@@ -117,8 +133,8 @@ def to_json(
 
     Parameters and errors are those of ``to_csv``.
     """
-    target = _target(path)
-    columns = table(solution, samples, gains)
+    target = export_target(path)
+    columns = table(solution, samples, gains, rate)
     content = {
         "status": solution.status.value,
         "success": solution.success,
@@ -164,19 +180,14 @@ def _gain_columns(solution: Planned, times: Array) -> list[Column]:
     return found
 
 
-def _times(solution: Planned, samples: int | Sequence[float]) -> Array:
-    if not isinstance(samples, int | np.integer):
-        times = np.asarray(samples, dtype=float)
-        if times.ndim != 1 or times.size == 0:
-            raise InputError(f"samples= is a number of samples or a list of times [s]; got {samples!r}.")
-        return times
-    if isinstance(samples, bool) or samples < 2:
-        raise InputError(f"samples={samples}: give at least 2, or a list of times [s].")
-    start = solution.phases[0].t0
-    return np.linspace(start, start + solution.duration, int(samples))
+def export_target(path: str | os.PathLike[str]) -> Path:
+    """Return the absolute path of an export.
 
-
-def _target(path: str | os.PathLike[str]) -> Path:
+    Raises
+    ------
+    InputError
+        No such directory, or a directory of that name.
+    """
     target = Path(path).expanduser().absolute()
     if not target.parent.is_dir():
         raise InputError(f"Cannot export: there is no directory {str(target.parent)!r}; create it first.")

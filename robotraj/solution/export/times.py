@@ -1,0 +1,48 @@
+"""Times of exported samples."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+
+Array = NDArray[np.float64]
+
+SHORTEST = 1e-3
+"""A last period that is shorter than this share of the others is joined to the one before it."""
+
+
+def sample_times(start: float, end: float, samples: int | Sequence[float], rate: float | None = None) -> Array:
+    """Return strictly ascending times of samples [s].
+
+    Parameters
+    ----------
+    start, end : float
+        Of the motion [s].
+    samples : int or sequence of float
+        Number of equally spaced times, or the times; not read with ``rate``.
+    rate : float, optional
+        Samples per second [Hz]: start, start + 1 / rate, ..., end. The last period is shorter where the duration is no
+        multiple of the others.
+
+    Raises
+    ------
+    InputError
+        Fewer than 2 samples, a rate that is not above 0, or an empty list.
+    """
+    if rate is not None:
+        if not 0.0 < float(rate) < np.inf:
+            raise InputError(f"rate={rate}: give samples per second above 0, such as 1000.")
+        count = int(np.floor((end - start) * rate - SHORTEST)) + 1
+        return np.append(start + np.arange(count) / rate, end)
+    if not isinstance(samples, int | np.integer):
+        times = np.asarray(samples, dtype=float)
+        if times.ndim != 1 or times.size == 0:
+            raise InputError(f"samples= is a number of samples or a list of times [s]; got {samples!r}.")
+        return times
+    if isinstance(samples, bool) or samples < 2:
+        raise InputError(f"samples={samples}: give at least 2, or a list of times [s].")
+    return np.linspace(start, end, int(samples))
