@@ -6,11 +6,11 @@ Start with ``guess.py``. The room may import ``problem`` and what lies below.
 from .base import InitialGuess
 from .default import default_guess
 from .from_solution import FromSolution
-from .inverse_kinematics import InverseKinematics
 from .keyframes import Keyframes
 from .legs.inverted_pendulum import InvertedPendulum
 from .minimum_jerk import MinimumJerk
 from .perturbed import Perturbed
+from .reaching.inverse_kinematics import InverseKinematics
 from .straight_line import StraightLine
 
 __all__ = [

@@ -14,8 +14,15 @@ if TYPE_CHECKING:
     from robotraj.problem.problem import Problem
 
 
-def default_guess(problem: Problem) -> InitialGuess:
-    """Return an inverted pendulum for one robot with a free root on contacts, else a straight line."""
+def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
+    """Return an inverted pendulum for one robot with a free root on contacts, else a straight line.
+
+    Parameters
+    ----------
+    problem : Problem
+    branch : int
+        Rank of the branches of inverse kinematics at ends that constraints decide; see ``rt.guess.StraightLine``.
+    """
     robots = {id(phase.robot) for phase in problem.phases}
     robot = problem.phases[0].robot
     footed = any(contact.anchors for phase in problem.phases for contact in phase.bound_contacts)
@@ -23,7 +30,7 @@ def default_guess(problem: Problem) -> InitialGuess:
         from robotraj.guess.legs.inverted_pendulum import InvertedPendulum
 
         return InvertedPendulum()
-    return StraightLine()
+    return StraightLine(branch=branch)
 
 
 def as_guess(value: object) -> InitialGuess | None:

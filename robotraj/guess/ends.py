@@ -39,18 +39,30 @@ def middle_of(bounds: Bounds, free: float) -> Array:
     return np.where(np.isfinite(middle), middle, free)
 
 
-def ends_of(phase: Phase, reached: Array | None = None) -> tuple[Array, Array]:
+def ends_of(
+    phase: Phase, entered: Array | None = None, positions: tuple[Array, Array] | None = None
+) -> tuple[Array, Array]:
     """Return guesses of the first and last state, (nx,) each.
 
     A value that is free at one end is taken from the other end. A value that is free at both ends is that of
-    ``reached``, where this is given, else neutral for positions of robots and 0 for all others.
+    ``entered``, where this is given, else neutral for positions of robots and 0 for all others.
+
+    Parameters
+    ----------
+    phase : Phase
+    entered : ndarray, optional
+        State with which a link enters the phase; its first entries may be left out.
+    positions : (ndarray, ndarray), optional
+        Positions (nq,) of the robot at both ends, which replace those of the bounds; NaN where they are not known.
     """
     rest = np.zeros(len(phase.dae.states))
-    if reached is not None:
-        rest[: len(reached)] = reached
+    if entered is not None:
+        rest[: len(entered)] = entered
     if phase.robot is not None:
         rest[: phase.robot.nq] = phase.robot.neutral
     first, last = middle_of(phase.start_bounds, np.nan), middle_of(phase.end_bounds, np.nan)
+    for state, known in zip((first, last), positions or (), strict=False):
+        state[: len(known)] = np.where(np.isnan(known), state[: len(known)], known)
     first = np.where(np.isnan(first), np.where(np.isnan(last), rest, last), first)
     last = np.where(np.isnan(last), first, last)
     return normalised_state(phase, first), normalised_state(phase, last)
@@ -67,7 +79,7 @@ def normalised_state(phase: Phase, x: Array) -> Array:
     return x
 
 
-def guessed_duration(phase: Phase, given: float | None) -> float:
+def guessed_duration(phase: Phase, given: float | None, ends: tuple[Array, Array] | None = None) -> float:
     """Return the duration to start from [s]: the given one, or one between the bounds.
 
     The latter is at least ``MARGIN`` times the least time of a straight line: that of ``fastest_line``, or of the speed
@@ -90,11 +102,12 @@ def guessed_duration(phase: Phase, given: float | None) -> float:
         guess = np.sqrt(low * high) if np.isfinite(high) else 2 * low
     else:
         guess = min(max(1.0, high / 20), high / 2) if np.isfinite(high) else 1.0
-    law = fastest_line(phase, *ends_of(phase))
+    ends = ends or ends_of(phase)
+    law = fastest_line(phase, *ends)
     if law is not None:
         guess = max(guess, MARGIN * law.duration)
     elif phase.robot is not None and isinstance(phase.limits, Limits):
-        first, last = (x[: phase.robot.nq] for x in ends_of(phase))
+        first, last = (x[: phase.robot.nq] for x in ends)
         gaps = np.abs(coordinate_difference(phase.robot.model, first, last))
         guess = max(guess, MARGIN * float(np.max(gaps / phase.limits.velocity, initial=0.0)))
     return float(np.clip(guess, low, high))

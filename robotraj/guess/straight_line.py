@@ -14,6 +14,7 @@ from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess, PhaseGuess, zeros
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.least_time import fastest_line
+from robotraj.guess.reaching.branches import reached_ends
 from robotraj.robot.chart import Chart
 
 if TYPE_CHECKING:
@@ -41,23 +42,29 @@ class StraightLine(InitialGuess):
     A state of a system that is free at both ends of a phase keeps the value with which ``rt.Continuity`` or
     ``rt.links.Jump`` enters the phase.
 
+    Where constraints decide the positions of an arm at an end, such as ``rt.AtEnd(rt.FramePose(...))``, they are found
+    by inverse kinematics from many seeds; of the branches, the line takes those that its slowest joint reaches first.
+
     Parameters
     ----------
     duration : float, optional
         Guessed duration [s] where it is free; by default from the bounds, and at least 1.5 times the least time.
+    branch : int
+        Rank of the branches of inverse kinematics, 0 for the fastest; further ranks are other starts.
     """
 
     duration: float | None = None
+    branch: int = 0
 
     def prepared(self, problem: Problem) -> InitialGuess:
-        """Compute the states with which links enter the phases of systems."""
-        reached = _entered_states(problem)
-        return _LinkedLine(self.duration, reached) if reached else self
+        """Compute the states with which links enter the phases of systems, and the ends that constraints decide."""
+        entered, ends = _entered_states(problem), reached_ends(problem, self.branch)
+        return _LinkedLine(self.duration, self.branch, entered, ends) if entered or ends else self
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Interpolate between the ends."""
         first, last = self._ends(phase, index)
-        duration = guessed_duration(phase, self.duration)
+        duration = guessed_duration(phase, self.duration, (first, last))
         robot, nz = phase.robot, len(phase.dae.algebraic)
         low, high = phase.duration_bounds
         law = fastest_line(phase, first, last) if low < high else None
@@ -93,15 +100,24 @@ class StraightLine(InitialGuess):
 
 @dataclass(frozen=True, eq=False)
 class _LinkedLine(StraightLine):
-    """Straight lines; ``entered`` has the states with which links enter a phase, by its index."""
+    """Straight lines between known ends.
+
+    Attributes
+    ----------
+    entered : mapping of int to ndarray
+        States with which links enter a phase, by its index.
+    reached : mapping of int to (ndarray, ndarray)
+        Positions at the start and the end of a phase, by its index; NaN where they are not known.
+    """
 
     entered: Mapping[int, Array] = field(default_factory=dict)
+    reached: Mapping[int, tuple[Array, Array]] = field(default_factory=dict)
 
     def prepared(self, problem: Problem) -> InitialGuess:
         return self
 
     def _ends(self, phase: Phase, index: int) -> tuple[Array, Array]:
-        return ends_of(phase, self.entered.get(index))
+        return ends_of(phase, self.entered.get(index), self.reached.get(index))
 
 
 def _entered_states(problem: Problem) -> dict[int, Array]:

@@ -7,7 +7,7 @@ which the duration falls to its optimum.
 Source: Betts, Practical Methods for Optimal Control (2010), section 2.12 (find a feasible point first).
 
 Guesses may also lie where gradients point to neither side of an obstacle, or at a singular pose. Seeded random
-variations of them do not.
+variations of them do not; each of them ends at another branch of inverse kinematics, where a pose has several.
 """
 
 from __future__ import annotations
@@ -108,8 +108,8 @@ def _from_elsewhere(
     fixed = all(low == high for low, high in (phase.duration_bounds for phase in problem.phases))
     if conflicts and fixed and all(conflict.physical for conflict in conflicts):
         return
-    for seed in seeds:
-        found = solve(problem, Perturbed(default_guess(problem), (seed,)))
+    for branch, seed in enumerate(seeds, 1):
+        found = solve(problem, Perturbed(default_guess(problem, branch), (seed,)))
         yield found, "variation of the default guess, which did not converge"
     if motion is not None and not conflicts:
         yield solve(problem, motion), "motion that meets every row on a coarse mesh"

@@ -8,7 +8,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError, UnknownName
-from robotraj.guess.inverse_kinematics import reach
+from robotraj.guess.reaching.inverse_kinematics import reach
 
 FRAMES = {"ur5": "tool0", "panda": "panda_hand_tcp", "two_link_arm": "tip"}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import replace
 from typing import Any
 
@@ -173,16 +174,26 @@ def around_a_ball(duration: float = 1.0, **changes: Any) -> rt.Phase:
     return rt.Phase(robot, duration, *ends, rt.Effort(), constraints=rows, **changes)
 
 
+AT_HOME = rt.Guess([0.0, 1.0], q=np.array([[0, -1.3, 1.6, -1.9, -1.57, 0]] * 2))
+"""A guess that does not move, from which no way around the ball is found."""
+
+
 def test_an_obstacle_in_the_way_of_the_default_guess() -> None:
     solution = rt.plan(around_a_ball(), rt.Mesh(30))
-    assert "from a variation of the default guess" in solution.message
     # The best of several starts.
     assert solution.objective == pytest.approx(599.517, rel=1e-4)
     rt.validate(solution, drift=None).check(limits=1e-3)
 
 
+def test_variations_of_the_default_guess_follow_one_that_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = importlib.import_module("robotraj.transcription.transcribe")
+    monkeypatch.setattr(module, "default_guess", lambda problem: AT_HOME)
+    solution = rt.plan(around_a_ball(), rt.Mesh(30))
+    assert "from a variation of the default guess" in solution.message
+
+
 def test_ones_own_guess_is_not_varied() -> None:
-    solution = rt.plan(around_a_ball(), rt.Mesh(30), guess=rt.guess.StraightLine(), check=False)
+    solution = rt.plan(around_a_ball(), rt.Mesh(30), guess=AT_HOME, check=False)
     assert not solution.success and "variation" not in solution.message
 
 

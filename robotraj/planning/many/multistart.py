@@ -148,7 +148,7 @@ def multistart(
     patience : int, optional
         Stop when this many starts in a row found no lower optimum; by default all starts are run.
     guess : InitialGuess, Solution or sequence of InitialGuess, optional
-        A straight line by default.
+        A straight line by default. Where a pose decides an end, every start takes another branch of inverse kinematics.
     executor : concurrent.futures.Executor, optional
         As of ``rt.sweep``: one new process per core by default. A process takes about a second to begin; where a start
         takes less, ``ThreadPoolExecutor(1)`` is faster.
@@ -192,8 +192,10 @@ def multistart(
         if name in options:
             raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
     check_options(options)
-    first = as_guess(guess) or default_guess(problem)
-    guesses = [first, *(Perturbed(first, (seed, i), spread) for i in range(1, starts))]
+    given = as_guess(guess)
+    first = given or default_guess(problem)
+    varied = (Perturbed(given or default_guess(problem, i), (seed, i), spread) for i in range(1, starts))
+    guesses = [first, *varied]
     left = 0
     try:
         every: Sequence[Solution] = run(

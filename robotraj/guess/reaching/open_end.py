@@ -1,0 +1,165 @@
+"""Configurations at which rows of positions hold, such as poses of a tool: several branches from many seeds at once.
+
+Each row bounds a function of the positions, lower <= c(q) <= upper. Damped least squares reduce what the rows miss,
+from the given configuration and from seeded random ones.
+
+Sources: Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement, and Control 108 (1986); the damping follows
+Marquardt, Journal of the Society for Industrial and Applied Mathematics 11 (1963).
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.guess.ends import default_parameters
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+    from robotraj.problem.rows import PhaseRow
+
+Array = NDArray[np.float64]
+
+SEEDS = 48
+"""Configurations from which every end is searched, the given one among them."""
+STEPS = 60
+"""Largest number of damped steps from each."""
+PULLED, PULLS, PULL, CORRECTIONS = 12, 15, 0.4, 3
+"""Number of configurations that are moved towards the given one, number and share of these moves, steps after each."""
+TOLERANCE = 1e-6
+"""Largest miss of a row [its unit] at a configuration that counts as reached."""
+
+
+@dataclass(frozen=True, eq=False)
+class OpenEnd:
+    """An end of a phase whose positions are not all given, and the rows of positions that hold there.
+
+    Attributes
+    ----------
+    parts : tuple of (Phase, tuple of PhaseRow)
+        Rows that hold there: of the phase that ends, and of the one that starts.
+    lower, upper : ndarray (nq,)
+        Bounds of the positions [rad, m].
+    speeds : ndarray (nq,)
+        Speeds of the joints that measure distances [rad/s, m/s].
+    time : float
+        Time at the end [s], for rows that read it.
+    """
+
+    parts: tuple[tuple[Phase, tuple[PhaseRow, ...]], ...]
+    lower: Array
+    upper: Array
+    speeds: Array
+    time: float
+
+    def reached(self, near: Array) -> Array:
+        """Return configurations (k, nq) inside the bounds at which the rows hold; none if the search found none.
+
+        Where the rows leave joints free, the fastest ones are moved towards ``near``.
+
+        Parameters
+        ----------
+        near : ndarray (nq,)
+            The first configuration from which the search starts.
+        """
+        rng = np.random.default_rng(0)
+        low, high = np.maximum(self.lower, near - np.pi), np.minimum(self.upper, near + np.pi)
+        low, high = np.minimum(low, self.upper), np.maximum(high, self.lower)
+        seeds = np.vstack([near, rng.uniform(low, np.maximum(low, high), (SEEDS - 1, len(near)))])
+        q, missed = self._descended(np.clip(seeds, self.lower, self.upper), STEPS)
+        found = q[missed < TOLERANCE]
+        if not len(found):
+            return found
+        found = self._turned(found, near)
+        order = np.argsort(self.seconds(near, found))
+        return np.vstack([self._pulled(found[order[:PULLED]], near), found[order[PULLED:]]])
+
+    def seconds(self, near: Array, q: Array) -> Array:
+        """Return the time of the slowest joint from ``near`` (nq,) to configurations (m, nq), (m,) [s]."""
+        return np.asarray(np.max(np.abs(q - near) / self.speeds, axis=1))
+
+    def _pulled(self, q: Array, near: Array) -> Array:
+        """Move configurations towards ``near`` along the motions that change no row, the slowest joints most."""
+        for _ in range(PULLS):
+            missed, slopes = self._errors(q)
+            far = (near - q) / self.speeds
+            share = np.abs(far) / np.maximum(np.abs(far).max(axis=1, keepdims=True), 1e-12)
+            wish = self.speeds * far * share**2
+            square = slopes @ slopes.swapaxes(1, 2) + 1e-9 * np.eye(missed.shape[1])
+            lost = np.linalg.solve(square, np.einsum("mrq,mq->mr", slopes, wish)[..., None])[..., 0]
+            moved = q + PULL * (wish - np.einsum("mrq,mr->mq", slopes, lost))
+            moved, left = self._descended(np.clip(moved, self.lower, self.upper), CORRECTIONS)
+            better = (left < TOLERANCE) & (self.seconds(near, moved) < self.seconds(near, q))
+            if not better.any():
+                break
+            q = np.where(better[:, None], moved, q)
+        return q
+
+    def _errors(self, q: Array) -> tuple[Array, Array]:
+        """Return what the rows miss (m, rows) at configurations (m, nq), and their slopes (m, rows, nq) where they do.
+
+        Equations have slopes where they hold as well.
+        """
+        every = [row for _, rows in self.parts for row in rows]
+        lower, upper = (np.array([getattr(row, side) for row in every]) for side in ("lower", "upper"))
+        values, slopes = self._function.map(len(q))(q.T)
+        values = np.array(values).T
+        missed = np.clip(values, lower, upper) - values
+        active = (missed != 0.0) | (lower == upper)
+        return missed, np.array(slopes).reshape(len(every), len(q), -1).swapaxes(0, 1) * active[..., None]
+
+    def _descended(self, q: Array, steps: int) -> tuple[Array, Array]:
+        """Take damped steps dq = J' (J J' + m 1)^-1 e from configurations (m, nq), and return the misses (m,) as well.
+
+        Joints at bounds that a step would leave are held. Where a step does not help, the damping m grows.
+        """
+        missed, slopes = self._errors(q)
+        damping, eye = np.full(len(q), 1e-3), np.eye(missed.shape[1])
+        for _ in range(steps):
+            size = np.linalg.norm(missed, axis=1)
+            if (size < 1e-3 * TOLERANCE).all() or (damping > 1e8).all():
+                break
+            along = np.einsum("mrq,mr->mq", slopes, missed)
+            held = (q <= self.lower) & (along < 0) | (q >= self.upper) & (along > 0)
+            free = slopes * ~held[:, None]
+            square = free @ free.swapaxes(1, 2) + damping[:, None, None] * eye
+            step = np.einsum("mrq,mr->mq", free, np.linalg.solve(square, missed[..., None])[..., 0])
+            trial = np.clip(q + np.clip(step, -0.5, 0.5), self.lower, self.upper)
+            missed_there, slopes_there = self._errors(trial)
+            better = np.linalg.norm(missed_there, axis=1) < size
+            q = np.where(better[:, None], trial, q)
+            missed = np.where(better[:, None], missed_there, missed)
+            slopes = np.where(better[:, None, None], slopes_there, slopes)
+            damping = np.where(better, np.maximum(0.2 * damping, 1e-12), 4.0 * damping)
+        return q, np.abs(missed).max(axis=1, initial=0.0)
+
+    def _turned(self, q: Array, near: Array) -> Array:
+        """Turn joints by whole turns to the places nearest to ``near``, where the rows hold there as well."""
+        states = self.parts[0][0].body.states[: len(near)]
+        turns = 2.0 * np.pi * np.array([state.unit == "rad" for state in states])
+        with np.errstate(invalid="ignore", divide="ignore"):
+            least, most = np.ceil((self.lower - q) / turns), np.floor((self.upper - q) / turns)
+            count = np.where(turns > 0, np.clip(np.round((near - q) / turns), least, most), 0.0)
+        nearer = np.where(np.isfinite(count), q + count * turns, q)
+        return np.where((self._descended(nearer, 0)[1] < TOLERANCE)[:, None], nearer, q)
+
+    @cached_property
+    def _function(self) -> ca.Function:
+        """The function q -> values (rows,) and slopes (rows, nq) of the rows, at rest."""
+        n = len(self.lower)
+        q = ca.SX.sym("q", n)
+        values = []
+        for phase, rows in self.parts:
+            t, x, _, _, p = phase.rows.symbols
+            known = default_parameters(phase)
+            numbers = ca.DM([self.time, *(known[name] for name in phase.parameter_names)])
+            rest = ca.vertcat(q, ca.DM.zeros(x.numel() - n))
+            column = ca.vertcat(*phase.rows.expressions(rows))
+            values.append(ca.substitute(column, ca.vertcat(x, t, p), ca.vertcat(rest, numbers)))
+        column = ca.vertcat(*values)
+        return ca.Function("open_end", [q], [ca.densify(column), ca.densify(ca.jacobian(column, q))])
