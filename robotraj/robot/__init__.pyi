@@ -3,6 +3,7 @@
 Start with ``robot.py``. The room may import ``symbolic`` and ``_util``.
 """
 
+from .join import join
 from .known_robots.catalogue import catalogue
 from .limits import Limits
 from .load import load
@@ -12,5 +13,6 @@ __all__ = [
     "Limits",
     "Robot",
     "catalogue",
+    "join",
     "load",
 ]

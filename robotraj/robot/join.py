@@ -1,0 +1,110 @@
+"""``join``: several robots in one problem, as one robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj.robot.configuration import unit_quaternion
+from robotraj.robot.limits import MAGNITUDES, Limits
+from robotraj.robot.loading.joined import JoinedGeometry, Part, joined_model
+from robotraj.robot.robot import Robot
+
+Pose: TypeAlias = "Sequence[float] | tuple[Sequence[float], Sequence[float]]"
+"""Position (x, y, z) [m], or position and quaternion (x, y, z, w)."""
+
+
+def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> Robot:
+    """Put several robots into one, so that one problem moves all of them.
+
+    Names of joints and frames get the name of their robot and an underscore before them, ``left_elbow_joint``; q, v and
+    tau are those of the robots in turn. Constraints of two robots, that they do not touch or that they hold one object,
+    read frames of both.
+
+    Parameters
+    ----------
+    robots : mapping of str to Robot
+        With fixed roots, two at least; a robot may be given under several names.
+    at : mapping of str to pose, optional
+        Where the root of each stands in the world: (x, y, z) [m], or ((x, y, z), (x, y, z, w)). The origin by default.
+
+    Returns
+    -------
+    Robot
+
+    Raises
+    ------
+    InputError
+        Fewer than two robots, a root that moves, another gravity or smoothing of friction, or an impossible pose.
+
+    Examples
+    --------
+    >>> ur5 = rt.load("ur5")
+    >>> pair = rt.robot.join({"left": ur5, "right": ur5}, at={"right": (0.8, 0.0, 0.0)})
+    """
+    if not isinstance(robots, Mapping) or len(robots) < 2:
+        raise InputError("rt.robot.join takes two robots or more by name, {'left': ur5, 'right': ur5}.")
+    for name, robot in robots.items():
+        if not isinstance(robot, Robot) or not isinstance(name, str):
+            raise InputError(f"rt.robot.join takes robots of rt.load by name; got {type(robot).__name__} for {name!r}.")
+        if robot.root != "fixed":
+            raise InputError(f"{name!r} has a {robot.root} root; rt.robot.join takes robots with fixed roots.")
+    first = next(iter(robots.values()))
+    for name, robot in robots.items():
+        same = np.array_equal(robot.model.gravity.vector, first.model.gravity.vector)
+        if not same or robot.friction_speed != first.friction_speed:
+            raise InputError(f"{name!r} has another gravity or friction_speed than the first robot; load both alike.")
+    poses = dict(at or {})
+    for name in poses:
+        if name not in robots:
+            raise unknown_name("robot", name, robots, "Correct the name in at=.")
+    parts = tuple(
+        Part(f"{name}_", robot.model, robot.geometry, *_pose(name, poses.get(name, (0.0, 0.0, 0.0))))
+        for name, robot in robots.items()
+    )
+    every = tuple(robots.items())
+
+    def names(which: str) -> tuple[str, ...]:
+        return tuple(f"{name}_{joint}" for name, robot in every for joint in getattr(robot, which))
+
+    def values(which: str) -> np.ndarray:
+        return np.concatenate([getattr(robot, which) for _, robot in every])
+
+    sides = {
+        which: np.concatenate([getattr(robot.limits, which) for _, robot in every])
+        for which in ("position_lower", "position_upper", *MAGNITUDES)
+    }
+    title = " and ".join(f"{name} {robot.name}" for name, robot in every)
+    return Robot(
+        title,
+        joined_model(title, parts),
+        Limits(names("velocity_names"), **sides),
+        names("actuated"),
+        values("damping"),
+        values("friction"),
+        values("neutral"),
+        first.friction_speed,
+        JoinedGeometry(parts),
+        "rt.robot.join",
+        notes=tuple(f"{name}: {note}" for name, robot in every for note in robot.notes),
+    )
+
+
+def _pose(name: str, pose: Pose) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
+    """Read a position, or a position and a quaternion."""
+    try:
+        nested = np.ndim(pose[0]) == 1
+        position = np.asarray(pose[0] if nested else pose, dtype=float)
+        quaternion = np.asarray(pose[1] if nested else (0.0, 0.0, 0.0, 1.0), dtype=float)
+    except (TypeError, ValueError, IndexError, KeyError):
+        position = quaternion = np.zeros(0)
+    if position.shape != (3,) or quaternion.shape != (4,) or not np.isfinite(position).all():
+        raise InputError(
+            f"at= of {name!r} is {pose!r}; give its position (x, y, z) [m], or position and quaternion (x, y, z, w)."
+        )
+    x, y, z = position.tolist()
+    a, b, c, d = unit_quaternion(quaternion, f"quaternion of {name!r}").tolist()
+    return (x, y, z), (a, b, c, d)
