@@ -10,7 +10,7 @@ import numpy as np
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.limits import MAGNITUDES, Limits
-from robotraj.robot.loading.joined import JoinedGeometry, Part, joined_model
+from robotraj.robot.loading.joined import JoinedGeometry, JoinedPart, joined_model
 from robotraj.robot.robot import Robot
 
 Pose: TypeAlias = "Sequence[float] | tuple[Sequence[float], Sequence[float]]"
@@ -62,7 +62,7 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
         if name not in robots:
             raise unknown_name("robot", name, robots, "Correct the name in at=.")
     parts = tuple(
-        Part(f"{name}_", robot.model, robot.geometry, *_pose(name, poses.get(name, (0.0, 0.0, 0.0))))
+        JoinedPart(f"{name}_", robot.model, robot.geometry, *_pose(name, poses.get(name, (0.0, 0.0, 0.0))))
         for name, robot in robots.items()
     )
     every = tuple(robots.items())
@@ -73,15 +73,13 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
     def values(which: str) -> np.ndarray:
         return np.concatenate([getattr(robot, which) for _, robot in every])
 
-    sides = {
-        which: np.concatenate([getattr(robot.limits, which) for _, robot in every])
-        for which in ("position_lower", "position_upper", *MAGNITUDES)
-    }
+    kinds = ("position_lower", "position_upper", *MAGNITUDES)
+    lower, upper, *magnitudes = (np.concatenate([getattr(robot.limits, kind) for _, robot in every]) for kind in kinds)
     title = " and ".join(f"{name} {robot.name}" for name, robot in every)
     return Robot(
         title,
         joined_model(title, parts),
-        Limits(names("velocity_names"), **sides),
+        Limits(names("velocity_names"), lower, upper, magnitudes[0], magnitudes[1], magnitudes[2]),
         names("actuated"),
         values("damping"),
         values("friction"),

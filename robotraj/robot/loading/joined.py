@@ -13,7 +13,7 @@ from robotraj.robot.loading.surgery import PER_VELOCITY
 
 
 @dataclass(frozen=True)
-class Part:
+class JoinedPart:
     """A robot of a joined one.
 
     Attributes
@@ -40,7 +40,7 @@ class Part:
         return pin.SE3(pin.Quaternion(np.array(self.quaternion)).matrix(), np.array(self.position))
 
 
-def joined_model(name: str, parts: Sequence[Part]) -> pin.Model:
+def joined_model(name: str, parts: Sequence[JoinedPart]) -> pin.Model:
     """Return a model with the joints of each part after those of the parts before it."""
     whole = pin.Model()
     whole.name = name
@@ -82,10 +82,10 @@ class JoinedGeometry:
 
     Attributes
     ----------
-    parts : tuple of Part
+    parts : tuple of JoinedPart
     """
 
-    parts: tuple[Part, ...]
+    parts: tuple[JoinedPart, ...]
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
         """Return the shapes of all parts."""

@@ -67,7 +67,7 @@ from robotraj.problem.objectives.work import AbsolutePower, MechanicalWork
 from robotraj.problem.state import State
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
-from robotraj.robot.loading.joined import JoinedGeometry, Part
+from robotraj.robot.loading.joined import JoinedGeometry, JoinedPart
 from robotraj.robot.robot import Robot
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.costates.duals import PhaseDuals
@@ -106,7 +106,7 @@ CLASSES: Mapping[str, type] = {
         Sum, Duration, Effort, Lagrange, Mayer, ForceRate, CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness,
         TerminalPose, Tracking, CostOfTransport, AbsolutePower, MechanicalWork,
         # robots, contacts, terrain
-        Robot, NoGeometry, UrdfGeometry, JoinedGeometry, Part, ForwardDynamics, InverseDynamics, Kinematics, FlatFoot,
+        Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ForwardDynamics, InverseDynamics, Kinematics, FlatFoot,
         ImplicitContact, LineContact, LoopClosure, PointContact, Linearised, SecondOrder, FourCorners,
         PressureAndTorsion, JointDamping, LinkLength, BodyMass, Payload, Flat, HeightMap, Slope, Steps,
         # expressions of gaits that are plain data
