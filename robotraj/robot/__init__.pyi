@@ -7,6 +7,7 @@ from .join import join
 from .known_robots.catalogue import catalogue
 from .limits import Limits
 from .load import load
+from .mobile import on_wheels
 from .robot import Robot
 
 __all__ = [
@@ -15,4 +16,5 @@ __all__ = [
     "catalogue",
     "join",
     "load",
+    "on_wheels",
 ]

@@ -4,6 +4,7 @@ from .base import AtEnd, AtStart, BoundConstraint, Constraint, Row, Where
 from .bounds import Between, Bounds, as_bounds, between
 from .clearance import GroundClearance
 from .clearance_geometry import CollisionShapes
+from .differential_drive import DifferentialDrive
 from .frame_pose import FramePose, FramePosition
 from .heights import RequiredHeight, SwingApex
 from .integral import IntegralConstraint
@@ -19,6 +20,7 @@ __all__ = [
     "Bounds",
     "CollisionShapes",
     "Constraint",
+    "DifferentialDrive",
     "FramePose",
     "FramePosition",
     "GroundClearance",
