@@ -1,15 +1,18 @@
 """The cache of compiled libraries: a folder that only its owner can read or write.
 
 Loaded libraries run with the user's rights. A folder or file that another user could have written is therefore refused.
+A library is loaded only if its digest is that of the file that was stored: a truncated one would end the process.
 """
 
 from __future__ import annotations
 
 import fcntl
+import hashlib
 import os
 import shutil
 import stat
 import tempfile
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -54,10 +57,16 @@ class Cache:
         if not stat.S_ISDIR(found.st_mode):
             raise InputError(f"{self.folder} should be the cache of compiled functions but is a link. {_ADVICE}")
         _require_own(self.folder, found)
-        self.folder.chmod(0o700)
+        if stat.S_IMODE(found.st_mode) != 0o700 and self.writable:
+            self.folder.chmod(0o700)
+
+    @property
+    def writable(self) -> bool:
+        """Whether libraries can be added; those of a read-only folder are used all the same."""
+        return os.access(self.folder, os.W_OK) and not os.statvfs(self.folder).f_flag & os.ST_RDONLY
 
     def find(self, key: str) -> Path | None:
-        """Return the path of a library, None where there is none."""
+        """Return the path of a library, None where there is none, or a damaged one."""
         path = self._path(key)
         try:
             found = path.lstat()
@@ -66,24 +75,59 @@ class Cache:
         if not stat.S_ISREG(found.st_mode):
             raise InputError(f"{path} is no regular file and is not loaded. Remove it with 'robotraj cache --clear'.")
         _require_own(path, found)
-        return path
+        return path if self._is_whole(path, found) else None
 
     def store(self, key: str, library: Path) -> Path:
         """Move a finished library into the cache; the move is atomic for other processes."""
-        path = self._path(key)
+        path, digest = self._path(key), library.with_suffix(".digest")
         library.chmod(0o600)
+        digest.write_text(_digest(library))
+        # Between the two moves the library has the digest of another file at worst, and is built once more.
+        os.replace(digest, path.with_suffix(".digest"))
         os.replace(library, path)
         return path
 
+    def _is_whole(self, path: Path, found: os.stat_result) -> bool:
+        """Whether a library is the file that was stored; each file is read once by a process."""
+        version = (path, found.st_mtime_ns, found.st_size)
+        if version not in _WHOLE:
+            try:
+                known = path.with_suffix(".digest").read_text()
+            except OSError:
+                return False
+            if known != _digest(path):
+                return False
+            _WHOLE.add(version)
+        return True
+
     @contextmanager
     def workplace(self) -> Iterator[Path]:
-        """Create a temporary folder for a compilation, on the file system of the cache."""
-        with tempfile.TemporaryDirectory(prefix="build-", dir=self.folder) as name:
+        """Create a temporary folder for a compilation, on the file system of the cache.
+
+        Folders that killed processes left behind are removed.
+
+        Raises
+        ------
+        InputError
+            The cache is read-only.
+        """
+        self._require_writable()
+        for left in self.folder.glob("build-*"):
+            if _is_abandoned(left):
+                shutil.rmtree(left, ignore_errors=True)
+        with tempfile.TemporaryDirectory(prefix=f"build-{os.getpid()}-", dir=self.folder) as name:
             yield Path(name)
 
     @contextmanager
     def locked(self, keys: Sequence[str]) -> Iterator[None]:
-        """Lock libraries: one process compiles them, others wait."""
+        """Lock libraries: one process compiles them, others wait.
+
+        Raises
+        ------
+        InputError
+            The cache is read-only.
+        """
+        self._require_writable()
         with ExitStack() as stack:
             # A fixed order of locking prevents deadlocks.
             for key in sorted(keys):
@@ -118,6 +162,10 @@ class Cache:
                 path.unlink(missing_ok=True)
         return freed
 
+    def _require_writable(self) -> None:
+        if not self.writable:
+            raise InputError(f"The cache {self.folder} is read-only and lacks a library of this plan. {_ADVICE}")
+
     def _path(self, key: str) -> Path:
         return self.folder / f"{key}.so"
 
@@ -125,6 +173,10 @@ class Cache:
         return (self.folder / f"{key}.lock").open("ab")
 
 
+_WHOLE: set[tuple[Path, int, int]] = set()
+"""Libraries whose digest this process has compared: path, time of the last change, size."""
+ABANDONED = 24 * 3600.0
+"""Age [s] at which a folder of a compilation on another machine counts as left behind."""
 _ADVICE = "Point XDG_CACHE_HOME, or Compiled(cache=...), at a folder of your own."
 
 
@@ -139,3 +191,24 @@ def _require_own(path: Path, found: os.stat_result) -> None:
             f"Others may write to {path} (mode {stat.S_IMODE(found.st_mode):o}); its code is not loaded. "
             f"Remove it, or {_ADVICE[0].lower()}{_ADVICE[1:]}"
         )
+
+
+def _digest(path: Path) -> str:
+    digest = hashlib.blake2b()
+    with path.open("rb") as file:
+        while part := file.read(1 << 20):
+            digest.update(part)
+    return digest.hexdigest()
+
+
+def _is_abandoned(folder: Path) -> bool:
+    """Whether the process that compiles in a folder is gone."""
+    number = folder.name.removeprefix("build-").partition("-")[0]
+    try:
+        if number.isdecimal() and number != str(os.getpid()):
+            os.kill(int(number), 0)
+        return time.time() - folder.stat().st_mtime > ABANDONED
+    except (ProcessLookupError, FileNotFoundError):
+        return True
+    except OSError:
+        return False

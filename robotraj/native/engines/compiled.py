@@ -104,7 +104,7 @@ class Compiled(Engine):
             with cache.locked(list(missing)):
                 missing = {key: function for key, function in missing.items() if cache.find(key) is None}
                 build(missing, cache, compiler, self.processes)
-        elif missing:
+        elif missing and cache.writable:
             background.start(missing, cache, compiler, self.processes)
         found = {i: cache.find(key) for i, key in keys.items()}
         return {

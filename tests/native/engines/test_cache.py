@@ -127,6 +127,41 @@ def test_a_damaged_library_is_made_again(engine: rt.engines.Compiled) -> None:
     assert path.stat().st_size > 1000
 
 
+def test_a_truncated_library_is_found_by_its_digest_and_made_again(engine: rt.engines.Compiled) -> None:
+    use(engine)
+    path = library(engine)
+    whole = path.stat().st_size
+    with path.open("r+b") as file:
+        file.truncate(whole // 2)
+    assert engine.open_cache().find(path.stem) is None
+    use(engine)
+    assert path.stat().st_size == whole
+
+
+def test_a_read_only_cache_is_used(engine: rt.engines.Compiled, monkeypatch: pytest.MonkeyPatch) -> None:
+    use(engine)
+    Path(str(engine.cache)).chmod(0o500)
+    monkeypatch.setattr(Cache, "writable", False)
+    monkeypatch.setattr(Path, "chmod", lambda *_: pytest.fail("the mode of a read-only folder cannot change"))
+    use(engine)
+    x = ca.SX.sym("x", 3)
+    other = [Mapped(ca.Function("other", [x], [2.0 * x * x]), 8)]
+    with pytest.raises(rt.InputError, match="read-only and lacks a library"):
+        engine.prepare(other)
+
+
+def test_folders_of_killed_compilations_are_removed(engine: rt.engines.Compiled) -> None:
+    cache = engine.open_cache()
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    left, running = cache.folder / f"build-{ended.pid}-a", cache.folder / f"build-{os.getppid()}-b"
+    for folder in (left, running):
+        folder.mkdir()
+        (folder / "library.so").write_bytes(b"half")
+    use(engine)
+    assert not left.exists() and running.exists()
+
+
 def test_clearing_leaves_nothing(engine: rt.engines.Compiled) -> None:
     use(engine)
     cache = engine.open_cache()
