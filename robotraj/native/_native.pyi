@@ -94,6 +94,83 @@ class RigidTree:
     def hessian_pattern(self) -> tuple[Indices, Indices]:
         """Rows and columns (of x) of the numbers of d^2 (l' tau)/dx^2, one of (i, j) and (j, i)."""
 
+class SphereTree:
+    """Spheres on a tree of joints that turn or slide, among convex shapes at rest.
+
+    Parameters
+    ----------
+    parents : ndarray
+        (n,): the parent of every joint, -1 for the world.
+    turns : ndarray
+        (n,): 1 where a joint turns about its axis, 0 where it slides along it.
+    joints : ndarray
+        (15 n,): of every joint the direction of its axis (3) and the rotation (9) and translation (3) of its
+        placement; matrices row after row.
+    groups : ndarray
+        (g,): the joint of every group of spheres, -1 for the world.
+    group_of : ndarray
+        (m,): the group of every sphere, ascending.
+    spheres : ndarray
+        (4 m,): centre in the joint's frame and radius of every sphere [m].
+    pairs : ndarray
+        (2 p,): groups that may not touch.
+    kinds : ndarray
+        (k,): 0 sphere, 1 box, 2 cylinder, 3 capsule, 4 half space, 5 convex mesh.
+    shapes : ndarray
+        (16 k,): rotation (9), position (3) and dimensions (4) of every shape in the world: radius | half sides |
+        radius, half length | normal, offset.
+    triangles : ndarray
+        (k,): number of triangles of every convex mesh.
+    corners : ndarray
+        (9 f,): corners of all triangles in their shape's axes, counter-clockwise from outside.
+
+    Raises
+    ------
+    ValueError
+        An array has a wrong length, a joint comes before its parent, or a group is unknown or empty.
+    """
+
+    def __init__(
+        self,
+        parents: Indices,
+        turns: Indices,
+        joints: Array,
+        groups: Indices,
+        group_of: Indices,
+        spheres: Array,
+        pairs: Indices,
+        kinds: Indices,
+        shapes: Array,
+        triangles: Indices,
+        corners: Array,
+    ) -> None: ...
+    def clearances(self, q: Array) -> Array:
+        """Return the least signed distance [m] in each of (m,) configurations (m n,)."""
+    def nearest(self, q: Array) -> tuple[float, int, int, bool]:
+        """Return the least distance, its sphere, and the shape, or the other sphere where the last is True."""
+    def motion_free(self, a: Array, b: Array, margin: float, resolution: float) -> bool:
+        """Whether all distances exceed ``margin`` on the straight line; False if one comes within ``resolution``."""
+    def connect(
+        self,
+        start: Array,
+        goal: Array,
+        lower: Array,
+        upper: Array,
+        speeds: Array,
+        range: float,
+        seed: int,
+        iterations: int,
+        seconds: float,
+        margin: float,
+        resolution: float,
+    ) -> Array:
+        """Return a path (m n,) that RRT-Connect finds, empty where it finds none.
+
+        Joints are weighted by the reciprocals of ``speeds``, in which ``range`` limits one extension.
+        """
+    def shortened(self, path: Array, speeds: Array, seed: int, rounds: int, margin: float, resolution: float) -> Array:
+        """Return a path (m n,) in which random parts are replaced by straight lines, of all joints or of one."""
+
 class Tape:
     """A scalar graph as a list of instructions. Made by ``native.tape_of``.
 

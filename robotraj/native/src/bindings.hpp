@@ -11,6 +11,7 @@ void bind_stage_graph(nanobind::module_& m);
 void bind_casadi_block(nanobind::module_& m);
 void bind_sparse(nanobind::module_& m);
 void bind_chains(nanobind::module_& m);
+void bind_collision(nanobind::module_& m);
 void bind_ldl(nanobind::module_& m);
 void bind_stage_system(nanobind::module_& m);
 void bind_vectors(nanobind::module_& m);

@@ -15,6 +15,7 @@ NB_MODULE(_native, m) {
   robotraj::native::bind_casadi_block(m);
   robotraj::native::bind_sparse(m);
   robotraj::native::bind_chains(m);
+  robotraj::native::bind_collision(m);
   robotraj::native::bind_ldl(m);
   robotraj::native::bind_stage_system(m);
   robotraj::native::bind_vectors(m);

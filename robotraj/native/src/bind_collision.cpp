@@ -1,0 +1,151 @@
+// Spheres on a tree of joints among obstacles: distances, straight motions and paths, from plain arrays.
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "collision/rrt_connect.hpp"
+#include "collision/shorten.hpp"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+
+namespace nb = nanobind;
+
+namespace robotraj::native {
+
+namespace {
+
+using collision::Path;
+using collision::StraightMotion;
+using Row = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+constexpr std::size_t JOINT_NUMBERS = 15, SHAPE_NUMBERS = 16;
+
+std::vector<collision::Joint> joints_of(const Indices& parents, const Indices& turns, const Doubles& numbers) {
+  checked(turns, parents.size(), "turns");
+  const double* at = checked(numbers, JOINT_NUMBERS * parents.size(), "the numbers of the joints");
+  std::vector<collision::Joint> joints;
+  for (std::size_t i = 0; i < parents.size(); ++i, at += JOINT_NUMBERS)
+    joints.push_back({static_cast<int>(parents.data()[i]), turns.data()[i] != 0, Eigen::Map<const Eigen::Vector3d>(at),
+                      Eigen::Map<const Row>(at + 3), Eigen::Map<const Eigen::Vector3d>(at + 12)});
+  return joints;
+}
+
+std::vector<collision::Sphere> spheres_of(const Doubles& numbers) {
+  std::vector<collision::Sphere> spheres;
+  for (const double* at = numbers.data(); at != numbers.data() + numbers.size() / 4 * 4; at += 4)
+    spheres.push_back({Eigen::Map<const Eigen::Vector3d>(at), at[3]});
+  return spheres;
+}
+
+/// Vertices are in the frames of the shapes; triangles have three each, seen from outside against the clock.
+std::vector<collision::Shape> shapes_of(const Indices& kinds, const Doubles& numbers, const Indices& triangles,
+                                        const Doubles& corners) {
+  const double* at = checked(numbers, SHAPE_NUMBERS * kinds.size(), "the numbers of the obstacles");
+  checked(triangles, kinds.size(), "triangles");
+  std::vector<collision::Shape> shapes;
+  const double *corner = corners.data(), *end = corner + corners.size();
+  for (std::size_t i = 0; i < kinds.size(); ++i, at += SHAPE_NUMBERS) {
+    const auto kind = static_cast<collision::Kind>(kinds.data()[i]);
+    shapes.push_back({kind,
+                      Eigen::Map<const Row>(at),
+                      Eigen::Map<const Eigen::Vector3d>(at + 9),
+                      Eigen::Map<const Eigen::Vector4d>(at + 12),
+                      {}});
+    for (std::int64_t t = 0; t < triangles.data()[i]; ++t, corner += 9) {
+      if (end - corner < 9) throw std::invalid_argument("an obstacle has fewer corners than its triangles need");
+      collision::Triangle triangle;
+      for (int k = 0; k < 3; ++k) triangle.corners[k] = Eigen::Map<const Eigen::Vector3d>(corner + 3 * k);
+      const auto& c = triangle.corners;
+      triangle.normal = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+      shapes.back().triangles.push_back(triangle);
+    }
+  }
+  return shapes;
+}
+
+class SphereTree {
+ public:
+  SphereTree(const Indices& parents, const Indices& turns, const Doubles& joints, const Indices& groups,
+             const Indices& group_of, const Doubles& spheres, const Indices& pairs, const Indices& kinds,
+             const Doubles& shapes, const Indices& triangles, const Doubles& corners)
+      : tree_(joints_of(parents, turns, joints), narrow(groups), narrow(group_of), spheres_of(spheres), pairs_of(pairs),
+              shapes_of(kinds, shapes, triangles, corners)) {
+    checked(group_of, spheres.size() / 4, "the groups of the spheres");
+  }
+
+  Result clearances(const Doubles& q) const {
+    const std::size_t n = tree_.joints.size(), count = n ? q.size() / n : 0;
+    checked(q, n * count, "q");
+    std::vector<double> out(count);
+    for (std::size_t k = 0; k < count; ++k) out[k] = tree_.nearest(q.data() + k * n, HUGE_VAL).clearance;
+    return to_numpy(std::move(out));
+  }
+  nb::tuple nearest(const Doubles& q) const {
+    const auto found = tree_.nearest(configuration(q), HUGE_VAL);
+    return nb::make_tuple(found.clearance, found.first, found.second, found.self);
+  }
+  bool motion_free(const Doubles& a, const Doubles& b, double margin, double resolution) const {
+    return StraightMotion(tree_, margin, resolution).free(configuration(a), configuration(b));
+  }
+  Result connect(const Doubles& start, const Doubles& goal, const Doubles& lower, const Doubles& upper,
+                 const Doubles& speeds, double range, std::uint64_t seed, std::size_t iterations, double seconds,
+                 double margin, double resolution) const {
+    StraightMotion motion(tree_, margin, resolution);
+    const collision::Search search = {point(lower), point(upper), point(speeds), range, seed, iterations, seconds};
+    return flat(rrt_connect(motion, search, point(start), point(goal)));
+  }
+  Result shortened(const Doubles& path, const Doubles& speeds, std::uint64_t seed, std::size_t rounds, double margin,
+                   double resolution) const {
+    StraightMotion motion(tree_, margin, resolution);
+    const std::size_t n = tree_.joints.size();
+    Path points;
+    for (std::size_t k = 0; n && k < path.size() / n; ++k)
+      points.emplace_back(path.data() + k * n, path.data() + (k + 1) * n);
+    return flat(collision::shortened(motion, points, point(speeds), seed, rounds));
+  }
+
+ private:
+  static std::vector<int> narrow(const Indices& indices) {
+    return std::vector<int>(indices.data(), indices.data() + indices.size());
+  }
+  static std::vector<std::pair<int, int>> pairs_of(const Indices& indices) {
+    std::vector<std::pair<int, int>> pairs;
+    for (std::size_t i = 0; i + 1 < indices.size(); i += 2)
+      pairs.emplace_back(static_cast<int>(indices.data()[i]), static_cast<int>(indices.data()[i + 1]));
+    return pairs;
+  }
+  static Result flat(const Path& path) {
+    std::vector<double> out;
+    for (const auto& q : path) out.insert(out.end(), q.begin(), q.end());
+    return to_numpy(std::move(out));
+  }
+  const double* configuration(const Doubles& q) const { return checked(q, tree_.joints.size(), "q"); }
+  std::vector<double> point(const Doubles& q) const {
+    const double* at = configuration(q);
+    return {at, at + tree_.joints.size()};
+  }
+
+  collision::SphereTree tree_;
+};
+
+}  // namespace
+
+void bind_collision(nb::module_& m) {
+  nb::class_<SphereTree>(m, "SphereTree")
+      .def(nb::init<const Indices&, const Indices&, const Doubles&, const Indices&, const Indices&, const Doubles&,
+                    const Indices&, const Indices&, const Doubles&, const Indices&, const Doubles&>(),
+           nb::arg("parents"), nb::arg("turns"), nb::arg("joints"), nb::arg("groups"), nb::arg("group_of"),
+           nb::arg("spheres"), nb::arg("pairs"), nb::arg("kinds"), nb::arg("shapes"), nb::arg("triangles"),
+           nb::arg("corners"))
+      .def("clearances", &SphereTree::clearances, nb::arg("q"))
+      .def("nearest", &SphereTree::nearest, nb::arg("q"))
+      .def("motion_free", &SphereTree::motion_free, nb::arg("a"), nb::arg("b"), nb::arg("margin"),
+           nb::arg("resolution"))
+      .def("connect", &SphereTree::connect, nb::arg("start"), nb::arg("goal"), nb::arg("lower"), nb::arg("upper"),
+           nb::arg("speeds"), nb::arg("range"), nb::arg("seed"), nb::arg("iterations"), nb::arg("seconds"),
+           nb::arg("margin"), nb::arg("resolution"))
+      .def("shortened", &SphereTree::shortened, nb::arg("path"), nb::arg("speeds"), nb::arg("seed"), nb::arg("rounds"),
+           nb::arg("margin"), nb::arg("resolution"));
+}
+
+}  // namespace robotraj::native

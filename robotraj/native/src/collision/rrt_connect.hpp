@@ -1,0 +1,29 @@
+// A path between two configurations: trees of straight motions grow from both until they meet.
+//
+// Source: Kuffner and LaValle, RRT-Connect: An Efficient Approach to Single-Query Path Planning, ICRA 2000.
+#pragma once
+
+#include "straight_motion.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace robotraj::native::collision {
+
+/// Configurations one after the other.
+using Path = std::vector<std::vector<double>>;
+
+struct Search {
+  std::vector<double> lower, upper;  ///< where configurations are drawn
+  std::vector<double> speeds;        ///< joints are weighted by the time that they need
+  double range;                      ///< longest motion of one extension [s]
+  std::uint64_t seed;
+  std::size_t iterations;  ///< configurations drawn at most
+  double seconds;          ///< time at most
+};
+
+/// Empty where no path was found.
+Path rrt_connect(StraightMotion& motion, const Search& search, const std::vector<double>& start,
+                 const std::vector<double>& goal);
+
+}  // namespace robotraj::native::collision
