@@ -24,12 +24,15 @@ from robotraj.witness.peak import Peak
 from robotraj.witness.plants.plant import Landing
 from robotraj.witness.point import NumericPoint
 from robotraj.witness.report import Report
+from robotraj.witness.robustness.disturbances import Disturbances
+from robotraj.witness.robustness.monte_carlo import MonteCarlo, monte_carlo
 from robotraj.witness.simulation.drift import Drift, DriftRow
 from robotraj.witness.simulation.robot import Simulation, simulate
 from robotraj.witness.simulation.tracking import TrackingResult, track
 from robotraj.witness.validation import validate
 
 __all__ = [
+    "Disturbances",
     "Drift",
     "DriftRow",
     "Energy",
@@ -40,6 +43,7 @@ __all__ = [
     "JointFeedback",
     "Landing",
     "LinearQuadratic",
+    "MonteCarlo",
     "NoFeedback",
     "NumericPoint",
     "Peak",
@@ -51,6 +55,7 @@ __all__ = [
     "Tolerances",
     "TrackingResult",
     "Violation",
+    "monte_carlo",
     "second_opinion",
     "simulate",
     "track",

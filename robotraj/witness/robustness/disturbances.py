@@ -1,0 +1,72 @@
+"""What a robot meets that its plan does not know: wrong masses, pushes, noise of sensors, delay."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+
+PUSH_TIME = 0.02
+"""Duration of a push [s]."""
+
+
+@dataclass(frozen=True)
+class Disturbances:
+    """Standard deviations of independent normal disturbances; 0 switches one off.
+
+    Parameters
+    ----------
+    position, velocity : float
+        Of the first state of every joint [rad, m], [rad/s, m/s].
+    mass : float
+        Relative, of the mass and inertia of every body.
+    friction : float
+        Relative, of damping and dry friction of every joint.
+    position_noise, velocity_noise : float
+        Of every measurement [rad, m], [rad/s, m/s].
+    push : float
+        Of each component of one impulse [N s], at the centre of mass of a random body, at a random time, within 20 ms.
+    delay : float
+        Time from a measurement to the torque that answers it [s]; the same in every run.
+
+    Raises
+    ------
+    InputError
+        A value is negative or not finite.
+    """
+
+    position: float = 0.01
+    velocity: float = 0.0
+    mass: float = 0.05
+    friction: float = 0.2
+    position_noise: float = 1e-4
+    velocity_noise: float = 1e-2
+    push: float = 0.1
+    delay: float = 1e-3
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if not (isinstance(value, int | float) and 0.0 <= value < np.inf):
+                raise InputError(f"Disturbances({entry.name}) is {value!r}; give 0 or a positive number.")
+
+    def of_model(self, mujoco: Any, model: Any, rng: np.random.Generator) -> Any:
+        """Return a copy of a MuJoCo model with other masses, inertias and friction."""
+        other = copy.copy(model)
+        factors = np.exp(self.mass * rng.standard_normal(model.nbody))
+        other.body_mass[:] = model.body_mass * factors
+        other.body_inertia[:] = model.body_inertia * factors[:, None]
+        rubs = np.exp(self.friction * rng.standard_normal(model.nv))
+        other.dof_damping[:], other.dof_frictionloss[:] = model.dof_damping * rubs, model.dof_frictionloss * rubs
+        mujoco.mj_setConst(other, mujoco.MjData(other))
+        return other
+
+    def push_of(self, bodies: int, duration: float, rng: np.random.Generator) -> tuple[int, float, np.ndarray]:
+        """Return the body, the beginning [s] and the force (3,) [N] of a push."""
+        body, begin = int(rng.integers(1, bodies)), float(rng.uniform(0.0, max(0.0, duration - PUSH_TIME)))
+        return body, begin, self.push * rng.standard_normal(3) / PUSH_TIME

@@ -1,0 +1,96 @@
+"""Runs with disturbances: seeded, nested, exact without disturbances, and counted honestly."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+mujoco = pytest.importorskip("mujoco")
+
+CALM = rt.witness.Disturbances(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def swing():
+    cartpole = rt.load("cartpole")
+    phase = rt.Phase(cartpole, 2.0, rt.State(q=[0, 0], v=0), rt.State(q=[1, np.pi], v=0), rt.Effort())
+    return rt.plan(phase)
+
+
+def test_without_disturbances_the_plan_is_followed(swing):
+    found = rt.witness.monte_carlo(swing, runs=1, disturbances=CALM, rate=4000.0)
+    assert found.worst[0] < 2e-3  # torques are held for a quarter of a millisecond
+    coarse = rt.witness.monte_carlo(swing, runs=1, disturbances=CALM, rate=1000.0)
+    assert 2.0 < coarse.worst[0] / found.worst[0] < 8.0  # and err by the length of the period
+
+
+def test_a_seed_repeats_its_runs_and_more_runs_keep_the_first(swing):
+    few, more = (rt.witness.monte_carlo(swing, runs=runs, seed=7) for runs in (2, 4))
+    np.testing.assert_array_equal(few.deviations, more.deviations[:2])
+    other = rt.witness.monte_carlo(swing, runs=2, seed=8)
+    assert not np.array_equal(few.deviations, other.deviations)
+
+
+@pytest.mark.slow
+def test_an_unstable_plan_is_held_by_its_gains(swing):
+    found = rt.witness.monte_carlo(swing, runs=40, bound=0.3)
+    assert found.held >= 0.95
+    low, high = found.interval
+    assert low < found.held <= high <= 1.0
+    assert f"{int(found.held * 40)} of 40 runs" in str(found)
+    assert len(found.plot().axes[0].lines) == 4
+
+
+@pytest.mark.parametrize(
+    ("name", "size"),
+    [
+        ("position", 0.01),
+        ("velocity", 0.1),
+        ("mass", 0.1),
+        ("position_noise", 1e-2),
+        ("velocity_noise", 0.1),
+        ("push", 0.1),
+        ("delay", 5e-3),
+    ],
+)
+def test_every_disturbance_acts(swing, name, size):
+    calm = rt.witness.monte_carlo(swing, runs=1, disturbances=CALM)
+    found = rt.witness.monte_carlo(swing, runs=1, disturbances=replace(CALM, **{name: size}))
+    assert found.worst[0] > 1.5 * calm.worst[0]
+
+
+def test_friction_acts():
+    arm = rt.load("z1")
+    q = 0.5 * (arm.limits.position_lower + arm.limits.position_upper)
+    plan = rt.plan(rt.Phase(arm, 1.0, rt.State(q=q, v=0), rt.State(q=q + 0.3, v=0), rt.Effort()), mesh=rt.Mesh(20))
+    calm, rough = (
+        rt.witness.monte_carlo(plan, runs=1, disturbances=replace(CALM, friction=size)) for size in (0.0, 0.5)
+    )
+    assert not np.array_equal(calm.deviations, rough.deviations)
+
+
+def test_a_large_disturbance_is_not_held(swing):
+    hit = rt.witness.Disturbances(position=1.0)
+    found = rt.witness.monte_carlo(swing, runs=4, disturbances=hit, bound=0.05)
+    assert found.held < 0.5
+
+
+@pytest.mark.parametrize(("kept", "low", "high"), [(100, 0.963, 1.0), (99, 0.9455, 0.9982), (50, 0.4038, 0.5962)])
+def test_the_interval_is_wilsons(kept, low, high):
+    deviations = np.where(np.arange(100) < kept, 0.0, 1.0)[:, None]
+    found = rt.witness.MonteCarlo(np.zeros(1), deviations, 0.5, 0, CALM, "")
+    np.testing.assert_allclose(found.interval, (low, high), atol=6e-4)
+
+
+def test_bad_input(swing):
+    with pytest.raises(rt.InputError, match="mass"):
+        rt.witness.Disturbances(mass=-0.1)
+    with pytest.raises(rt.InputError, match="runs"):
+        rt.witness.monte_carlo(swing, runs=0)
+    with pytest.raises(rt.InputError, match="bound"):
+        rt.witness.monte_carlo(swing, bound=0.0)
+    solo = rt.Phase(rt.load("solo12", root="floating"), 0.1, rt.State(v=0), objective=rt.Effort())
+    with pytest.raises(rt.InputError, match="fixed root"):
+        rt.witness.monte_carlo(rt.plan(solo, mesh=rt.Mesh(2), check=False))
