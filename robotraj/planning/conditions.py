@@ -8,6 +8,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.system import SystemDynamics
 from robotraj.native.engines.base import Engine
+from robotraj.planning.proving.soft_friction import needs_softening
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.constraints.integral import IntegralConstraint
 from robotraj.problem.phase import Phase
@@ -111,6 +112,7 @@ EXACT = Condition(
     "a motor at every joint",
     lambda case: all(is_exact(phase, (HermiteSimpson(),)) for phase in case.problem.phases),
 )
+STICKING = Condition("dry friction", lambda case: needs_softening(case.problem))
 PROVED = Condition("goals", lambda case: case.settled["goals"] is not None)
 COMPILED = Condition("engine=Compiled()", _needs_ipopt)
 NO_STAGES = Condition("shooting or moving knots", _without_stages)

@@ -120,7 +120,8 @@ def plan(
     tolerance        otherwise                                          None
     goals            no mesh                                            Goals()
                      otherwise                                          None
-    mesh             goals, a motor at every joint                      Mesh of 16 intervals, HermiteSimpson()
+    mesh             goals, a motor at every joint, dry friction        Mesh of 16 intervals, RadauIIA()
+                     goals, a motor at every joint                      Mesh of 16 intervals, HermiteSimpson()
                      goals, contacts                                    Mesh of 6 intervals, HermiteSimpson()
                      goals                                              Mesh of 20 intervals, HermiteSimpson()
                      otherwise                                          Mesh of 20 intervals, RadauIIA()
@@ -130,6 +131,7 @@ def plan(
                      integral constraint                                Ipopt()
                      free root, forward form, continuous joint, design  Ipopt()
                      system with parameters or few controls             Ipopt()
+                     goals                                              InteriorPoint(tolerance=1e-06)
                      otherwise                                          InteriorPoint()
     engine           all roots floating                                 Native()
                      solver by stages                                   Native()

@@ -18,7 +18,7 @@ from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.native.engines.native import Native
 from robotraj.planning import conditions as when
 from robotraj.planning.conditions import Case, Condition
-from robotraj.planning.proving.first_mesh import COARSE, STEP, SYSTEM, graded
+from robotraj.planning.proving.first_mesh import COARSE, STEP, STICKING, SYSTEM, graded
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts as Restarts
@@ -71,6 +71,9 @@ RULES: tuple[Rule, ...] = (
     _rule("tolerance", when.ALWAYS, None, "none given"),
     _rule("goals", when.OPEN_MESH, Goals(), "a plan is proved between its points where no mesh is given"),
     _rule("goals", when.ALWAYS, None, "a mesh or a tolerance is given"),
+    _rule(
+        "mesh", when.PROVED, when.EXACT, when.STICKING, graded(COARSE, STICKING), "joints start and stop by themselves"
+    ),
     _rule("mesh", when.PROVED, when.EXACT, graded(COARSE), "a coarse mesh finds the course of the motion"),
     _rule("mesh", when.PROVED, when.CONTACTS, Mesh(STEP), "a coarse mesh finds the course of a step"),
     _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh finds the course of the motion"),
@@ -81,6 +84,7 @@ RULES: tuple[Rule, ...] = (
     _rule("solver", when.INTEGRAL, Ipopt(), "an integral widens every stage by the points before it"),
     _rule("solver", when.WIDE_ROBOT, Ipopt(), "IPOPT is the robust choice for such robots"),
     _rule("solver", when.WIDE_SYSTEM, Ipopt(), "parameters widen stages; few controls leave many optima"),
+    _rule("solver", when.PROVED, InteriorPoint(tolerance=1e-6), "a hundredth of what the goals allow"),
     _rule("solver", when.ALWAYS, InteriorPoint(), "it finds the optima of IPOPT in less time"),
     _rule("engine", when.FLOATING, Native(), "large graphs are evaluated fastest by compiled code"),
     _rule("engine", when.STAGEWISE, Native(), "the solver calls it without CasADi"),

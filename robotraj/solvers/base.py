@@ -158,8 +158,14 @@ class Solver(OneLine, ABC):
         """Return this solver with at most this number of iterations; itself where it has no such limit."""
         return self
 
-    def from_nearby(self) -> Solver:
-        """Return this solver for a start near the optimum, such as the solution on a coarser mesh."""
+    def from_nearby(self, altered: bool = False) -> Solver:
+        """Return this solver for a start near the optimum, such as the solution on a coarser mesh.
+
+        Parameters
+        ----------
+        altered : bool
+            Whether the start solves a problem that differs in more than its mesh.
+        """
         return self
 
     def resolve(

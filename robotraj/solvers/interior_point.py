@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 WARM_BARRIER = 1e-4
 """Barrier parameter of a solve that starts from multipliers."""
+NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
+"""First barrier parameters of a solve that starts from the solution on another mesh, and of another problem."""
 STATUSES = {
     "solved": Status.SOLVED,
     "acceptable": Status.SOLVED,
@@ -128,13 +130,15 @@ class InteriorPoint(Solver):
                 f"InteriorPoint(fallback) is a solver value such as rt.Ipopt(), or None; got {self.fallback!r}."
             )
 
-    def from_nearby(self) -> InteriorPoint:
-        """Return this solver with a smaller first barrier."""
-        return replace(self, initial_barrier=min(self.initial_barrier, WARM_BARRIER))
+    def from_nearby(self, altered: bool = False) -> InteriorPoint:
+        """Return this solver with a smaller first barrier, which adapts where only the mesh differs."""
+        barrier = min(self.initial_barrier, ALTERED_BARRIER if altered else NEARBY_BARRIER)
+        return replace(self, initial_barrier=barrier, adaptive_barrier=self.adaptive_barrier or not altered)
 
     def at_most(self, iterations: int) -> InteriorPoint:
-        """Return this solver with no more than these iterations."""
-        return replace(self, max_iterations=min(self.max_iterations, iterations))
+        """Return this solver, and its fallback, with no more than these iterations."""
+        fallback = None if self.fallback is None else self.fallback.at_most(iterations)
+        return replace(self, max_iterations=min(self.max_iterations, iterations), fallback=fallback)
 
     def within(self, seconds: float) -> InteriorPoint:
         """Return this solver with a limit of wall-clock seconds for one solve."""
@@ -251,10 +255,13 @@ class InteriorPoint(Solver):
     def _options(
         self, barrier_factor: float, iterations: int, multipliers: Multipliers | None, formulation: Formulation
     ) -> Options:
+        barrier = self.initial_barrier
+        if origin_of(multipliers) is not None:
+            barrier = min(barrier, WARM_BARRIER)
         chosen: Options = load_native().Options(
             tolerance=self.tolerance,
             max_iterations=iterations,
-            initial_barrier=self.initial_barrier if origin_of(multipliers) is None else WARM_BARRIER,
+            initial_barrier=barrier,
             barrier_factor=barrier_factor,
             adaptive_barrier=self.adaptive_barrier,
             # Pivots of a last interval with a fixed end are of the order of its length squared: a larger threshold

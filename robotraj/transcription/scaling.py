@@ -69,8 +69,10 @@ def rescale_controls(
     controls : ndarray of int
         Columns of the controls.
     """
-    unsized = np.flatnonzero(~_sized(variables, guess))
-    unknown = np.intersect1d(unsized, variables.meaning[controls])
+    unsized = ~_sized(variables, guess)
+    of_controls = np.zeros(len(unsized), dtype=bool)
+    of_controls[variables.meaning[controls]] = True
+    unknown = np.flatnonzero(unsized & of_controls)
     if not unknown.size:
         return scale
 
@@ -83,7 +85,7 @@ def rescale_controls(
 
     defects = np.array([entry.name == "defect" for entry in rows.entries], dtype=bool)
     count = np.where(defects, np.bincount(rows.meaning, minlength=len(defects)), 1)
-    others = largest(np.where(np.isin(variables.meaning, unsized), 0.0, scale))
+    others = largest(np.where(unsized[variables.meaning], 0.0, scale))
     out = scale.copy()
     for kind in unknown:
         own = count * largest(np.where(variables.meaning == kind, 1.0, 0.0))

@@ -25,6 +25,8 @@ SMALL = 1e-2
 """Objectives below this settle to the goal times this, not to the goal times themselves."""
 LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
 """How many times as many intervals the next mesh has, for the sake of the objective."""
+CLEARLY = 1.4
+"""Ratio of the numbers of intervals of two meshes whose objectives are compared."""
 SAFETY = 1.1
 """Factor on the growth that the order of the objective predicts."""
 
@@ -40,6 +42,8 @@ class Measured:
         Value of the objective along the motion, its integrals by Gauss's rule.
     intervals : int
         Of the phase with most intervals.
+    before : Measured or None
+        Of the mesh before.
     errors, broken : tuple of ndarray
         For each phase, of every interval (K,): the larger of its relative error and of the error of its part of the
         objective's integral, scaled to the same goal; relative violation of path rows.
@@ -48,6 +52,7 @@ class Measured:
     proof: Proof
     objective: float
     intervals: int
+    before: Measured | None
     errors: tuple[Array, ...]
     broken: tuple[Array, ...]
 
@@ -72,16 +77,17 @@ class Measured:
 
 
 def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measured:
-    """Measure a solution between its collocation points, and its objective against that of the mesh before."""
+    """Measure a solution between its collocation points, and its objective against that of meshes before."""
     parts = solution.phases
     count = max(part.mesh.count for part in parts)
     left = [quadrature_errors(p.phase, p.trajectory, p.mesh.schemes, p.torques) for p in parts]
     true = solution.objective - float(sum(errors.sum() for errors in left))
     size = max(abs(true), SMALL)
     unsettled = np.inf
-    if before is not None and count > before.intervals:
-        gained = abs(before.objective - true) / size
-        unsettled = gained / ((count / before.intervals) ** ORDER - 1.0)
+    coarser = _coarser(before, count)
+    if coarser is not None:
+        gained = abs(coarser.objective - true) / size
+        unsettled = gained / ((count / coarser.intervals) ** ORDER - 1.0)
     errors = tuple(errors_of(p.phase, p.trajectory, p.mesh) for p in parts)
     # An interval's share of what the objective's integral may err by counts as much as its error may.
     share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
@@ -91,7 +97,17 @@ def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measu
     excess += [float(rows.max()) for rows in broken]
     quadrature = abs(solution.objective - true) / size
     proof = Proof(max(float(e.max()) for e in errors), max(0.0, *excess), quadrature, unsettled, goals)
-    return Measured(proof, true, count, needs, broken)
+    return Measured(proof, true, count, before, needs, broken)
+
+
+def _coarser(before: Measured | None, count: int) -> Measured | None:
+    """Return the last measures on a mesh so much coarser that the change of the objective tells what is left of it.
+
+    Where no mesh is, those of the coarsest.
+    """
+    while before is not None and before.before is not None and CLEARLY * before.intervals > count:
+        before = before.before
+    return before if before is not None and before.intervals < count else None
 
 
 def _assessment(errors: Array, broken: Array, growth: float) -> Assessment:

@@ -28,8 +28,8 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 MOST_MESHES = 4
 """Meshes tried before a plan is given back as it is."""
-PATIENCE = 100
-"""Iterations of a solve that may improve an objective and nothing else."""
+PATIENCE = 150
+"""Iterations of a solve that may improve an objective, or the start of another solve, and nothing else."""
 MOST_MARGINS = 4
 """Times that limits are lowered on one mesh."""
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
@@ -68,6 +68,8 @@ class _Refining:
         self.iterations = 0
         self.whence = ""
         """The beginning that led to a solution, where the guess did not."""
+        self.sticking = needs_softening(problem)
+        """Whether joints stick and slide to save effort."""
         self.measures: Measured | None = None
         """Of the best solution so far."""
 
@@ -94,9 +96,6 @@ class _Refining:
             elif not first or last.status in LIMITS_OF_THE_USER:
                 break
             if not first and last.proof is not None and last.proof.holds:
-                break
-            if soft is not None and last.proof is not None and last.proof.motion_holds:
-                # Joints that stick creep from point to point: finer meshes take hundreds of iterations for a percent.
                 break
             if self._stuck():
                 break
@@ -127,23 +126,24 @@ class _Refining:
         return self.measures.next_meshes(self.best.phases, refinement, max(least, self.measures.growth))
 
     def _with_soft_friction(self, guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Solution | None:
-        """Solve with dry friction that saturates at larger speeds; None without friction, or where that failed."""
-        if not needs_softening(self.problem) or isinstance(guess, Solution):
+        """Solve with dry friction that saturates at larger speeds; None without friction, or where all that failed."""
+        if not self.sticking or isinstance(guess, Solution):
             return None
         limits = replace(self.settings.interval_limits, rounds=0)
         settings = replace(self.settings, restarts=Restarts(0), interval_limits=limits)
         found: Solution | None = None
         for factor in SPEEDS:
-            own = replace(settings, mesh=meshes, solver=settings.solver.from_nearby() if found else settings.solver)
+            solver = settings.solver.from_nearby(altered=True) if found else settings.solver
+            own = replace(settings, mesh=meshes, solver=solver.at_most(PATIENCE))
             try:
                 softer = self._solve(softened(self.problem, factor), found or guess, own, {})
             except KeyboardInterrupt:
                 if not isinstance(self.progress, Deadline):
                     raise
                 break
-            if not softer.success:
-                break
-            found, meshes = softer, tuple(evenly_finer(mesh, self._second) if not found else mesh for mesh in meshes)
+            if softer.success:
+                meshes = meshes if found else tuple(evenly_finer(mesh, self._second) for mesh in meshes)
+                found = softer
         if isinstance(self.progress, Deadline):
             self.progress.begin()
         return found
@@ -157,7 +157,8 @@ class _Refining:
         """
         settings = replace(self.settings, mesh=meshes)
         if nearby:
-            settings = replace(settings, solver=settings.solver.from_nearby())
+            # Joints that stick and slide change places from mesh to mesh, as if the problem were another one.
+            settings = replace(settings, solver=settings.solver.from_nearby(altered=self.sticking))
         if self.best is not None and self.best.proof is not None and self.best.proof.motion_holds:
             # The motion is known by now, and only its objective is left to settle.
             settings = replace(settings, solver=settings.solver.at_most(PATIENCE), restarts=Restarts(0))
@@ -165,7 +166,8 @@ class _Refining:
             plain = replace(settings.interval_limits, rounds=0)
             return self._solve(self.problem, start, replace(settings, restarts=Restarts(0), interval_limits=plain), {})
         found = self._solve(self.problem, start, settings, {})
-        again_settings = replace(settings, solver=settings.solver.from_nearby(), restarts=Restarts(0))
+        nearer = settings.solver.from_nearby(altered=self.sticking)
+        again_settings = replace(settings, solver=nearer, restarts=Restarts(0))
         margins: dict[LimitedInterval, float] = {}
         for _ in range(MOST_MARGINS):
             if not found.success or not found.control_interval_violations:

@@ -16,7 +16,7 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
 
-SPEEDS = (10.0, 3.0)
+SPEEDS = (10.0, 4.0, 2.0)
 """Factors on v_s for the first meshes."""
 
 

@@ -52,7 +52,7 @@ class Equidistribute(Refinement):
 
     most: float = 4.0
     second: float = 1.5
-    finest: int = 160
+    finest: int = 320
     path: float = 1e-3
 
     def __post_init__(self) -> None:

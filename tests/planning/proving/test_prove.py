@@ -118,8 +118,18 @@ def test_dry_friction_is_met_step_by_step() -> None:
     start, end = rt.State(q=[0, 1.0, -1.0, 0.2, 0, 0], v=0), rt.State(q=[1.2, 1.8, -1.6, -0.6, 0.8, 0.9], v=0)
     phase = rt.Phase(robot, 1.5, start, end, rt.Effort())
     solution = rt.plan(phase)
-    assert solution.success and solution.proof is not None and solution.proof.motion_holds
+    assert solution.success and solution.proof is not None and solution.proof.holds
     assert solution.problem.phases[0].robot.friction_speed == robot.friction_speed
-    at_once = rt.plan(phase, solution.phases[0].mesh)
+    at_once = rt.plan(phase, graded(48))
     assert solution.objective < at_once.objective
     assert rt.validate(solution).passed
+
+
+def test_an_objective_is_compared_with_that_of_a_mesh_that_is_clearly_coarser() -> None:
+    weak = rt.load("pendulum").limits.with_(effort=0.5)
+    objective = rt.Duration() + 0.1 * rt.Effort()
+    up = rt.Phase(rt.load("pendulum"), (2, 20), rt.State(q=0, v=0), rt.State(q=np.pi, v=0), objective, limits=weak)
+    solution = rt.plan(up)
+    assert solution.proof is not None and solution.proof.holds
+    fine = rt.plan(up, mesh=rt.Mesh(500, rt.HermiteSimpson()), guess=solution)
+    assert solution.objective == pytest.approx(fine.objective, rel=1e-3)

@@ -1,0 +1,179 @@
+"""Random reaches of arms, each planned by the default call: `python benchmarks/proven/reaches.py [robot ...]`.
+
+Ends are drawn within the limits of the URDF; every second reach has a fixed duration of 1.05 to 3 times its bound by
+speed limits and the least effort, the others take the least time. A reach counts as proved where ``solution.proof``
+holds and the judgement from outside (``outside.py``) agrees; a claimed proof that it refutes is a false success. A
+reach of fixed duration that was not proved is called infeasible where the least time found for its ends, from several
+guesses, is longer. The table goes to ``REACHES.md``, with ``--log FILE`` also a line of JSON for every reach.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+TABLE = Path(__file__).with_name("REACHES.md")
+ROBOTS = ("ur5", "ur10", "panda", "z1", "iiwa14", "kinova")
+COUNT = 300
+LOCKED = {"panda": {"panda_finger_joint1": 0.0, "panda_finger_joint2": 0.0}, "z1": {"jointGripper": 0.0}}
+WIDEST = 3.0
+"""Joints that may turn further are moved within this [rad]."""
+ROOM = 0.05
+"""Share of a joint's range that is left free at either end of it."""
+UNLIMITED_SPEED = 3.0
+"""Speed [rad/s] for the bound on durations of joints without a limit."""
+INTERVALS = 50
+"""Of the fixed mesh that the seconds are compared with."""
+HEAD = (
+    "| robot | objective | reaches | feasible | proved | share | false | median [s] | 99 % [s] | worst [s] "
+    "| ratio to a fixed mesh | meshes | iterations |"
+)
+
+
+def reaches(name: str, count: int, seed: int) -> Iterator[tuple[object, object]]:
+    """Yield pairs of robot and phase."""
+    import robotraj as rt
+
+    robot = rt.load(name, locked=LOCKED.get(name))
+    model, random = robot.model, np.random.default_rng([seed, len(name), *name.encode()])
+    low = np.maximum(model.lowerPositionLimit, -WIDEST)
+    high = np.minimum(model.upperPositionLimit, WIDEST)
+    speeds = np.where(model.upperVelocityLimit < 1e20, model.upperVelocityLimit, UNLIMITED_SPEED)
+    for number in range(count):
+        start, end = low + (ROOM + (1 - 2 * ROOM) * random.random((2, robot.nq))) * (high - low)
+        bound = float(np.max(np.abs(end - start) / speeds))
+        factor = 1.05 + 1.95 * random.random()
+        least_effort = number % 2 == 0
+        duration = factor * bound if least_effort else (0.5 * bound, 20.0 * bound + 1.0)
+        objective = rt.Effort() if least_effort else rt.Duration()
+        ends = rt.State(q=start, v=0), rt.State(q=end, v=0)
+        yield robot, rt.Phase(robot, duration, *ends, objective, name=f"{name} {number}")
+
+
+def of_one(robot: object, phase: object) -> dict[str, object]:
+    """Plan and judge a reach."""
+    from outside import judged
+
+    import robotraj as rt
+
+    began = time.process_time()
+    solution = rt.plan(phase, check=False, progress=False)
+    seconds = time.process_time() - began
+    began = time.process_time()
+    rt.plan(phase, rt.Mesh(INTERVALS, rt.HermiteSimpson()), check=False, progress=False)
+    fixed = time.process_time() - began
+    claimed = bool(solution.success and solution.proof is not None and solution.proof.motion_holds)
+    settled = bool(claimed and solution.proof.holds)
+    seen = judged(robot, solution) if claimed else None
+    low, high = phase.duration_bounds
+    found = {
+        "seconds": seconds,
+        "ratio": seconds / fixed,
+        "status": solution.status.value,
+        "message": solution.message,
+        "claimed": claimed,
+        "settled": settled,
+        "error": seen.error if seen else None,
+        "excess": seen.excess if seen else None,
+        "right": bool(seen and seen.right),
+        "meshes": len(solution.refinement),
+        "iterations": solution.iterations,
+        "feasible": True,
+        "proof": None if solution.proof is None else str(solution.proof),
+    }
+    if not claimed and low == high:
+        found["least"] = least_time(phase)
+        found["feasible"] = found["least"] <= high
+    return found
+
+
+def least_time(phase: object) -> float:
+    """Return the least time [s] found between the ends of a reach, from the default and from longer guesses."""
+    import robotraj as rt
+
+    (duration, _), best = phase.duration_bounds, np.inf
+    free = phase.with_(duration=(0.5 * duration, 20.0 * duration), objective=rt.Duration())
+    for factor in (None, 1.5, 3.0):
+        guess = None if factor is None else rt.guess.StraightLine(duration=factor * duration)
+        solution = rt.plan(free, guess=guess, check=False, progress=False)
+        if solution.success:
+            best = min(best, solution.duration)
+    return best
+
+
+def lines_of(name: str, found: list[dict[str, object]]) -> Iterator[str]:
+    """Yield a row of the table for each objective."""
+    for objective in ("effort", "time"):
+        own = [each for each in found if each["objective"] == objective]
+        if not own:
+            continue
+        feasible = [each for each in own if each["feasible"]]
+        proved = [each for each in feasible if each["settled"] and each["right"]]
+        false = [each for each in own if each["claimed"] and not each["right"]]
+        seconds = np.array([each["seconds"] for each in feasible])
+        ratios = np.array([each["ratio"] for each in feasible])
+        means = [np.mean([each[key] for each in feasible]) for key in ("meshes", "iterations")]
+        yield (
+            f"| {name} | {objective} | {len(own)} | {len(feasible)} | {len(proved)} | "
+            f"{100 * len(proved) / max(len(feasible), 1):.1f} % | {len(false)} | {np.median(seconds):.3f} | "
+            f"{np.quantile(seconds, 0.99):.2f} | {seconds.max():.2f} | {np.median(ratios):.1f} | {means[0]:.1f} | "
+            f"{means[1]:.0f} |"
+        )
+
+
+def child(name: str, count: int, seed: int, only: list[int]) -> None:
+    """Print a line of JSON for every reach of a robot."""
+    warnings.simplefilter("ignore")
+    for number, (robot, phase) in enumerate(reaches(name, count, seed)):
+        if only and number not in only:
+            continue
+        found = of_one(robot, phase)
+        head = {"robot": name, "number": number, "objective": "time" if number % 2 else "effort"}
+        print(json.dumps(head | found), flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("robots", nargs="*", default=list(ROBOTS))
+    parser.add_argument("--count", type=int, default=COUNT)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", type=int, nargs="*", default=[], help="numbers of reaches")
+    parser.add_argument("--log", type=Path)
+    parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.child:
+        return child(given.robots[0], given.count, given.seed, given.only)
+    rows = [HEAD, "|---|---|" + "---:|" * 11]
+    for name in given.robots:
+        command = [sys.executable, __file__, name, "--child", "--count", str(given.count), "--seed", str(given.seed)]
+        if given.only:
+            command += ["--only", *map(str, given.only)]
+        found = []
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            for line in process.stdout:
+                found.append(json.loads(line))
+                if given.log:
+                    with given.log.open("a") as log:
+                        log.write(line)
+        rows += lines_of(name, found)
+        print("\n".join(rows[-2:]), flush=True)
+    if given.robots == list(ROBOTS) and not given.only:
+        title = "# Random reaches of arms"
+        head = (
+            f"Written by `python benchmarks/proven/reaches.py`: default calls, processor seconds, "
+            f"{given.count} reaches of each robot from seed {given.seed}."
+        )
+        TABLE.write_text("\n".join([title, "", head, "", *rows, ""]))
+
+
+if __name__ == "__main__":
+    main()
