@@ -14,7 +14,7 @@ from . import (
     witness,
 )
 from ._util.errors import InputError, Interrupted, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
-from .dynamics import contacts, design, terrain
+from .dynamics import contacts, design, obstacles, terrain
 from .dynamics.contacts.flat_foot import FlatFoot
 from .dynamics.contacts.line_contact import LineContact
 from .dynamics.contacts.point_contact import PointContact
@@ -113,6 +113,7 @@ __all__ = [
     "load_solution",
     "multistart",
     "objectives",
+    "obstacles",
     "plan",
     "planning",
     "precompile",

@@ -3,7 +3,7 @@
 Start with ``dae.py``. The room may import ``robot`` and what lies below.
 """
 
-from . import contacts, design, terrain
+from . import contacts, design, obstacles, terrain
 from .dae import Dynamics, TimeOrders
 from .point import Point, RobotPoint
 from .rigid_body import ForwardDynamics, InverseDynamics, RigidBody
@@ -13,6 +13,7 @@ from .variable import Named, Variable
 __all__ = [
     "contacts",
     "design",
+    "obstacles",
     "terrain",
     "Dynamics",
     "ForwardDynamics",

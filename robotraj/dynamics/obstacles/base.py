@@ -1,0 +1,204 @@
+"""The base class of obstacles: a solid shape with a pose, and the signed distance of points from it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from functools import cached_property
+from typing import Any, ClassVar
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
+from robotraj._util.values import own_fields
+from robotraj.dynamics.rows import rows_of
+
+Array = NDArray[np.float64]
+Place = Sequence[float] | Callable[[Any], Any]
+"""Three or four numbers, or a function of the time t [s] that returns them, written in CasADi's functions."""
+
+ORIGIN = (0.0, 0.0, 0.0)
+UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+UNIT_LENGTH = 1e-3
+"""Largest deviation of a quaternion's length from 1; within it the quaternion is normalised."""
+
+
+class Obstacle(OneLine, ABC):
+    """A solid shape. A new shape is one frozen dataclass with the fields below and the methods of this class.
+
+    A point p of the world lies at R' (p - position) in the shape's axes, with R the rotation of the quaternion. The
+    pose is that of the shape in the world, or in a frame of the robot.
+
+    Attributes
+    ----------
+    position : (3,) or callable
+        Of the shape's centre [m], or a function of the time t [s].
+    quaternion : (4,) or callable
+        Rotation from the shape's axes, (x, y, z, w), or a function of the time t [s].
+    frame : str or None
+        Frame of the robot that carries the shape; None for the world.
+    name : str
+        For reports; the kind of the shape by default.
+    """
+
+    position: Place
+    quaternion: Place
+    frame: str | None
+    name: str
+
+    kind: ClassVar[str]
+    """Kind of the shape, for reports and for the compiled module."""
+
+    def __post_init__(self) -> None:
+        own_fields(self)
+        for name, size in (("position", 3), ("quaternion", 4)):
+            value = getattr(self, name)
+            if not callable(value):
+                object.__setattr__(self, name, self._numbers(name, value, size))
+        if not callable(self.quaternion):
+            length = float(np.linalg.norm(self.quaternion))
+            if abs(length - 1.0) > UNIT_LENGTH:
+                raise InputError(
+                    f"{self.label}: the quaternion has length {length:.4g}; give (x, y, z, w) of length 1."
+                )
+            object.__setattr__(self, "quaternion", tuple(value / length for value in self.quaternion))
+        if self.frame is not None and not isinstance(self.frame, str):
+            raise InputError(f"{self.label}: frame is {self.frame!r}; give the name of a frame, or None for the world.")
+        if self.moves:
+            _ = self._motion  # a function that fails is refused here
+
+    @property
+    @abstractmethod
+    def dimensions(self) -> tuple[float, ...]:
+        """The numbers that ``smooth_distance`` reads, at most four [m]."""
+
+    @abstractmethod
+    def distance(self, points: Array) -> Array:
+        """Return the exact signed distance [m] of points (m, 3) in the shape's axes, negative inside, (m,)."""
+
+    @abstractmethod
+    def smooth_distance(self, point: Sequence[ca.SX], dimensions: Sequence[ca.SX | float]) -> ca.SX:
+        """Return the signed distance [m] of a point of symbols (3,) in the shape's axes.
+
+        It equals the exact distance outside the shape and near its surface. Deep inside, its gradient is defined
+        everywhere and points out of the shape.
+        """
+
+    @property
+    @abstractmethod
+    def reach(self) -> float:
+        """Largest distance of the shape's points from its origin [m]; infinite for a half space."""
+
+    @property
+    def label(self) -> str:
+        """Name, or the kind where it has none."""
+        return self.name or self.kind
+
+    @property
+    def moves(self) -> bool:
+        """Whether the pose depends on time."""
+        return callable(self.position) or callable(self.quaternion)
+
+    def pose(self, t: Any = 0.0) -> tuple[Any, Any]:
+        """Return position (3,) [m] and rotation matrix (3, 3) at a time [s], symbols where t is a symbol."""
+        if not self.moves:
+            return self._fixed
+        position, rotation = self._motion(t)
+        if isinstance(t, ca.SX):
+            return position, rotation
+        return np.array(position).ravel(), np.array(rotation)
+
+    def poses(self, times: Array) -> tuple[Array, Array]:
+        """Return positions (m, 3) and rotation matrices (m, 3, 3) at times (m,) [s]."""
+        count = len(times)
+        if not self.moves:
+            position, rotation = self._fixed
+            return np.broadcast_to(position, (count, 3)), np.broadcast_to(rotation, (count, 3, 3))
+        positions, rotations = self._motion.map(count)(np.reshape(times, (1, -1)))
+        columns = np.array(rotations).reshape(3, count, 3)
+        return np.array(positions).T, columns.transpose(1, 0, 2)
+
+    @cached_property
+    def _fixed(self) -> tuple[Array, Array]:
+        position, quaternion = (np.array(value, dtype=float) for value in (self.position, self.quaternion))
+        rotation = np.array(rotation_of(list(quaternion)), dtype=float)
+        for part in (position, rotation):
+            part.setflags(write=False)
+        return position, rotation
+
+    @cached_property
+    def _motion(self) -> ca.Function:
+        """T -> position, rotation; a quaternion that depends on time is normalised."""
+        t = ca.SX.sym("t")
+        position = self._symbols("position", self.position, 3, t)
+        quaternion = self._symbols("quaternion", self.quaternion, 4, t)
+        if callable(self.quaternion):
+            length = ca.sqrt(sum(value * value for value in quaternion))
+            quaternion = [value / length for value in quaternion]
+        rotation = ca.vertcat(*(ca.horzcat(*row) for row in rotation_of(quaternion)))
+        return ca.Function("pose", [t], [ca.densify(ca.vertcat(*position)), ca.densify(rotation)])
+
+    def _symbols(self, name: str, given: Place, size: int, t: ca.SX) -> list[Any]:
+        if not callable(given):
+            return list(given)
+        found = rows_of(f"{name} of the obstacle {self.label!r}", given, t)
+        if len(found) != size:
+            raise InputError(f"{self.label}: the function of its {name} returns {len(found)} values; return {size}.")
+        return found
+
+    def _numbers(self, name: str, value: Any, size: int) -> tuple[float, ...]:
+        try:
+            numbers = tuple(float(each) for each in np.asarray(value, dtype=float).ravel())
+        except (TypeError, ValueError):
+            numbers = ()
+        if len(numbers) != size or not np.isfinite(numbers).all():
+            raise InputError(f"{self.label}: {name} is {value!r}; give {size} finite numbers.")
+        return numbers
+
+    def _positive(self, name: str) -> None:
+        """Check a length that must be above 0."""
+        value = getattr(self, name)
+        if not (isinstance(value, float | int | np.floating | np.integer) and 0.0 < value < np.inf):
+            raise InputError(f"{self.label}: {name} is {value!r}; give a positive number of metres.")
+
+    def __getstate__(self) -> dict[str, object]:
+        """Pickle the fields only."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}  # type: ignore[arg-type]
+
+
+def rotation_of(quaternion: Sequence[Any]) -> list[list[Any]]:
+    """Return the rotation matrix of a unit quaternion (x, y, z, w), rows of entries."""
+    x, y, z, w = quaternion
+    return [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+
+
+def smooth_length(parts: Sequence[ca.SX], radius: ca.SX | float) -> ca.SX:
+    """Return sqrt(s) of the sum of squares s where it exceeds radius / 2, else s / radius + radius / 4.
+
+    Both agree in value and slope there, and the second is smooth at s = 0.
+    """
+    square = sum(part * part for part in parts)
+    least = 0.25 * radius * radius
+    outside = square > least
+    return outside * ca.sqrt(ca.fmax(square, least)) + (1 - outside) * (square / radius + 0.25 * radius)
+
+
+def corner_distance(beyond: Sequence[ca.SX]) -> ca.SX:
+    """Return the signed distance from a corner, where x_i <= 0 is inside, of ``beyond`` = (x_1, ...).
+
+    Outside it is the length of the positive parts; inside the largest part, the distance from the nearest face.
+    """
+    square = sum(ca.fmax(part, 0) ** 2 for part in beyond)
+    outside = square > 0
+    largest = beyond[0]
+    for part in beyond[1:]:
+        largest = ca.fmax(largest, part)
+    return outside * ca.sqrt(square + (1 - outside)) + (1 - outside) * largest

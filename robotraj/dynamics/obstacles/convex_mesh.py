@@ -1,0 +1,181 @@
+"""Convex hulls of points as obstacles."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import ClassVar
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, Array, Obstacle, Place
+
+MOST_VERTICES = 200
+"""Vertices of a hull above which its distance takes too long to evaluate."""
+
+
+@dataclass(frozen=True)
+class ConvexMesh(Obstacle):
+    """The convex hull of points. A body that is not convex is several of them.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+        Points in the shape's axes [m]; those inside the hull are dropped. ``ConvexMesh.from_file`` reads them.
+    position, quaternion, frame, name
+        See ``Obstacle``.
+
+    Raises
+    ------
+    InputError
+        Fewer than four points, points in one plane, or a hull of more than 200 vertices.
+    """
+
+    vertices: Array
+    position: Place = ORIGIN
+    quaternion: Place = UPRIGHT
+    frame: str | None = None
+    name: str = ""
+
+    kind: ClassVar[str] = "convex mesh"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        points = np.array(self.vertices, dtype=float)
+        if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+            raise InputError(f"{self.label}: vertices have shape {points.shape}; give finite numbers (n, 3) in metres.")
+        kept = points[_hull(points, self.label)]
+        if len(kept) > MOST_VERTICES:
+            raise InputError(
+                f"{self.label}: its hull has {len(kept)} vertices, above {MOST_VERTICES}; simplify the mesh."
+            )
+        kept.setflags(write=False)
+        object.__setattr__(self, "vertices", kept)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | os.PathLike[str],
+        scale: float | Sequence[float] = 1.0,
+        position: Place = ORIGIN,
+        quaternion: Place = UPRIGHT,
+        frame: str | None = None,
+        name: str = "",
+    ) -> ConvexMesh:
+        """Read the vertices of an STL, OBJ or COLLADA file, scaled along the axes.
+
+        Raises
+        ------
+        InputError
+            The file cannot be read.
+        """
+        import coal
+
+        file = Path(path).expanduser()
+        try:
+            mesh = coal.MeshLoader().load(str(file), np.broadcast_to(np.asarray(scale, dtype=float), (3,)).copy())
+        except (ValueError, RuntimeError) as error:
+            raise InputError(f"The mesh {str(file)!r} cannot be read: {error}") from error
+        return cls(np.array(mesh.vertices()), position, quaternion, frame, name or file.stem)
+
+    @property
+    def dimensions(self) -> tuple[float, ...]:
+        """None: the vertices are constants of the expression."""
+        return ()
+
+    @cached_property
+    def triangles(self) -> Array:
+        """Corners of the faces, counter-clockwise from outside, (f, 3, 3) [m]."""
+        from scipy.spatial import ConvexHull
+
+        hull = ConvexHull(self.vertices)
+        corners = self.vertices[hull.simplices].copy()
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        wrong = np.einsum("fi,fi->f", normals, hull.equations[:, :3]) < 0.0
+        corners[wrong] = corners[wrong][:, ::-1]
+        return np.asarray(corners)
+
+    @cached_property
+    def planes(self) -> Array:
+        """Outward unit normals and offsets of the faces, normal . x <= offset inside, (f, 4)."""
+        from scipy.spatial import ConvexHull
+
+        found = np.unique(np.round(ConvexHull(self.vertices).equations, 12), axis=0)
+        return np.column_stack([found[:, :3], -found[:, 3]])
+
+    def distance(self, points: Array) -> Array:
+        """Exact signed distance (m,) [m]; inside, the distance from the nearest face."""
+        inside = (points @ self.planes[:, :3].T - self.planes[:, 3]).max(axis=1)
+        out = np.flatnonzero(inside > 0.0)
+        if out.size:
+            squares = [_square_from_triangle(points[out], triangle) for triangle in self.triangles]
+            inside[out] = np.sqrt(np.min(squares, axis=0))
+        return np.asarray(inside)
+
+    def smooth_distance(self, point: Sequence[ca.SX], dimensions: Sequence[ca.SX | float]) -> ca.SX:
+        """Signed distance [m]; inside, the distance from the nearest face."""
+        height = ca.mmax(ca.vertcat(*(_along(plane[:3], point) - plane[3] for plane in self.planes)))
+        outside = height > 0
+        squares = [_symbolic_square(point, triangle) for triangle in self.triangles]
+        nearest = ca.mmin(ca.vertcat(*squares))
+        return outside * ca.sqrt(ca.fmax(nearest, 1e-24)) + (1 - outside) * height
+
+    @property
+    def reach(self) -> float:
+        """Largest distance of a vertex from the origin [m]."""
+        return float(np.linalg.norm(self.vertices, axis=1).max())
+
+
+def _hull(points: Array, label: str) -> Array:
+    """Indices of the vertices of the convex hull."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return np.sort(ConvexHull(points).vertices)
+    except (QhullError, ValueError) as error:
+        raise InputError(
+            f"{label}: {len(points)} vertices span no volume; give four or more that do not lie in one plane."
+        ) from error
+
+
+def _square_from_triangle(points: Array, triangle: Array) -> Array:
+    """Squared distances (m,) of points (m, 3) from a triangle."""
+    a, b, c = triangle
+    normal = np.cross(b - a, c - a)
+    normal /= np.linalg.norm(normal)
+    edges = [(a, b), (b, c), (c, a)]
+    over = np.all([(points - p) @ np.cross(normal, q - p) >= 0.0 for p, q in edges], axis=0)
+    squares = [_square_from_segment(points, p, q) for p, q in edges]
+    return np.where(over, ((points - a) @ normal) ** 2, np.min(squares, axis=0))
+
+
+def _square_from_segment(points: Array, start: Array, end: Array) -> Array:
+    along = end - start
+    share = np.clip((points - start) @ along / (along @ along), 0.0, 1.0)
+    return np.asarray(((points - start - share[:, None] * along) ** 2).sum(axis=1))
+
+
+def _symbolic_square(point: Sequence[ca.SX], triangle: Array) -> ca.SX:
+    """Squared distance of a point of symbols from a triangle."""
+    a, b, c = triangle
+    normal = np.cross(b - a, c - a)
+    normal /= np.linalg.norm(normal)
+    over: ca.SX | float = 1.0
+    squares = []
+    for start, end in ((a, b), (b, c), (c, a)):
+        along = end - start
+        off = [x - s for x, s in zip(point, start, strict=True)]
+        over = over * (_along(np.cross(normal, along), off) >= 0)
+        share = ca.fmin(ca.fmax(_along(along / (along @ along), off), 0), 1)
+        squares.append(sum((o - share * d) ** 2 for o, d in zip(off, along, strict=True)))
+    height = _along(normal, [x - s for x, s in zip(point, a, strict=True)])
+    return over * height**2 + (1 - over) * ca.mmin(ca.vertcat(*squares))
+
+
+def _along(direction: Array, point: Sequence[ca.SX]) -> ca.SX:
+    return sum(float(n) * x for n, x in zip(direction, point, strict=True))

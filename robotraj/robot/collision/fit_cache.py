@@ -1,0 +1,62 @@
+"""Fits on disk, by the content of the shape: a mesh is fitted once."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from robotraj._util.errors import InputError
+from robotraj._util.paths import whole_file
+from robotraj.native.engines.cache import default_folder
+from robotraj.robot.collision.enclosing_spheres import Fit, enclose
+
+Array = npt.NDArray[np.float64]
+
+VERSION = 1
+"""Raised when ``enclose`` returns other spheres: earlier files are not read then."""
+
+
+def fitted(triangles: Array) -> Fit:
+    """Return the spheres of triangles (f, 3, 3) [m] from disk, or fit and keep them where this is possible."""
+    content = np.ascontiguousarray(triangles).tobytes()
+    path = folder() / f"{hashlib.sha256(content).hexdigest()[:40]}-{VERSION}.npz"
+    known = _read(path)
+    if known is not None and _is_complete(known, triangles):
+        return known
+    fit = enclose(triangles)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(path) as partial, partial.open("wb") as stream:
+            np.savez(stream, **fit._asdict())
+    except (OSError, InputError):
+        pass  # Without a place to keep it, the mesh is fitted again by the next process.
+    return fit
+
+
+def folder() -> Path:
+    """Return the folder of fits, beside that of the engines."""
+    return default_folder().parent / "spheres"
+
+
+def _read(path: Path) -> Fit | None:
+    if not os.path.isfile(path):
+        return None
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            centres, radii = (np.array(stored[name], dtype=float) for name in ("centres", "radii"))
+            return Fit(centres, radii, *(float(stored[name]) for name in Fit._fields[2:]))
+    except (OSError, ValueError, KeyError, EOFError):
+        return None
+
+
+def _is_complete(fit: Fit, triangles: Array) -> bool:
+    """Whether every corner lies in a sphere: a file that was changed or cut is not used."""
+    if fit.centres.ndim != 2 or fit.centres.shape != (len(fit.radii), 3) or not len(fit.radii):
+        return False
+    corners = np.unique(triangles.reshape(-1, 3), axis=0)
+    apart = np.linalg.norm(corners[:, None] - fit.centres, axis=2) - fit.radii
+    return bool(np.all(apart.min(axis=1) <= 1e-9))

@@ -1,0 +1,92 @@
+"""Pairs of links that are checked against each other.
+
+Not checked are pairs that an SRDF disables, links that a joint joins, links that do not move relative to each other,
+and links whose shapes touch in every configuration.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Sequence
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj._util.errors import InputError
+from robotraj.robot.loading.urdf import read_xml
+from robotraj.robot.robot import Robot
+
+Array = npt.NDArray[np.float64]
+Pairs = tuple[tuple[str, str], ...]
+
+SAMPLES = 300
+"""Configurations in which a pair must touch to count as always touching."""
+
+
+def read_srdf(path: str | os.PathLike[str]) -> Pairs:
+    """Return the pairs of links that an SRDF disables.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or an entry names no two links.
+    """
+    pairs = []
+    for entry in read_xml(Path(path).expanduser()).iter("disable_collisions"):
+        first, second = entry.get("link1"), entry.get("link2")
+        if not first or not second:
+            raise InputError(f"{str(path)!r}: an entry <disable_collisions> names no link1 and link2; complete it.")
+        pairs.append((first, second))
+    return tuple(pairs)
+
+
+def candidate_pairs(
+    robot: Robot, links: Sequence[str], disabled: Collection[tuple[str, str]] = ()
+) -> list[tuple[str, str]]:
+    """Return pairs of links that move relative to each other and are neither joined nor disabled.
+
+    Parameters
+    ----------
+    robot : Robot
+    links : sequence of str
+        Links that carry shapes.
+    disabled : collection of (str, str)
+        Pairs in either order; names of links that the robot lacks are ignored, since an SRDF may describe more.
+    """
+    model = robot.model
+    frames = {link: robot.frame(link) for link in links}
+    dropped = {frozenset(pair) for pair in disabled}
+    found = []
+    for first, second in combinations(links, 2):
+        a, b = model.frames[frames[first]], model.frames[frames[second]]
+        joined = frames[first] == _parent_link(model, frames[second]) or frames[second] == _parent_link(
+            model, frames[first]
+        )
+        if a.parentJoint != b.parentJoint and not joined and frozenset((first, second)) not in dropped:
+            found.append((first, second))
+    return found
+
+
+def _parent_link(model: pin.Model, frame: int) -> int:
+    """Return the link to which a joint joins a link, through frames that are joints; -1 where there is none."""
+    at, before = int(model.frames[frame].parentFrame), frame
+    # Pinocchio makes the frame of a locked joint its own parent; the links beside it do not move relative to each other.
+    while at != before and model.frames[at].type != pin.FrameType.BODY:
+        at, before = int(model.frames[at].parentFrame), at
+    return at if at != before else -1
+
+
+def sampled_configurations(robot: Robot, count: int = SAMPLES) -> Array:
+    """Return seeded random configurations within the position limits (count, nq); unlimited joints turn once."""
+    rng = np.random.default_rng(0)
+    limits = robot.limits
+    lower, upper = (np.array(side, dtype=float) for side in (limits.position_lower, limits.position_upper))
+    lower, upper = np.where(np.isfinite(lower), lower, -np.pi), np.where(np.isfinite(upper), upper, np.pi)
+    v = lower + (upper - lower) * rng.random((count, robot.nv))
+    if robot.nq == robot.nv:
+        return np.asarray(v)
+    # The placement of a floating root moves all links alike.
+    return np.column_stack([np.tile(robot.neutral[: robot.nq - robot.nv + 6], (count, 1)), v[:, 6:]])

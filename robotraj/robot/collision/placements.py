@@ -1,0 +1,129 @@
+"""Placements of a robot's joints at many configurations in one call."""
+
+from __future__ import annotations
+
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj._util.values import dataclass
+from robotraj.robot.robot import Robot
+
+Array = npt.NDArray[np.float64]
+_TINY = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class JointTree:
+    """The numbers of a model that place its joints.
+
+    Attributes
+    ----------
+    parents : tuple of int
+        Parent of each joint; joint 0 is the world.
+    rotations, translations : ndarray (njoints, 3, 3), (njoints, 3)
+        Of each joint in its parent at q = 0 [m].
+    axes : ndarray (njoints, 3)
+        Unit axis of each joint in its own frame; zero for a free-flyer.
+    turns : ndarray of bool (njoints,)
+        Whether the joint turns about its axis, or slides along it.
+    first : tuple of int
+        Index of each joint's first position in q.
+    """
+
+    parents: tuple[int, ...]
+    rotations: Array
+    translations: Array
+    axes: Array
+    turns: npt.NDArray[np.bool_]
+    first: tuple[int, ...]
+
+    def is_moved_by(self) -> npt.NDArray[np.bool_]:
+        """Return which joints move each joint: entry (i, j) says whether j is i or carries it."""
+        count = len(self.parents)
+        moved = np.eye(count, dtype=bool)
+        for i in range(1, count):
+            moved[i] |= moved[self.parents[i]]
+        moved[:, 0] = False
+        return moved
+
+
+_TREES: WeakKeyDictionary[Robot, JointTree] = WeakKeyDictionary()
+
+
+def joint_tree(robot: Robot) -> JointTree:
+    """Return the tree of a robot's joints; it is made once."""
+    known = _TREES.get(robot)
+    if known is None:
+        known = _TREES[robot] = _tree(robot.model)
+    return known
+
+
+def placements(robot: Robot, q: Array) -> tuple[Array, Array]:
+    """Return rotations (m, njoints, 3, 3) and origins (m, njoints, 3) [m] of the joints in the world.
+
+    Parameters
+    ----------
+    robot : Robot
+    q : ndarray (m, nq)
+        Configurations.
+    """
+    tree, count = joint_tree(robot), len(q)
+    rotations = np.empty((count, len(tree.parents), 3, 3))
+    origins = np.zeros((count, len(tree.parents), 3))
+    rotations[:, 0] = np.eye(3)
+    for i in range(1, len(tree.parents)):
+        parent, at = rotations[:, tree.parents[i]], tree.first[i]
+        rotation = parent @ tree.rotations[i]
+        origin = origins[:, tree.parents[i]] + parent @ tree.translations[i]
+        axis = tree.axes[i]
+        if not axis.any():
+            origin = origin + (rotation @ q[:, at : at + 3, None])[:, :, 0]
+            rotation = rotation @ _of_quaternions(q[:, at + 3 : at + 7])
+        elif tree.turns[i]:
+            rotation = rotation @ _turned(axis, q[:, at])
+        else:
+            origin = origin + (rotation @ axis) * q[:, at, None]
+        rotations[:, i], origins[:, i] = rotation, origin
+    return rotations, origins
+
+
+def _turned(axis: Array, angle: Array) -> Array:
+    """Rotations about a unit axis, (m, 3, 3), by Rodrigues's formula."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    sine, cosine = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
+    return np.asarray(np.eye(3) + sine * cross + (1.0 - cosine) * (cross @ cross))
+
+
+def _of_quaternions(quaternions: Array) -> Array:
+    """Rotation matrices (m, 3, 3) of unit quaternions (m, 4) as (x, y, z, w)."""
+    vector, w = quaternions[:, :3], quaternions[:, 3]
+    cross = np.zeros((len(quaternions), 3, 3))
+    for i, (row, column) in enumerate(((2, 1), (0, 2), (1, 0))):
+        cross[:, row, column], cross[:, column, row] = vector[:, i], -vector[:, i]
+    return np.asarray(np.eye(3) + 2.0 * (w[:, None, None] * cross + cross @ cross))
+
+
+def _tree(model: pin.Model) -> JointTree:
+    neutral = pin.neutral(model)
+    axes, turns = np.zeros((model.njoints, 3)), np.zeros(model.njoints, dtype=bool)
+    for i in range(1, model.njoints):
+        joint = model.joints[i]
+        if joint.nv != 1:
+            continue
+        data = joint.createData()
+        joint.calc(data, neutral)
+        linear, angular = np.split(np.array(data.S).reshape(6), 2)
+        turns[i] = bool(np.linalg.norm(angular) > _TINY)
+        axes[i] = angular if turns[i] else linear
+    return JointTree(
+        tuple(int(parent) for parent in model.parents),
+        np.array([placement.rotation for placement in model.jointPlacements]),
+        np.array([placement.translation for placement in model.jointPlacements]),
+        axes,
+        turns,
+        tuple(max(int(joint.idx_q), 0) if i else 0 for i, joint in enumerate(model.joints)),
+    )

@@ -1,0 +1,187 @@
+"""The robot as spheres: those of its URDF, and those that enclose its other shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import cached_property
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import numpy.typing as npt
+
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
+from robotraj.robot.collision.enclosing_spheres import EXCESS, union_volume
+from robotraj.robot.collision.fit_cache import fitted
+from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
+from robotraj.robot.collision.placements import placements
+from robotraj.robot.collision.tessellation import triangles_of
+from robotraj.robot.robot import Robot
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int_]
+
+
+class ShapeFit(NamedTuple):
+    """How spheres enclose one shape.
+
+    Attributes
+    ----------
+    name, link : str
+    spheres : int
+    protrusion : float
+        Largest distance of the spheres beyond the shape [m]; 0 for a sphere.
+    excess : float
+        Volume of the spheres over that of the shape's convex hull, less 1.
+    """
+
+    name: str
+    link: str
+    spheres: int
+    protrusion: float
+    excess: float
+
+
+@dataclass(frozen=True, eq=False)
+class RobotSpheres(OneLine):
+    """Spheres on the links of a robot, as plain arrays.
+
+    Attributes
+    ----------
+    links : tuple of str
+        Links that carry spheres.
+    link : ndarray of int (n,)
+        Of each sphere, index in ``links``.
+    joint : ndarray of int (n,)
+        Pinocchio's joint that carries each sphere; 0 for the world.
+    centre : ndarray (n, 3)
+        In the joint's frame [m].
+    radius : ndarray (n,)
+        [m].
+    link_pairs : ndarray of int (m, 2)
+        Pairs of links that are checked against each other.
+    fits : tuple of ShapeFit
+    """
+
+    links: tuple[str, ...]
+    link: Indices
+    joint: Indices
+    centre: Array
+    radius: Array
+    link_pairs: Indices
+    fits: tuple[ShapeFit, ...]
+
+    @cached_property
+    def sphere_pairs(self) -> Indices:
+        """Pairs of spheres on links that are checked against each other, (k, 2)."""
+        of_link = [np.flatnonzero(self.link == i) for i in range(len(self.links))]
+        parts = [
+            np.stack(np.meshgrid(of_link[a], of_link[b], indexing="ij"), axis=-1).reshape(-1, 2)
+            for a, b in self.link_pairs
+        ]
+        return np.concatenate([np.zeros((0, 2), dtype=int), *parts])
+
+    def centres(self, robot: Robot, q: Array) -> Array:
+        """Return the centres in the world (m, n, 3) [m] at configurations q (m, nq)."""
+        rotations, origins = placements(robot, q)
+        turned = np.einsum("mnij,nj->mni", rotations[:, self.joint], self.centre)
+        return np.asarray(origins[:, self.joint] + turned)
+
+    def self_distances(self, robot: Robot, q: Array) -> Array:
+        """Return the distance [m] of each pair of links (configurations, pairs), negative where spheres overlap."""
+        centres, pairs = self.centres(robot, q), self.sphere_pairs
+        if not len(pairs):
+            return np.zeros((len(q), 0))
+        apart = np.linalg.norm(centres[:, pairs[:, 0]] - centres[:, pairs[:, 1]], axis=2)
+        apart -= self.radius[pairs[:, 0]] + self.radius[pairs[:, 1]]
+        sizes = np.bincount(self.link, minlength=len(self.links))
+        counts = sizes[self.link_pairs[:, 0]] * sizes[self.link_pairs[:, 1]]
+        return np.asarray(np.minimum.reduceat(apart, np.cumsum(counts) - counts, axis=1))
+
+
+_KNOWN: WeakKeyDictionary[Robot, dict[frozenset[frozenset[str]], RobotSpheres]] = WeakKeyDictionary()
+
+
+def robot_spheres(robot: Robot, disabled: Collection[tuple[str, str]] = ()) -> RobotSpheres:
+    """Return the spheres of a robot; they are made once.
+
+    Spheres of the URDF are taken as they are; capsules, boxes, cylinders and meshes are enclosed by spheres, which are
+    kept on disk by the content of the shape (``fit_cache``).
+
+    Parameters
+    ----------
+    robot : Robot
+    disabled : collection of (str, str)
+        Pairs of links that are not checked against each other, as of ``read_srdf``. Pairs that a joint joins, that do
+        not move relative to each other, or that touch in all sampled configurations are not checked either.
+
+    Raises
+    ------
+    InputError
+        A shape of a kind that spheres are not fitted to.
+    """
+    known = _KNOWN.setdefault(robot, {})
+    key = frozenset(frozenset(pair) for pair in disabled)
+    if key not in known:
+        known[key] = _made(robot, disabled)
+    return known[key]
+
+
+def _made(robot: Robot, disabled: Collection[tuple[str, str]]) -> RobotSpheres:
+    links: list[str] = []
+    link, joint, fits = [], [], []
+    centres, radii = [np.zeros((0, 3))], [np.zeros(0)]
+    for shape in robot.collision_model.geometryObjects:
+        name = robot.model.frames[shape.parentFrame].name
+        own, sizes, protrusion, excess = spheres_of(shape)
+        if name not in links:
+            links.append(name)
+        fits.append(ShapeFit(shape.name, name, len(sizes), protrusion, excess))
+        link += [links.index(name)] * len(sizes)
+        joint += [int(shape.parentJoint)] * len(sizes)
+        centres.append(own @ shape.placement.rotation.T + shape.placement.translation)
+        radii.append(sizes)
+    pairs = candidate_pairs(robot, links, disabled)
+    numbers = np.array([(links.index(a), links.index(b)) for a, b in pairs], dtype=int).reshape(-1, 2)
+    every = RobotSpheres(
+        tuple(links),
+        np.array(link, dtype=int),
+        np.array(joint, dtype=int),
+        np.concatenate(centres),
+        np.concatenate(radii),
+        numbers,
+        tuple(fits),
+    )
+    if not len(numbers):
+        return every
+    touching = np.all(every.self_distances(robot, sampled_configurations(robot)) < 0.0, axis=0)
+    return RobotSpheres(
+        every.links, every.link, every.joint, every.centre, every.radius, numbers[~touching], every.fits
+    )
+
+
+def spheres_of(shape: Any) -> tuple[Array, Array, float, float]:
+    """Return centres and radii in the shape's axes, the protrusion [m] and the excess volume of one shape."""
+    geometry, name = shape.geometry, shape.name
+    kind = type(geometry).__name__
+    if kind == "Sphere":
+        return np.zeros((1, 3)), np.array([float(geometry.radius)]), 0.0, 0.0
+    if kind == "Capsule":
+        return _capsule(float(geometry.radius), float(geometry.halfLength))
+    fit = fitted(triangles_of(geometry, name))
+    excess = fit.volume / fit.hull_volume - 1.0 if fit.hull_volume > 0.0 else float("inf")
+    return fit.centres, fit.radii, fit.protrusion, excess
+
+
+def _capsule(radius: float, half: float) -> tuple[Array, Array, float, float]:
+    """Spheres along the axis whose intersections still enclose the capsule."""
+    reach = radius + min(EXCESS, 0.25 * radius)
+    step = 2.0 * np.sqrt(reach**2 - radius**2)
+    count = int(np.ceil(2.0 * half / step)) + 1
+    places = np.linspace(-half, half, count) if count > 1 else np.zeros(1)
+    gap = places[1] - places[0] if count > 1 else 0.0
+    radii = np.full(count, np.hypot(radius, 0.5 * gap))
+    centres = np.column_stack([np.zeros((count, 2)), places])
+    volume = np.pi * radius**2 * (2.0 * half + 4.0 / 3.0 * radius)
+    return centres, radii, float(radii[0] - radius), union_volume(centres, radii) / volume - 1.0

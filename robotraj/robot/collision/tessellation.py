@@ -1,0 +1,76 @@
+"""Triangles whose union contains the surface of a collision shape."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robotraj._util.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+SIDES = 24
+"""Sides of the prism around a cylinder."""
+
+
+def triangles_of(shape: Any, name: str) -> Array:
+    """Return triangles (f, 3, 3) [m] in the axes of a coal shape, a box, cylinder, cone, ellipsoid or mesh.
+
+    Raises
+    ------
+    InputError
+        A shape of another kind.
+    """
+    kind = type(shape).__name__
+    if kind.startswith("BVHModel"):
+        vertices = np.array(shape.vertices())
+        count = int(shape.num_tris)
+        corners = np.array([[tri[0], tri[1], tri[2]] for tri in (shape.tri_indices(i) for i in range(count))])
+        return np.asarray(vertices[corners])
+    if kind == "Box":
+        return _hull(_corners(np.array(shape.halfSide)))
+    if kind == "Cylinder":
+        return _hull(_prism(float(shape.radius), float(shape.halfLength)))
+    if kind == "Ellipsoid":
+        return _hull(_corners(np.ones(3)) * np.array(shape.radii))
+    if kind == "Cone":
+        return _hull(_prism(float(shape.radius), float(shape.halfLength)))
+    if kind.startswith("Convex"):
+        return _hull(np.array(shape.points()))
+    raise InputError(f"The collision shape {name!r} is a {kind}, which spheres are not fitted to; use a mesh.")
+
+
+def subdivided(triangles: Array, longest: float) -> Array:
+    """Split triangles at the middles of their edges until no edge is longer than ``longest`` [m]."""
+    done = []
+    while triangles.size:
+        edges = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
+        done.append(triangles[edges <= longest])
+        a, b, c = triangles[edges > longest].transpose(1, 0, 2)
+        ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+        parts = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+        triangles = np.concatenate([np.stack(part, axis=1) for part in parts])
+    return np.concatenate(done) if done else np.zeros((0, 3, 3))
+
+
+def _corners(half: Array) -> Array:
+    return np.array(np.meshgrid(*((-h, h) for h in half), indexing="ij")).reshape(3, -1).T
+
+
+def _prism(radius: float, half: float) -> Array:
+    angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    rim = radius / np.cos(np.pi / SIDES) * np.column_stack([np.cos(angles), np.sin(angles)])
+    return np.concatenate([np.column_stack([rim, np.full(SIDES, z)]) for z in (-half, half)])
+
+
+def _hull(points: Array) -> Array:
+    from scipy.spatial import ConvexHull
+
+    hull = ConvexHull(points)
+    corners = points[hull.simplices].copy()
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    wrong = np.einsum("fi,fi->f", normals, hull.equations[:, :3]) < 0.0
+    corners[wrong] = corners[wrong][:, ::-1]
+    return np.asarray(corners)
