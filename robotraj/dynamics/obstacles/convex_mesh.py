@@ -74,11 +74,11 @@ class ConvexMesh(Obstacle):
         InputError
             The file cannot be read.
         """
-        import coal
+        import pinocchio as pin
 
         file = Path(path).expanduser()
         try:
-            mesh = coal.MeshLoader().load(str(file), np.broadcast_to(np.asarray(scale, dtype=float), (3,)).copy())
+            mesh = pin.hppfcl.MeshLoader().load(str(file), np.broadcast_to(np.asarray(scale, dtype=float), (3,)).copy())
         except (ValueError, RuntimeError) as error:
             raise InputError(f"The mesh {str(file)!r} cannot be read: {error}") from error
         return cls(np.array(mesh.vertices()), position, quaternion, frame, name or file.stem)
@@ -132,7 +132,7 @@ class ConvexMesh(Obstacle):
 
 
 def _hull(points: Array, label: str) -> Array:
-    """Indices of the vertices of the convex hull."""
+    """Return the indices of the vertices of the convex hull."""
     from scipy.spatial import ConvexHull, QhullError
 
     try:

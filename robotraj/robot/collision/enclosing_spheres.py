@@ -1,8 +1,8 @@
 """Spheres that enclose a surface: every triangle of a fine subdivision lies in one sphere as a whole.
 
-The surface is split into parts, each with its smallest enclosing ball. The part whose ball is largest, of those that
-protrude beyond the surface, is split next, along the axis that leaves the least volume. A ball is convex, so a triangle lies in it where its
-corners do: the enclosure is exact, not sampled.
+The surface is split into parts, each with its smallest enclosing ball. The part with the largest ball, of those that
+protrude beyond the surface, is split next, along the axis that leaves the least volume. A ball is convex, so a triangle
+lies in it where its corners do: the enclosure is exact, not sampled.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def union_volume(centres: Array, radii: Array) -> float:
     return total
 
 
-class _Part(NamedTuple):
+class _Cluster(NamedTuple):
     pieces: Array
     centre: Array
     radius: float
@@ -122,9 +122,9 @@ class _Surface:
         return float(np.max(np.where(outside, distance, 0.0)))
 
 
-def _part(pieces: Array, surface: _Surface) -> _Part:
+def _part(pieces: Array, surface: _Surface) -> _Cluster:
     centre, radius = smallest_ball(pieces.reshape(-1, 3))
-    return _Part(pieces, centre, radius, surface.protrusion(centre, radius))
+    return _Cluster(pieces, centre, radius, surface.protrusion(centre, radius))
 
 
 def smallest_ball(points: Array) -> tuple[Array, float]:
@@ -140,7 +140,7 @@ def smallest_ball(points: Array) -> tuple[Array, float]:
     return centre, float(np.linalg.norm(points - centre, axis=1).max()) * (1.0 + 1e-12)
 
 
-def _split(pieces: Array, surface: _Surface) -> list[_Part]:
+def _split(pieces: Array, surface: _Surface) -> list[_Cluster]:
     """Split pieces in halves along the axis that leaves the least volume."""
     middles = pieces.mean(axis=1)
     best, least = np.arange(len(pieces)) < len(pieces) // 2, np.inf

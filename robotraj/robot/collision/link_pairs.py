@@ -73,7 +73,7 @@ def candidate_pairs(
 def _parent_link(model: pin.Model, frame: int) -> int:
     """Return the link to which a joint joins a link, through frames that are joints; -1 where there is none."""
     at, before = int(model.frames[frame].parentFrame), frame
-    # Pinocchio makes the frame of a locked joint its own parent; the links beside it do not move relative to each other.
+    # Pinocchio makes the frame of a locked joint its own parent; links beside it do not move relative to each other.
     while at != before and model.frames[at].type != pin.FrameType.BODY:
         at, before = int(model.frames[at].parentFrame), at
     return at if at != before else -1
