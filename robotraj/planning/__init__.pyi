@@ -9,6 +9,7 @@ from .kinematic import Kinematic
 from .many.multistart import Multistart, Optimum, multistart
 from .many.sweep import sweep
 from .plan import plan
+from .replanning.driven import driven
 from .replanning.replan import Replan
 from .settings import Restarts, Settings
 
@@ -21,6 +22,7 @@ __all__ = [
     "Replan",
     "Restarts",
     "Settings",
+    "driven",
     "multistart",
     "plan",
     "precompile",

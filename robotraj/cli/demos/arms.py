@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import casadi as ca
+
 from robotraj.cli.demos.demo import Demo
 from robotraj.dynamics.design.length import LinkLength
 from robotraj.dynamics.design.mass import BodyMass
@@ -13,6 +15,7 @@ from robotraj.problem.constraints.frame_pose import FramePosition
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.effort import Effort
+from robotraj.problem.objectives.expressions import Lagrange
 from robotraj.problem.phase import Phase
 from robotraj.problem.state import State
 from robotraj.robot.load import load
@@ -33,6 +36,23 @@ def ur5() -> Demo:
         name="pick to place",
     )
     return Demo(move, (Mesh(50, HermiteSimpson()),))
+
+
+def moving_goal() -> Demo:
+    """Follow a goal of the joints that moves, from rest to rest."""
+    still, sway = (1.1, -0.8, 0.6, -0.6, -0.6, 1.2), (0.3, -0.15, 0.15, 0.0, 0.0, 0.3)
+    gap = Lagrange(
+        lambda point: sum((point.q[i] - still[i] - sway[i] * ca.sin(2.0 * point.t)) ** 2 for i in range(len(still)))
+    )
+    follow = Phase(
+        load("ur5"),
+        duration=2.0,
+        start=State(q=[-1.1, -1.8, 1.6, -1.2, -1.57, 0], v=0),
+        end=State(v=0),
+        objective=gap + 1e-4 * Effort(),
+        name="follow",
+    )
+    return Demo(follow, (Mesh(40, HermiteSimpson()),))
 
 
 def design() -> Demo:

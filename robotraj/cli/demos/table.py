@@ -134,6 +134,7 @@ DEMOS: dict[str, DemoEntry] = {
             "A ur5 draws a straight line in minimum time, its tool pointing down.",
             "18_tool_on_a_line",
         ),
+        DemoEntry("moving_goal", "arms", "A ur5 follows a goal of its joints that moves.", "19_moving_goal"),
     )
 }
 

@@ -24,8 +24,10 @@ class Replan(OneLine):
 
     Attributes
     ----------
+    t : float
+        Time of the step [s], on the clock of the caller.
     motion : PhaseSolution
-        The planned motion, on the clock of the caller.
+        The planned motion, on the same clock.
     fresh : bool
         Whether this step's plan meets its rows. Otherwise ``motion`` is that of the last step that did.
     status : Status
@@ -37,6 +39,7 @@ class Replan(OneLine):
         Wall-clock time of the step.
     """
 
+    t: float
     motion: PhaseSolution
     fresh: bool
     status: Status
@@ -59,7 +62,11 @@ class Replan(OneLine):
 
         Times before the start and after the end are taken as the start and the end.
         """
-        return self.motion.at(np.clip(np.asarray(t, dtype=float), self.start, self.end))
+        return self.motion.at(self.within(t))
+
+    def within(self, t: float | Array) -> Array:
+        """Return times, those outside the plan moved to its ends [s]."""
+        return np.clip(np.asarray(t, dtype=float), self.start, self.end)
 
     def __str__(self) -> str:
         kept = "" if self.fresh else ", plan of an earlier step kept"

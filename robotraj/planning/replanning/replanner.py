@@ -166,7 +166,7 @@ class Replanner:
             self._w, self._lam = w, found.lam
             trajectory = extract(formulation.nlp, w)[0]
             self._plan = PhaseSolution(self._phase, self.first.phases[0].mesh, trajectory)
-        return Replan(self._plan, fresh, status, violation, found.iterations, time.perf_counter() - began)
+        return Replan(float(t), self._plan, fresh, status, violation, found.iterations, time.perf_counter() - began)
 
     @property
     def _options(self) -> Options:

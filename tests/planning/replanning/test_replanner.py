@@ -141,3 +141,20 @@ def test_time_and_parameters_are_numbers_of_a_step():
     np.testing.assert_allclose(replan.at(2.0 + times).u["u"], cold.at(times).u["u"], atol=1e-4)
     with pytest.raises(rt.InputError, match="amplitude"):
         replanner.step(2.0, rt.State({"x": 0.3, "v": 0.0}), parameters={"amplitud": 0.7})
+
+
+def test_driven_pieces_are_those_of_the_plans(reach, tmp_path):
+    replanner = rt.Replanner(reach, mesh=rt.Mesh(10))
+    q, v, replans = START, np.zeros(6), []
+    for t in (0.0, 0.1, 0.2):
+        replans.append(replanner.step(t, rt.State(q=q, v=v)))
+        reached = replans[-1].at(t + 0.1)
+        q, v = reached.q, reached.v
+    motion = rt.planning.driven(replans, until=0.3)
+    for t, replan in zip((0.03, 0.13, 0.27), replans, strict=True):
+        np.testing.assert_allclose(motion.at(t).q, replan.at(t).q, atol=1e-9)
+        np.testing.assert_allclose(motion.at(t).tau, replan.at(t).tau, atol=1e-6)
+    assert not motion.success and motion.duration == pytest.approx(0.3)
+    assert rt.replay(motion, tmp_path / "driven.html").is_file()
+    with pytest.raises(rt.InputError, match="ascend"):
+        rt.planning.driven(replans, until=0.2)
