@@ -1,13 +1,14 @@
-"""Dynamics with the variables that an objective adds: rates, slacks, jerks, running integrals.
+"""Dynamics with variables that an objective or a constraint adds: rates, slacks, jerks, running integrals, a path.
 
-An objective may need further quantities: the time derivative of a torque, a slack for an absolute value.
-It then wraps the dynamics of the phase in a larger DAE of the same physics, which schemes and transcription
+An objective or a constraint may need further quantities: the time derivative of a torque, a slack for an absolute
+value. It then wraps the dynamics of the phase in a larger DAE of the same physics, which schemes and transcription
 treat as any other:
 
     ControlRates        u becomes a state, its rate the control:   udot = r
     Slacks              further controls s, bounded by rows of the objective
     Jerks               further algebraic variables j = da/dt of a robot
     RunningIntegral     a further state W from W = 0:   Wdot = l(x, z, u, p, t)
+    PathParameter       further states s, s' and the control s'' of a motion on a path q(s)
 
 Points of a wrapped phase keep their attributes, such as ``point.u`` and ``point.tau``. Added variables are in
 ``point.extra``.
@@ -18,20 +19,18 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from functools import cached_property
 from typing import Any, ClassVar
 
 import casadi as ca
 
-from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
 from robotraj.dynamics.point import Point
-from robotraj.dynamics.rigid_body import InverseDynamics, RigidBody
+from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.variable import Variable
+from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.scalars import Scalar
-from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)
@@ -87,6 +86,11 @@ class Augmented(OneLine, ABC):
         """Values of added states that are fixed at the start of the phase."""
         return self.inner.start if isinstance(self.inner, Augmented) else {}
 
+    @property
+    def end(self) -> Mapping[str, float]:
+        """Values of added states that are fixed at the end of the phase."""
+        return self.inner.end if isinstance(self.inner, Augmented) else {}
+
     @abstractmethod
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Return the inner Point of columns of symbols, with added variables in ``point.extra``."""
@@ -116,57 +120,21 @@ def body_of(dynamics: Dynamics) -> Dynamics:
     return dynamics
 
 
+def with_fixed(dynamics: Dynamics, bounds: Bounds, which: str) -> Bounds:
+    """Return bounds on the state at the ``which`` end, ``"start"`` or ``"end"``, with added states that are fixed."""
+    if not isinstance(dynamics, Augmented):
+        return bounds
+    names = [s.name for s in dynamics.states]
+    values = dynamics.start if which == "start" else dynamics.end
+    for name, value in values.items():
+        bounds.lower[names.index(name)] = bounds.upper[names.index(name)] = value
+    return bounds
+
+
 def has(dynamics: Dynamics, names: Sequence[str]) -> bool:
-    """Whether another term of the objective added variables of these names already."""
+    """Whether variables of these names were added already, by another term or constraint."""
     known = {v.name for v in (*dynamics.states, *dynamics.algebraic, *dynamics.controls)}
     return set(names) <= known
-
-
-@dataclass(frozen=True)
-class ControlRates(Augmented):
-    """The body's controls become states and their rates r the controls, udot = r."""
-
-    smooth: ClassVar[bool] = True
-
-    @cached_property
-    def _moved(self) -> tuple[Variable, ...]:
-        return body_of(self.inner).controls
-
-    @property
-    def states(self) -> tuple[Variable, ...]:
-        """Inner states, then the body's controls."""
-        return (*self.inner.states, *self._moved)
-
-    @cached_property
-    def controls(self) -> tuple[Variable, ...]:
-        """Rates ``rate.<control>``, then further inner controls."""
-        rates = tuple(
-            Variable(f"rate.{c.name}", f"{c.unit}/s" if c.unit else "", f"{c.quantity} rate", c.joint)
-            for c in self._moved
-        )
-        return rates + self.inner.controls[len(rates) :]
-
-    @property
-    def time_orders(self) -> TimeOrders | None:
-        """Count one division by time more for a rate than for its variable."""
-        known = self._inner_orders
-        if known is None:
-            return None
-        moved, others = known.controls[: len(self._moved)], known.controls[len(self._moved) :]
-        return TimeOrders(known.states + moved, known.algebraic, tuple(k + 1 for k in moved) + others)
-
-    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
-        """Return the states that were controls as controls."""
-        nx, nu = len(self.inner.states), len(self._moved)
-        inner = None if u is None else ca.vertcat(x[nx:, :], u[nu:, :])
-        point = self.inner.point(t, x[:nx, :], z, inner, p, names)
-        if u is not None:
-            point.extra |= {v.name: u[i] for i, v in enumerate(self.controls[:nu])}
-        return point
-
-    def rates(self, point: Any) -> ca.SX:
-        """Inner rates, then r."""
-        return ca.vertcat(self.inner.rates(point), *(point.extra[v.name] for v in self.controls[: len(self._moved)]))
 
 
 @dataclass(frozen=True)
@@ -196,74 +164,6 @@ class Slacks(Augmented):
 
 
 @dataclass(frozen=True)
-class Jerks(Augmented):
-    """Jerks j = da/dt of a robot as algebraic variables, from the time derivative of the torque balance.
-
-    0 = d/dt [RNEA(q, v, a) + d(v) - B tau] along (v, a, j, taudot), linear in j with the mass matrix in
-    front.
-    """
-
-    smooth: ClassVar[bool] = True
-
-    @cached_property
-    def jerks(self) -> tuple[Variable, ...]:
-        """``jerk.<joint>``."""
-        robot = _robot(self.inner)
-        pairs = zip(robot.velocity_names, robot.units, strict=True)
-        return tuple(Variable(f"jerk.{joint}", f"{unit}/s^3", "jerk", joint) for joint, unit in pairs)
-
-    @property
-    def algebraic(self) -> tuple[Variable, ...]:
-        """Inner algebraic variables, then the jerks."""
-        return (*self.inner.algebraic, *self.jerks)
-
-    @cached_property
-    def residuals(self) -> tuple[Variable, ...]:
-        """Inner rows, then the rate of each torque balance."""
-        rows = InverseDynamics().of(_robot(self.inner)).residuals
-        return (
-            *self.inner.residuals,
-            *(Variable(f"rate.{r.name}", f"{r.unit}/s", f"{r.quantity} rate", r.joint) for r in rows),
-        )
-
-    @property
-    def time_orders(self) -> TimeOrders | None:
-        """3 for jerks."""
-        known = self._inner_orders
-        return known and known._replace(algebraic=known.algebraic + (3,) * len(self.jerks))
-
-    def _balance_rate(self, names: Sequence[str]) -> ca.Function:
-        robot = _robot(self.inner)
-        inner = body_of(self.inner)
-        body = InverseDynamics().of(robot, inner.design if isinstance(inner, RigidBody) else None)
-        q = ca.SX.sym("q", robot.nq)
-        v, a, j = (ca.SX.sym(name, robot.nv) for name in "vaj")
-        tau, rate = ca.SX.sym("tau", robot.nu), ca.SX.sym("rate", robot.nu)
-        p = ca.SX.sym("p", len(names))
-        point = body.point(ca.SX(0), ca.vertcat(q, v), a, tau, p, names)
-        moved = v if robot.nq == robot.nv else robot.symbolic.configuration_rate(q, v)
-        along = ca.jtimes(body.residual(point), ca.vertcat(q, v, a, tau), ca.vertcat(moved, a, j, rate))
-        return ca.Function("balance_rate", [q, v, a, tau, j, rate, p], [along])
-
-    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
-        """Put the jerks into ``point.extra``."""
-        nz = len(self.inner.algebraic)
-        point = self.inner.point(t, x, None if z is None else z[:nz, :], u, p, names)
-        if z is not None:
-            point.extra |= {v.name: z[nz + i] for i, v in enumerate(self.jerks)}
-        return point
-
-    def residual(self, point: Any) -> ca.SX:
-        """Inner rows, then the rates of the torque balances."""
-        robot = _robot(self.inner)
-        jerk = ca.vertcat(*(point.extra[v.name] for v in self.jerks))
-        rate = ca.vertcat(*(point.extra[f"rate.tau.{joint}"] for joint in robot.actuated))
-        p = ca.vertcat(ca.SX(0, 1), *point.p.values())
-        row = self._balance_rate(list(point.p))(point.q, point.v, point.a, point.tau, jerk, rate, p)
-        return ca.vertcat(self.inner.residual(point), row)
-
-
-@dataclass(frozen=True)
 class RunningIntegral(Augmented):
     """A further state that integrates a rate from 0 at the start of the phase."""
 
@@ -290,12 +190,3 @@ class RunningIntegral(Augmented):
     def rates(self, point: Any) -> ca.SX:
         """Inner rates, then the integrand."""
         return ca.vertcat(self.inner.rates(point), self.rate(point))
-
-
-def _robot(dynamics: Dynamics) -> Robot:
-    body = body_of(dynamics)
-    if not isinstance(body, RigidBody):
-        raise InputError(
-            "Jerk() needs a robot, but the phase moves a System; integrate a rate of yours with rt.Lagrange."
-        )
-    return body.robot

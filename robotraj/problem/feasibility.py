@@ -124,9 +124,8 @@ def _check_expressions(table: RowTable, end: Where, bounds: Bounds) -> None:
     rows = [row for row in table if row.kind in (Kind.PATH, Kind.END) and row.where in (Where.THROUGHOUT, end)]
     if not rows or not np.array_equal(lower, upper):
         return
-    point = symbols_of(table.body, table.parameters)
-    x = ca.vertcat(*(point.x[s.name] for s in table.body.states))
-    for row, value in zip(rows, table.values(rows, point), strict=True):
+    x = table.symbols[1][: len(lower)]
+    for row, value in zip(rows, table.expressions(rows), strict=True):
         if any(not ca.depends_on(x, s) for s in ca.symvar(value)):
             continue
         number = float(ca.Function("row", [x], [value])(lower))

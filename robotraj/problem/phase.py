@@ -14,7 +14,7 @@ from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.system import System, SystemDynamics
-from robotraj.problem.augmentation import Augmented
+from robotraj.problem.augmentation import with_fixed
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.bounds import Between, Bounds, Interval, as_bounds, as_duration
 from robotraj.problem.constraints.contact_limits import contact_limits
@@ -186,10 +186,11 @@ class Phase(OneLine):
 
     @cached_property
     def dae(self) -> Dynamics:
-        """The phase's dynamics as a semi-explicit DAE, variables of the objective included."""
+        """The phase's dynamics as a semi-explicit DAE, variables of the objective and the constraints included."""
         dae = self.body
-        for _, term in self.objective.terms if self.objective is not None else ():
-            dae = term.augment(dae)
+        terms = [term for _, term in self.objective.terms] if self.objective is not None else []
+        for each in (*terms, *self.constraints):
+            dae = each.augment(dae)
         return dae
 
     @cached_property
@@ -211,17 +212,12 @@ class Phase(OneLine):
     @cached_property
     def start_bounds(self) -> Bounds:
         """Bounds on the first state, (nx,) each."""
-        bounds = (self.start or State()).bounds(self.dae, "start")
-        if isinstance(self.dae, Augmented):
-            names = [s.name for s in self.dae.states]
-            for name, value in self.dae.start.items():
-                bounds.lower[names.index(name)] = bounds.upper[names.index(name)] = value
-        return bounds
+        return with_fixed(self.dae, (self.start or State()).bounds(self.dae, "start"), "start")
 
     @cached_property
     def end_bounds(self) -> Bounds:
         """Bounds on the last state, (nx,) each."""
-        return (self.end or State()).bounds(self.dae, "end")
+        return with_fixed(self.dae, (self.end or State()).bounds(self.dae, "end"), "end")
 
     @property
     def _ends(self) -> Ends:

@@ -31,13 +31,15 @@ class Kind(Enum):
     """What a row is to the transcription.
 
     BOUND bounds one variable of the dynamics. PATH bounds an expression at the collocation points. INTEGRAL bounds an
-    integral over the phase. END bounds an expression at the start or at the end.
+    integral over the phase. END bounds an expression at the start or at the end. RATE bounds the time derivative of one
+    variable.
     """
 
     BOUND = "bound"
     PATH = "path"
     INTEGRAL = "integral"
     END = "end"
+    RATE = "rate"
 
 
 @dataclass(frozen=True)
@@ -136,6 +138,11 @@ class RowTable(OneLine):
     def integrals(self) -> tuple[PhaseRow, ...]:
         """Rows of integrals over the phase."""
         return self._of(Kind.INTEGRAL)
+
+    @cached_property
+    def rates(self) -> tuple[PhaseRow, ...]:
+        """Rows of time derivatives of variables."""
+        return self._of(Kind.RATE)
 
     @cached_property
     def throughout(self) -> tuple[PhaseRow, ...]:
@@ -293,6 +300,8 @@ def evaluated(constraint: BoundConstraint, point: Point) -> list[ca.SX]:
 
 
 def _kind(row: Row, where: Where) -> Kind:
+    if where is Where.RATE:
+        return Kind.RATE
     if row.variable is not None:
         return Kind.BOUND
     if where is Where.INTEGRAL:

@@ -34,6 +34,7 @@ from robotraj.transcription.interval_limits.bernstein_bounds import (
     on_coefficients,
 )
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.interval_limits.rate_bounds import impose_on_rates
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.numbering import lay_out
@@ -104,6 +105,7 @@ def transcribe(
         else:
             points.append(collocate(phase, i, layout, rows, linear, engine.separate_torques, interval_limits, known))
         impose_on_controls(interval_limits, phase, i, layout, rows, linear)
+        impose_on_rates(phase, i, layout, rows, linear)
         blocks += end_constraint_blocks(phase, i, layout, rows)
         chosen = start_equalities_block(phase, i, layout, rows, known) if collocated and known is not None else None
         started = start_block(problem.phases, i, layout, problem.bound_links, rows)

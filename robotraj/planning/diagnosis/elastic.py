@@ -43,6 +43,10 @@ LONGEST = 30.0
 """Longest duration of a relaxed motion, relative to the longest allowed one."""
 
 
+KEPT = (Where.INTEGRAL, Where.RATE)
+"""Kinds of rows that are not relaxed."""
+
+
 @dataclass(frozen=True)
 class _RelaxedRow:
     """One row to relax: the table that evaluates it, and the parameter that is its slack."""
@@ -78,8 +82,17 @@ class _RelaxedConstraint(Constraint):
             slacks = [entry.scale * point.p[entry.name] for entry in self.entries]
             return [values[i] + sign * slacks[i] for i, sign, _ in sides]
 
-        bound = table.constraints[rows[0].constraint]
+        bound = self._bound
         return BoundConstraint(bound.name, tuple(row for *_, row in sides), expression, bound.where)
+
+    @property
+    def _bound(self) -> BoundConstraint:
+        return self.entries[0].table.constraints[self.entries[0].row.constraint]
+
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """Add the variables that the rows of the constraint read."""
+        source = self._bound.source
+        return dynamics if source is None else source.augment(dynamics)
 
 
 def _last_time(longest: float) -> BoundConstraint:
@@ -138,13 +151,14 @@ def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, l
         if alone and np.isfinite(longest):
             given.append(_last_time(longest))
             duration = (least, LONGEST * longest)
-        table = replace(phase.rows, dae=phase.body, constraints=tuple(given))
-        entries = [
-            _RelaxedRow(table, row, f"slack.{i}.{row.number}") for row in table if row.where is not Where.INTEGRAL
-        ]
+        dae = phase.body
+        for constraint in phase.constraints:
+            dae = constraint.augment(dae)
+        table = replace(phase.rows, dae=dae, constraints=tuple(given))
+        entries = [_RelaxedRow(table, row, f"slack.{i}.{row.number}") for row in table if row.where not in KEPT]
         of_each = groupby(entries, lambda entry: entry.row.constraint)
         wrapped: list[Constraint] = [_RelaxedConstraint(tuple(group)) for _, group in of_each]
-        wrapped += [bound.source for bound in given if bound.where is Where.INTEGRAL and bound.source is not None]
+        wrapped += [bound.source for bound in given if bound.where in KEPT and bound.source is not None]
         names = [entry.name for entry in entries]
         cost: Objective = Mayer(partial(_total, names=names, weights=[weights.get(name, 1.0) for name in names]))
         phases.append(
@@ -184,8 +198,7 @@ def _conflict(found: Solution, index: int, entry: _RelaxedRow, slack: float) -> 
     times = {Where.START: part.points[:1], Where.END: part.points[-1:]}.get(
         entry.row.where, np.unique(np.append(part.points, part.knots))
     )
-    sample = part.at(times)
-    x, z, u = (np.reshape(list(named.values()), (-1, len(times))).T for named in (sample.x, sample.z, sample.u))
+    x, z, u = (curve(times) for curve in (part.trajectory.x, part.trajectory.z, part.trajectory.u))
     values = entry.table.sample((entry.row,), times, x, z, u, p)[:, 0]
     low, high = entry.row.lower - values, values - entry.row.upper
     worst = int(np.argmax(np.maximum(low, high)))

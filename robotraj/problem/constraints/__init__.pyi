@@ -9,6 +9,7 @@ from .frame_pose import FramePose, FramePosition
 from .heights import RequiredHeight, SwingApex
 from .integral import IntegralConstraint
 from .joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity, own_limits
+from .motors.rates import JointJerk, JointTorqueRate
 from .path import PathConstraint
 from .variable_bounds import VariableBounds
 
@@ -27,7 +28,9 @@ __all__ = [
     "IntegralConstraint",
     "JointAcceleration",
     "JointEffort",
+    "JointJerk",
     "JointPosition",
+    "JointTorqueRate",
     "JointVelocity",
     "PathConstraint",
     "RequiredHeight",

@@ -30,12 +30,14 @@ class Where(Enum):
     """When a constraint holds.
 
     AT_NODES marks rows that define variables added by an objective. They do not restrict the motion, and only the
-    transcription imposes them.
+    transcription imposes them. RATE marks rows that bound the time derivative of the variable they name, at every time;
+    their expression reads it from ``point.extra["rate.<variable>"]``, which only points of the witness have.
     """
 
     THROUGHOUT = "throughout"
     INTEGRAL = "integral"
     AT_NODES = "collocation points"
+    RATE = "time derivative"
     START = "start"
     END = "end"
 
@@ -55,7 +57,8 @@ class Row(OneLine):
     joint : str or None
         The joint, frame or variable it is about.
     variable : str or None
-        The variable of the DAE that the row is, where it is one alone: it becomes a bound of the NLP.
+        The variable of the DAE that the row is, where it is one alone: it becomes a bound of the NLP. With
+        ``Where.RATE`` the row bounds its time derivative.
     """
 
     name: str
@@ -110,6 +113,13 @@ class Constraint(OneLine, ABC):
             What the constraint names does not exist, or its bounds cannot hold.
         """
 
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """Wrap the dynamics of the phase in the variables that the rows read; most constraints need none.
+
+        The rows find these in ``point.extra`` (``robotraj.problem.augmentation``).
+        """
+        return dynamics
+
 
 @dataclass(frozen=True)
 class AtStart(Constraint):
@@ -124,6 +134,10 @@ class AtStart(Constraint):
         """Bind the constraint, at the start alone."""
         return replace(self.constraint.bind(dynamics, parameters), where=Where.START)
 
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """Add the variables of the constraint."""
+        return self.constraint.augment(dynamics)
+
 
 @dataclass(frozen=True)
 class AtEnd(Constraint):
@@ -137,6 +151,10 @@ class AtEnd(Constraint):
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Bind the constraint, at the end alone."""
         return replace(self.constraint.bind(dynamics, parameters), where=Where.END)
+
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """Add the variables of the constraint."""
+        return self.constraint.augment(dynamics)
 
 
 def _require_constraint(value: object, who: str) -> None:

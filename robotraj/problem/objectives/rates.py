@@ -9,10 +9,11 @@ import casadi as ca
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.problem.augmentation import ControlRates, Jerks, body_of, has
+from robotraj.problem.augmentation import body_of
 from robotraj.problem.constraints.base import robot_of
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.weights import WeightsLike, weights_of
+from robotraj.problem.rates_as_variables import with_control_rates, with_jerks
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
@@ -25,7 +26,8 @@ class TorqueRate(Integral):
     """Integral over the phase of sum_j w_j (d tau_j / dt)^2 [N^2 m^2 / s].
 
     The torques (controls of a System) become states and their rates the controls, so that torques are
-    continuous within the phase and as smooth as the scheme's states; their ends are free.
+    continuous within the phase and as smooth as the scheme's states; their ends are free. ``point.u`` and the phase's
+    ``controls=`` still name the torques; ``rt.constraints.JointTorqueRate`` bounds the rates.
 
     Parameters
     ----------
@@ -57,7 +59,7 @@ class Jerk(Integral):
     """Integral over the phase of sum_j w_j (d a_j / dt)^2 [rad^2/s^5, m^2/s^5], of a robot.
 
     Torques become states, as for ``TorqueRate``; the jerks follow from the time derivative of the torque
-    balance, also where joints have no motor.
+    balance, also where joints have no motor. ``rt.constraints.JointJerk`` bounds them.
 
     Parameters
     ----------
@@ -85,11 +87,4 @@ class Jerk(Integral):
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """Make the torques states and add the jerks."""
-        jerks = [f"jerk.{joint}" for joint in robot_of(body_of(dynamics), "Jerk").velocity_names]
-        return dynamics if has(dynamics, jerks) else Jerks(with_control_rates(dynamics))
-
-
-def with_control_rates(dynamics: Dynamics) -> Dynamics:
-    """Make states of the controls, unless they are already."""
-    rates = [f"rate.{c.name}" for c in body_of(dynamics).controls]
-    return dynamics if has(dynamics, rates) else ControlRates(dynamics)
+        return with_jerks(dynamics)

@@ -47,6 +47,7 @@ from robotraj.problem.constraints.frame_pose import FramePose, FramePosition
 from robotraj.problem.constraints.heights import SwingApex
 from robotraj.problem.constraints.integral import IntegralConstraint
 from robotraj.problem.constraints.joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity
+from robotraj.problem.constraints.motors.rates import JointJerk, JointTorqueRate
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.constraints.variable_bounds import VariableBounds
 from robotraj.problem.links.continuity import Continuity, Jump
@@ -104,8 +105,8 @@ CLASSES: Mapping[str, type] = {
         State, Between, Limits, AtEnd, AtStart, GroundClearance, CollisionShapes, FramePose, FramePosition, SwingApex,
         DifferentialDrive,
         IntegralConstraint, JointAcceleration, JointEffort, JointPosition, JointVelocity, PathConstraint,
-        VariableBounds, Continuity, Jump, EqualDuration, Linkage, SameParameter, Mirror, Periodic, Liftoff, Touchdown,
-        Sum, Duration, Effort, Lagrange, Mayer, ForceRate, CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness,
+        JointJerk, JointTorqueRate, VariableBounds, Continuity, Jump, EqualDuration, Linkage, SameParameter, Mirror,
+        Periodic, Liftoff, Touchdown, Sum, Duration, Effort, Lagrange, Mayer, ForceRate, CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness,
         TerminalPose, Tracking, CostOfTransport, AbsolutePower, MechanicalWork,
         # robots, contacts, terrain
         Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ForwardDynamics, InverseDynamics, Kinematics,

@@ -106,7 +106,7 @@ def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, 
         unit[column] = nlp.scale[column] / max(nlp.guess[column], 1e-3)
         if before is not None and 0.5 <= before.unit[column] / unit[column] <= 2:
             unit[column] = before.unit[column]
-    if not phases or np.isfinite(form.lower[power >= 2]).any() or np.isfinite(form.upper[power >= 2]).any():
+    if not phases or _limits_accelerations(form, power >= 2):
         return form, None
     rows, row_clock = np.zeros(n_rows, dtype=int), np.full(n_rows, -1)
     blocks = []
@@ -121,6 +121,12 @@ def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, 
     known = Stretch(power, clock, unit, rows, row_clock)
     form = replace(form, blocks=tuple(blocks))
     return _limits(_limits(form, known, of_rows=True), known, of_rows=False), known
+
+
+def _limits_accelerations(form: Form, columns: NDArray[np.bool_]) -> bool:
+    """Whether bounds or linear rows read columns of accelerations, w' / s^2, in which they are not linear."""
+    bounded = np.isfinite(form.lower[columns]).any() or np.isfinite(form.upper[columns]).any()
+    return bool(bounded or columns[form.linear.indices].any())
 
 
 def _orders(nlp: Nlp, index: int) -> TimeOrders | None:

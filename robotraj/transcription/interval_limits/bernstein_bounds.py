@@ -136,7 +136,7 @@ def state_weights(nodes: tuple[float, ...]) -> Array:
         The s nodes of the scheme; the state is a polynomial of degree s.
     """
     sites = np.linspace(0.0, 1.0, len(nodes) + 1)
-    return np.asarray((_from_values(len(nodes)) @ integrals(np.array(nodes), sites))[1:-1])
+    return np.asarray((from_values(len(nodes)) @ integrals(np.array(nodes), sites))[1:-1])
 
 
 @lru_cache(maxsize=256)
@@ -153,10 +153,10 @@ def control_weights(sites: tuple[float, ...]) -> tuple[Array, Array]:
     missing = ~np.isin(places, at[are_coefficients(at)])
     if not missing.any():
         return np.empty((0, len(at))), np.empty(0)
-    return (_from_values(len(at) - 1) @ basis(at, places))[missing], places[missing]
+    return (from_values(len(at) - 1) @ basis(at, places))[missing], places[missing]
 
 
-def _from_values(degree: int) -> Array:
+def from_values(degree: int) -> Array:
     """Return the matrix from a polynomial's values at equal distances to its coefficients, (degree + 1, degree + 1)."""
     sites = np.linspace(0.0, 1.0, degree + 1)
     j = np.arange(degree + 1)

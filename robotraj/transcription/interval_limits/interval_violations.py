@@ -34,6 +34,10 @@ PLACES = np.linspace(0.0, 1.0, 49)
 at either end."""
 INNER_PLACES = (np.arange(48) + 0.5) / 48
 """Places for rows of controls, which may jump at the ends."""
+STEP = 1e-3
+"""Step of the differences of torques, relative to the length of the interval."""
+ONE_SIDED = np.clip(PLACES, STEP, 1.0 - STEP)
+"""Places for rates, which jump at the knots."""
 SHARE = 1e-2
 """Share of its limit by which a control may exceed it between collocation points before that is reported."""
 EXACT_SHARE = 1e-3
@@ -124,6 +128,12 @@ def variable_violations(
         rows, columns = [row for row, _ in bounds], [column for _, column in bounds]
         allowed = share * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, _Columns(curve, columns), PLACES, allowed)
+    if torques is not None:
+        names = [control.name for control in phase.body.controls]
+        rows = [row for row in phase.rows.rates if row.variable in names]
+        columns = [names.index(str(row.variable)) for row in rows]
+        allowed = EXACT_SHARE * np.array([row.greatest_bound for row in rows])
+        found += _violations(index, rows, _Rates(torques, columns), ONE_SIDED, allowed)
     return found
 
 
@@ -175,6 +185,29 @@ class _Columns:
 
     def at(self, times: Array, intervals: Indices) -> Array:
         return self.curve(times, intervals)[:, self.columns]
+
+
+@dataclass(frozen=True)
+class _Rates:
+    """Rows that are time derivatives of entries of one curve, by central differences inside the intervals."""
+
+    curve: Curve
+    columns: Sequence[int]
+
+    @property
+    def breaks(self) -> Array:
+        return self.curve.breaks
+
+    def grid(self, tau: Array) -> Array:
+        count = len(self.breaks) - 1
+        times = self.breaks[:-1, None] + np.diff(self.breaks)[:, None] * tau
+        return self.at(times.ravel(), np.repeat(np.arange(count), len(tau))).reshape(count, len(tau), -1)
+
+    def at(self, times: Array, intervals: Indices) -> Array:
+        step = STEP * np.diff(self.breaks)[intervals]
+        middle = np.clip(times, self.breaks[intervals] + step, self.breaks[intervals + 1] - step)
+        change = self.curve(middle + step, intervals) - self.curve(middle - step, intervals)
+        return change[:, self.columns] / (2.0 * step[:, None])
 
 
 @dataclass(frozen=True)

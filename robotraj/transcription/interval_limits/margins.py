@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robotraj.problem.rows import Kind
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.table import Entry, Scalars
@@ -50,7 +51,12 @@ def with_margins(nlp: Nlp, margins: Margins) -> Nlp:
         number = numbers.get(Entry.of(place.phase, row))
         first, last = layout.fractions[place.interval : place.interval + 2]
         inside = (loose.fraction >= first) & (loose.fraction <= last)
-        rows.tighten(np.flatnonzero((loose.meaning == number) & inside), lower, upper)
+        chosen = np.flatnonzero((loose.meaning == number) & inside)
+        if row.kind is Kind.RATE:
+            # Rows of rates are one-sided, and those of a free duration are multiplied by it.
+            rows.shift(chosen, amount * (1.0 if layout.duration.column is None else layout.duration.of(nlp.guess)))
+        else:
+            rows.tighten(chosen, lower, upper)
     again = replace(nlp, rows=rows.finish(), variables=variables.finish(), loose_rows=loose)
     again = replace(again, guess=np.clip(nlp.guess, again.variables.lower, again.variables.upper))
     if "functions" in nlp.__dict__:
@@ -73,6 +79,10 @@ class _Tightened:
     def tighten(self, at: np.ndarray, lower: float, upper: float) -> None:
         self.lower[at] = np.maximum(self.lower[at], np.minimum(lower, self.upper[at]))
         self.upper[at] = np.minimum(self.upper[at], np.maximum(upper, self.lower[at]))
+
+    def shift(self, at: np.ndarray, amount: float) -> None:
+        self.lower[at] += amount
+        self.upper[at] -= amount
 
     def finish(self) -> Scalars:
         return replace(self.scalars, lower=self.lower, upper=self.upper)

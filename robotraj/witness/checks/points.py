@@ -19,6 +19,9 @@ from robotraj.witness.plants.system_plant import columns
 from robotraj.witness.point import NumericPoint, system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 
+STEP = 1e-3
+"""Step of central differences for rates, relative to the length of the interval."""
+
 Watched = tuple[BoundConstraint, list[Watch]]
 """A constraint and the watches of its rows."""
 
@@ -29,7 +32,7 @@ def points_of(planned: PhaseSolutionLike, times: Array, interval: int | NDArray[
     if phase.robot is not None:
         robot, motion = realised(planned), robot_sample(planned, times, interval)
         held = [force.name for contact in phase.bound_contacts for force in contact.forces]
-        return [
+        points = [
             NumericPoint(
                 robot,
                 t,
@@ -44,6 +47,10 @@ def points_of(planned: PhaseSolutionLike, times: Array, interval: int | NDArray[
             )
             for i, t in enumerate(times)
         ]
+        for name, values in added_variables(planned, times, interval).items():
+            for point, value in zip(points, values, strict=True):
+                point.extra[name] = value
+        return points
     system, sample = system_of(planned), planned.at(times, interval=interval)
     x, z, u = (
         columns(named, tuple(v.name for v in kind), len(times))
@@ -54,6 +61,40 @@ def points_of(planned: PhaseSolutionLike, times: Array, interval: int | NDArray[
         )
     )
     return [system_point(system, t, x[i], z[i], u[i], planned.parameters) for i, t in enumerate(times)]
+
+
+def added_variables(
+    planned: PhaseSolutionLike, times: Array, interval: int | NDArray[np.int_]
+) -> dict[str, NDArray[np.float64]]:
+    """Return the variables (m,) that the objective or a constraint added to the dynamics of a robot, by name.
+
+    Rates that rows bound are central differences of the planned torques and accelerations.
+    """
+    phase = planned.phase
+    if phase.robot is None or (phase.dae is phase.body and not phase.rows.rates):
+        return {}
+    sample = planned.at(times, interval=interval)
+    own = {v.name for kind in (phase.body.states, phase.body.algebraic, phase.body.controls) for v in kind}
+    found = {
+        name: np.asarray(values)
+        for named in (sample.x, sample.z, sample.u)
+        for name, values in named.items()
+        if name not in own
+    }
+    bounded = [str(row.variable) for row in phase.rows.rates]
+    if bounded:
+        knots = np.asarray(planned.knots, dtype=float)
+        at = np.broadcast_to(interval, np.shape(times))
+        step = STEP * (knots[at + 1] - knots[at])
+        middle = np.clip(times, knots[at] + step, knots[at + 1] - step)
+        behind, ahead = (robot_sample(planned, middle + sign * step, interval) for sign in (-1.0, 1.0))
+        moved = {"a": phase.robot.velocity_names, "tau": phase.robot.actuated}
+        for name in bounded:
+            kind, _, joint = name.partition(".")
+            column = list(moved[kind]).index(joint)
+            change = getattr(ahead, kind)[:, column] - getattr(behind, kind)[:, column]
+            found[f"rate.{name}"] = change / (2.0 * step)
+    return found
 
 
 def end_of(planned: PhaseSolutionLike, side: int) -> tuple[Array, Point]:

@@ -46,7 +46,7 @@ def violations_of(
     bound = [
         c for c in phase.bound_constraints if c.name not in contacts and not all(_key(row) in checked for row in c.rows)
     ]
-    throughout = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where is Where.THROUGHOUT]
+    throughout = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where in (Where.THROUGHOUT, Where.RATE)]
     if limits:
         for part in interval_samples(planned, samples):
             sample = robot_sample(planned, part.times, part.interval)

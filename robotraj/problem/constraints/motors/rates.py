@@ -1,0 +1,89 @@
+"""Hard limits on jerks and on the rates of torques."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where, robot_of
+from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
+
+
+@dataclass(frozen=True)
+class RateLimit(Constraint):
+    """Bounds on the time derivative of a quantity of each joint, at every time.
+
+    The quantity is a polynomial on every interval of the mesh, and the Bernstein coefficients of its derivative are
+    bounded. It must be continuous at the knots: the scheme has points at both ends of an interval, as
+    ``rt.HermiteSimpson()`` has.
+
+    Parameters
+    ----------
+    bounds : Between, number, sequence or mapping by joint
+        ``rt.between(-500, 500)`` for all joints, ``{"elbow": rt.between(-100, 100)}`` for some.
+    """
+
+    bounds: BoundsLike
+
+    prefix: ClassVar[str]
+    quantity: ClassVar[str]
+    units: ClassVar[tuple[str, str]]
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Write one row for each joint that is bounded on a side.
+
+        Raises
+        ------
+        InputError
+            The phase moves a System, or a robot whose accelerations are no unknowns; an unknown joint.
+        """
+        robot = robot_of(dynamics, type(self).__name__)
+        known = {v.name for v in (*dynamics.algebraic, *dynamics.controls)}
+        if f"{self.prefix}.{robot.actuated[0]}" not in known:
+            raise InputError(
+                f"{type(self).__name__} bounds rates of unknowns, and forward dynamics have no accelerations among "
+                "them; use rt.dynamics.InverseDynamics()."
+            )
+        joints = list(robot.actuated if self.prefix == "tau" else robot.velocity_names)
+        unit_of = dict(zip(robot.velocity_names, robot.units, strict=True))
+        lower, upper = as_bounds(self.bounds, joints, self.quantity)
+        rows = tuple(
+            Row(self.quantity, self.units[unit_of[j] == "m"], float(low), float(high), j, f"{self.prefix}.{j}")
+            for j, low, high in zip(joints, lower, upper, strict=True)
+            if np.isfinite(low) or np.isfinite(high)
+        )
+
+        def expression(point: RobotPoint) -> list[Scalar]:
+            return [point.extra[f"rate.{row.variable}"] for row in rows]
+
+        return BoundConstraint(self.quantity, rows, expression, Where.RATE)
+
+
+@dataclass(frozen=True)
+class JointJerk(RateLimit):
+    """Bounds on the jerks da_j/dt of the joints [rad/s^3, m/s^3], at every time."""
+
+    prefix: ClassVar[str] = "a"
+    quantity: ClassVar[str] = "jerk limit"
+    units: ClassVar[tuple[str, str]] = ("rad/s^3", "m/s^3")
+
+
+@dataclass(frozen=True)
+class JointTorqueRate(RateLimit):
+    """Bounds on the rates d tau_j/dt of the motors' torques and forces [N m/s, N/s], at every time.
+
+    The bounded polynomials agree with the torques of the motion at the collocation points.
+    """
+
+    prefix: ClassVar[str] = "tau"
+    quantity: ClassVar[str] = "torque rate limit"
+    units: ClassVar[tuple[str, str]] = ("N m/s", "N/s")

@@ -1,0 +1,154 @@
+"""Rates as variables: controls become states and their rates the controls; jerks become algebraic variables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any, ClassVar
+
+import casadi as ca
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics, TimeOrders
+from robotraj.dynamics.point import Point
+from robotraj.dynamics.rigid_body import InverseDynamics, RigidBody
+from robotraj.dynamics.variable import Variable
+from robotraj.problem.augmentation import Augmented, body_of, has
+from robotraj.robot.robot import Robot
+
+
+def with_control_rates(dynamics: Dynamics) -> Dynamics:
+    """Make states of the controls, unless they are already."""
+    rates = [f"rate.{c.name}" for c in body_of(dynamics).controls]
+    return dynamics if has(dynamics, rates) else ControlRates(dynamics)
+
+
+def with_jerks(dynamics: Dynamics) -> Dynamics:
+    """Make states of the torques of a robot and add its jerks, unless they are there already."""
+    jerks = [f"jerk.{joint}" for joint in _robot(dynamics).velocity_names]
+    return dynamics if has(dynamics, jerks) else Jerks(with_control_rates(dynamics))
+
+
+@dataclass(frozen=True)
+class ControlRates(Augmented):
+    """The body's controls become states and their rates r the controls, udot = r."""
+
+    smooth: ClassVar[bool] = True
+
+    @cached_property
+    def _moved(self) -> tuple[Variable, ...]:
+        return body_of(self.inner).controls
+
+    @property
+    def states(self) -> tuple[Variable, ...]:
+        """Inner states, then the body's controls."""
+        return (*self.inner.states, *self._moved)
+
+    @cached_property
+    def controls(self) -> tuple[Variable, ...]:
+        """Rates ``rate.<control>``, then further inner controls."""
+        rates = tuple(
+            Variable(f"rate.{c.name}", f"{c.unit}/s" if c.unit else "", f"{c.quantity} rate", c.joint)
+            for c in self._moved
+        )
+        return rates + self.inner.controls[len(rates) :]
+
+    @property
+    def time_orders(self) -> TimeOrders | None:
+        """Count one division by time more for a rate than for its variable."""
+        known = self._inner_orders
+        if known is None:
+            return None
+        moved, others = known.controls[: len(self._moved)], known.controls[len(self._moved) :]
+        return TimeOrders(known.states + moved, known.algebraic, tuple(k + 1 for k in moved) + others)
+
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
+        """Return the states that were controls as controls."""
+        nx, nu = len(self.inner.states), len(self._moved)
+        inner = None if u is None else ca.vertcat(x[nx:, :], u[nu:, :])
+        point = self.inner.point(t, x[:nx, :], z, inner, p, names)
+        if u is not None:
+            point.extra |= {v.name: u[i] for i, v in enumerate(self.controls[:nu])}
+        return point
+
+    def rates(self, point: Any) -> ca.SX:
+        """Inner rates, then r."""
+        return ca.vertcat(self.inner.rates(point), *(point.extra[v.name] for v in self.controls[: len(self._moved)]))
+
+
+@dataclass(frozen=True)
+class Jerks(Augmented):
+    """Jerks j = da/dt of a robot as algebraic variables, from the time derivative of the torque balance.
+
+    0 = d/dt [RNEA(q, v, a) + d(v) - B tau] along (v, a, j, taudot), linear in j with the mass matrix in
+    front.
+    """
+
+    smooth: ClassVar[bool] = True
+
+    @cached_property
+    def jerks(self) -> tuple[Variable, ...]:
+        """``jerk.<joint>``."""
+        robot = _robot(self.inner)
+        pairs = zip(robot.velocity_names, robot.units, strict=True)
+        return tuple(Variable(f"jerk.{joint}", f"{unit}/s^3", "jerk", joint) for joint, unit in pairs)
+
+    @property
+    def algebraic(self) -> tuple[Variable, ...]:
+        """Inner algebraic variables, then the jerks."""
+        return (*self.inner.algebraic, *self.jerks)
+
+    @cached_property
+    def residuals(self) -> tuple[Variable, ...]:
+        """Inner rows, then the rate of each torque balance."""
+        rows = InverseDynamics().of(_robot(self.inner)).residuals
+        return (
+            *self.inner.residuals,
+            *(Variable(f"rate.{r.name}", f"{r.unit}/s", f"{r.quantity} rate", r.joint) for r in rows),
+        )
+
+    @property
+    def time_orders(self) -> TimeOrders | None:
+        """3 for jerks."""
+        known = self._inner_orders
+        return known and known._replace(algebraic=known.algebraic + (3,) * len(self.jerks))
+
+    def _balance_rate(self, names: Sequence[str]) -> ca.Function:
+        robot = _robot(self.inner)
+        inner = body_of(self.inner)
+        body = InverseDynamics().of(robot, inner.design if isinstance(inner, RigidBody) else None)
+        q = ca.SX.sym("q", robot.nq)
+        v, a, j = (ca.SX.sym(name, robot.nv) for name in "vaj")
+        tau, rate = ca.SX.sym("tau", robot.nu), ca.SX.sym("rate", robot.nu)
+        p = ca.SX.sym("p", len(names))
+        point = body.point(ca.SX(0), ca.vertcat(q, v), a, tau, p, names)
+        moved = v if robot.nq == robot.nv else robot.symbolic.configuration_rate(q, v)
+        along = ca.jtimes(body.residual(point), ca.vertcat(q, v, a, tau), ca.vertcat(moved, a, j, rate))
+        return ca.Function("balance_rate", [q, v, a, tau, j, rate, p], [along])
+
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
+        """Put the jerks into ``point.extra``."""
+        nz = len(self.inner.algebraic)
+        point = self.inner.point(t, x, None if z is None else z[:nz, :], u, p, names)
+        if z is not None:
+            point.extra |= {v.name: z[nz + i] for i, v in enumerate(self.jerks)}
+        return point
+
+    def residual(self, point: Any) -> ca.SX:
+        """Inner rows, then the rates of the torque balances."""
+        robot = _robot(self.inner)
+        jerk = ca.vertcat(*(point.extra[v.name] for v in self.jerks))
+        rate = ca.vertcat(*(point.extra[f"rate.tau.{joint}"] for joint in robot.actuated))
+        p = ca.vertcat(ca.SX(0, 1), *point.p.values())
+        row = self._balance_rate(list(point.p))(point.q, point.v, point.a, point.tau, jerk, rate, p)
+        return ca.vertcat(self.inner.residual(point), row)
+
+
+def _robot(dynamics: Dynamics) -> Robot:
+    body = body_of(dynamics)
+    if not isinstance(body, RigidBody):
+        raise InputError(
+            "Jerks need a robot, but the phase moves a System; integrate a rate of yours with rt.Lagrange."
+        )
+    return body.robot

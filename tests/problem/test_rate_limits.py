@@ -1,0 +1,86 @@
+"""Hard limits of jerks and of rates of torques: closed forms, limits at every time, what is refused."""
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+Q0 = np.array([-1.1, -1.8, 1.6, -1.2, -1.57, 0.0])
+Q1 = np.array([1.1, -0.8, 0.6, -0.6, -0.6, 1.2])
+
+
+def _reach(*constraints, duration=(0.1, 10.0), **changes):
+    robot = rt.load("ur5")
+    return rt.Phase(
+        robot, duration, rt.State(q=Q0, v=0), rt.State(q=Q1, v=0), rt.Duration(), constraints=constraints, **changes
+    )
+
+
+def test_a_block_with_a_limit_of_jerk_takes_the_time_of_its_closed_form():
+    """From rest to rest with |jerk| <= j alone: T = (32 L / j)^(1/3), and accelerations that start and end at 0."""
+    robot = rt.load("block", limits={"effort": 1e3, "velocity": 1e3})
+    rest = rt.constraints.JointAcceleration(0.0)
+    phase = rt.Phase(
+        robot,
+        (0.1, 10.0),
+        rt.State(q=0, v=0),
+        rt.State(q=1, v=0),
+        rt.Duration(),
+        constraints=[rt.constraints.JointJerk(rt.between(-4, 4)), rt.AtStart(rest), rt.AtEnd(rest)],
+    )
+    solution = rt.plan(phase, rt.Mesh(40))
+    assert solution.duration == pytest.approx((32 * 1.0 / 4.0) ** (1 / 3), rel=1e-4)
+
+
+@pytest.mark.parametrize("duration", [(0.1, 10.0), 1.0])
+def test_jerks_stay_within_their_limit_at_every_time(duration):
+    solution = rt.plan(_reach(rt.constraints.JointJerk(rt.between(-200, 200)), duration=duration))
+    t = np.linspace(0.0, solution.duration, 4001)
+    jerk = np.diff(solution.at(t).a, axis=0) / np.diff(t)[:, None]
+    assert np.abs(jerk).max() < 200 * (1 + 1e-6)
+    assert rt.validate(solution).passed
+    unbounded = rt.plan(_reach(duration=duration))
+    t = np.linspace(0.0, unbounded.duration, 4001)
+    free = unbounded.at(t)
+    assert np.abs(np.diff(free.a, axis=0) / np.diff(t)[:, None]).max() > 400
+
+
+def test_rates_of_torques_stay_within_their_limit_between_the_points(tmp_path):
+    limit = rt.constraints.JointTorqueRate({"elbow_joint": rt.between(-800, 800)})
+    solution = rt.plan(_reach(limit))
+    t = np.linspace(0.0, solution.duration, 4001)
+    rate = np.diff(solution.at(t).tau, axis=0) / np.diff(t)[:, None]
+    assert np.abs(rate[:, 2]).max() < 800 * (1 + 2e-3) < np.abs(rate[:, 1]).max()
+    assert rt.validate(solution).passed
+    solution.save(tmp_path / "motion.npz")
+    again = rt.load_solution(tmp_path / "motion.npz")
+    assert isinstance(again.problem.phases[0].constraints[0], rt.constraints.JointTorqueRate)
+    assert rt.validate(again).passed
+
+
+def test_the_witness_measures_rates_itself():
+    solution = rt.plan(_reach(), rt.Mesh(20))
+    bounded = solution.problem.phases[0].with_(constraints=[rt.constraints.JointJerk(rt.between(-200, 200))])
+    import dataclasses
+
+    part = dataclasses.replace(solution.phases[0], phase=bounded)
+    claimed = dataclasses.replace(solution, problem=rt.Problem([bounded]), phases=(part,))
+    assert any(v.name == "jerk limit" for v in rt.validate(claimed).violations)
+
+
+@pytest.mark.parametrize(
+    ("changes", "mesh", "words"),
+    [
+        ({"dynamics": rt.dynamics.ForwardDynamics()}, None, "InverseDynamics"),
+        ({}, rt.Mesh(10, rt.schemes.RadauIIA(3)), "continuous at fixed knots"),
+        ({}, rt.schemes.MovingMesh(10), "continuous at fixed knots"),
+    ],
+)
+def test_dynamics_and_meshes_on_which_rates_have_no_bound_are_refused(changes, mesh, words):
+    with pytest.raises(rt.InputError, match=words):
+        rt.plan(_reach(rt.constraints.JointJerk(rt.between(-200, 200)), **changes), mesh)
+
+
+def test_an_unknown_joint_is_named():
+    with pytest.raises(rt.UnknownName, match="elbow_joint"):
+        _ = _reach(rt.constraints.JointJerk({"elbow": 1.0})).rows
