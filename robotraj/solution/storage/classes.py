@@ -103,11 +103,11 @@ CLASSES: Mapping[str, type] = {
     for kind in (
         # problems
         State, Between, Limits, AtEnd, AtStart, GroundClearance, CollisionShapes, FramePose, FramePosition, SwingApex,
-        DifferentialDrive,
-        IntegralConstraint, JointAcceleration, JointEffort, JointPosition, JointVelocity, PathConstraint,
-        JointJerk, JointTorqueRate, VariableBounds, Continuity, Jump, EqualDuration, Linkage, SameParameter, Mirror,
-        Periodic, Liftoff, Touchdown, Sum, Duration, Effort, Lagrange, Mayer, ForceRate, CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness,
-        TerminalPose, Tracking, CostOfTransport, AbsolutePower, MechanicalWork,
+        DifferentialDrive, IntegralConstraint, JointAcceleration, JointEffort, JointPosition, JointVelocity,
+        PathConstraint, JointJerk, JointTorqueRate, VariableBounds, Continuity, Jump, EqualDuration, Linkage,
+        SameParameter, Mirror, Periodic, Liftoff, Touchdown, Sum, Duration, Effort, Lagrange, Mayer, ForceRate,
+        CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness, TerminalPose, Tracking, CostOfTransport, AbsolutePower,
+        MechanicalWork,
         # robots, contacts, terrain
         Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ForwardDynamics, InverseDynamics, Kinematics,
         FlatFoot, ImplicitContact, LineContact, LoopClosure, PointContact, Linearised, SecondOrder, FourCorners,
