@@ -13,19 +13,22 @@ from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
 
-IMBALANCE = 8e-3
-"""Largest difference of moments, relative to weight times size, of a robot that counts as symmetric."""
+IMBALANCE = 1e-3
+"""Largest difference of accelerations, relative to g over the robot's size, of a robot that counts as symmetric."""
 SAMPLES = 8
 """Number of seeded random configurations that are compared."""
+SLOW = 0.3
+"""Speeds and accelerations of a gait relative to sqrt(g / h) and g / h, h the height of the centre of mass."""
 
 
 def imbalance(robot: Robot, repeat: Mirror) -> float:
-    """Return how far the mirror image of a balanced robot is from balance.
+    """Return how far mirrored torques and forces are from driving the mirror image of a motion.
 
-    For seeded random configurations q and their images q', the generalised gravity g(q') is compared with the image of
-    g(q). The largest difference of the root's force, and of its moment about the root divided by the size of the robot,
-    is returned relative to the weight. The size is the height of the centre of mass above the lowest joint, where the
-    robot is neutral. A robot with a fixed or planar root is not compared: 0.
+    For seeded random motions (q, v, a) and their images, marked ', the inverse dynamics r' = RNEA(q', v', a') are
+    compared with the image P r. The accelerations that follow from the difference, |M(q')^-1 (r' - P r)|, are given
+    relative to g / h [rad/s^2]; those of the root's translation relative to g. The size h is the height of the centre
+    of mass above the lowest joint, where the robot is neutral. v and a are random, up to ``SLOW`` times sqrt(g / h)
+    and g / h. A robot with a fixed or planar root is not compared: 0.
     """
     if robot.root != "floating":
         return 0.0
@@ -35,17 +38,24 @@ def imbalance(robot: Robot, repeat: Mirror) -> float:
     com = np.array(pin.centerOfMass(model, data, robot.neutral))
     pin.forwardKinematics(model, data, robot.neutral)
     size = max(float(com[2]) - min(float(place.translation[2]) for place in list(data.oMi)[1:]), 1e-3)
-    weight = pin.computeTotalMass(model) * float(np.linalg.norm(model.gravity.linear))
-    rng, zero, worst = np.random.default_rng(0), np.zeros(robot.nv), 0.0
-    root = slice(0, 6)
+    gravity = float(np.linalg.norm(model.gravity.linear))
+    # Lengths are counted in h and times in sqrt(h / g).
+    lengths = np.where(np.equal(robot.units, "m"), size, 1.0)
+    speeds, accelerations = SLOW * lengths * np.sqrt(gravity / size), SLOW * lengths * gravity / size
+    rng, worst = np.random.default_rng(0), 0.0
     for _ in range(SAMPLES):
         q = np.array(robot.neutral)
         q[7:] += rng.uniform(-0.5, 0.5, len(q) - 7)
+        v, a = speeds * rng.uniform(-1.0, 1.0, robot.nv), accelerations * rng.uniform(-1.0, 1.0, robot.nv)
         image = _image(q, robot.position_names, partners, negated)
-        own = _image(pin.rnea(model, data, q, zero, zero), robot.velocity_names, partners, negated)
-        gap = np.array(pin.rnea(model, data, image, zero, zero) - own)[root]
-        worst = max(worst, float(np.linalg.norm(gap[:3])), float(np.linalg.norm(gap[3:])) / size)
-    return worst / weight
+        r, moved, pushed = (
+            _image(each, robot.velocity_names, partners, negated) for each in (pin.rnea(model, data, q, v, a), v, a)
+        )
+        gap = pin.rnea(model, data, image, moved, pushed) - r
+        mass = np.triu(pin.crba(model, data, image))
+        change = np.linalg.solve(mass + np.triu(mass, 1).T, gap)
+        worst = max(worst, float(np.abs(SLOW * change / accelerations).max()))
+    return worst
 
 
 def _image(values: Array, names: tuple[str, ...], partners: Mapping[str, str], negated: set[str]) -> Array:

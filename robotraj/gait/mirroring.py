@@ -60,22 +60,22 @@ def mirror(
     tolerance : float
         Largest distance [m] of a partner from the image; symmetric robots have a fraction of a millimetre.
     imbalance : float
-        Largest difference of the root's moment, relative to weight times size. A mirrored half of a gait violates the
-        equations of motion of the root by as much.
+        Largest difference of accelerations, relative to g over the robot's size, by which a mirrored half of a gait
+        may violate the equations of motion.
 
     Raises
     ------
     InputError
         The robot is not its own mirror image. The message names the joint, or the frame of ``partners``, and its
-        distance from the image; or the difference of the moments.
+        distance from the image; or the difference of the accelerations.
     """
     found = mirror_by_geometry(robot, displacement, partners, tolerance)
     off = imbalance_of(robot, found)
     if off > imbalance:
         raise InputError(
-            f"The inertia of {robot.name!r} is not symmetric: in a mirrored configuration the moment of gravity about "
-            f"the root differs by {100 * off:.2g} % of weight times size, beyond {100 * imbalance:.2g} %. Plan both "
-            "halves with repeat=rt.Periodic(), or raise imbalance=."
+            f"The inertia of {robot.name!r} is not symmetric: under mirrored torques an acceleration differs by "
+            f"{off:.2g} of g over the robot's size, beyond {imbalance:.2g}. Plan both halves with "
+            "repeat=rt.Periodic(), or raise imbalance=."
         )
     return found
 

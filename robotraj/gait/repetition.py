@@ -62,9 +62,9 @@ def _symmetric_repeat(robot: Robot) -> Mirror | Periodic:
     if off <= IMBALANCE:
         return found
     warnings.warn(
-        f"The inertia of {robot.name!r} is not symmetric (moments differ by {100 * off:.2g} % of weight times size). "
-        "Hence both halves of the gait are planned, with rt.Periodic. repeat=rt.gait.mirror(robot, imbalance=0.2) "
-        "plans one half.",
+        f"The inertia of {robot.name!r} is not symmetric (accelerations under mirrored torques differ by {off:.2g} of "
+        "g over the robot's size). Hence both halves of the gait are planned, with rt.Periodic. "
+        f"repeat=rt.gait.mirror(robot, imbalance={1.1 * off:.1g}) plans one half.",
         stacklevel=4,
     )
     return Periodic()

@@ -147,10 +147,10 @@ def adapt(
 
 def _missed(solution: Solution) -> float:
     """Return the error of the objective's integral along exact motions, whose states have no error to estimate."""
-    parts = [part for part in solution.phases if part.torques is not None]
+    parts = [part for part in solution.phases if part.exact]
     return abs(
         sum(
-            float(quadrature_errors(part.phase, part.trajectory, part.mesh.schemes, part.torques).sum())
+            float(quadrature_errors(part.phase, part.trajectory, part.mesh.schemes, part.inputs).sum())
             for part in parts
         )
     )

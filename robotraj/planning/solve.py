@@ -135,7 +135,7 @@ def solve(
         of_variables = [
             violation
             for i, part in enumerate(solution.phases)
-            for violation in variable_violations(part.phase, i, part.trajectory, part.torques)
+            for violation in variable_violations(part.phase, i, part.trajectory, part.inputs)
         ]
         left, controls = (between_points(problem, group) for group in (found, of_variables))
     except KeyboardInterrupt:

@@ -17,8 +17,8 @@ from robotraj.dynamics.variable import Named
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.robot.tangent import normalised
-from robotraj.solution.driving_torques import DrivingTorques
 from robotraj.solution.sample import Sample
+from robotraj.transcription.driven_motion import Inputs, inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.mesh import Mesh
@@ -84,18 +84,16 @@ class PhaseSolution(OneLine):
         return is_exact(self.phase, self.mesh.schemes)
 
     @cached_property
-    def torques(self) -> DrivingTorques | None:
-        """The torques that drive an exact motion; None for all other ones."""
-        if not self.exact or self.robot is None:
-            return None
-        return DrivingTorques(self.robot, self.trajectory.x)
+    def inputs(self) -> Inputs:
+        """Algebraic variables and controls along the motion: by the equations of motion where these give them."""
+        return inputs_of(self.phase, self.trajectory, self.mesh.schemes)
 
     @cached_property
     def _rates(self) -> PiecewisePolynomial:
         return self.trajectory.x.derivative()
 
     def at(self, t: Any, interval: int | NDArray[np.int_] | None = None) -> Sample:
-        """Evaluate the collocated polynomials, and by inverse dynamics the torques of an exact motion.
+        """Evaluate the states' polynomials, and by the equations of motion (``driven_motion``) torques and forces.
 
         Parameters
         ----------
@@ -124,7 +122,8 @@ class PhaseSolution(OneLine):
         if interval is not None and not np.all((np.asarray(interval) >= 0) & (np.asarray(interval) < count)):
             raise InputError(f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}.")
         dae = self.phase.dae
-        x, z, u = (curve(times, interval) for curve in (self.trajectory.x, self.trajectory.z, self.trajectory.u))
+        x = self.trajectory.x(times, interval)
+        z, u = self.inputs.at(times, interval)
         controls, algebraics = dae.controls, dae.algebraic
         if isinstance(dae, Augmented):
             # Where the objective made states of controls or forces, they are read from there.
@@ -137,10 +136,6 @@ class PhaseSolution(OneLine):
                 np.stack([known[v.name] for v in kind], axis=-1) if kind else np.empty((*times.shape, 0))
                 for kind in (controls, algebraics)
             )
-        torques = self.torques
-        if torques is not None:
-            u = np.array(u)
-            u[..., : torques.robot.nu] = torques(times, interval)
         states = Named("state", [v.name for v in dae.states], x.T)
         algebraic = Named("algebraic variable", [v.name for v in algebraics], z.T)
         named_controls = Named("control", [v.name for v in controls], u.T)

@@ -90,7 +90,7 @@ def test_an_arm_is_not_its_own_image() -> None:
         mirror(rt.load("ur5"))
 
 
-@pytest.mark.parametrize("name", ["hyq", "a1", "go1", "b1"])
+@pytest.mark.parametrize("name", ["hyq", "a1", "laikago", "anymal_c"])
 def test_robots_of_unequal_sides_repeat_without_a_mirror(name: str) -> None:
     robot = rt.load(name, root="floating")
     with pytest.raises(rt.InputError, match="inertia of .* is not symmetric.*repeat=rt.Periodic"):
@@ -101,16 +101,16 @@ def test_robots_of_unequal_sides_repeat_without_a_mirror(name: str) -> None:
     assert isinstance(problem.links[-1].repeat, rt.Periodic)
 
 
-@pytest.mark.parametrize("name", ["solo12", "bolt", "anymal", "go2", "talos_legs", "laikago"])
+@pytest.mark.parametrize("name", ["solo12", "solo8", "bolt"])
 def test_robots_of_equal_sides_are_mirrored(name: str) -> None:
     robot = rt.load(name, root="floating")
-    assert imbalance(robot, mirror(robot)) < 8e-3
+    assert imbalance(robot, mirror(robot)) < 1e-3
 
 
 def test_a_heavier_leg_is_an_imbalance() -> None:
-    robot = rt.load("go2", root="floating")
+    robot = rt.load("simple_humanoid", root="floating")
     model = pin.Model(robot.model)
-    leg = model.getJointId("FL_thigh_joint")
+    leg = model.getJointId("LLEG_HIP_R")
     model.inertias[leg] = pin.Inertia(
         model.inertias[leg].mass + 0.5, model.inertias[leg].lever, model.inertias[leg].inertia
     )

@@ -80,7 +80,7 @@ def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measu
     """Measure a solution between its collocation points, and its objective against that of meshes before."""
     parts = solution.phases
     count = max(part.mesh.count for part in parts)
-    left = [quadrature_errors(p.phase, p.trajectory, p.mesh.schemes, p.torques) for p in parts]
+    left = [quadrature_errors(p.phase, p.trajectory, p.mesh.schemes, p.inputs) for p in parts]
     true = solution.objective - float(sum(errors.sum() for errors in left))
     size = max(abs(true), SMALL)
     unsettled = np.inf
@@ -92,7 +92,7 @@ def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measu
     # An interval's share of what the objective's integral may err by counts as much as its error may.
     share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
     needs = tuple(np.maximum(own, share * np.abs(of_objective)) for own, of_objective in zip(errors, left, strict=True))
-    broken = tuple(broken_rows(p.phase, p.trajectory, p.torques) for p in parts)
+    broken = tuple(broken_rows(p.phase, p.trajectory, p.inputs) for p in parts)
     excess = [v.relative for v in (*solution.interval_violations, *solution.control_interval_violations)]
     excess += [float(rows.max()) for rows in broken]
     quadrature = abs(solution.objective - true) / size

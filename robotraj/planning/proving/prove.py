@@ -173,7 +173,7 @@ class _Refining:
             if not found.success or not found.control_interval_violations:
                 break
             for i, part in enumerate(found.phases):
-                for violation in variable_violations(part.phase, i, part.trajectory, part.torques):
+                for violation in variable_violations(part.phase, i, part.trajectory, part.inputs):
                     place = LimitedInterval(i, violation.interval, violation.row.number)
                     margins[place] = margins.get(place, 0.0) + MORE * violation.amount
             again = self._solve(self.problem, found, again_settings, margins)

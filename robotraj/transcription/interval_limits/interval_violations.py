@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.problem.rows import PhaseRow, RowTable
+from robotraj.transcription.driven_motion import DrivenInputs, Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.methods import limited_algebraic
 
@@ -103,7 +104,7 @@ def state_violations(phase: Phase, index: int, trajectory: PhaseTrajectory, allo
 
 
 def variable_violations(
-    phase: Phase, index: int, trajectory: PhaseTrajectory, torques: Curve | None = None
+    phase: Phase, index: int, trajectory: PhaseTrajectory, inputs: Inputs | None = None
 ) -> list[IntervalViolation]:
     """Find bounds on controls and accelerations, in every interval, that are exceeded by more than a share of them.
 
@@ -113,18 +114,20 @@ def variable_violations(
     index : int
         Of the phase.
     trajectory : PhaseTrajectory
-    torques : Curve, optional
-        Torques of the robot at any time, where they are known better than from their polynomials; their limits may be
-        exceeded by ``EXACT_SHARE``, all others by ``SHARE``.
+    inputs : Inputs, optional
+        Along the motion; by default the polynomials. Limits of torques that drive the motion may be exceeded by
+        ``EXACT_SHARE``, all others by ``SHARE``.
     """
     curves: list[tuple[Sequence[Variable], Curve, float]] = [(limited_algebraic(phase), trajectory.z, SHARE)]
-    if torques is not None:
-        curves.append((phase.body.controls, torques, EXACT_SHARE))
-    if torques is None or phase.dae.controls != phase.body.controls:
+    if isinstance(inputs, DrivenInputs):
+        curves.append((phase.body.controls, _Controls(inputs), EXACT_SHARE))
+    if not isinstance(inputs, DrivenInputs) or phase.dae.controls != phase.body.controls:
         curves.append((phase.dae.controls, trajectory.u, SHARE))
     found = []
     for variables, curve, share in curves:
         bounds = phase.rows.bounds_of(variables)
+        if not bounds:
+            continue
         rows, columns = [row for row, _ in bounds], [column for _, column in bounds]
         allowed = share * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, _Columns(curve, columns), PLACES, allowed)
@@ -138,20 +141,36 @@ def variable_violations(
 
 
 def input_violations(
-    phase: Phase, index: int, trajectory: PhaseTrajectory, torques: Curve | None = None
+    phase: Phase, index: int, trajectory: PhaseTrajectory, inputs: Inputs | None = None
 ) -> list[IntervalViolation]:
     """Find violated path rows of controls or algebraic variables, and bounds of contact forces, in every interval.
 
     Parameters
     ----------
-    phase, index, trajectory, torques
+    phase, index, trajectory, inputs
         See ``variable_violations``.
     """
     forces = (force for contact in phase.bound_contacts for force in contact.forces)
     rows = (*phase.rows.of_inputs, *(row for row, _ in phase.rows.bounds_of(forces)))
-    controls = torques if torques is not None and phase.dae.controls == phase.body.controls else trajectory.u
-    reader = _Expressions(phase.rows, rows, trajectory, controls)
+    reader = _Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
     return _violations(index, rows, reader, INNER_PLACES, np.zeros(len(rows)))
+
+
+@dataclass(frozen=True)
+class _Controls:
+    """The controls along a motion as a curve."""
+
+    inputs: DrivenInputs
+
+    @property
+    def breaks(self) -> Array:
+        return self.inputs.trajectory.x.breaks
+
+    def __call__(self, t: Array, interval: Indices | None = None) -> Array:
+        return self.inputs.at(t, interval)[1]
+
+    def inside(self, tau: Array) -> Array:
+        return self.inputs.inside(tau)[1]
 
 
 class _Reader(Protocol):
@@ -212,12 +231,12 @@ class _Rates:
 
 @dataclass(frozen=True)
 class _Expressions:
-    """Rows that are expressions of a trajectory; without ``controls`` of its states alone."""
+    """Rows that are expressions of a trajectory; without ``inputs`` of its states alone."""
 
     table: RowTable
     rows: Sequence[PhaseRow]
     trajectory: PhaseTrajectory
-    controls: Curve | None
+    inputs: Inputs | None
 
     @property
     def breaks(self) -> Array:
@@ -226,16 +245,16 @@ class _Expressions:
     def grid(self, tau: Array) -> Array:
         times = self.breaks[:-1, None] + np.diff(self.breaks)[:, None] * tau
         x = self.trajectory.x.inside(tau).reshape(times.size, -1)
-        if self.controls is None:
+        if self.inputs is None:
             return self._sample(times.ravel(), x).reshape(*times.shape, -1)
-        z, u = (curve.inside(tau).reshape(times.size, -1) for curve in (self.trajectory.z, self.controls))
+        z, u = (values.reshape(times.size, -1) for values in self.inputs.inside(tau))
         return self._sample(times.ravel(), x, z, u).reshape(*times.shape, -1)
 
     def at(self, times: Array, intervals: Indices) -> Array:
         x = self.trajectory.x(times, intervals)
-        if self.controls is None:
+        if self.inputs is None:
             return self._sample(times, x)
-        return self._sample(times, x, self.trajectory.z(times, intervals), self.controls(times, intervals))
+        return self._sample(times, x, *self.inputs.at(times, intervals))
 
     def _sample(self, times: Array, x: Array, z: Array | None = None, u: Array | None = None) -> Array:
         dae, parameters = self.table.dae, np.array(list(self.trajectory.parameters.values()))

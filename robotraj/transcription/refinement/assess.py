@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis
+from robotraj.transcription.driven_motion import inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.error import interval_errors
@@ -25,8 +26,10 @@ Array = NDArray[np.float64]
 def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool) -> Assessment:
     """Assess every interval of a phase; knots that move may have jumps of the control on them."""
     moving = isinstance(mesh, MovingMesh)
+    inputs = None if is_exact(phase, mesh.schemes) else inputs_of(phase, trajectory, mesh.schemes)
+    errors = interval_errors(phase, trajectory, inputs)
     return Assessment(
-        np.maximum(interval_errors(phase, trajectory), integral_errors(phase, trajectory, mesh.schemes)),
+        np.maximum(errors, integral_errors(phase, trajectory, mesh.schemes)),
         _jumps(trajectory, moving),
         _decays(trajectory),
         broken_rows(phase, trajectory),
@@ -43,7 +46,8 @@ def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh) -> Array:
     of_integrals = integral_errors(phase, trajectory, mesh.schemes)
     if is_exact(phase, mesh.schemes):
         return of_integrals
-    return np.maximum(interval_errors(phase, trajectory), of_integrals)
+    inputs = inputs_of(phase, trajectory, mesh.schemes)
+    return np.maximum(interval_errors(phase, trajectory, inputs), of_integrals)
 
 
 def _jumps(trajectory: PhaseTrajectory, moving: bool) -> Array:

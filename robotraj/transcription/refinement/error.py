@@ -7,7 +7,8 @@ relates that to the size of each state and takes the largest,
     eta_i = integral |e_i| dt,    error = max_i eta_i / (1 + max over t of |x_i|, |xdot_i|).
 
 Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at every sample, so that the residual
-of g counts as well. For a robot by inverse dynamics this compares the planned acceleration with the true one.
+of g counts as well. For a robot by inverse dynamics this compares the planned acceleration with the true one under the
+torques that drive the motion (``driven_motion``).
 
 Schemes that integrate from knot to knot have the same estimate, by the polynomial of their dense output. It measures
 how well the motion between two knots is integrated. For classical Runge-Kutta and compressed Hermite-Simpson it falls
@@ -20,10 +21,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.transcription.driven_motion import Inputs, MotionEquations, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 
 if TYPE_CHECKING:
@@ -33,9 +34,11 @@ Array = NDArray[np.float64]
 
 NEWTON_STEPS = 4
 """Newton steps for g = 0 from the interpolated z; one is exact where g is linear in z, as for rigid bodies."""
+SOLVED = 1e-9
+"""Share of the rows that a solution of the linear equations may leave; where it leaves more they are singular."""
 
 
-def interval_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
+def interval_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
     """Return the relative error of every interval by Betts's definition, (K,).
 
     Parameters
@@ -43,20 +46,21 @@ def interval_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
     phase : Phase
     trajectory : PhaseTrajectory
         Its polynomials.
+    inputs : Inputs, optional
+        Algebraic variables and controls along the motion; by default their polynomials.
     """
     x, rates = trajectory.x, trajectory.x.derivative()
     size = 1.0 + np.max([np.abs(value).max(axis=0) for curve in (x, rates) for value in curve.values], axis=0)
-    return np.asarray((state_errors(phase, trajectory) / size).max(axis=1))
+    return np.asarray((state_errors(phase, trajectory, inputs) / size).max(axis=1))
 
 
-def state_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
+def state_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
     """Return the integral of |xdot - f| over every interval by Kelly's definition, (K, nx), in each state's unit.
 
     Parameters
     ----------
-    phase : Phase
-    trajectory : PhaseTrajectory
-        Its polynomials.
+    phase, trajectory, inputs
+        See ``interval_errors``.
     """
     breaks = trajectory.x.breaks
     rates = trajectory.x.derivative()
@@ -70,8 +74,14 @@ def state_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
         weights.append(0.5 * length * w)
     t, weight = np.concatenate(times), np.concatenate(weights)
     owner = np.repeat(np.arange(len(counts)), counts)
-    x, xdot, z, u = (curve(t) for curve in (trajectory.x, rates, trajectory.z, trajectory.u))
-    f = _rates(phase, t, x, z, u, np.array(list(trajectory.parameters.values())))
+    x, xdot = trajectory.x(t), rates(t)
+    f = _rates(
+        phase,
+        t,
+        x,
+        *(inputs or PlannedInputs(trajectory)).at(t),
+        np.array(list(trajectory.parameters.values()), dtype=float),
+    )
     eta = np.zeros((len(counts), x.shape[1]))
     np.add.at(eta, owner, weight[:, None] * np.abs(xdot - f))
     return eta
@@ -79,22 +89,29 @@ def state_errors(phase: Phase, trajectory: PhaseTrajectory) -> Array:
 
 def _rates(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Array:
     """Evaluate f at samples with z solved from g = 0, (m, nx)."""
-    dae = phase.dae
-    sizes = {"t": 1, "x": len(dae.states), "z": len(dae.algebraic), "u": len(dae.controls), "p": len(p)}
-    symbols = [ca.SX.sym(name, size) for name, size in sizes.items()]
-    time, state, algebraic, control, parameter = symbols
-    point = dae.point(time, state, algebraic, control, parameter, phase.parameter_names)
-    f = ca.Function("f", symbols, [ca.densify(dae.rates(point))]).map(len(t))
-    parameters = np.tile(p[:, None], len(t))
+    equations = MotionEquations.of(phase)
     if z.shape[1]:
-        g = dae.residual(point)
-        step = ca.Function("g", symbols, [ca.densify(g), ca.densify(ca.jacobian(g, algebraic))]).map(len(t))
         for _ in range(NEWTON_STEPS):
-            rows, slopes = step(t[None, :], x.T, z.T, u.T, parameters)
-            matrices = np.array(slopes).reshape(len(dae.residuals), len(t), z.shape[1]).transpose(1, 0, 2)
-            # Slack variables that an objective brought leave more unknowns than rows: the least change holds them.
-            change = (np.linalg.pinv(matrices) @ np.array(rows).T[:, :, None])[:, :, 0]
+            change = _least_change(equations.slopes(t, x, z, u, p), equations.rows(t, x, z, u, p))
             z = z - change
             if np.max(np.abs(change)) <= 1e-12 * (1.0 + np.max(np.abs(z))):
                 break
-    return np.array(f(t[None, :], x.T, z.T, u.T, parameters)).T
+    return equations.rates(t, x, z, u, p)
+
+
+def _least_change(slopes: Array, rows: Array) -> Array:
+    """Solve slopes change = rows at every sample, (m, nz).
+
+    Slack variables that an objective brought leave more unknowns than rows, and forces of redundant contacts leave
+    singular ones: the least change holds them.
+    """
+    if slopes.shape[1] == slopes.shape[2]:
+        try:
+            change = np.linalg.solve(slopes, rows[:, :, None])
+        except np.linalg.LinAlgError:
+            pass
+        else:
+            left = np.abs(slopes @ change - rows[:, :, None])
+            if np.max(left, initial=0.0) <= SOLVED * np.max(np.abs(rows), initial=1e-300):
+                return np.asarray(change[:, :, 0])
+    return np.asarray((np.linalg.pinv(slopes) @ rows[:, :, None])[:, :, 0])

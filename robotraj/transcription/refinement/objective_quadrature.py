@@ -18,14 +18,15 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss
 from robotraj.problem.objectives.base import Integral
+from robotraj.transcription.driven_motion import PlannedInputs
 from robotraj.transcription.schemes.collocation import Collocation
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from robotraj.problem.phase import Phase
+    from robotraj.transcription.driven_motion import Inputs
     from robotraj.transcription.extract import PhaseTrajectory
-    from robotraj.transcription.interval_limits.interval_violations import Curve
     from robotraj.transcription.schemes.collocation import Scheme
 
 Array = NDArray[np.float64]
@@ -34,9 +35,7 @@ MORE = 3
 """Number of points of Gauss's rule beyond those of the scheme."""
 
 
-def quadrature_errors(
-    phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], torques: Curve | None
-) -> Array:
+def quadrature_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], inputs: Inputs) -> Array:
     """Return the error of the objective's integral on every interval, in its unit, (K,); 0 without nodes.
 
     Parameters
@@ -45,8 +44,8 @@ def quadrature_errors(
     trajectory : PhaseTrajectory
     schemes : sequence of Scheme
         Of its intervals.
-    torques : Curve or None
-        Those of an exact motion, which the integral is taken of; at the nodes the polynomial of the control has them.
+    inputs : Inputs
+        Along the motion, for its integral; at the nodes the collocated polynomials have them.
     """
     errors = np.zeros(len(schemes))
     rate = _rate(phase)
@@ -63,8 +62,8 @@ def quadrature_errors(
         fine = 0.5 * (points + 1.0)
         places = np.concatenate([scheme.nodes, fine])
         x, z, u = (np.array(curve.inside(places)[which]) for curve in (trajectory.x, trajectory.z, trajectory.u))
-        if torques is not None and phase.dae.controls[: len(phase.body.controls)] == phase.body.controls:
-            u[:, len(scheme.nodes) :, : len(phase.body.controls)] = torques.inside(fine)[which]
+        if not isinstance(inputs, PlannedInputs):
+            z[:, len(scheme.nodes) :], u[:, len(scheme.nodes) :] = (each[which] for each in inputs.inside(fine))
         lengths = breaks[np.array(which) + 1] - breaks[which]
         times = breaks[which][:, None] + lengths[:, None] * places
         count = times.size

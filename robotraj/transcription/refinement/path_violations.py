@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.problem.rows import PhaseRow
+from robotraj.transcription.driven_motion import Inputs
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.interval_limits.interval_violations import Curve, input_violations
+from robotraj.transcription.interval_limits.interval_violations import input_violations
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -25,15 +26,15 @@ FORCE_POWERS = {"N": 1, "N m": 1, "N^2": 2}
 """Power of the force in the unit of a row of a contact, which is measured against that power of the weight."""
 
 
-def broken_rows(phase: Phase, trajectory: PhaseTrajectory, torques: Curve | None = None) -> Array:
+def broken_rows(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
     """Measure violations of path rows that read more than the state, and of bounds of contact forces.
 
     Parameters
     ----------
     phase : Phase
     trajectory : PhaseTrajectory
-    torques : Curve, optional
-        Torques at any time, where they are known better than from their polynomials.
+    inputs : Inputs, optional
+        Algebraic variables and controls along the motion; by default their polynomials.
 
     Returns
     -------
@@ -42,7 +43,7 @@ def broken_rows(phase: Phase, trajectory: PhaseTrajectory, torques: Curve | None
         where all rows hold.
     """
     excess = np.zeros(len(trajectory.x.values))
-    for violation in input_violations(phase, 0, trajectory, torques):
+    for violation in input_violations(phase, 0, trajectory, inputs):
         relative = violation.amount / _size(phase, violation.row)
         excess[violation.interval] = max(excess[violation.interval], relative)
     return excess

@@ -13,7 +13,7 @@ def test_the_error_is_the_difference_to_the_integral_along_the_motion() -> None:
     phase = rt.Phase(rt.load("ur5"), 1.0, rt.State(q=0, v=0), rt.State(q=1.0, v=0), rt.Effort() + 3.0 * rt.Duration())
     solution = rt.plan(phase, mesh=rt.Mesh(6))
     (part,) = solution.phases
-    errors = quadrature_errors(phase, part.trajectory, part.mesh.schemes, part.torques)
+    errors = quadrature_errors(phase, part.trajectory, part.mesh.schemes, part.inputs)
     total = 0.0
     for k, (first, last) in enumerate(zip(part.knots[:-1], part.knots[1:], strict=True)):
         t = np.linspace(first, last, 2001)
@@ -26,4 +26,4 @@ def test_the_error_is_the_difference_to_the_integral_along_the_motion() -> None:
 def test_durations_alone_have_no_integral() -> None:
     phase = rt.Phase(rt.load("ur5"), (0.2, 5), rt.State(q=0, v=0), rt.State(q=1.0, v=0), rt.Duration())
     part = rt.plan(phase, mesh=rt.Mesh(6)).phases[0]
-    assert not quadrature_errors(phase, part.trajectory, part.mesh.schemes, part.torques).any()
+    assert not quadrature_errors(phase, part.trajectory, part.mesh.schemes, part.inputs).any()
