@@ -131,12 +131,12 @@ def variable_violations(
         rows, columns = [row for row, _ in bounds], [column for _, column in bounds]
         allowed = share * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, _Columns(curve, columns), PLACES, allowed)
-    if torques is not None:
+    if isinstance(inputs, DrivenInputs):
         names = [control.name for control in phase.body.controls]
         rows = [row for row in phase.rows.rates if row.variable in names]
         columns = [names.index(str(row.variable)) for row in rows]
         allowed = EXACT_SHARE * np.array([row.greatest_bound for row in rows])
-        found += _violations(index, rows, _Rates(torques, columns), ONE_SIDED, allowed)
+        found += _violations(index, rows, _Rates(_Controls(inputs), columns), ONE_SIDED, allowed)
     return found
 
 
