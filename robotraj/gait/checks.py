@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -15,8 +14,6 @@ from robotraj.problem.constraints.bounds import Between, Interval
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.robot.robot import Robot
 
-GroundFunction = Callable[[Any, Any], Any]
-"""Height of the ground [m] as a function of x and y [m], numbers or symbols."""
 TimeSpan = float | Sequence[float | None] | Between
 """A fixed duration [s], or bounds of a free one; None leaves a side open."""
 

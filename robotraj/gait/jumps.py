@@ -12,8 +12,8 @@ from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.dynamics.terrain.function import as_ground
-from robotraj.gait.checks import GroundFunction, check_options, number
+from robotraj.dynamics.terrain.function import GroundFunction, as_ground
+from robotraj.gait.checks import check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
 from robotraj.gait.repetition import on_ground

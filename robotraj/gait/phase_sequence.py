@@ -14,8 +14,8 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.dynamics.terrain.function import as_ground
-from robotraj.gait.checks import GroundFunction, TimeSpan, check_options, number
+from robotraj.dynamics.terrain.function import GroundFunction, as_ground
+from robotraj.gait.checks import TimeSpan, check_options, number
 from robotraj.gait.feet import FootKind, foot_contact
 from robotraj.gait.flight import Flight
 from robotraj.gait.posture import gait_objective

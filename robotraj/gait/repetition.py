@@ -12,8 +12,8 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import Contact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.dynamics.terrain.function import as_ground
-from robotraj.gait.checks import GroundFunction, TimeSpan, check_ground_repeats, check_options, number
+from robotraj.dynamics.terrain.function import GroundFunction, as_ground
+from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.mirror_inertia import IMBALANCE, imbalance
 from robotraj.gait.mirroring import mirror_by_geometry

@@ -10,7 +10,8 @@ from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.gait.checks import GroundFunction, TimeSpan, fraction
+from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.gait.checks import TimeSpan, fraction
 from robotraj.gait.feet import FootKind
 from robotraj.gait.phase_sequence import GaitTerms, Support, split_duration
 from robotraj.gait.repetition import checked_feet, repeating, step_timing

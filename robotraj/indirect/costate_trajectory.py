@@ -7,7 +7,7 @@ H = l + lambda' f and dlambda/dt = -dH/dx.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.costates.hamiltonian import Hamiltonian
+from robotraj.solution.sample import Times
 from robotraj.transcription.collocation.index_reduction import path_equalities
 
 if TYPE_CHECKING:
@@ -46,11 +47,11 @@ class CostateSample(OneLine):
         H = l + lambda' f + nu' g along the trajectory, integral rows with their multipliers included [objective / s].
     """
 
-    t: Any
+    t: float | Array
     x: Named
     z: Named
     path: Named
-    hamiltonian: Any
+    hamiltonian: float | Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +110,7 @@ class PhaseCostates(OneLine):
         nudge = 1e-9 * (knots[interval + 1] - knots[interval])
         return self.duals.costate(np.clip(t, knots[interval] + nudge, knots[interval + 1] - nudge))
 
-    def at(self, t: Any) -> CostateSample:
+    def at(self, t: Times) -> CostateSample:
         """Evaluate at global times within the phase [s]; at a jump, the value after it."""
         first, last = self.solution.t0, self.solution.t0 + self.solution.duration
         times = np.asarray(t, dtype=float)
@@ -121,7 +122,7 @@ class PhaseCostates(OneLine):
             values = {name: array[0] for name, array in values.items()}
         dae, rows = self.hamiltonian.dae, [*self.hamiltonian.path, *self.hamiltonian.integrals]
         return CostateSample(
-            t,
+            times if times.ndim else float(times),
             Named("state", [s.name for s in dae.states], values["costate"].T),
             Named("algebraic row", [r.name for r in dae.residuals], values["nu"].T),
             Named("path row", [row.label for row in rows], values["eta"].T),
@@ -135,7 +136,7 @@ class Costates(OneLine):
 
     phases: tuple[PhaseCostates, ...]
 
-    def at(self, t: Any) -> CostateSample:
+    def at(self, t: Times) -> CostateSample:
         """Evaluate at a global time, or at times of one phase; at a joint of phases the later one is used."""
         starts = np.array([part.solution.t0 for part in self.phases])
         owner = np.clip(np.searchsorted(starts, np.asarray(t, dtype=float), side="right") - 1, 0, len(starts) - 1)

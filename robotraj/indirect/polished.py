@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from robotraj.indirect.flow import Flow
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.problem.problem import Problem
 from robotraj.robot.tangent import normalised
+from robotraj.solution.sample import Times
 from robotraj.solvers.status import Status
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.lobatto import LobattoIIIA
@@ -51,11 +52,11 @@ class PolishedSample(OneLine):
         Joint positions, velocities and torques of a robot, (n,) or (m, n).
     """
 
-    t: Any
+    t: float | Array
     x: Named
     u: Named
     costate: Named
-    hamiltonian: Any
+    hamiltonian: float | Array
     q: Array | None = None
     v: Array | None = None
     tau: Array | None = None
@@ -129,7 +130,7 @@ class Polished(OneLine):
         """Times of the knots of all arcs [s]."""
         return np.unique(np.concatenate([part.x.breaks for part in self.trajectories]))
 
-    def at(self, t: Any) -> PolishedSample:
+    def at(self, t: Times) -> PolishedSample:
         """Evaluate at times [s]; at a switching time, on the later arc.
 
         Raises
@@ -157,12 +158,13 @@ class Polished(OneLine):
         x = Named("state", names, y[..., :nx].T)
         costate = Named("state", names, y[..., nx : 2 * nx].T)
         controls = Named("control", [c.name for c in dae.controls], u.T)
+        given = times if np.ndim(t) else float(times[0])
         robot = self.equations.phase.robot
         if robot is None:
-            return PolishedSample(t, x, controls, costate, y[..., 2 * nx])
+            return PolishedSample(given, x, controls, costate, y[..., 2 * nx])
         end = robot.nq + robot.nv
         motion = normalised(robot.model, y[..., : robot.nq]), y[..., robot.nq : end], u[..., : robot.nu]
-        return PolishedSample(t, x, controls, costate, y[..., 2 * nx], *motion)
+        return PolishedSample(given, x, controls, costate, y[..., 2 * nx], *motion)
 
     @cached_property
     def _flows(self) -> list[Flow]:

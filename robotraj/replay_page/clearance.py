@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import casadi as ca
 import numpy as np
@@ -13,6 +13,9 @@ from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.clearance_geometry import spots_of
 from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.point import FramePoint
 
 Array = NDArray[np.float64]
 SAMPLES = 61
@@ -42,7 +45,7 @@ def _curves(cycle_phase: CyclePhase, constraint: GroundClearance) -> list[dict[s
     point = symbols_of(body, names)
     ground = as_ground(constraint.ground)
     values = phase.rows.column(held, point)
-    places = ca.vertcat(*(ca.vertcat(*spot.position(point)) for spot in spots))
+    places = ca.vertcat(*(ca.vertcat(*spot.position(cast("FramePoint", point))) for spot in spots))
     variables = [point.t, *(ca.vertcat(*group.values()) for group in (point.x, point.z, point.u, point.p))]
     evaluate = ca.Function("clearance", variables, [values, places])
     times = np.linspace(planned.t0, planned.t0 + planned.duration, SAMPLES)

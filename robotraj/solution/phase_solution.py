@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from robotraj.dynamics.variable import Named
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.robot.tangent import normalised
-from robotraj.solution.sample import Sample
+from robotraj.solution.sample import Sample, Times
 from robotraj.transcription.driven_motion import Inputs, inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
@@ -92,7 +92,7 @@ class PhaseSolution(OneLine):
     def _rates(self) -> PiecewisePolynomial:
         return self.trajectory.x.derivative()
 
-    def at(self, t: Any, interval: int | NDArray[np.int_] | None = None) -> Sample:
+    def at(self, t: Times, interval: int | NDArray[np.int_] | None = None) -> Sample:
         """Evaluate the states' polynomials, and by the equations of motion (``driven_motion``) torques and forces.
 
         Parameters
@@ -139,15 +139,16 @@ class PhaseSolution(OneLine):
         states = Named("state", [v.name for v in dae.states], x.T)
         algebraic = Named("algebraic variable", [v.name for v in algebraics], z.T)
         named_controls = Named("control", [v.name for v in controls], u.T)
+        known_times = times if times.ndim else float(times)
         robot = self.phase.robot
         if robot is None:
-            return Sample(t, states, algebraic, named_controls)
+            return Sample(known_times, states, algebraic, named_controls)
         end = robot.nq + robot.nv
         accelerations = self._rates(times, interval)[..., robot.nq : end]
         # Polynomials of a quaternion have length 1 where they were collocated, and nearly so between.
         q = normalised(robot.model, x[..., : robot.nq])
         v, tau = x[..., robot.nq : end], u[..., : robot.nu]
-        return Sample(t, states, algebraic, named_controls, q, v, accelerations, tau, self._forces(algebraic))
+        return Sample(known_times, states, algebraic, named_controls, q, v, accelerations, tau, self._forces(algebraic))
 
     def _forces(self, algebraic: Named) -> Named:
         """Contact forces in world axes, (3,) or (6,) each, behind the axis of times."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,8 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 
 Array = NDArray[np.float64]
+Times: TypeAlias = float | Sequence[float] | Array
+"""One time [s], or several."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +39,7 @@ class Sample(OneLine):
         a contact of the plan is not held.
     """
 
-    t: Any
+    t: float | Array
     x: Named
     z: Named
     u: Named

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import fields
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Proof
-from robotraj.solution.sample import Sample, join
+from robotraj.solution.sample import Sample, Times, join
 from robotraj.solution.settings import Settings
 from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
@@ -156,7 +156,7 @@ class Solution(OneLine):
         """Times of all knots [s]."""
         return np.unique(np.concatenate([phase.knots for phase in self.phases]))
 
-    def at(self, t: Any) -> Sample:
+    def at(self, t: Times) -> Sample:
         """Evaluate the plan at global times; at a joint of two phases the later phase is used.
 
         Parameters
@@ -174,7 +174,7 @@ class Solution(OneLine):
         starts = np.array([phase.t0 for phase in self.phases])
         owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(self.phases) - 1)
         if times.ndim == 0:
-            return self.phases[int(owner)].at(t).with_contacts(self._contacts)
+            return self.phases[int(owner)].at(float(times)).with_contacts(self._contacts)
         used = np.unique(owner)
         if len(used) <= 1:
             return self.phases[int(used[0]) if len(used) else 0].at(times).with_contacts(self._contacts)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 
 from robotraj.cli.demos.demo import Demo
@@ -38,7 +39,7 @@ def compass_walker() -> Demo:
     """Walk down a slope without any torque: the gait closes on its own mirror image."""
     ground = Slope(-np.tan(DESCENT))
 
-    def height(point: RobotPoint) -> object:
+    def height(point: RobotPoint) -> ca.SX:
         foot = point.frame("right_foot").position
         return foot[2] - ground.height(foot[0], foot[1])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeAlias
 
 import casadi as ca
 
@@ -10,6 +11,9 @@ from robotraj._util.errors import InputError, called
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.variable import Scalar
+
+GroundFunction: TypeAlias = Callable[[ca.SX, ca.SX], Scalar]
+"""Height of the ground [m] as a function of x and y [m], written with CasADi."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,7 @@ class HeightFunction(Ground):
         On first use: the function fails on symbols or does not return one height.
     """
 
-    function: Callable[[ca.SX, ca.SX], Scalar]
+    function: GroundFunction
 
     def surface(self, x: ca.SX, y: ca.SX) -> ca.SX:
         """Height [m]."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import field
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -43,7 +43,7 @@ class HeightMap(Ground):
         Too few samples, a height that is not finite, a spacing that is not positive.
     """
 
-    heights: Any = field(repr=False)
+    heights: Sequence[Sequence[float]] | Array = field(repr=False)
     spacing: tuple[float, float]
     origin: tuple[float, float] = (0.0, 0.0)
 
@@ -97,7 +97,7 @@ class HeightMap(Ground):
                 )
             spacing.append((places[-1] - places[0]) / (count - 1))
             origin.append(places[0])
-        return cls(heights, tuple(spacing), tuple(origin))
+        return cls(np.asarray(heights, dtype=float), tuple(spacing), tuple(origin))
 
     def __eq__(self, other: object) -> bool:
         return (
@@ -107,11 +107,11 @@ class HeightMap(Ground):
         )
 
     def __hash__(self) -> int:
-        return hash((self.spacing, self.origin, self.heights.tobytes()))
+        return hash((self.spacing, self.origin, np.asarray(self.heights).tobytes()))
 
     def surface(self, x: ca.SX, y: ca.SX) -> ca.SX:
         """Height [m]."""
-        n, m = self.heights.shape
+        n, m = np.shape(self.heights)
         across = _splines((x - self.origin[0]) / self.spacing[0], n)
         along = _splines((y - self.origin[1]) / self.spacing[1], m)
         return ca.mtimes([across.T, ca.DM(self._coefficients), along])
@@ -119,7 +119,7 @@ class HeightMap(Ground):
     @cached_property
     def _coefficients(self) -> Array:
         """Coefficients c_ij (n + 2, m + 2) [m]; there is one more B-spline than samples at each end."""
-        n, m = self.heights.shape
+        n, m = np.shape(self.heights)
         right = np.zeros((n + 2, m + 2))
         right[1:-1, 1:-1] = self.heights
         return np.linalg.solve(_collocation(m), np.linalg.solve(_collocation(n), right).T).T

@@ -16,7 +16,8 @@ from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.gait.checks import GroundFunction, check_options, number
+from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.gait.checks import check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import TOUCH, GaitTerms, Support, sequence
 from robotraj.gait.repetition import on_ground

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -12,10 +12,10 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.dynamics.terrain.function import as_ground
+from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of, symbols_of
-from robotraj.problem.constraints.clearance_geometry import CollisionShapes, spots_of
-from robotraj.problem.constraints.heights import RequiredHeight, required_height
+from robotraj.problem.constraints.clearance_geometry import PlacesLike, spots_of
+from robotraj.problem.constraints.heights import HeightLike, RequiredHeight, required_height
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
@@ -43,9 +43,9 @@ class GroundClearance(Constraint):
         with CasADi.
     """
 
-    frames: str | CollisionShapes | Sequence[Any]
-    height: float | RequiredHeight | Any = 0.0
-    ground: Ground | Any = field(default_factory=Flat)
+    frames: PlacesLike
+    height: HeightLike = 0.0
+    ground: Ground | GroundFunction = field(default_factory=Flat)
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Write one row for each place, or as many as there are heights to reach.
@@ -62,7 +62,7 @@ class GroundClearance(Constraint):
         labels = [spot.label for spot in spots]
         height = required_height(self.height, f"GroundClearance of {', '.join(labels[:3])}")
 
-        def gaps(point: RobotPoint) -> list[tuple[Any, Any]]:
+        def gaps(point: RobotPoint) -> list[tuple[Scalar, list[Scalar]]]:
             places = [spot.position(point) for spot in spots]
             return [(spot.gap(point, place, ground), place) for spot, place in zip(spots, places, strict=True)]
 
@@ -73,7 +73,7 @@ class GroundClearance(Constraint):
         def expression(point: RobotPoint) -> list[Scalar]:
             return [gap - h for gap, place in gaps(point) for h in height.heights(point, place).values()]
 
-        point = symbols_of(dynamics, parameters)
+        point = cast("RobotPoint", symbols_of(dynamics, parameters))
         names = [list(height.heights(point, spot.position(point))) for spot in spots]
         rows = tuple(
             Row(name, "m", 0.0, np.inf, label) for label, of_spot in zip(labels, names, strict=True) for name in of_spot

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeAlias, TypeGuard, cast
 
 import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
@@ -13,10 +15,12 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
 
 if TYPE_CHECKING:
+    from robotraj.dynamics.point import FrameMotion, FramePoint
     from robotraj.problem.scalars import Scalar
     from robotraj.robot.robot import Robot
 
 Vector = tuple[float, float, float]
+Triple: TypeAlias = Sequence[float] | NDArray[np.float64]
 ROUNDING = 1e-2
 """A disc that lies along the ground would have a corner in its lowest point's height: it is rounded by so much of
 its radius, on the safe side."""
@@ -45,13 +49,13 @@ class ClearancePoint(OneLine):
     radius: float = 0.0
     axis: Vector | None = None
 
-    def position(self, point: Any) -> list[Scalar]:
+    def position(self, point: FramePoint) -> list[Scalar]:
         """Centre in the world [m]."""
         view = point.frame(self.frame)
         place, turned = view.position, _turned(view, self.offset)
         return [place[i] + turned[i] for i in range(3)]
 
-    def gap(self, point: Any, position: Sequence[Any], ground: Ground) -> Scalar:
+    def gap(self, point: FramePoint, position: Sequence[Scalar], ground: Ground) -> Scalar:
         """Least vertical distance z - h(x, y) [m] over the ground's tangent plane below the spot's ``position``.
 
         With g = (-h_x, -h_y, 1), a ball's lowest point lies r |g| below its centre, a disc's
@@ -69,8 +73,8 @@ class ClearancePoint(OneLine):
         return z - height - self.radius * steep**0.5
 
 
-def _turned(view: Any, vector: Vector) -> Sequence[Any]:
-    """Turn a frame's vector into world axes; its zeros leave no trace in the graph."""
+def _turned(view: FrameMotion, vector: Vector) -> Sequence[Scalar]:
+    """Turn a frame's vector into world axes; a vector of zeros adds no operations to the graph."""
     return view.rotation @ np.array(vector) if any(vector) else (0.0, 0.0, 0.0)
 
 
@@ -113,13 +117,17 @@ class CollisionShapes(OneLine):
         return [spot for link, shape in shapes if link in chosen for spot in _spots(robot, link, shape)]
 
 
-def _spots(robot: Robot, link: str, shape: Any) -> list[ClearancePoint]:
+PlacesLike: TypeAlias = "str | tuple[str, Triple] | CollisionShapes | Sequence[PlacesLike]"
+"""Frames, points fixed in a frame [m], collision shapes of links, or several of these."""
+
+
+def _spots(robot: Robot, link: str, shape: pin.GeometryObject) -> list[ClearancePoint]:
     """Points, balls or discs that hold the lowest point of one shape."""
     geometry, kind = shape.geometry, type(shape.geometry).__name__
     placement = robot.model.frames[shape.parentFrame].placement.actInv(shape.placement)
     axis = placement.rotation[:, 2]
 
-    def at(local: Any, label: str, radius: float = 0.0, disc: bool = False) -> ClearancePoint:
+    def at(local: ArrayLike, label: str, radius: float = 0.0, disc: bool = False) -> ClearancePoint:
         centre = placement.act(np.asarray(local, dtype=float))
         return ClearancePoint(
             link, f"{shape.name} {label}".strip(), _vector(centre), radius, _vector(axis) if disc else None
@@ -144,13 +152,13 @@ def _spots(robot: Robot, link: str, shape: Any) -> list[ClearancePoint]:
     return [at(corner, f"corner {k}") for k, corner in enumerate(corners)]
 
 
-def _vector(values: Any) -> Vector:
+def _vector(values: Triple) -> Vector:
     """Round to what a URDF can mean, so that zeros are zeros."""
     x, y, z = (float(v) for v in np.round(values, 12) + 0.0)
     return x, y, z
 
 
-def spots_of(what: Any, robot: Robot) -> list[ClearancePoint]:
+def spots_of(what: PlacesLike, robot: Robot) -> list[ClearancePoint]:
     """Read frames, points ``(frame, offset)``, CollisionShapes, or a sequence of these.
 
     Raises
@@ -174,10 +182,10 @@ def spots_of(what: Any, robot: Robot) -> list[ClearancePoint]:
             f"GroundClearance names {what!r}; give frames, points ('frame', (x, y, z)) or "
             f"rt.constraints.CollisionShapes('link')."
         )
-    return [spot for entry in what for spot in spots_of(entry, robot)]
+    return [spot for entry in cast("Sequence[PlacesLike]", what) for spot in spots_of(entry, robot)]
 
 
-def _is_point(what: Any) -> bool:
+def _is_point(what: object) -> TypeGuard[tuple[str, Vector]]:
     """Whether it is a frame's name and three numbers."""
     if not isinstance(what, Sequence) or len(what) != 2 or not isinstance(what[0], str) or isinstance(what[1], str):
         return False

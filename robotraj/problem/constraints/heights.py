@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from numbers import Real
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -13,14 +12,22 @@ from robotraj._util.errors import InputError, called
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.path import flat
-from robotraj.problem.scalars import Scalar
+from robotraj.problem.scalars import PointExpression, Scalar
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.point import RobotPoint
+
+Coordinate: TypeAlias = "float | str | Callable[[RobotPoint], Scalar]"
+"""A number [m], the name of a parameter, or a function of the point."""
+Place: TypeAlias = "Coordinate | Sequence[Coordinate]"
+"""World x, or (x, y)."""
 
 
 class RequiredHeight(OneLine, ABC):
     """A clearance [m] that changes along the motion. A new profile is one new class."""
 
     @abstractmethod
-    def heights(self, point: Any, position: Sequence[Any]) -> dict[str, Any]:
+    def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
         """Heights [m] that a place at ``position`` (3) [m] must all reach, by the names of their rows."""
 
 
@@ -47,8 +54,8 @@ class SwingApex(RequiredHeight):
     """
 
     apex: float
-    start: Any
-    end: Any
+    start: Place
+    end: Place
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.apex) and self.apex > 0):
@@ -63,7 +70,7 @@ class SwingApex(RequiredHeight):
                 f"rt.constraints.SwingApex starts and ends at {self.start!r}: there is no progress to measure."
             )
 
-    def heights(self, point: Any, position: Sequence[Any]) -> dict[str, Any]:
+    def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
         """Ground and parabola [m]."""
         start = [_read(value, point) for value in _entries(self.start, "start")]
         way = [_read(value, point) - begin for value, begin in zip(_entries(self.end, "end"), start, strict=True)]
@@ -76,16 +83,20 @@ class SwingApex(RequiredHeight):
 class HeightOf(RequiredHeight):
     """A height [m] that a user's function of the point gives; several of them must all be reached."""
 
-    function: Callable[[Any], Any]
+    function: PointExpression
 
-    def heights(self, point: Any, position: Sequence[Any]) -> dict[str, Any]:
+    def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
         """Evaluate the function."""
         values = flat(called("height function of the ground clearance", self.function, point))
         names = ["ground clearance"] if len(values) == 1 else [f"ground clearance[{i}]" for i in range(len(values))]
         return dict(zip(names, values, strict=True))
 
 
-def required_height(value: Any, who: str) -> RequiredHeight | float:
+HeightLike: TypeAlias = RequiredHeight | float | PointExpression
+"""A height [m], a profile of it, or a function of the point."""
+
+
+def required_height(value: HeightLike, who: str) -> RequiredHeight | float:
     """Accept metres, a RequiredHeight or a function of the point.
 
     Raises
@@ -108,16 +119,17 @@ def required_height(value: Any, who: str) -> RequiredHeight | float:
     return metres
 
 
-def _entries(place: Any, name: str) -> tuple[Any, ...]:
+def _entries(place: Place, name: str) -> tuple[Coordinate, ...]:
     """One or two entries of a foothold."""
     entries = tuple(place) if isinstance(place, Sequence | np.ndarray) and not isinstance(place, str) else (place,)
-    finite = all(isinstance(v, str) or callable(v) or (isinstance(v, Real) and np.isfinite(float(v))) for v in entries)
+    numbers = [v for v in entries if not isinstance(v, str) and not callable(v)]
+    finite = all(isinstance(v, int | float | np.number) and np.isfinite(v) for v in numbers)
     if len(entries) not in (1, 2) or not finite:
         raise InputError(f"rt.constraints.SwingApex: {name} is {place!r}; give a foothold as x or (x, y) [m].")
     return entries
 
 
-def _read(value: Any, point: Any) -> Scalar:
+def _read(value: Coordinate, point: RobotPoint) -> Scalar:
     if isinstance(value, str):
         return point.p[value]
     return called("foothold of rt.constraints.SwingApex", value, point) if callable(value) else value

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
@@ -13,6 +13,7 @@ from robotraj.problem.constraints.path import PathConstraint
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.problem.scalars import PointExpression
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class IntegralConstraint(Constraint):
         For reports; the unit is the integral's.
     """
 
-    expression: Callable[[Any], Any]
+    expression: PointExpression
     lower: SideLike = None
     upper: SideLike = None
     name: str = "integral"

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
+import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
@@ -15,8 +16,8 @@ from robotraj.problem.constraints.bounds import SideLike
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import Point
-    from robotraj.problem.scalars import Scalar
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import PointExpression, Scalar, Scalars
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class PathConstraint(Constraint):
         On binding: bounds of a wrong length, NaN, crossed or both open; an expression that fails on a point.
     """
 
-    expression: Callable[[Any], Any]
+    expression: PointExpression
     lower: SideLike = None
     upper: SideLike = None
     name: str = "path constraint"
@@ -65,7 +66,7 @@ class PathConstraint(Constraint):
         rows = tuple(Row(n, self.unit, lo, up) for n, lo, up in zip(names, lower, upper, strict=True))
         user = self.expression
 
-        def expression(point: Point) -> list[Scalar]:
+        def expression(point: RobotPoint) -> list[Scalar]:
             return flat(user(point))
 
         return BoundConstraint(self.name, rows, expression)
@@ -81,9 +82,9 @@ def side(value: SideLike, default: float, count: int, name: str) -> list[float]:
     return [float(b) for b in np.broadcast_to(array, (count,))]
 
 
-def flat(values: Any) -> list[Scalar]:
+def flat(values: Scalars) -> list[Scalar]:
     """Entries of a scalar, list or column, symbolic or numeric, left as they are."""
-    if hasattr(values, "numel"):
+    if isinstance(values, ca.SX | ca.DM | ca.MX):
         return [values[i] for i in range(values.numel())]
     if isinstance(values, Sequence) or (hasattr(values, "ravel") and np.ndim(values) > 0):
         parts = values.ravel() if hasattr(values, "ravel") else values

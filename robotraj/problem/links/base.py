@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import casadi as ca
 
@@ -18,14 +18,15 @@ from robotraj.problem.constraints.base import Row
 from robotraj.problem.scalars import Scalar
 
 if TYPE_CHECKING:
+    from robotraj.dynamics.point import Point
     from robotraj.problem.phase import Phase
 
 
 class Ends(NamedTuple):
     """The points at both ends of a phase; they know ``t``, ``x``, ``p`` and, for robots, ``q``, ``v`` and frames."""
 
-    start: Any
-    end: Any
+    start: Point
+    end: Point
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
@@ -15,7 +15,7 @@ from robotraj.problem.links.base import BoundLink, Ends, Link, normal, phase_at
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-    from robotraj.problem.scalars import Scalar
+    from robotraj.problem.scalars import Scalar, Scalars
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Linkage(Link):
     """
 
     phases: Sequence[int]
-    expression: Callable[..., Any]
+    expression: Callable[..., Scalars]
     lower: SideLike = 0.0
     upper: SideLike = 0.0
     name: str = "linkage"

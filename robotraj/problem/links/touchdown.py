@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import casadi as ca
 
@@ -12,6 +12,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import LimitRow
 from robotraj.dynamics.holding import anchors, torques
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import Row
@@ -94,7 +95,7 @@ class Touchdown(Link):
         timed = self.repeat is None
 
         def expression(ends: Sequence[Ends], impulses: Mapping[str, Scalar]) -> list[Scalar]:
-            end, start = ends[0].end, ends[1].start
+            end, start = ends[0].end, cast(RobotPoint, ends[1].start)
             image = repeat.image(end)
             values: list[Scalar] = [start.t - end.t] if timed else []
             values += [start.x[names[i]] - image[i] for i in placed]

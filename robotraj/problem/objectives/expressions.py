@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -13,17 +13,17 @@ from robotraj.problem.objectives.base import EndCost, Integral
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import Point
-    from robotraj.problem.scalars import Scalar
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import EndExpression, PointExpression, Scalar
 
 
 @dataclass(frozen=True)
 class Lagrange(Integral):
     """Integral of ``expression(point)`` over the phase: ``rt.Lagrange(lambda point: point.u["u"] ** 2)``."""
 
-    expression: Callable[[Any], Any]
+    expression: PointExpression
 
-    def rate(self, point: Point) -> Scalar:
+    def rate(self, point: RobotPoint) -> Scalar:
         """Integrand at a point."""
         return self.expression(point)
 
@@ -42,9 +42,9 @@ class Mayer(EndCost):
     The end points know ``t``, ``x``, ``p`` and, for robots, ``q``, ``v``, frames and the centre of mass.
     """
 
-    expression: Callable[[Any, Any], Any]
+    expression: EndExpression
 
-    def value(self, start: Point, end: Point) -> Scalar:
+    def value(self, start: RobotPoint, end: RobotPoint) -> Scalar:
         """Cost of the end points."""
         return self.expression(start, end)
 

@@ -11,7 +11,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
 from robotraj.problem.constraints.base import robot_of
-from robotraj.problem.constraints.frame_pose import as_pose, own_pose
+from robotraj.problem.constraints.frame_pose import PoseLike, Triple, as_pose, own_pose
 from robotraj.problem.objectives.base import EndCost
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class TerminalPose(EndCost):
     """
 
     frame: str
-    pose: Any
+    pose: Triple | PoseLike
     position_weight: float = 1.0
     rotation_weight: float = 1.0
 
@@ -69,7 +69,7 @@ class TerminalPose(EndCost):
         return f"terminal pose of frame {self.frame!r}"
 
 
-def target_of(value: Any, what: str) -> tuple[np.ndarray, np.ndarray | None]:
+def target_of(value: Triple | PoseLike, what: str) -> tuple[np.ndarray, np.ndarray | None]:
     """Position (3,) and rotation (3, 3) of a pose, or a position and None.
 
     Raises
@@ -77,10 +77,8 @@ def target_of(value: Any, what: str) -> tuple[np.ndarray, np.ndarray | None]:
     InputError
         Neither three numbers nor a pose; ``what`` names it.
     """
-    if hasattr(value, "rotation") or len(value) != 3:
-        position, rotation = as_pose(value, what)
-    else:
-        position, rotation = value, None
+    placed = hasattr(value, "rotation") or len(value) != 3
+    position, rotation = as_pose(value, what) if placed else (value, None)
     place = np.asarray(position, dtype=float)
     if place.shape != (3,) or not np.all(np.isfinite(place)):
         raise InputError(f"The position of the {what} must be three finite numbers; got {position!r}.")

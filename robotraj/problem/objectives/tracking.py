@@ -16,7 +16,7 @@ from robotraj.dynamics.rows import as_rows
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.reference_motion import symbolic_states
-from robotraj.problem.objectives.weights import weights_of
+from robotraj.problem.objectives.weights import WeightsLike, weights_of
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
@@ -47,10 +47,10 @@ class Tracking(Integral):
     """
 
     reference: Any
-    q: Any = None
-    v: Any = 0.0
+    q: WeightsLike = None
+    v: WeightsLike = 0.0
     frames: Mapping[str, float] = field(default_factory=dict)
-    states: Any = None
+    states: WeightsLike = None
 
     def rate(self, point: Any) -> Scalar:
         """Weighted squared distance at a point."""

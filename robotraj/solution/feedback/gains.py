@@ -13,6 +13,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.solution.feedback.linearisation import Linearisation
 from robotraj.solution.feedback.riccati import backwards, transition
+from robotraj.solution.sample import Times
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -53,7 +54,7 @@ class PhaseGains(OneLine):
     matrices: Array
     growth: Array
 
-    def at(self, t: Any) -> Array:
+    def at(self, t: Times) -> Array:
         """Gains (nu, 2 nv), or (m, nu, 2 nv) for m times: linear between ``times``, constant outside of them."""
         where = np.clip(np.asarray(t, dtype=float), self.times[0], self.times[-1])
         after = np.clip(np.searchsorted(self.times, where), 1, max(len(self.times) - 1, 1))

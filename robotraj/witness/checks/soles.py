@@ -9,13 +9,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from itertools import combinations
-from numbers import Real
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from robotraj.dynamics.design.binding import realised
-from robotraj.dynamics.point import Point
+from robotraj.dynamics.point import FramePoint, Point
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
@@ -58,7 +57,7 @@ def sole_watches(
 
 def _segments_of(planned: PhaseSolutionLike, bound: BoundConstraint) -> list[_Segment]:
     source = bound.source
-    if not isinstance(source, GroundClearance) or not isinstance(source.height, Real):
+    if not isinstance(source, GroundClearance) or not isinstance(source.height, int | float | np.number):
         return []
     ground = as_ground(source.ground)
     if isinstance(ground, Flat | Slope):
@@ -86,7 +85,7 @@ def _shape_of(spot: ClearancePoint) -> str:
 def _least_gap(segment: _Segment, points: Sequence[Point]) -> Array:
     """Return the least vertical distance (m,) of a segment from the ground [m] at each of m points."""
     first, second = (
-        np.array([[float(entry) for entry in spot.position(point)] for point in points])
+        np.array([[float(entry) for entry in spot.position(cast(FramePoint, point))] for point in points])
         for spot in (segment.first, segment.second)
     )
     places = first[:, None, :] + PLACES[None, :, None] * (second - first)[:, None, :]
