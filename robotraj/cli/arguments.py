@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.cli.minimise import Minimise
@@ -16,9 +15,16 @@ from robotraj.problem.state import State
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
 
+Array = NDArray[np.float64]
+
 
 def rest_to_rest(
-    robot: Robot, objective: Minimise, duration: str | None, start: Any, end: Any, limits: Limits | None
+    robot: Robot,
+    objective: Minimise,
+    duration: str | None,
+    start: Array | None,
+    end: Array | None,
+    limits: Limits | None,
 ) -> Phase:
     """Pose the motion that ``robotraj plan`` plans; 2 s long, or as long as is least, if no duration is given."""
     free = (0.05, 60.0) if objective is Minimise.duration else 2.0
@@ -43,7 +49,7 @@ def limits_of(robot: Robot, own: bool, velocity: float | None, effort: float | N
     return None
 
 
-def configuration_of(robot: Robot, text: str | None, option: str) -> Any:
+def configuration_of(robot: Robot, text: str | None, option: str) -> Array:
     """Read ``"0,1.57"`` in the order of the joints, or ``"elbow=1.57"`` by name (the others neutral)."""
     if text is None:
         return robot.neutral

@@ -12,9 +12,11 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
+from robotraj.dynamics.variable import Scalar
 from robotraj.gait.checks import TimeSpan, check_options, number
 from robotraj.gait.feet import FootKind, foot_contact
 from robotraj.gait.flight import Flight
@@ -273,7 +275,7 @@ class SwingArc(RequiredHeight):
     anchor: str
     step: float
 
-    def heights(self, point: Any, position: Sequence[Any]) -> dict[str, Any]:
+    def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
         """Return the least heights at ``position``."""
         progress = 0.5 + 0.5 * (position[0] - point.p[self.anchor]) / self.step
         return {

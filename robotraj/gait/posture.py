@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -11,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import RobotPoint
 from robotraj.guess.legs.stance import ROOT_FREEDOMS
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.effort import Effort
@@ -35,7 +35,7 @@ class FixedPosture:
 
     q: tuple[float, ...]
 
-    def __call__(self, t: Any) -> Mapping[str, Any]:
+    def __call__(self, t: ca.SX) -> Mapping[str, tuple[float, ...]]:
         """Return q at any time."""
         return {"q": self.q}
 
@@ -52,7 +52,7 @@ class SquaredAccelerations:
 
     first: int
 
-    def __call__(self, point: Any) -> Any:
+    def __call__(self, point: RobotPoint) -> ca.SX:
         """Evaluate the sum."""
         return ca.sumsqr(point.a[self.first :])
 

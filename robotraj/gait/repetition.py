@@ -13,11 +13,13 @@ from robotraj.dynamics.contacts.base import Contact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
+from robotraj.dynamics.variable import Scalar
 from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.mirror_inertia import IMBALANCE, imbalance
 from robotraj.gait.mirroring import mirror_by_geometry
 from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
+from robotraj.problem.links.base import Ends
 from robotraj.problem.links.linkage import Linkage
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.problem import Problem
@@ -93,7 +95,7 @@ class DurationRatio:
 
     times: float
 
-    def __call__(self, first: Any, second: Any) -> Any:
+    def __call__(self, first: Ends, second: Ends) -> Scalar:
         """Evaluate the difference."""
         return second.end.t - second.start.t - self.times * (first.end.t - first.start.t)
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.variable import Scalar
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.bounds import Between, between
 from robotraj.problem.constraints.path import PathConstraint
@@ -76,7 +76,7 @@ class RootHeight:
     frame: str
     ground: Ground
 
-    def __call__(self, point: Any) -> Any:
+    def __call__(self, point: RobotPoint) -> Scalar:
         """Evaluate z - h(x, y)."""
         x, y, z = (point.frame(self.frame).position[i] for i in range(3))
         return z - self.ground.height(x, y)

@@ -11,10 +11,9 @@ Source: Bryson and Ho, Applied Optimal Control (1975), chapters 2 and 3.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -22,9 +21,11 @@ from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import Point
 from robotraj.dynamics.rigid_body import ForwardDynamics
 from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.system import System
+from robotraj.dynamics.variable import Named, Scalar
 from robotraj.indirect.arcs import Side
 from robotraj.problem.phase import Phase
 from robotraj.solution.costates.hamiltonian import Hamiltonian
@@ -81,10 +82,10 @@ class Pontryagin(OneLine):
         controls = [f"u {dae.controls[i].name}" for i in self.interior(sides)]
         return [*controls, *(f"z {v.name}" for v in dae.algebraic), *(f"nu {r.name}" for r in dae.residuals)]
 
-    def controls(self, sides: Sequence[Side], interior: Any) -> list[Any]:
+    def controls(self, sides: Sequence[Side], interior: Sequence[ca.SX] | Array) -> list[Scalar | Array]:
         """Return all controls of an arc; ``interior`` holds the values of the interior ones in order."""
         which = self.interior(sides)
-        values: list[Any] = []
+        values: list[Scalar | Array] = []
         for i, side in enumerate(sides):
             values.append(interior[which.index(i)] if i in which else float(self.bounds[int(side is Side.UPPER), i]))
         return values
@@ -120,7 +121,7 @@ class Pontryagin(OneLine):
         value = sum((w * as_rows(t.value(start, end), "Mayer expression")[0] for w, t in phase.end_costs), ca.SX(0))
         return float(ca.Function("mayer", symbols, [value])(t0, x0, tf, xf))
 
-    def evaluate(self, t: Any, y: Any, a: Any, sides: Sequence[Side]) -> dict[str, ca.SX]:
+    def evaluate(self, t: Scalar, y: ca.SX, a: ca.SX, sides: Sequence[Side]) -> dict[str, ca.SX]:
         """Return the outputs for symbols y, the states, and a, the algebraic variables of an arc."""
         nx, nu = self.nx, len(self.interior(sides))
         nz = len(self.phase.dae.algebraic)
@@ -129,7 +130,7 @@ class Pontryagin(OneLine):
         values = self._outputs(t, x, costate, z, multipliers, u)
         return dict(zip(self._outputs.name_out(), values, strict=True)) | {"u": u}
 
-    def equations(self, t: Any, y: Any, a: Any, sides: Sequence[Side]) -> tuple[ca.SX, ca.SX]:
+    def equations(self, t: Scalar, y: ca.SX, a: ca.SX, sides: Sequence[Side]) -> tuple[ca.SX, ca.SX]:
         """Return the rates of the states and the algebraic rows of an arc."""
         out = self.evaluate(t, y, a, sides)
         interior = [out["by_u"][i] for i in self.interior(sides)]
@@ -139,17 +140,17 @@ class Pontryagin(OneLine):
         """Return the equations of an arc as a System."""
         states, algebraic = self.state_names, self.algebraic_names(sides)
 
-        def read(point: Any) -> tuple[ca.SX, ca.SX]:
+        def read(point: Point) -> tuple[ca.SX, ca.SX]:
             y, a = columns(point.x, states), columns(point.z, algebraic)
             return self.equations(point.t, y, a, sides)
 
         residual = (lambda point: read(point)[1]) if algebraic else None
         return System(states, [], lambda point: read(point)[0], algebraic=algebraic, residual=residual, name="arc")
 
-    def quantity(self, name: str, index: int | None, sides: Sequence[Side]) -> Any:
+    def quantity(self, name: str, index: int | None, sides: Sequence[Side]) -> Callable[[Point], ca.SX]:
         """Return an output as an expression of a point of an arc: ``"H"``, or entry ``index`` of ``"by_u"``."""
 
-        def expression(point: Any) -> ca.SX:
+        def expression(point: Point) -> ca.SX:
             y = columns(point.x, self.state_names)
             value = self.evaluate(point.t, y, columns(point.z, self.algebraic_names(sides)), sides)[name]
             return value if index is None else value[index]
@@ -157,6 +158,6 @@ class Pontryagin(OneLine):
         return expression
 
 
-def columns(named: Any, names: Sequence[str]) -> ca.SX:
+def columns(named: Named, names: Sequence[str]) -> ca.SX:
     """Return named scalars as a column."""
     return ca.vertcat(*(ca.SX(named[name]) for name in names)) if names else ca.SX(0, 1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 import casadi as ca
 import numpy as np
@@ -22,7 +22,7 @@ SAMPLES = 61
 """Samples of a required height over a phase."""
 
 
-def clearance_scene(cycles: GaitCycles) -> list[dict[str, Any]]:
+def clearance_scene(cycles: GaitCycles) -> list[dict[str, object]]:
     """Return curves for the page's script: start and end [s], and points x, y, z of the required height [m].
 
     ``ground`` is the height [m] of the ground below each point. A constraint that holds at one end of a phase only
@@ -36,7 +36,7 @@ def clearance_scene(cycles: GaitCycles) -> list[dict[str, Any]]:
     return curves
 
 
-def _curves(cycle_phase: CyclePhase, constraint: GroundClearance) -> list[dict[str, Any]]:
+def _curves(cycle_phase: CyclePhase, constraint: GroundClearance) -> list[dict[str, object]]:
     """Return one curve for each point, at the highest of its required heights."""
     planned, phase = cycle_phase.planned, cycle_phase.phase
     body, names = phase.body, phase.parameter_names

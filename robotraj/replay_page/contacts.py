@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.problem.links.touchdown import impulse_names
 from robotraj.replay_page.footholds import Foothold, contact_names, footholds, numbers
+from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import GaitCycles
 
 Array = NDArray[np.float64]
@@ -16,14 +15,14 @@ IMPULSE_TIME = 0.1
 """An impulse is drawn as long as the constant force that produces it in this time [s]."""
 
 
-def weight_of(robot: Any) -> float:
+def weight_of(robot: Robot) -> float:
     """Return the weight of the moving bodies [N]."""
     model = robot.model
     mass = sum(float(inertia.mass) for inertia in model.inertias[1:])
     return mass * float(np.linalg.norm(model.gravity.linear))
 
 
-def contact_scene(cycles: GaitCycles, robot: Any, stature: float) -> dict[str, Any] | None:
+def contact_scene(cycles: GaitCycles, robot: Robot, stature: float) -> dict[str, object] | None:
     """Return forces, cones and impulses for the page's script, or None without contacts with the ground.
 
     Parameters
@@ -50,7 +49,7 @@ def contact_scene(cycles: GaitCycles, robot: Any, stature: float) -> dict[str, A
     }
 
 
-def held(cycles: GaitCycles) -> list[dict[str, Any]]:
+def held(cycles: GaitCycles) -> list[dict[str, object]]:
     """Return the name of each contact and the spans [start, end] [s] during which it is held.
 
     Spans that follow one another without a gap are joined.
@@ -67,12 +66,12 @@ def held(cycles: GaitCycles) -> list[dict[str, Any]]:
     return [{"label": name, "spans": row} for name, row in spans.items()]
 
 
-def _force(hold: Foothold, foot: int) -> dict[str, Any]:
+def _force(hold: Foothold, foot: int) -> dict[str, object]:
     times, places, forces = hold.track
     return {"foot": foot, "t": _rounded(times, 8), "p": _rounded(places, 5), "f": _rounded(forces, 5)}
 
 
-def _cones(hold: Foothold, foot: int) -> list[dict[str, Any]]:
+def _cones(hold: Foothold, foot: int) -> list[dict[str, object]]:
     shape = {
         "apex": _rounded(hold.place, 6),
         "normal": _rounded(hold.normal, 6),
@@ -82,7 +81,7 @@ def _cones(hold: Foothold, foot: int) -> list[dict[str, Any]]:
     return [{"foot": foot, "start": start, "end": end, "stays": hold.stays} | shape for start, end in hold.spans]
 
 
-def _impacts(cycles: GaitCycles, names: list[str]) -> list[dict[str, Any]]:
+def _impacts(cycles: GaitCycles, names: list[str]) -> list[dict[str, object]]:
     """Return the impulses with their times, places [m] and world components [N s]."""
     found = []
     for impact in cycles.impacts:

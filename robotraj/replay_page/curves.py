@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import field
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.system import System
+from robotraj.dynamics.variable import Variable
 from robotraj.replay_page.footholds import footholds
-from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
+from robotraj.robot.robot import Robot
+from robotraj.solution.cycles.gait_cycles import CyclePhase, CycleSample, GaitCycles
+from robotraj.solution.sample import Sample
 
 Array = NDArray[np.float64]
 SAME = {"rad": "rad", "m": "m", "": ""}
@@ -40,11 +44,11 @@ class Panel(OneLine):
     title: str
     symbol: str
     series: tuple[Series, ...]
-    read: Callable[[Any], Array] = field(repr=False)
+    read: Callable[[Sample | CycleSample], Array] = field(repr=False)
     """Map a sample at m times to values (m, number of series)."""
 
 
-def robot_panels(robot: Any) -> list[Panel]:
+def robot_panels(robot: Robot) -> list[Panel]:
     """Return the position and velocity charts of a robot's joints, and the torque chart of the actuated ones."""
 
     def series(prefix: str, names: Sequence[str], units: Sequence[str], unit: dict[str, str]) -> tuple[Series, ...]:
@@ -72,19 +76,19 @@ def contact_panel(cycle_phase: CyclePhase) -> list[Panel]:
     # On level ground a bound on the normal force is a bound on the variable along z.
     series = tuple(Series(hold.name, "N", f"force.{hold.contact.name}.z") for hold in holds)
 
-    def read(sample: Any) -> Array:
+    def read(sample: Sample | CycleSample) -> Array:
         return np.column_stack([hold.normal_force(sample) for hold in holds])
 
     return [Panel("Normal force of contacts", "fₙ", series, read)]
 
 
-def system_panels(system: Any) -> list[Panel]:
+def system_panels(system: System) -> list[Panel]:
     """Return the charts of the states, controls and algebraic variables of an ``rt.System``."""
 
-    def panel(title: str, symbol: str, group: Sequence[Any]) -> Panel:
+    def panel(title: str, symbol: str, group: Sequence[Variable]) -> Panel:
         names = [variable.name for variable in group]
 
-        def read(sample: Any) -> Array:
+        def read(sample: Sample | CycleSample) -> Array:
             values = getattr(sample, symbol)
             return np.column_stack([np.asarray(values[name], dtype=float).ravel() for name in names])
 
@@ -98,7 +102,7 @@ def system_panels(system: Any) -> list[Panel]:
     return [panel(title, symbol, group) for title, symbol, group in groups if len(group)]
 
 
-def curves(cycles: GaitCycles) -> list[dict[str, Any]]:
+def curves(cycles: GaitCycles) -> list[dict[str, object]]:
     """Sample every chart of a solution, ready for JSON.
 
     Each interval is evaluated with its polynomial, so a jump at a knot is visible. Limits are the tightest bounds
@@ -117,7 +121,7 @@ def curves(cycles: GaitCycles) -> list[dict[str, Any]]:
         if phase.robot is not None:
             panels = robot_panels(phase.robot) + contact_panel(cycle_phase)
         else:
-            panels = system_panels(phase.system)
+            panels = system_panels(cast(System, phase.system))
         limits = _limits(cycle_phase)
         times, samples = _sample(cycle_phase, min(SAMPLES, ALL_SAMPLES / number))
         for panel in panels:
@@ -140,7 +144,7 @@ def curves(cycles: GaitCycles) -> list[dict[str, Any]]:
     return list(drawn.values())
 
 
-def _sample(cycle_phase: CyclePhase, wanted: float) -> tuple[Array, list[Any]]:
+def _sample(cycle_phase: CyclePhase, wanted: float) -> tuple[Array, list[Sample | CycleSample]]:
     """Sample a phase interval by interval, with the left and right values of every knot."""
     knots = cycle_phase.knots
     count = max(3, int(np.ceil(wanted / max(len(knots) - 1, 1))) + 1)
@@ -163,7 +167,7 @@ def _limits(cycle_phase: CyclePhase) -> dict[str, tuple[float, float]]:
     return moved
 
 
-def _rows(values: Any) -> Array:
+def _rows(values: Array | None) -> Array:
     return np.atleast_2d(np.asarray(values, dtype=float))
 
 

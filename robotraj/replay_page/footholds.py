@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -17,7 +17,10 @@ from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
 from robotraj.dynamics.design.binding import realised
-from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
+from robotraj.dynamics.variable import Scalar
+from robotraj.robot.robot import Robot
+from robotraj.solution.cycles.gait_cycles import CyclePhase, CycleSample, GaitCycles
+from robotraj.solution.sample import Sample
 
 Array = NDArray[np.float64]
 SAMPLES = 120
@@ -85,7 +88,7 @@ class Foothold(OneLine):
         """Half the opening of the friction cone, atan(mu) [rad]."""
         return float(np.arctan(self.contact.contact.friction))  # type: ignore[attr-defined]
 
-    def normal_force(self, sample: Any) -> Array:
+    def normal_force(self, sample: Sample | CycleSample) -> Array:
         """Return the force along the normal (m,) [N] in a sample of the phase."""
         return np.asarray(np.atleast_2d(sample.forces[self.name])[:, :3] @ self.normal)
 
@@ -116,7 +119,7 @@ class Foothold(OneLine):
     def _planned_normal(self) -> Array:
         return numbers(self._where.tangents(self.cycle_phase.parameters)[1])
 
-    def _spots(self, robot: Any, q: Array) -> Array:
+    def _spots(self, robot: Robot, q: Array) -> Array:
         """Return the places (m, 3) [m] of the contact's point in configurations (m, nq)."""
         model, data, spot = robot.model, robot.model.createData(), self.contact.spot  # type: ignore[attr-defined]
         frame, offset, places = robot.frame(spot.frame), np.array(spot.offset), np.empty((len(q), 3))
@@ -189,7 +192,7 @@ def contact_frames(cycles: GaitCycles) -> dict[str, str]:
     return frames
 
 
-def numbers(entries: Any) -> Array:
+def numbers(entries: Iterable[Scalar]) -> Array:
     """Convert floats and CasADi constants to an array."""
     return np.array([float(entry) for entry in entries])
 

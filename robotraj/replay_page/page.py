@@ -8,7 +8,6 @@ import hashlib
 import html
 import json
 from importlib import resources
-from typing import Any
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -47,7 +46,7 @@ class Heading(OneLine):
     facts: tuple[tuple[str, str], ...]
 
 
-def page(heading: Heading, description: dict[str, Any], commands: bytes | None) -> str:
+def page(heading: Heading, description: dict[str, object], commands: bytes | None) -> str:
     """Fill the template.
 
     Parameters

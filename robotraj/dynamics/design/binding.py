@@ -125,7 +125,7 @@ class Design:
         return replace(self.robot, model=model, damping=damping)
 
 
-def realised(planned: Any) -> Any:
+def realised(planned: Any) -> Robot:
     """Return the robot of a planned phase with its design evaluated at ``planned.parameters``."""
     design = getattr(planned.phase, "bound_design", None)
     return planned.phase.robot if design is None else design.realise(planned.parameters)

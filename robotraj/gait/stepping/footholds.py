@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -14,9 +13,11 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.dynamics.variable import Scalar
 from robotraj.gait.checks import check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import TOUCH, GaitTerms, Support, sequence
@@ -144,7 +145,7 @@ class FootholdArc(RequiredHeight):
     start: tuple[float, ...]
     end: tuple[float, ...]
 
-    def heights(self, point: Any, position: Sequence[Any]) -> dict[str, Any]:
+    def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
         """Return the least heights at ``position``."""
         line = [b - a for a, b in zip(self.start, self.end, strict=True)]
         length = sum(entry**2 for entry in line)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.native.engines.blocks import casadi_block
+from robotraj.native.engines.blocks import StageFunctions, casadi_block
 from robotraj.native.engines.blocks import wanted as wanted_of
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class StageMapped:
         Points, E.
     """
 
-    stage: Any
+    stage: StageFunctions
     name: str
     count: int
 
@@ -76,7 +76,7 @@ class Engine(OneLine, ABC):
         """Return, for each entry, a function of E columns: (n_i, E) -> (n_y, E)."""
 
     @abstractmethod
-    def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
+    def block(self, stage: StageFunctions, count: int, costs: bool) -> PointBlock:
         """Return the point functions of a stage at ``count`` points for the compiled solver.
 
         Parameters
@@ -96,7 +96,7 @@ class VirtualMachine(Engine):
         """Map each function over its columns."""
         return [each.function.map(each.count) for each in wanted]
 
-    def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
+    def block(self, stage: StageFunctions, count: int, costs: bool) -> PointBlock:
         """Evaluate one point at a time."""
         functions = wanted_of(stage, costs)
         return casadi_block(stage, count, costs, {name: (f, 1) for name, f in functions.items()})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Protocol
 
 import casadi as ca
 
@@ -11,9 +11,62 @@ from robotraj.native.build import load_native
 
 if TYPE_CHECKING:
     from robotraj.native import PointBlock
+    from robotraj.native.stage_tapes import Pattern, Tapes
 
 
-def wanted(stage: Any, costs: bool) -> dict[str, ca.Function]:
+class StageFunctions(Protocol):
+    """What engines read of the functions of a stage; see ``transcription.assembly.point_functions``."""
+
+    @property
+    def v(self) -> ca.SX | ca.MX:
+        """Unknowns."""
+
+    @property
+    def tapes(self) -> Tapes | None:
+        """Tapes of the graph, None where it has none."""
+
+    @property
+    def costed(self) -> int | None:
+        """Index of the output that is part of the objective."""
+
+    @property
+    def inputs(self) -> int:
+        """Number of unknowns."""
+
+    @property
+    def outputs(self) -> int:
+        """Number of outputs."""
+
+    @property
+    def function(self) -> ca.Function:
+        """Outputs y(v, c)."""
+
+    @property
+    def jacobian(self) -> ca.Function:
+        """Nonzeros of dy/dv."""
+
+    @property
+    def hessian(self) -> ca.Function:
+        """Nonzeros of the Hessian of m' y."""
+
+    @property
+    def cost(self) -> ca.Function:
+        """The costed output."""
+
+    @property
+    def gradient(self) -> ca.Function:
+        """Its gradient."""
+
+    @property
+    def jacobian_pattern(self) -> Pattern:
+        """Rows and columns of the Jacobian's nonzeros."""
+
+    @property
+    def hessian_pattern(self) -> Pattern:
+        """Rows and columns of the Hessian's nonzeros."""
+
+
+def wanted(stage: StageFunctions, costs: bool) -> dict[str, ca.Function]:
     """Return the functions of a stage by the name of their evaluation."""
     functions = {"values": stage.function}
     if stage.jacobian_pattern[0].size:
@@ -25,7 +78,9 @@ def wanted(stage: Any, costs: bool) -> dict[str, ca.Function]:
     return functions
 
 
-def casadi_block(stage: Any, count: int, costs: bool, batches: Mapping[str, tuple[ca.Function, int]]) -> PointBlock:
+def casadi_block(
+    stage: StageFunctions, count: int, costs: bool, batches: Mapping[str, tuple[ca.Function, int]]
+) -> PointBlock:
     """Return the block of a stage at ``count`` points.
 
     Parameters

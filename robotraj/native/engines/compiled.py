@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from functools import cache as once
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 
@@ -17,7 +17,7 @@ from robotraj._util.errors import InputError, RobotrajError
 from robotraj._util.values import dataclass
 from robotraj.native.engines import background, source
 from robotraj.native.engines.base import Engine, Mapped, StageMapped, VirtualMachine
-from robotraj.native.engines.blocks import casadi_block
+from robotraj.native.engines.blocks import StageFunctions, casadi_block
 from robotraj.native.engines.blocks import wanted as wanted_of
 from robotraj.native.engines.cache import Cache, default_folder
 from robotraj.native.engines.compiler import Compiler, find_compiler, points_at_once
@@ -83,7 +83,7 @@ class Compiled(Engine):
             chosen[i] = _mapped(library, wanted[i])
         return chosen
 
-    def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
+    def block(self, stage: StageFunctions, count: int, costs: bool) -> PointBlock:
         """Evaluate several points in a call of a compiled function, else one point at a time."""
         functions = wanted_of(stage, costs)
         batches = {name: (function, 1) for name, function in functions.items()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, Mapped, StageMapped, VirtualMachine
+from robotraj.native.engines.blocks import StageFunctions
 
 if TYPE_CHECKING:
     from robotraj.native import PointBlock
@@ -47,7 +48,7 @@ class Native(Engine):
         if self.threads < 1:
             raise InputError(f"Native(threads) is a number of threads, 1 or more; got {self.threads}.")
 
-    def block(self, stage: Any, count: int, costs: bool) -> PointBlock:
+    def block(self, stage: StageFunctions, count: int, costs: bool) -> PointBlock:
         """Return the block of a stage from its tapes, with the chain rule of its torques."""
         if stage.tapes is None:
             return VirtualMachine().block(stage, count, costs)

@@ -92,7 +92,7 @@ class HeightOf(RequiredHeight):
         return dict(zip(names, values, strict=True))
 
 
-HeightLike: TypeAlias = RequiredHeight | float | PointExpression
+HeightLike: TypeAlias = "RequiredHeight | float | PointExpression"
 """A height [m], a profile of it, or a function of the point."""
 
 

@@ -3,15 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import unknown_name
+from robotraj._util.trajectory import PiecewisePolynomial
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
 
 
-def symbolic_states(solution: Any, names: Sequence[str], t: ca.SX) -> Mapping[str, ca.SX]:
+class ReferenceTrajectory(Protocol):
+    """The polynomials of a phase."""
+
+    @property
+    def x(self) -> PiecewisePolynomial:
+        """The states."""
+
+
+class ReferencePhase(Protocol):
+    """What is read of a phase of a solution."""
+
+    @property
+    def phase(self) -> Phase:
+        """The phase that was planned."""
+
+    @property
+    def trajectory(self) -> ReferenceTrajectory:
+        """Its polynomials."""
+
+
+class ReferenceSolution(Protocol):
+    """What is read of a solution."""
+
+    @property
+    def phases(self) -> Sequence[ReferencePhase]:
+        """The motion of each phase."""
+
+
+def symbolic_states(solution: ReferenceSolution, names: Sequence[str], t: ca.SX) -> Mapping[str, ca.SX]:
     """States of a solution at a symbolic time, held still outside its duration.
 
     In interval k, x(t) = sum_d c_kd s^d with s = (t - b_k) / h_k; the coefficients of the interval that t

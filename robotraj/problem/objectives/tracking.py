@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
@@ -11,17 +11,21 @@ import numpy as np
 
 from robotraj._util.errors import InputError, called
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.rows import as_rows
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.objectives.base import Integral
-from robotraj.problem.objectives.reference_motion import symbolic_states
+from robotraj.problem.objectives.reference_motion import ReferenceSolution, symbolic_states
 from robotraj.problem.objectives.weights import WeightsLike, weights_of
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import Point, RobotPoint
+    from robotraj.dynamics.point import Point
     from robotraj.problem.scalars import Scalar
+    from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)
@@ -46,16 +50,16 @@ class Tracking(Integral):
         Weights of a System's states, 1 by default.
     """
 
-    reference: Any
+    reference: Callable[[ca.SX], Mapping[str, ArrayLike | ca.SX]] | ReferenceSolution
     q: WeightsLike = None
     v: WeightsLike = 0.0
     frames: Mapping[str, float] = field(default_factory=dict)
     states: WeightsLike = None
 
-    def rate(self, point: Any) -> Scalar:
+    def rate(self, point: Point) -> Scalar:
         """Weighted squared distance at a point."""
-        robot = getattr(point, "robot", None)
-        entries = self._robot_entries(point, robot) if robot is not None else self._system_entries(point)
+        robot = point.robot if isinstance(point, RobotPoint) else None
+        entries = self._robot_entries(point) if isinstance(point, RobotPoint) else self._system_entries(point)
         known = self._at(point.t, [name for name, *_ in entries], robot)
         total = ca.SX(0)
         for name, value, weights in entries:
@@ -82,7 +86,8 @@ class Tracking(Integral):
         if rate.is_zero():
             raise InputError("Tracking weighs nothing; give a weight above 0.")
 
-    def _robot_entries(self, point: RobotPoint, robot: Any) -> list[tuple[str, Any, list[float]]]:
+    def _robot_entries(self, point: RobotPoint) -> list[tuple[str, Any, list[float]]]:
+        robot = point.robot
         q = (0.0 if self.frames or np.any(self._array(self.v)) else 1.0) if self.q is None else self.q
         entries = [
             ("q", point.q, weights_of(q, robot.position_names, "Tracking(q)")),
@@ -93,15 +98,15 @@ class Tracking(Integral):
         return [entry for entry in entries if any(entry[2])]
 
     @staticmethod
-    def _array(weights: Any) -> Scalar:
-        return list(weights.values()) if isinstance(weights, Mapping) else weights
+    def _array(weights: WeightsLike) -> ArrayLike:
+        return list(weights.values()) if isinstance(weights, Mapping) else np.ravel(0.0 if weights is None else weights)
 
     def _system_entries(self, point: Point) -> list[tuple[str, Any, list[float]]]:
         names = list(point.x)
         weights = weights_of(self.states, names, "Tracking(states)")
         return [(name, [point.x[name]], [w]) for name, w in zip(names, weights, strict=True) if w]
 
-    def _at(self, t: Any, names: Sequence[str], robot: Any) -> Mapping[str, Any]:
+    def _at(self, t: ca.SX, names: Sequence[str], robot: Robot | None) -> Mapping[str, Any]:
         if callable(self.reference):
             given = called("reference of Tracking", self.reference, t)
             if not isinstance(given, Mapping):

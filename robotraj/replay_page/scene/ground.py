@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,8 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.replay_page.scene.part import Part, weld
+from robotraj.solution.cycles.gait_cycles import GaitCycles
+from robotraj.solution.planned import Planned
 
 SAMPLES = 49
 """A ground that is not level is drawn from so many samples a side, and where it bends."""
@@ -26,7 +27,7 @@ class GroundView(OneLine):
     surface: Part | None = None
 
 
-def ground_of(solution: Any, low: NDArray[Any], high: NDArray[Any]) -> GroundView:
+def ground_of(solution: Planned | GaitCycles, low: NDArray[np.float64], high: NDArray[np.float64]) -> GroundView:
     """Draw the ground the robot stands on, else that which a constraint keeps it clear of, over the motion's extent.
 
     Without one it is z = 0, or a level below the robot if it dips deeper.
@@ -44,7 +45,7 @@ def ground_of(solution: Any, low: NDArray[Any], high: NDArray[Any]) -> GroundVie
     return GroundView(0.0 if low[2] > -0.02 * size else float(low[2] - 0.03 * size))
 
 
-def _grounds(solution: Any) -> Iterator[Ground]:
+def _grounds(solution: Planned | GaitCycles) -> Iterator[Ground]:
     phases = [result.phase for result in solution.phases]
     for holders in ([c for p in phases for c in p.contacts], [c for p in phases for c in p.constraints]):
         for holder in holders:
@@ -54,7 +55,7 @@ def _grounds(solution: Any) -> Iterator[Ground]:
                 yield as_ground(ground)
 
 
-def _drawn(ground: Ground, low: NDArray[Any], high: NDArray[Any], reach: float) -> GroundView:
+def _drawn(ground: Ground, low: NDArray[np.float64], high: NDArray[np.float64], reach: float) -> GroundView:
     """Sample the ground around the robot; where it has no height it has a hole."""
     xlim, ylim = ((float(low[i] - reach), float(high[i] + reach)) for i in (0, 1))
     xs, ys, z = ground.grid(xlim, ylim, SAMPLES)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -11,6 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.planned import Planned
 
 Array = NDArray[np.float64]
 FINEST = 8
@@ -44,7 +47,7 @@ class SceneMotion(OneLine):
     world: Array
 
 
-def motion_of(model: pin.Model, solution: Any, fps: int) -> SceneMotion:
+def motion_of(model: pin.Model, solution: Planned | GaitCycles, fps: int) -> SceneMotion:
     """Sample every phase at 1/(FINEST fps) and put the robot there.
 
     At a boundary the later phase counts, except at the very end.
@@ -56,7 +59,7 @@ def motion_of(model: pin.Model, solution: Any, fps: int) -> SceneMotion:
     fps : int
     """
     times, rows = [], []
-    phases = solution.phases
+    phases: Sequence[PhaseSolution | CyclePhase] = solution.phases
     for number, phase in enumerate(phases):
         steps = max(int(np.ceil(phase.duration * fps * FINEST - 1e-9)), 1)
         grid = phase.t0 + np.minimum(np.arange(steps + 1) / (fps * FINEST), phase.duration)

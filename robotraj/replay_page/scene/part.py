@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,11 +32,11 @@ class Part(OneLine):
     """
 
     vertices: NDArray[np.float32]
-    faces: NDArray[Any]
+    faces: NDArray[np.integer]
     color: Color | None = None
 
 
-def weld(vertices: NDArray[Any], faces: NDArray[Any], color: Color | None = None) -> Part | None:
+def weld(vertices: NDArray[np.floating], faces: NDArray[np.integer], color: Color | None = None) -> Part | None:
     """Merge equal vertices, split them again along creases, and round positions so that they compress.
 
     Positions are rounded to a power of two near 1e-5 of the largest extent, far below a pixel; the many zero
@@ -71,7 +70,7 @@ def weld(vertices: NDArray[Any], faces: NDArray[Any], color: Color | None = None
     return Part(positions[triangles.ravel()[first]].astype(np.float32), index.reshape(-1, 3).astype(kind), color)
 
 
-def _smooth_corners(triangles: NDArray[Any], normals: NDArray[Any], count: int) -> NDArray[Any]:
+def _smooth_corners(triangles: NDArray[np.integer], normals: NDArray[np.floating], count: int) -> NDArray[np.integer]:
     """Label the 3 m face corners so that two share a label when a smooth surface joins them at one vertex."""
     corners = np.arange(triangles.size).reshape(-1, 3)
     start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
@@ -87,13 +86,15 @@ def _smooth_corners(triangles: NDArray[Any], normals: NDArray[Any], count: int) 
     ends = (np.where(crossed, end[two], start[two]), np.where(crossed, start[two], end[two]))
     rows, columns = np.concatenate([start[one], end[one]]), np.concatenate(ends)
     graph = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(flat.size, flat.size))
-    labels: NDArray[Any] = connected_components(graph, directed=False)[1]
+    labels: NDArray[np.integer] = connected_components(graph, directed=False)[1]
     return labels
 
 
-def merge_by_color(pieces: Iterable[tuple[NDArray[Any], NDArray[Any], Color | None]]) -> tuple[Part, ...]:
+def merge_by_color(
+    pieces: Iterable[tuple[NDArray[np.floating], NDArray[np.integer], Color | None]],
+) -> tuple[Part, ...]:
     """Join pieces (vertices, faces, colour) that share a colour, and weld each group."""
-    groups: dict[Color | None, list[tuple[NDArray[Any], NDArray[Any]]]] = {}
+    groups: dict[Color | None, list[tuple[NDArray[np.floating], NDArray[np.integer]]]] = {}
     for vertices, faces, color in pieces:
         groups.setdefault(color, []).append((np.asarray(vertices), np.asarray(faces)))
     parts = []

@@ -25,6 +25,7 @@ from robotraj.replay_page.scene.motion import SceneMotion, keys, motion_of
 from robotraj.replay_page.scene.shapes import tube
 from robotraj.replay_page.scene.visuals import Visual, visuals_of
 from robotraj.replay_page.scene.window import PackedTrack, RecordingWindow, draw
+from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
 from robotraj.solution.cycles.gait_cycles import GaitCycles
 
@@ -48,10 +49,10 @@ class Scene(OneLine):
     """
 
     commands: bytes
-    description: dict[str, Any]
+    description: dict[str, object]
 
 
-def scene_of(robot: Any, cycles: GaitCycles, fps: int, traces: Sequence[str] | None) -> Scene:
+def scene_of(robot: Robot, cycles: GaitCycles, fps: int, traces: Sequence[str] | None) -> Scene:
     """Record a robot's solution as meshcat commands.
 
     Parameters
@@ -121,7 +122,7 @@ def tip_frame(model: pin.Model) -> str:
 
 def _description(
     model: pin.Model, motion: SceneMotion, paths: list[str], hull: Array, ground: GroundView, traces: list[Any]
-) -> dict[str, Any]:
+) -> dict[str, object]:
     return {
         "joints": {model.names[j]: f"meshcat/{paths[j]}".split("/") for j in range(1, model.njoints)},
         "start": float(motion.times[0]),
@@ -188,7 +189,7 @@ def _trace(
     number: int,
     color: tuple[float, float, float],
     size: float,
-) -> dict[str, Any] | None:
+) -> dict[str, object] | None:
     """Draw a frame's path as a thin tube; None if the frame stays where it is."""
     world = motion.world[:, frame.parentJoint]
     points = world[:, :3, :3] @ np.array(frame.placement.translation) + world[:, :3, 3]

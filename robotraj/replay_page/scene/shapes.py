@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+import coal
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ PLANE_SIDE = 4.0
 """Side [m] of the square that stands for an infinite plane."""
 
 
-def shape_part(shape: Any) -> Part | None:
+def shape_part(shape: coal.CollisionGeometry) -> Part | None:
     """Triangulate a coal shape in its own frame (axes along z, centred as coal defines it).
 
     Parameters
@@ -47,7 +46,7 @@ def shape_part(shape: Any) -> Part | None:
     return weld(mesh.vertices, mesh.faces)
 
 
-def rod(start: NDArray[Any], end: NDArray[Any], radius: float) -> Part | None:
+def rod(start: NDArray[np.float64], end: NDArray[np.float64], radius: float) -> Part | None:
     """Capsule of a radius [m] from one point to another [m], for models without visuals."""
     axis = np.asarray(end, dtype=float) - np.asarray(start, dtype=float)
     length = float(np.linalg.norm(axis))
@@ -58,7 +57,7 @@ def rod(start: NDArray[Any], end: NDArray[Any], radius: float) -> Part | None:
     return weld(mesh.vertices, mesh.faces)
 
 
-def tube(points: NDArray[Any], radius: float, sides: int = 6) -> Part:
+def tube(points: NDArray[np.float64], radius: float, sides: int = 6) -> Part:
     """Tube of a radius [m] along a polyline (n, 3) [m]; 6 n - 6 quads, ordered along the line.
 
     The order of the faces lets a page draw only the part already travelled. Rings turn with the line by the
@@ -82,7 +81,7 @@ def tube(points: NDArray[Any], radius: float, sides: int = 6) -> Part:
     return Part(np.concatenate(rings).astype(np.float32), faces.reshape(-1, 3).astype(kind))
 
 
-def _plane(shape: Any) -> trimesh.Trimesh:
+def _plane(shape: coal.CollisionGeometry) -> trimesh.Trimesh:
     normal = np.asarray(shape.n, dtype=float).ravel()
     mesh = creation.box(extents=[PLANE_SIDE, PLANE_SIDE, 1e-3])
     mesh.apply_translation([0.0, 0.0, -5e-4])
@@ -91,13 +90,13 @@ def _plane(shape: Any) -> trimesh.Trimesh:
     return mesh
 
 
-def _ellipsoid(shape: Any) -> trimesh.Trimesh:
+def _ellipsoid(shape: coal.CollisionGeometry) -> trimesh.Trimesh:
     mesh = creation.uv_sphere(radius=1.0, count=[24, 24])
     mesh.apply_scale(np.asarray(shape.radii, dtype=float).ravel())
     return mesh
 
 
-def _cone(shape: Any) -> trimesh.Trimesh:
+def _cone(shape: coal.CollisionGeometry) -> trimesh.Trimesh:
     mesh = creation.cone(radius=shape.radius, height=2.0 * shape.halfLength, sections=48)
     mesh.apply_translation([0.0, 0.0, -shape.halfLength])
     return mesh

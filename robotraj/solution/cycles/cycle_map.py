@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +19,31 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.links.touchdown import Touchdown
+from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.root import QUATERNION
-from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.sample import Sample
 
 Array = NDArray[np.float64]
+
+
+class PhaseMotion(Protocol):
+    """The planned motion of a phase."""
+
+    @property
+    def phase(self) -> Phase:
+        """The phase that was planned."""
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """Values of its parameters."""
+
+    @property
+    def knots(self) -> Array:
+        """Ends of the intervals (K + 1,) [s]."""
+
+    def at(self, t: float | Array) -> Sample:
+        """Evaluate at times of the phase [s]."""
 
 
 class PlannedCycle(Protocol):
@@ -34,7 +54,7 @@ class PlannedCycle(Protocol):
         """Its phases and links."""
 
     @property
-    def phases(self) -> Sequence[Any]:
+    def phases(self) -> Sequence[PhaseMotion]:
         """The motion of each phase."""
 
 
@@ -112,7 +132,7 @@ def cycle_map_of(solution: PlannedCycle) -> CycleMap | None:
     return None
 
 
-def _read(repeat: Periodic | Mirror, opening: PhaseSolution, closing: PhaseSolution) -> CycleMap:
+def _read(repeat: Periodic | Mirror, opening: PhaseMotion, closing: PhaseMotion) -> CycleMap:
     """Write a repetition as matrices."""
     robot = realised(opening)
     nq, nv = robot.nq, robot.nv

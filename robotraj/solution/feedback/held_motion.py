@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.robot.robot import Robot
 
-Array = np.ndarray[Any, np.dtype[np.float64]]
+Array = NDArray[np.float64]
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 LOCAL = pin.ReferenceFrame.LOCAL
@@ -102,7 +104,7 @@ def _local(data: pin.Data, frame: int, matrix: Array, forces: Array) -> pin.Forc
     return pin.Force(back @ world[:3], back @ world[3:])
 
 
-def held_rows(robot: Any, data: pin.Data, q: Array, contacts: Sequence[Any]) -> list[HeldRows]:
+def held_rows(robot: Robot, data: pin.Data, q: Array, contacts: Sequence[BoundContact]) -> list[HeldRows]:
     """Read the matrices of contacts from their velocity rows, which are linear in the motion of the frames."""
     if not contacts:
         return []
@@ -120,12 +122,12 @@ def held_rows(robot: Any, data: pin.Data, q: Array, contacts: Sequence[Any]) -> 
 class _Moving:
     """A point at which one frame moves and all others stand still."""
 
-    def __init__(self, robot: Any, data: pin.Data) -> None:
+    def __init__(self, robot: Robot, data: pin.Data) -> None:
         self._robot, self._data = robot, data
         self._moving: tuple[str, Array] = ("", np.zeros(6))
         self.read: dict[str, int] = {}
 
-    def rows(self, contact: Any, name: str = "", motion: Array | None = None) -> Array:
+    def rows(self, contact: BoundContact, name: str = "", motion: Array | None = None) -> Array:
         """Velocity rows of a contact where frame ``name`` moves with ``motion`` (6,)."""
         self._moving = name, np.zeros(6) if motion is None else motion
         return np.array([float(row) for row in contact.velocity(self)])

@@ -9,14 +9,17 @@ Differential dynamic programming for multi-phase rigid contact dynamics, Humanoi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
+from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.robot.robot import Robot
 from robotraj.solution.feedback.held_motion import HeldRows, held_rows
 
-Array = np.ndarray[Any, np.dtype[np.float64]]
+Array = NDArray[np.float64]
 
 RANK_TOLERANCE = 1e-9
 """Singular values below this, relative to the largest, belong to rows of contacts that other rows imply."""
@@ -71,7 +74,7 @@ class Linearisation:
         Those that hold rows take part; forces of contacts that come and go are taken as given functions of time.
     """
 
-    def __init__(self, robot: Any, contacts: Sequence[Any]) -> None:
+    def __init__(self, robot: Robot, contacts: Sequence[BoundContact]) -> None:
         self._robot = robot
         self._actuation = np.asarray(robot.actuation, dtype=float)
         self._data = robot.model.createData()
@@ -132,7 +135,7 @@ class Linearisation:
         speed = np.tanh(v / robot.friction_speed)
         return np.asarray(robot.damping + robot.friction / robot.friction_speed * (1.0 - speed**2))
 
-    def _external(self, held: Sequence[HeldRows], forces: Array) -> Any:
+    def _external(self, held: Sequence[HeldRows], forces: Array) -> pin.StdVec_Force:
         """Add up the forces of the contacts on the bodies, in the axes of their joints."""
         model, data = self._robot.model, self._data
         total = pin.StdVec_Force()

@@ -11,12 +11,15 @@ Source: MuJoCo documentation, Computation, "Floating objects"; Pinocchio, joint-
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj.witness.protocols import Array
+
+if TYPE_CHECKING:
+    import mujoco
 
 WXYZ = [3, 0, 1, 2]
 XYZW = [1, 2, 3, 0]
@@ -32,7 +35,7 @@ class Coordinates:
         With the joints of ``model``, by the same names.
     """
 
-    def __init__(self, model: pin.Model, compiled: Any) -> None:
+    def __init__(self, model: pin.Model, compiled: mujoco.MjModel) -> None:
         self._nq, self._nv = int(model.nq), int(model.nv)
         self._sizes = int(compiled.nq), int(compiled.nv)
         plain: list[tuple[int, int, int, int]] = []

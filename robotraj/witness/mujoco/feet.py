@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
@@ -27,6 +28,11 @@ from robotraj.witness.mujoco.model import wxyz
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.mujoco.reference_motion import ReferenceMotion
 from robotraj.witness.protocols import Array
+
+if TYPE_CHECKING:
+    import mujoco
+
+    from robotraj.dynamics.contacts.base import BoundContact
 
 MARGIN = 0.5
 """Margin of a height field around the places of the feet [m]."""
@@ -136,13 +142,17 @@ def feet_of(course: ReferenceMotion) -> tuple[Foot, ...]:
     return tuple(found.values())
 
 
-def place(foot: Foot, poses: Sequence[Any]) -> Array:
+def place(foot: Foot, poses: Sequence[pin.SE3]) -> Array:
     """Return the contact point of a foot (3,) [m] for the poses of all frames."""
     return np.array((poses[foot.frame] * foot.pose).translation)
 
 
 def furnish(
-    course: ReferenceMotion, feet: Sequence[Foot], soft: SoftGround, spec: Any, bodies: Mapping[int, Any]
+    course: ReferenceMotion,
+    feet: Sequence[Foot],
+    soft: SoftGround,
+    spec: mujoco.MjSpec,
+    bodies: Mapping[int, mujoco.MjsBody],
 ) -> None:
     """Add feet and their grounds to a specification of MuJoCo."""
     mujoco = load_mujoco()
@@ -165,7 +175,7 @@ def furnish(
         _add_ground(mujoco, spec, ground, low, high, soft.radius, i)
 
 
-def _foot(course: ReferenceMotion, bound: Any) -> Foot:
+def _foot(course: ReferenceMotion, bound: BoundContact) -> Foot:
     """Return the shape of a contact, in the axes of the contact."""
     contact: Any = bound.contact
     half: tuple[float, ...] = ()
@@ -215,7 +225,9 @@ def _reach(course: ReferenceMotion, feet: Sequence[Foot]) -> tuple[Array, Array]
     return np.min(places, axis=0) - MARGIN, np.max(places, axis=0) + MARGIN
 
 
-def _add_ground(mujoco: Any, spec: Any, ground: Ground, low: Array, high: Array, radius: float, index: int) -> None:
+def _add_ground(
+    mujoco: ModuleType, spec: mujoco.MjSpec, ground: Ground, low: Array, high: Array, radius: float, index: int
+) -> None:
     """Add a plane, or a height field where the ground is not plane."""
     own = {"name": f"ground {index}", "contype": 0, "conaffinity": 1 << index, "friction": [0.0, 0.0, 0.0]}
     middle = 0.5 * (low + high)

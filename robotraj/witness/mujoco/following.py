@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +20,9 @@ from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.mujoco.run import MujocoRun
 from robotraj.witness.planned import limits_of
 from robotraj.witness.protocols import SolutionLike
+
+if TYPE_CHECKING:
+    import mujoco
 
 
 def second_opinion(
@@ -88,7 +92,7 @@ def second_opinion(
 
     loops = loops_of(course)
 
-    def touching(spec: Any, bodies: Any) -> None:
+    def touching(spec: mujoco.MjSpec, bodies: Mapping[int, mujoco.MjsBody]) -> None:
         close(course, loops, 2.0 * step, spec, bodies)
         if feet:
             furnish(course, feet, soft, spec, bodies)

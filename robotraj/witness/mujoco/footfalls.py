@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from robotraj.witness.mujoco.feet import Foot
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.mujoco.report import FootReport
 from robotraj.witness.protocols import Array
+
+if TYPE_CHECKING:
+    import mujoco
 
 LEAST = 1e-3
 """Share of the weight below which a foot is off the ground."""
@@ -28,7 +31,7 @@ class Footfalls:
     feet : sequence of Foot
     """
 
-    def __init__(self, model: Any, feet: Sequence[Foot]) -> None:
+    def __init__(self, model: mujoco.MjModel, feet: Sequence[Foot]) -> None:
         self._mujoco, self._model = load_mujoco(), model
         self._feet = tuple(feet)
         self._of_geom = {model.geom(foot.name).id: i for i, foot in enumerate(feet)}
@@ -40,7 +43,7 @@ class Footfalls:
         self._now = np.zeros(count)
         self._stances, self._off, self._time = np.zeros(count, dtype=int), np.full(count, np.inf), 0.0
 
-    def watch(self, data: Any, duration: float) -> None:
+    def watch(self, data: mujoco.MjData, duration: float) -> None:
         """Add a step of that duration [s] with the contacts and forces in ``data``."""
         self._time += duration
         count = len(self._feet)
@@ -74,7 +77,7 @@ class Footfalls:
         """Whether any of these feet carries load."""
         return any(self._now[i] > self._least for i, foot in enumerate(self._feet) if foot.name in names)
 
-    def _sliding(self, data: Any, contact: Any, axes: Array) -> Array:
+    def _sliding(self, data: mujoco.MjData, contact: mujoco.MjContact, axes: Array) -> Array:
         """Return the velocity (3,) of the foot's surface along the ground [m/s], zero for rolling."""
         geom, twist = int(contact.geom[1]), np.zeros(6)
         self._mujoco.mj_objectVelocity(self._model, data, self._mujoco.mjtObj.mjOBJ_GEOM, geom, twist, 0)

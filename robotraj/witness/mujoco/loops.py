@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,11 @@ from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
 from robotraj.witness.mujoco.model import wxyz
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.mujoco.reference_motion import ReferenceMotion
+
+if TYPE_CHECKING:
+    import mujoco
+
+    from robotraj.dynamics.contacts.base import BoundContact
 
 IMPEDANCE = [0.999, 0.9999, 0.001, 0.5, 2.0]
 """MuJoCo's ``solimp`` of a loop, nearly rigid; its default is softer by a twentieth."""
@@ -41,7 +46,11 @@ def loops_of(course: ReferenceMotion) -> tuple[BoundLoopClosure, ...]:
 
 
 def close(
-    course: ReferenceMotion, loops: tuple[BoundLoopClosure, ...], time: float, spec: Any, bodies: Mapping[int, Any]
+    course: ReferenceMotion,
+    loops: tuple[BoundLoopClosure, ...],
+    time: float,
+    spec: mujoco.MjSpec,
+    bodies: Mapping[int, mujoco.MjsBody],
 ) -> None:
     """Add the loops to a specification of MuJoCo, with a time constant [s]."""
     mujoco = load_mujoco()
@@ -60,5 +69,5 @@ def close(
         equality.solref, equality.solimp = [time, 1.0], IMPEDANCE
 
 
-def _closes(bound: Any) -> bool:
+def _closes(bound: BoundContact) -> bool:
     return isinstance(bound, BoundLoopClosure)

@@ -7,7 +7,8 @@ inertias, and the contact simulation needs no meshes.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -18,6 +19,9 @@ from robotraj.robot.limits import Limits
 from robotraj.witness.mujoco.coordinates import Coordinates
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.protocols import Array, RobotLike
+
+if TYPE_CHECKING:
+    import mujoco
 
 
 @dataclass(frozen=True)
@@ -31,12 +35,14 @@ class MujocoRobot:
         Conversion between Pinocchio's q, v, a, tau and MuJoCo's.
     """
 
-    model: Any
+    model: mujoco.MjModel
     coordinates: Coordinates
 
 
 def mujoco_robot(
-    robot: RobotLike, limits: Limits | None = None, furnish: Callable[[Any, dict[int, Any]], None] | None = None
+    robot: RobotLike,
+    limits: Limits | None = None,
+    furnish: Callable[[mujoco.MjSpec, dict[int, mujoco.MjsBody]], None] | None = None,
 ) -> MujocoRobot:
     """Build a robot's MuJoCo model from its Pinocchio model.
 
@@ -62,7 +68,7 @@ def mujoco_robot(
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.option.gravity = model.gravity.linear
-    bodies: dict[int, Any] = {0: spec.worldbody}
+    bodies = {0: spec.worldbody}
     for joint in range(1, model.njoints):
         bodies[joint] = _body(mujoco, model, joint, bodies[model.parents[joint]])
     if limits is not None:
@@ -86,7 +92,7 @@ def mujoco_robot(
     return MujocoRobot(compiled, coordinates)
 
 
-def _body(mujoco: Any, model: pin.Model, joint: int, parent: Any) -> Any:
+def _body(mujoco: ModuleType, model: pin.Model, joint: int, parent: mujoco.MjsBody) -> mujoco.MjsBody:
     """Add the body of a joint."""
     name, placement, inertia = model.names[joint], model.jointPlacements[joint], model.inertias[joint]
     body = parent.add_body(name=name, pos=placement.translation, quat=wxyz(placement.rotation))
@@ -132,7 +138,7 @@ def _losses(robot: RobotLike) -> Array:
     return np.array([np.broadcast_to(value, robot.nv) for value in (robot.damping, robot.friction)], dtype=float)
 
 
-def _limit(mujoco: Any, spec: Any, robot: RobotLike, limits: Limits) -> None:
+def _limit(mujoco: ModuleType, spec: mujoco.MjSpec, robot: RobotLike, limits: Limits) -> None:
     """Set the position limits of joints with two finite ones."""
     for i, name in enumerate(limits.joints):
         low, high = float(limits.position_lower[i]), float(limits.position_upper[i])

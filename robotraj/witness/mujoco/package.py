@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import ModuleType
 
 from robotraj._util.errors import InputError
 
 
-def load_mujoco() -> Any:
+def load_mujoco() -> ModuleType:
     """Import MuJoCo.
 
     Raises
