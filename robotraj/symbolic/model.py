@@ -36,9 +36,9 @@ def _function(text: str, parametric: bool, algorithm: str, *arguments: int) -> c
 class SymbolicModel:
     """The dynamics and kinematics of one model as ``casadi.Function`` objects with named inputs and outputs.
 
-    Every function is a graph of scalar operations (``SXFunction``), built on first access and kept. The
-    numbers of the model are constants of the graph, so multiplications by zero are gone; an input passed as
-    zeros to a call with ``SX`` arguments (``fext`` above all) vanishes from the result as well.
+    Every function is a graph of scalar operations (``SXFunction``), built on first access and kept. The numbers of the
+    model are constants of the graph, so multiplications by zero are removed. An input passed as zeros to a call with
+    ``SX`` arguments, such as ``fext``, adds no operations to the result either.
 
     Parameters
     ----------

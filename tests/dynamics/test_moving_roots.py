@@ -132,7 +132,7 @@ def test_plots_and_replays_show_the_root(plan, tmp_path):
     [rt.guess.StraightLine(), rt.guess.MinimumJerk(), rt.planning.Kinematic(rt.Mesh(5))],
     ids=lambda g: type(g).__name__,
 )
-def test_every_guess_leads_to_the_plan(plan, guess):
+def test_the_plan_is_found_from_every_guess(plan, guess):
     phase = plan.problem.phases[0]
     assert rt.plan(phase, rt.Mesh(8), guess).objective == pytest.approx(plan.objective, rel=1e-4)
 

@@ -66,7 +66,7 @@ def test_a_plan_on_several_meshes_names_the_beginning_that_led_to_it() -> None:
     assert len(solution.refinement) > 1 and "the guess was too short" in solution.message
 
 
-def test_an_earlier_solution_that_leads_nowhere_is_left() -> None:
+def test_an_earlier_solution_from_which_the_solver_fails_is_replaced() -> None:
     near = rt.plan(oscillator(2.0), rt.Mesh())
     far = rt.plan(near.problem.with_(start=rt.State([5, 0])), rt.Mesh(), guess=near)
     assert far.duration == pytest.approx(7.93741, abs=5e-3)

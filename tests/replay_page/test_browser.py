@@ -302,7 +302,7 @@ def test_the_camera_follows_on_demand_and_far_limits_wait(walk, browser, tmp_pat
     browser.check(path)
 
 
-def test_the_proof_is_shown_and_a_violated_row_leads_to_its_time(browser, tmp_path):
+def test_the_proof_is_shown_and_a_click_on_a_violated_row_moves_to_its_time(browser, tmp_path):
     arm = rt.load("two_link_arm")
     phase = rt.Phase(arm, 4.0, rt.State(q=0, v=0), rt.State(q=[1, 0.5], v=0), rt.Effort(), name="reach")
     row = Violation("reach", "effort limit", "elbow", 0.4, 2.5, "N m", 1.0, "over")

@@ -82,9 +82,9 @@ def _turned(view: FrameMotion, vector: Vector) -> Sequence[Scalar]:
 class CollisionShapes(OneLine):
     """Collision shapes of links, from the robot's URDF, for ``GroundClearance``.
 
-    A box is kept clear by its 8 corners, a sphere by its lowest point, a capsule by its two end spheres, a cylinder
-    by the rims of its two ends: exact over a plane, and over other ground at those points. A mesh is kept clear by
-    the 8 corners of its box, which holds all of it.
+    The clearance of a box is that of its 8 corners, of a sphere that of its lowest point, of a capsule that of its two
+    end spheres, of a cylinder that of the rims of its two ends. This is exact over a plane, and over other ground at
+    those points. The clearance of a mesh is that of the 8 corners of its bounding box.
 
     Parameters
     ----------

@@ -66,9 +66,9 @@ class FramePosition(Constraint):
 class FramePose(Constraint):
     """A frame held at a pose: p_f(q) = position and R_f(q) = rotation.
 
-    The orientation rows are the three entries of the skew part of R_d' R_f, sin(theta) times the axis of the error
-    rotation [rad near zero], and trace(R_d' R_f) >= 1, which excludes the root at a half turn. Along a phase they are
-    held as those of ``FramePosition`` are.
+    The orientation rows are the three entries of the skew part of R_d' R_f, which is sin(theta) times the axis of the
+    error rotation [rad near zero]. The row trace(R_d' R_f) >= 1 excludes the root at a half turn. Along a phase they
+    are held as those of ``FramePosition`` are.
 
     Parameters
     ----------

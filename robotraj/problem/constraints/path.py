@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 class PathConstraint(Constraint):
     """lower <= expression(point) <= upper at every collocation point.
 
-    An equation, with lower = upper, of positions (of whatever takes two integrations from what is chosen) is held at
-    every knot with its rate instead, and inside intervals as the scheme's order has it: a tool that points down, or
-    follows a curve in time. See ``robotraj.transcription.collocation.index_reduction``.
+    An equation (lower = upper) of positions is held at every knot with its rate instead, and inside intervals as the
+    scheme's order requires. Examples are a tool that points down, or one that follows a curve in time. See
+    ``robotraj.transcription.collocation.index_reduction``.
 
     Parameters
     ----------

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 class CostOfTransport(EndCost):
     """Work over weight and distance, W / (m g d), without unit.
 
-    W is the work done in the phase, a further state with Wdot = its rate and W = 0 at the start; m the mass
-    of all moving links; d the way from start to end along a direction. The phase must go that way: bound d
-    from below with a start and an end, or a constraint, since the ratio has no minimum around d = 0.
+    W is the work done in the phase, a further state with Wdot = its rate and W = 0 at the start. m is the mass of all
+    moving links, d the displacement from start to end along a direction. Bound d from below by a start and an end, or
+    by a constraint, since the ratio has no minimum around d = 0.
 
     Parameters
     ----------

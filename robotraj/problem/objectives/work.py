@@ -31,13 +31,13 @@ class MechanicalWork(Integral):
     s_j: at the optimum s_j = max(-P_j, 0) at every collocation point. It is the pair s+, s- >= 0 with P = s+
     - s- and cost s+ + braking s-, with s+ eliminated.
 
-    The smooth form has sqrt(P^2 + e^2) - e in place of |P| = max(P, 0) + max(-P, 0), which lies below it by e
-    at most: its optimum lies below the exact one, by e T sum_j w_j (1 + braking) / 2 at most.
+    The smooth form has sqrt(P^2 + e^2) - e in place of |P| = max(P, 0) + max(-P, 0) and is smaller by e at most. Its
+    optimum is below the exact one by e T sum_j w_j (1 + braking) / 2 at most.
 
-    Powers are priced at collocation points. Between them a torque with a free mid-point can swing and hide work, and
-    the optimum of a coarse mesh does so. Torques that run on lines between knots cannot: plan with
-    ``rt.HermiteSimpson(control=rt.schemes.LinearControl())``, also on a moving mesh (never there without), or with
-    ``tolerance=``; integrate |tau v| of the answer densely to be sure.
+    Powers count at collocation points. A torque with a free mid-point can oscillate between them, and the optimum of a
+    coarse mesh exploits this work that is not counted. Torques that are linear between knots cannot do so: plan with
+    ``rt.HermiteSimpson(control=rt.schemes.LinearControl())``, which a moving mesh requires, or with ``tolerance=``. To
+    check a plan, integrate |tau v| on a dense grid.
 
     Parameters
     ----------

@@ -14,9 +14,8 @@ order at the knots,
     lambda(t_k+) = dL_right / dx_k,    lambda(t) = lambda(t_k+) - int H_x,
 
 with L_right the terms of the Lagrangian that belong to the interval on the right. Multipliers of algebraic
-rows, path rows and bounds divided by the same weights become densities; one that stands out from its
-neighbours is an impulse instead, at which the costate jumps (the contact or the entry of a state-constrained
-arc).
+rows, path rows and bounds divided by the same weights become densities. One that is much larger than its
+neighbours is an impulse instead, at which the costate jumps, as at the entry of a state-constrained arc.
 
 Sources: Hager, Runge-Kutta methods in optimal control and the transformed adjoint system, Numerische
 Mathematik 87 (2000); Garg et al., A unified framework for the numerical solution of optimal control problems

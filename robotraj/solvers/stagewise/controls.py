@@ -1,14 +1,14 @@
 """Controls that one row gives are expressions, not unknowns.
 
-Where an output is r(v) - k u with a constant k, stands alone in a row r - k u = 0, and u is read nowhere else, the
-torque of an actuated joint in its balance above all, then u = r / k: the row and the column go, bounds of the column
-become rows of the expression, and everything that read u, further outputs of the stage or linear rows, reads the
-expression. A linear row over torques of several points of an interval, which holds their polynomial in between, is so
-a combination of the points' torque functions and stays in the interval's stage.
+A row r(v) - k u = 0 with a constant k gives u = r / k, if no other nonlinear output depends on u. The usual case is
+the torque of an actuated joint in its balance. The row and the column are removed, and bounds of the column become rows
+of the expression. Further outputs of the stage and linear rows that depend on u use the expression. A linear row over
+the torques of several points of an interval, which bounds their polynomial in between, becomes a combination of the
+points' torque functions and stays in the interval's stage.
 
-On a robot that lacks motors the balances of the other joints stay as equations, and a Newton step of the expression
-beside them leads elsewhere than one of the unknown: the acrobot's swing-ups ended at twice the effort. Its torques
-remain unknowns (the lifted Newton method: Albersmeyer and Diehl, SIAM Journal on Optimization 20, 2010).
+On a robot that lacks motors the balances of the other joints stay as equations. There a Newton step of the expression
+differs from one of the unknown: the acrobot's swing-ups ended at twice the effort. Its torques remain unknowns (the
+lifted Newton method: Albersmeyer and Diehl, SIAM Journal on Optimization 20, 2010).
 """
 
 from __future__ import annotations

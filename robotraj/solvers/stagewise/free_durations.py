@@ -1,10 +1,10 @@
 """Free durations: velocities and accelerations of the same motion at a duration that is fixed.
 
 With s = T / T_0, the plan x(t) of duration T is the plan of duration T_0 with velocities v' = s v and accelerations
-a' = s^2 a, and so are rates of torques r' = s r and jerks j' = s^3 j, where an objective reads these. In these
-variables dq/dt = v, dv/dt = a and dtau/dt = r are linear in all unknowns, although the duration is one of them; it is
-left in the torque balance, RNEA(q, v' / s, a' / s^2), and in the speed limits, v' <= s v_max, which are linear too. A
-defect of velocities is multiplied by s, which changes nothing where it is zero.
+a' = s^2 a. Where an objective depends on them, rates of torques are r' = s r and jerks j' = s^3 j. In these variables
+dq/dt = v, dv/dt = a and dtau/dt = r are linear in all unknowns, although the duration is one of them. The duration
+remains in the torque balance, RNEA(q, v' / s, a' / s^2), and in the speed limits, v' <= s v_max, which are linear too.
+A defect of velocities is multiplied by s, which changes nothing where it is zero.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Columns as they appear in stages: each is a variable, a state carried over, or an expression of the stage.
 
-A slot is a column in one stage of its life. In the first it is a control of that stage, or, where a linear row defines
-it (a defect whose x_j is the column), an expression of the stage's variables; in all later ones it is a state. So
+A slot is a column in one of its stages. In the first of these it is a control of that stage, or an expression of the
+stage's variables if a linear row defines it (a defect whose x_j is the column). In all later ones it is a state:
 
     slots = X y + x0,    y = [u_0, x_0, u_1, x_1, ...].
 """

@@ -4,9 +4,9 @@ A polynomial of degree n lies between the least and the greatest of its n + 1 co
 
     sum_j b_j binom(n, j) tau^j (1 - tau)^(n - j),    tau in [0, 1].
 
-The first and the last are its values at the ends. All coefficients are linear in the unknowns: those of the state, a
-polynomial of degree s with unknown rates at the s nodes, of the control, a polynomial through its m sites, and of
-accelerations, polynomials through the nodes. For the parabola through u_0, u_m, u_1 of Hermite-Simpson the middle
+The first and the last are its values at the ends. All coefficients are linear in the unknowns. The state is a
+polynomial of degree s with unknown rates at the s nodes. The control is a polynomial through its m sites, and
+accelerations are polynomials through the nodes. For the parabola through u_0, u_m, u_1 of Hermite-Simpson the middle
 coefficient is 2 u_m - (u_0 + u_1) / 2.
 Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Computer Aided Geometric Design 29 (2012).
 """

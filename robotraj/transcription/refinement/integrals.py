@@ -4,8 +4,8 @@ A scheme sums the integrand q of an integral constraint at its nodes, h sum_j b_
 
     error = |h sum_j b_j q(t_j) - integral q dt| / (1 + |bound|),
 
-with the integral by Gauss's rule along the polynomials of the states and controls, is no part of the residual of the
-dynamics: a control that swings from node to node may meet the sum and not the constraint.
+has the integral by Gauss's rule along the polynomials of the states and controls. It is not part of the residual of
+the dynamics: a control that oscillates from node to node may satisfy the sum but not the constraint.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 Friction and damping of light links make the rates of a robot decay within microseconds; implicit steps follow the
 motion and not this decay. Friction changes the Jacobian twentyfold within a step, so every stage evaluates its own.
-The method integrates the deviation e = x - p(t) from a polynomial p through the planned states:
-e' = f(p(t) + e, t) - p'(t) holds for any p, and where the plan is right e and its rate are small.
+The method integrates the deviation e = x - p(t) from a polynomial p through the planned states. For any p,
+e' = f(p(t) + e, t) - p'(t); where the plan is accurate, e and its rate are small.
 Source: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), section IV.6, table 6.5.
 """
 

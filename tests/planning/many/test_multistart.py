@@ -181,7 +181,7 @@ def test_arguments_that_are_no_numbers_are_refused(argument: str, value: Any) ->
 
 
 @pytest.mark.slow
-def test_cartpole_has_two_optima_and_the_straight_line_leads_to_the_dearer_one() -> None:
+def test_cartpole_has_two_optima_and_the_solver_finds_the_higher_one_from_a_straight_line() -> None:
     swing_up = rt.Phase(
         rt.load("cartpole"),
         duration=2.0,

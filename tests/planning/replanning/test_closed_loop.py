@@ -19,7 +19,7 @@ def goal(t):
 
 
 def obstacle(t, sin=np.sin):
-    """Centre of a ball at time t [m]; the tool's shortest way leads through it."""
+    """Centre of a ball at time t [m]; the tool's shortest path passes through it."""
     return [0.7 + 0.03 * sin(3.0 * t), 0.2, 0.42]
 
 
