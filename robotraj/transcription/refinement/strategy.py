@@ -76,12 +76,12 @@ class SplitAndMerge(Refinement):
     ceil((2 e / tolerance)^(1 / (s + 1))) parts. Intervals inside which a control jumps are halved until the objective
     has settled, since the residual is small although a switch lies between two nodes.
 
-    Shooting and compressed collocation are split in the same way, by the order of their dense output, and never merged:
-    their knots carry the control as well. Their residual measures how well the motion is integrated. It does not
-    measure how well constants or lines approximate the control, and neither does that of collocation with such controls.
-    Until the objective has settled, the intervals whose controls change most are therefore halved. Those that are
-    halved make up most of the estimated loss. An adaptive integrator is given a tighter tolerance before its intervals are split,
-    since its error does not fall with their length.
+    Shooting and compressed collocation are split in the same way, by the order of their dense output, and never
+    merged: their knots carry the control as well. Their residual measures how well the motion is integrated. It
+    does not measure how well constants or lines approximate the control, and neither does that of collocation with
+    such controls. Until the objective has settled, the intervals whose controls change most are therefore halved.
+    Those that are halved make up most of the estimated loss. An adaptive integrator is given a tighter tolerance
+    before its intervals are split, since its error does not fall with their length.
 
     Parameters
     ----------
