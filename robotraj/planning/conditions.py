@@ -66,9 +66,15 @@ def _needs_ipopt(case: Case) -> bool:
     return isinstance(engine, Engine) and engine.made_for_ipopt
 
 
-def _works_by_stages(case: Case) -> bool:
+def _calls_native(case: Case) -> bool:
     solver = case.settled["solver"]
     return isinstance(solver, Solver) and solver.stagewise
+
+
+def _works_by_stages(case: Case) -> bool:
+    """Whether stages are narrow: no contacts, integrals, free roots, design parameters or few controls widen them."""
+    widens = (_is_augmented, _integrates, _is_wide_robot, _is_wide_system)
+    return _calls_native(case) and not any(wide(phase) for phase in case.problem.phases for wide in widens)
 
 
 def _without_stages(case: Case) -> bool:
@@ -83,11 +89,22 @@ def _is_augmented(phase: Phase) -> bool:
     return dae is not body or bool(body.invariants)
 
 
+def _has_corners(phase: Phase) -> bool:
+    """Whether an objective that is not smooth adds variables."""
+    dae = phase.dae
+    while isinstance(dae, Augmented):
+        if not dae.smooth:
+            return True
+        dae = dae.inner
+    return False
+
+
 def _integrates(phase: Phase) -> bool:
     return any(isinstance(constraint, IntegralConstraint) for constraint in phase.constraints)
 
 
 def _is_wide_robot(phase: Phase) -> bool:
+    """Whether the root is free, the form is forward, a joint is continuous, or there are design parameters."""
     body = phase.body
     if not isinstance(body, InverseRigidBody):
         return phase.robot is not None
@@ -95,6 +112,7 @@ def _is_wide_robot(phase: Phase) -> bool:
 
 
 def _is_wide_system(phase: Phase) -> bool:
+    """Whether a system has parameters or few controls."""
     body = phase.body
     if not isinstance(body, SystemDynamics):
         return not isinstance(body, InverseRigidBody)
@@ -116,11 +134,9 @@ STICKING = Condition("dry friction", lambda case: needs_softening(case.problem))
 PROVED = Condition("goals", lambda case: case.settled["goals"] is not None)
 COMPILED = Condition("engine=Compiled()", _needs_ipopt)
 NO_STAGES = Condition("shooting or moving knots", _without_stages)
-AUGMENTED = any_phase("contacts, closed loops, corners in the objective", _is_augmented)
-INTEGRAL = any_phase("integral constraint", _integrates)
-WIDE_ROBOT = any_phase("free root, forward form, continuous joint, design", _is_wide_robot)
-WIDE_SYSTEM = any_phase("system with parameters or few controls", _is_wide_system)
+CORNERS = any_phase("corners in the objective", _has_corners)
 FLOATING = Condition("all roots floating", lambda case: all(map(_floats, case.problem.phases)))
+NATIVE = Condition("solver in C++", _calls_native)
 STAGEWISE = Condition("solver by stages", _works_by_stages)
 ROBOTS = Condition("robots", lambda case: all(phase.robot is not None for phase in case.problem.phases))
 SYSTEM = any_phase("systems", lambda phase: phase.robot is None)

@@ -114,41 +114,39 @@ def plan(
     -----
     Settings that are left open. The first rule of a setting whose conditions hold applies:
 
-    ===============  =================================================  ==============================================
     setting          where                                              choice
-    ===============  =================================================  ==============================================
-    tolerance        otherwise                                          None
-    goals            no mesh                                            Goals()
-                     otherwise                                          None
-    mesh             goals, a motor at every joint, dry friction        Mesh of 16 intervals, RadauIIA()
-                     goals, a motor at every joint                      Mesh of 16 intervals, HermiteSimpson()
-                     goals, contacts                                    Mesh of 6 intervals, HermiteSimpson()
-                     goals                                              Mesh of 20 intervals, HermiteSimpson()
-                     otherwise                                          Mesh of 20 intervals, RadauIIA()
-    solver           engine=Compiled()                                  Ipopt()
-                     shooting or moving knots                           Ipopt()
-                     contacts, closed loops, corners in the objective   Ipopt()
-                     integral constraint                                Ipopt()
-                     free root, forward form, continuous joint, design  Ipopt()
-                     system with parameters or few controls             Ipopt()
-                     goals                                              InteriorPoint(tolerance=1e-06)
-                     otherwise                                          InteriorPoint()
-    engine           all roots floating                                 Native()
-                     solver by stages                                   Native()
-                     otherwise                                          VirtualMachine()
-    interval_limits  goals                                              BernsteinBounds(controls=True, positions=True)
-                     tolerance, systems                                 BernsteinBounds(controls=True, states=False)
-                     tolerance, solver by stages, free duration         BernsteinBounds(controls=True)
-                     tolerance, solver by stages                        BernsteinBounds(controls=True, states=False)
-                     robots, solver by stages                           BernsteinBounds()
-                     otherwise                                          ConstraintGeneration()
-    refinement       goals, a motor at every joint                      Equidistribute(second=3.0)
-                     goals                                              Equidistribute()
-                     tolerance                                          SplitOrRaise()
-                     otherwise                                          None
-    restarts         contacts                                           Restarts(count=0)
-                     otherwise                                          Restarts()
-    ===============  =================================================  ==============================================
+    ===============  ===========================================  ==============================================
+    setting          where                                        choice
+    ===============  ===========================================  ==============================================
+    tolerance        otherwise                                    None
+    goals            no mesh                                      Goals()
+                     otherwise                                    None
+    mesh             goals, a motor at every joint, dry friction  Mesh of 16 intervals, RadauIIA()
+                     goals, a motor at every joint                Mesh of 16 intervals, HermiteSimpson()
+                     goals, contacts                              Mesh of 6 intervals, HermiteSimpson()
+                     goals                                        Mesh of 20 intervals, HermiteSimpson()
+                     otherwise                                    Mesh of 20 intervals, RadauIIA()
+    solver           engine=Compiled()                            Ipopt()
+                     shooting or moving knots                     Ipopt()
+                     corners in the objective                     Ipopt()
+                     goals                                        InteriorPoint(tolerance=1e-06)
+                     otherwise                                    InteriorPoint()
+    engine           all roots floating                           Native()
+                     solver in C++                                Native()
+                     otherwise                                    VirtualMachine()
+    interval_limits  goals                                        BernsteinBounds(controls=True, positions=True)
+                     tolerance, systems                           BernsteinBounds(controls=True, states=False)
+                     tolerance, solver by stages, free duration   BernsteinBounds(controls=True)
+                     tolerance, solver by stages                  BernsteinBounds(controls=True, states=False)
+                     robots, solver by stages                     BernsteinBounds()
+                     otherwise                                    ConstraintGeneration()
+    refinement       goals, a motor at every joint                Equidistribute(second=3.0)
+                     goals                                        Equidistribute()
+                     tolerance                                    SplitOrRaise()
+                     otherwise                                    None
+    restarts         contacts                                     Restarts(count=0)
+                     otherwise                                    Restarts()
+    ===============  ===========================================  ==============================================
     """
     if isinstance(problem, Phase):
         problem = Problem([problem])

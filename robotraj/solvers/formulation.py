@@ -30,9 +30,9 @@ Formulation: TypeAlias = "Reduction | Assembled"
 
 WIDEST = 10_000
 """Unknowns times equalities of a stage above which a fully pivoted elimination is slower than a sparse one."""
-ROW_CORRECTION = 1e-13
-"""Regularisation of the rows of an assembled problem, times mu^(1/4): small enough for Newton's method to converge
-near straight knees, where rows are almost dependent."""
+ROW_CORRECTION = 1e-8
+"""Regularisation of the rows of an assembled problem, times mu^(1/4). Rows may be redundant, and near straight knees
+they are almost dependent: without it steps of multipliers grow beyond all bounds there."""
 
 
 def formulate(nlp: Nlp) -> Formulation:

@@ -36,50 +36,44 @@ def robot(name: str, **options: object) -> rt.Problem:
     return rt.Problem([rt.Phase(rt.load(name, **options), duration=1.0, objective=rt.Effort())])  # type: ignore[arg-type]
 
 
-def test_systems_with_many_controls_and_fixed_root_robots_are_for_the_interior_point_method() -> None:
-    assert isinstance(solver_for(chain(1, 1), rt.Mesh()), rt.InteriorPoint)
-    assert isinstance(solver_for(chain(2, 1), rt.Mesh()), rt.InteriorPoint)
-    assert isinstance(solver_for(chain(4, 2), rt.Mesh()), rt.InteriorPoint)
-    assert isinstance(solver_for(chain(3, 1), rt.Mesh()), rt.Ipopt)
-    assert isinstance(solver_for(robot("ur5"), rt.Mesh()), rt.InteriorPoint)
-    assert isinstance(solver_for(robot("cartpole"), rt.Mesh()), rt.InteriorPoint)
+@pytest.mark.parametrize(
+    "problem",
+    [
+        chain(2, 1),
+        chain(3, 1),
+        chain(2, 1, parameters={"m": rt.between(1, 2)}),
+        chain(2, 1, constraints=[rt.IntegralConstraint(lambda p: p.x["x0"], upper=3.0)]),
+        robot("ur5"),
+        robot("cartpole"),
+        robot("solo12", root="floating"),
+    ],
+    ids=["system", "few controls", "parameters", "integral", "arm", "few motors", "legs"],
+)
+def test_the_interior_point_method_is_the_default_for_all_kinds_of_problems(problem: rt.Problem) -> None:
+    assert isinstance(solver_for(problem, rt.Mesh()), rt.InteriorPoint)
 
 
-def test_rates_of_torques_and_jerks_leave_an_arm_to_it_and_corners_do_not() -> None:
+def test_corners_in_the_objective_are_for_ipopt() -> None:
+    arm = rt.load("cartpole")
+    for objective in (rt.objectives.AbsolutePower(), rt.objectives.AbsolutePower() + rt.objectives.TorqueRate()):
+        assert isinstance(solver_for(rt.Problem([rt.Phase(arm, 1.0, objective=objective)]), rt.Mesh()), rt.Ipopt)
+
+
+def test_narrow_stages_of_robots_take_bernstein_bounds_and_corners_do_not() -> None:
     arm = rt.load("cartpole")
 
-    def chosen(objective: Objective) -> Solver:
-        return solver_for(rt.Problem([rt.Phase(arm, 1.0, objective=objective)]), rt.Mesh())
+    def chosen(objective: Objective) -> object:
+        return resolve(rt.Problem([rt.Phase(arm, 1.0, objective=objective)]), {"mesh": rt.Mesh()}).interval_limits
 
-    assert isinstance(chosen(rt.objectives.TorqueRate() + rt.Effort()), rt.InteriorPoint)
-    assert isinstance(chosen(rt.objectives.Jerk()), rt.InteriorPoint)
-    assert isinstance(chosen(rt.objectives.AbsolutePower()), rt.Ipopt)
-    assert isinstance(chosen(rt.objectives.AbsolutePower() + rt.objectives.TorqueRate()), rt.Ipopt)
+    assert isinstance(chosen(rt.objectives.TorqueRate() + rt.Effort()), rt.interval_limits.BernsteinBounds)
+    assert isinstance(chosen(rt.objectives.AbsolutePower()), rt.interval_limits.ConstraintGeneration)
 
 
-def test_every_phase_has_a_say() -> None:
-    (good,), (bad,) = chain(2, 1).phases, chain(3, 1).phases
-    assert isinstance(solver_for(rt.Problem([good, good]), rt.Mesh()), rt.InteriorPoint)
-    assert isinstance(solver_for(rt.Problem([good, bad]), rt.Mesh()), rt.Ipopt)
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"parameters": {"m": rt.between(1, 2)}},
-        {"constraints": [rt.IntegralConstraint(lambda p: p.x["x0"], upper=3.0)]},
-    ],
-    ids=["parameters", "integral"],
-)
-def test_what_widens_stages_is_for_ipopt(options: dict[str, object]) -> None:
-    assert isinstance(solver_for(chain(2, 1, **options), rt.Mesh()), rt.Ipopt)
-
-
-def test_an_integral_over_an_arms_motion_widens_every_stage_and_is_for_ipopt() -> None:
+def test_an_integral_over_an_arms_motion_widens_every_stage() -> None:
     arm = rt.load("cartpole")
     budget = rt.IntegralConstraint(lambda p: p.tau[0] ** 2, upper=100.0, name="heat")
     bounded = rt.Problem([rt.Phase(arm, 1.0, objective=rt.Duration(), constraints=[budget])])
-    assert isinstance(solver_for(bounded, rt.Mesh()), rt.Ipopt)
+    assert isinstance(resolve(bounded, {"mesh": rt.Mesh()}).interval_limits, rt.interval_limits.ConstraintGeneration)
     # Every later stage carries what the integral has read so far.
     carried = [reduce(rt.transcription.transcribe(bounded, rt.Mesh(n))).program.nx.max() for n in (5, 10)]
     assert carried[1] > 1.8 * carried[0]
@@ -113,7 +107,7 @@ def test_a_system_reaches_the_optimum_of_its_mesh_and_keeps_nothing_from_its_bou
     [
         ("ur5", "fixed", None, rt.InteriorPoint(), rt.engines.Native()),
         ("double_pendulum", "fixed", [], rt.InteriorPoint(), rt.engines.Native()),
-        ("solo12", "floating", None, rt.Ipopt(), rt.engines.Native()),
+        ("solo12", "floating", None, rt.InteriorPoint(), rt.engines.Native()),
     ],
 )
 def test_the_robot_decides(name: str, root: str, actuated: list[str] | None, solver: object, engine: object) -> None:

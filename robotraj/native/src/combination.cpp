@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t kPiece = 1u << 15;
 /// Rows of a block at least, of what is looked at for repeats, and of a block at most.
 constexpr std::size_t kLeast = 16, kWorthwhile = 128, kMost = 1u << 13;
+/// Comparisons for each row of what is searched for repeats, at most: rows that do not repeat cost no more.
+constexpr std::size_t kPatience = 16;
 
 }  // namespace
 
@@ -22,9 +24,14 @@ struct Combination::Rows {
   const Csr& matrix;
   const std::int32_t* places;
   const double* base;
+  bool adds;
   std::size_t first;          // row of the whole
   std::ptrdiff_t behind = 0;  // how much further on x is read than its columns say
   std::ptrdiff_t place(std::size_t row) const {
+    if (adds) {
+      const std::int32_t* entries = matrix.starts() + row % matrix.rows();
+      if (entries[0] == entries[1]) return -1;
+    }
     return places ? places[first + row] : static_cast<std::ptrdiff_t>(first + row);
   }
 
@@ -44,10 +51,12 @@ struct Combination::Rows {
   }
 
   /// Whether rows [a, a + count) are those from b on, moved by the run's shift and step, which are found at first.
-  bool same(std::size_t a, std::size_t b, std::size_t count, Run& run, bool (&known)[2]) const {
+  /// Counts the rows that it compares.
+  bool same(std::size_t a, std::size_t b, std::size_t count, Run& run, bool (&known)[2], std::size_t& compared) const {
     const std::int32_t *starts = matrix.starts(), *columns = matrix.indices();
     const double* values = matrix.data();
     for (std::size_t row = 0; row < count; ++row) {
+      ++compared;
       const std::int32_t here = starts[a + row], there = starts[b + row], entries = starts[a + row + 1] - here;
       if (starts[b + row + 1] - there != entries || !same_ends(a + row, b + row, 1, run, known[1])) return false;
       for (std::int32_t e = 0; e < entries; ++e) {
@@ -63,13 +72,15 @@ struct Combination::Rows {
   /// The longest run within rows [begin, end) that goes through `middle`.
   Run through(std::size_t begin, std::size_t end, std::size_t middle) const {
     Run best{};
+    std::size_t compared = 0;
     for (std::size_t period = 1; period <= kMost && middle + 2 * period <= end; ++period) {
+      if (compared > kPatience * (end - begin)) break;
       Run run{};
       bool known[2] = {false, false};
-      if (!same(middle, middle + period, period, run, known)) continue;
+      if (!same(middle, middle + period, period, run, known, compared)) continue;
       std::size_t first = middle, last = middle + 2 * period;
-      while (last + period <= end && same(last - period, last, period, run, known)) last += period;
-      while (first >= begin + period && same(first - period, first, period, run, known)) first -= period;
+      while (last + period <= end && same(last - period, last, period, run, known, compared)) last += period;
+      while (first >= begin + period && same(first - period, first, period, run, known, compared)) first -= period;
       if (last - first > best.period * best.repeats)
         best = {first, period, (last - first) / period, run.shift, run.step};
       if (last - first >= (end - begin) / 4) break;
@@ -103,11 +114,11 @@ void sum_rows(const RowGroup& group, const std::int32_t* row, const std::int32_t
 }  // namespace
 
 Combination::Combination(const Stacked& matrix, const std::int32_t* places, const double* kept_base,
-                         const std::string& processor)
+                         const std::string& processor, bool adds)
     : kernels_(&kernels_of(processor)) {
   std::size_t first = 0;
   for (const Stacked::Piece& piece : matrix.pieces()) {
-    const Rows rows{piece.rows, places, kept_base, first};
+    const Rows rows{piece.rows, places, kept_base, adds, first};
     if (piece.repeats > 1) take(rows, piece.repeats, piece.shift);
     else divide(rows, 0, piece.rows.rows());
     first += piece.repeats * piece.rows.rows();

@@ -23,7 +23,8 @@ struct Kernels;
 /// Every row is summed as it stands, base first.
 ///
 /// Results may have places of their own: row i goes to y[places[i]], to nowhere where that is negative. A base that
-/// stays the same may be kept with the rows, once where they repeat.
+/// stays the same may be kept with the rows, once where they repeat. A combination that only adds leaves out the rows
+/// without entries.
 class Combination {
  public:
   Combination() : Combination(Csr()) {}
@@ -31,7 +32,11 @@ class Combination {
       : Combination(Stacked(matrix), places, kept_base) {}
   /// For the fastest processor that this one runs or, with a name, for that one: see kernels_of.
   explicit Combination(const Stacked& matrix, const std::int32_t* places = nullptr, const double* kept_base = nullptr,
-                       const std::string& processor = "");
+                       const std::string& processor = "", bool adds = false);
+  /// For calls of `apply` whose base is y.
+  static Combination adding(const Stacked& matrix, const std::int32_t* places = nullptr) {
+    return Combination(matrix, places, nullptr, "", true);
+  }
 
   /// y = base + A x, rows shared by the pool; base may be null, for what is kept or zeros, and y, to add to it.
   void apply(const double* x, const double* base, double* y, ThreadPool& pool) const;

@@ -52,9 +52,9 @@ Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vect
     Work& work = work_[i];
     const PointSizes& sizes = term.block->sizes();
     work.gather = Combination(term.gather);
-    work.scatter = Combination(term.scatter);
+    work.scatter = Combination::adding(Stacked(term.scatter));
     work.scatter_transposed = Combination(term.scatter.transposed());
-    work.to_gradient = Combination(term.gradient);
+    work.to_gradient = Combination::adding(Stacked(term.gradient));
     work.has_rows = term.scatter.entries() > 0;
     work.has_cost = !term.weights.empty();
     work.v.resize(sizes.inputs * sizes.count);
@@ -188,13 +188,20 @@ void Program::prepare_in_order() {
 void Program::place(std::vector<std::int32_t> jacobian, std::vector<std::int32_t> hessian) {
   need(jacobian.size(), jacobian_pattern_.size(), "places of the Jacobian's entries: their number");
   need(hessian.size(), hessian_pattern_.size(), "places of the Hessian's entries: their number");
-  const double* base = linear_.jacobian.data();
+  // The first term writes, the others add to it.
+  bool written[2] = {false, false};
   for (std::size_t i = 0; i < terms_.size(); ++i) {
-    if (terms_[i].jacobian.entries()) {
-      work_[i].jacobian_in_place = Combination(terms_[i].jacobian, jacobian.data(), base);
-      base = nullptr;
+    const Term& term = terms_[i];
+    if (term.jacobian.entries()) {
+      work_[i].jacobian_in_place = written[0] ? Combination::adding(Stacked(term.jacobian), jacobian.data())
+                                              : Combination(term.jacobian, jacobian.data(), linear_.jacobian.data());
+      written[0] = true;
     }
-    if (terms_[i].hessian.entries()) work_[i].hessian_in_place = Combination(terms_[i].hessian, hessian.data());
+    if (term.hessian.entries()) {
+      work_[i].hessian_in_place =
+          written[1] ? Combination::adding(term.hessian, hessian.data()) : Combination(term.hessian, hessian.data());
+      written[1] = true;
+    }
   }
   jacobian_places_ = std::move(jacobian);
 }
