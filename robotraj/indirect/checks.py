@@ -52,11 +52,11 @@ def refuse_active_constraints(costates: PhaseCostates) -> None:
     times = np.unique(active)
     held = ThroughoutRows(solution.phase, np.array(list(solution.parameters.values()), dtype=float))
     at = solution.trajectory
-    controls = [control.name for control in solution.phase.dae.controls]
+    of_controls = {row.number for row, _ in solution.phase.rows.bounds_of(solution.phase.dae.controls)}
     for row, value in held(times, at.x(times), at.z(times), at.u(times)):
         near = np.abs(value - row.lower) < ACTIVE_DISTANCE * (1.0 + np.abs(value))
         near |= np.abs(value - row.upper) < ACTIVE_DISTANCE * (1.0 + np.abs(value))
-        if np.any(near) and row.variable not in controls:
+        if np.any(near) and row.number not in of_controls:
             raise InputError(
                 f"polish supports active bounds on controls only, but {row.label} is active at t = "
                 f"{times[np.argmax(near)]:.4g} s. Keep the direct solution, with a finer mesh, or relax "

@@ -166,8 +166,8 @@ def _violation(solution: Solution, violation: Violation) -> Data:
 
 def _variable(part: PhaseSolution, violation: Violation) -> str | None:
     """Return the variable that a violated row bounds, or the state of a violated defect; None for other rows."""
-    for row in part.phase.rows:
-        if row.name == violation.name and row.joint == violation.joint and row.variable is not None:
+    for row in part.phase.rows.bounds:
+        if row.name == violation.name and row.joint == violation.joint:
             return row.variable
     states = [state.name for state in part.phase.dae.states]
     return violation.joint if violation.joint in states else None

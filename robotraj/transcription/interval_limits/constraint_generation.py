@@ -72,7 +72,7 @@ def add_rows(
         tau = interval.clock.start + interval.clock.length * each.tau
         scatter, width = scatters[each.phase], outputs[each.phase]
         if row.kind is Kind.BOUND:
-            component = [s.name for s in phase.dae.states].index(str(row.variable))
+            component = next(i for bound, i in phase.rows.bounds_of(phase.dae.states) if bound.number == each.row)
             at = rows.impose(each.phase, [row], fraction)[0]
             _polynomial(at, np.array([component]), phase, interval, each.tau, linear, scatter, width)
             continue

@@ -44,10 +44,9 @@ def with_margins(nlp: Nlp, margins: Margins) -> Nlp:
         lower, upper = row.lower + amount, row.upper - amount
         if lower >= upper:
             continue
-        names = [control.name for control in phase.dae.controls]
-        if row.variable in names:
-            columns = _controls(layout, place.interval)[:, names.index(str(row.variable))]
-            variables.tighten(columns, lower, upper)
+        for bound, control in phase.rows.bounds_of(phase.dae.controls):
+            if bound.number == place.row:
+                variables.tighten(_controls(layout, place.interval)[:, control], lower, upper)
         number = numbers.get(Entry.of(place.phase, row))
         first, last = layout.fractions[place.interval : place.interval + 2]
         inside = (loose.fraction >= first) & (loose.fraction <= last)
