@@ -602,7 +602,7 @@ class Outcome:
     def trace(self) -> list[list[float]]: ...
 
 class SymmetricFactors:
-    """L D L' of a sparse symmetric indefinite matrix, which IPOPT uses through the names of HSL's MA97.
+    """L D L' of a sparse symmetric indefinite matrix, which factorises Newton systems without stages.
 
     Multifrontal (Duff and Reid 1983), in an order of approximate minimum degree, with pivots of one or two rows that
     keep multipliers below 1 / threshold; rows are scaled first.

@@ -15,7 +15,6 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.native.build import load_native
 from robotraj.solvers.base import LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted, named_options
 from robotraj.solvers.ipopt_callback import IterationCallback
@@ -41,7 +40,7 @@ STATUSES = {
     "Not_Enough_Degrees_Of_Freedom": Status.OVERDETERMINED,
 }
 
-LINEAR_SOLVERS = ("ldl", "mumps", "spral")
+LINEAR_SOLVERS = ("mumps", "spral")
 LOADED = dict.fromkeys(("ma27", "ma57", "ma77", "ma86", "ma97"), "hsllib") | {"pardiso": "pardisolib"}
 """Those that IPOPT loads from a library, and the option that names it."""
 
@@ -70,9 +69,8 @@ class Ipopt(Solver):
         ``mu_init``. A tenth of IPOPT's own default: the cost of one control shrinks as the mesh gets finer, and a
         stronger barrier then pushes the controls away from where the guess put them.
     linear_solver : str
-        What factorises the symmetric systems: "ldl", robotraj's own sparse L D L' (multifrontal, minimum degree), or
-        one of IPOPT's by its name there: "mumps", "spral" or, where ``options`` name a library as ``hsllib`` or
-        ``pardisolib``, "ma27", "ma57", "ma77", "ma86", "ma97" or "pardiso".
+        What factorises the symmetric systems, by its name in IPOPT: "mumps", "spral" or, where ``options`` name a
+        library as ``hsllib`` or ``pardisolib``, "ma27", "ma57", "ma77", "ma86", "ma97" or "pardiso".
     options : mapping
         Further IPOPT options by their names in IPOPT; they override the fields above.
 
@@ -88,7 +86,7 @@ class Ipopt(Solver):
     time_limit: float | None = None
     barrier: str = "monotone"
     initial_barrier: float = 1e-2
-    linear_solver: str = "ldl"
+    linear_solver: str = "mumps"
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -142,8 +140,8 @@ class Ipopt(Solver):
             # rows are almost dependent; IPOPT's default of 1e-8 converges slowly there or diverges.
             "perturb_always_cd": "yes",
             "jacobian_regularization_value": 1e-13,
+            "linear_solver": self.linear_solver,
         }
-        options |= own_factors() if self.linear_solver == "ldl" else {"linear_solver": self.linear_solver}
         if self.linear_solver == "mumps":
             # By default IPOPT allocates eleven times the memory that MUMPS estimates. The allocator does not keep so
             # large a block between factorisations, and clearing its pages takes a seventh of the time of legged
@@ -235,19 +233,6 @@ class Ipopt(Solver):
 def _unit(scale: float) -> dict[str, float]:
     """Return IPOPT's options for an objective times ``scale``; these tolerances are in the unit of the objective."""
     return {"obj_scaling_factor": scale, "dual_inf_tol": 1.0 / scale, "compl_inf_tol": 1e-4 / scale}
-
-
-def own_factors() -> dict[str, Any]:
-    """Return options with which IPOPT calls the compiled module as HSL's MA97, which orders and scales by itself."""
-    library = load_native().__file__
-    return {
-        "linear_solver": "ma97",
-        "hsllib": library,
-        "ma97_order": "amd",
-        "ma97_scaling": "none",
-        # As with MUMPS: few pivots are delayed, and iterative refinement restores the accuracy of steps.
-        "ma97_u": 1e-6,
-    }
 
 
 def _multipliers(nlp: Nlp, w: np.ndarray, lam_g: np.ndarray, lam_x: np.ndarray) -> Multipliers:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.solvers.ipopt import LINEAR_SOLVERS
+from robotraj.solvers.base import Solver
 
 LEGS = {"left_hip": "right_hip", "left_foot": "right_foot"}
 LOBATTO = rt.Mesh(10, rt.schemes.LobattoIIIA(4))
@@ -98,17 +98,19 @@ def test_longer_steps_cost_more(level: rt.Solution) -> None:
     assert rt.plan(step(0.0, 0.5), LOBATTO).objective > 1.5 * level.objective
 
 
-@pytest.mark.parametrize("name", LINEAR_SOLVERS[:2])
-def test_redundant_rows_leave_a_unique_solution(level: rt.Solution, name: str) -> None:
+@pytest.mark.parametrize("solver", [rt.Ipopt(), rt.InteriorPoint(fallback=None)], ids=["ipopt", "interior point"])
+def test_redundant_rows_leave_a_unique_solution(level: rt.Solution, solver: Solver) -> None:
     """No motor turns the hip, and the impact keeps its rate: one row is redundant."""
     nlp = rt.transcription.transcribe(step(0.0, 0.4), LOBATTO)
     rng = np.random.default_rng(3)
+    iterations = set()
     for size in (0.0, 1e-12, 1e-9):
         guess = nlp.guess + size * nlp.scale * rng.standard_normal(len(nlp.guess))
-        outcome = rt.Ipopt(linear_solver=name).solve(replace(nlp, guess=guess))
+        outcome = solver.solve(replace(nlp, guess=guess))
         assert outcome.status is rt.solvers.Status.SOLVED
-        assert outcome.iterations == level.iterations
+        iterations.add(outcome.iterations)
         assert nlp.objective(outcome.w) == pytest.approx(level.objective, rel=1e-8)
+    assert len(iterations) == 1
 
 
 def test_the_witness_walks_as_planned(level: rt.Solution) -> None:

@@ -83,13 +83,8 @@ def test_every_factorisation_takes_the_same_steps() -> None:
         np.testing.assert_allclose(own.multipliers.rows, other.multipliers.rows, rtol=1e-4, atol=1e-6)
 
 
-def test_factors_of_robotraj_are_those_that_ipopt_calls(capfd: pytest.CaptureFixture[str]) -> None:
-    rt.Ipopt(options={"print_level": 5}).solve(rt.transcription.transcribe(rt.Problem([MOVE]), rt.Mesh(10)))
-    assert "running with linear solver ma97" in capfd.readouterr().out
-
-
 def test_a_linear_solver_that_is_not_there_is_refused_by_name() -> None:
-    with pytest.raises(rt.InputError, match="one of ldl, mumps, spral, ma27.*got 'nonesuch'"):
+    with pytest.raises(rt.InputError, match="one of mumps, spral, ma27.*got 'nonesuch'"):
         rt.Ipopt(linear_solver="nonesuch")
     with pytest.raises(rt.InputError, match='linear_solver="ma57".*"hsllib"'):
         rt.Ipopt(linear_solver="ma57")
