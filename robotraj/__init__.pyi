@@ -24,6 +24,7 @@ from .native import engines
 from .planning.compilation import precompile
 from .planning.many.multistart import multistart
 from .planning.many.sweep import sweep
+from .planning.paths.retime import retime
 from .planning.plan import plan
 from .planning.replanning.replanner import Replanner
 from .problem import constraints, links, objectives
@@ -119,6 +120,7 @@ __all__ = [
     "precompile",
     "refinement",
     "replay",
+    "retime",
     "robot",
     "schemes",
     "solution",

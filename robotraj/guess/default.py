@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
+from robotraj.guess.along_path import AlongPath, follows_path
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.from_solution import FromSolution, is_solution
 from robotraj.guess.straight_line import StraightLine
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
-    """Return an inverted pendulum for one robot with a free root on contacts, else a straight line.
+    """Return an inverted pendulum for one robot with a free root on contacts, a given path, else a straight line.
 
     Parameters
     ----------
@@ -30,7 +31,12 @@ def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
         from robotraj.guess.legs.inverted_pendulum import InvertedPendulum
 
         return InvertedPendulum()
-    return StraightLine(branch=branch)
+    line = StraightLine(branch=branch)
+    if any(follows_path(phase) for phase in problem.phases):
+        from robotraj.guess.guess import EachPhase
+
+        return EachPhase([AlongPath() if follows_path(phase) else line for phase in problem.phases])
+    return line
 
 
 def as_guess(value: object) -> InitialGuess | None:

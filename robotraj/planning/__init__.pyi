@@ -8,6 +8,8 @@ from .continuation import ContinuationStep, tightening
 from .kinematic import Kinematic
 from .many.multistart import Multistart, Optimum, multistart
 from .many.sweep import sweep
+from .paths.joint_path import as_path
+from .paths.retime import retime
 from .plan import plan
 from .replanning.driven import driven
 from .replanning.replan import Replan
@@ -22,10 +24,12 @@ __all__ = [
     "Replan",
     "Restarts",
     "Settings",
+    "as_path",
     "driven",
     "multistart",
     "plan",
     "precompile",
+    "retime",
     "sweep",
     "tightening",
 ]

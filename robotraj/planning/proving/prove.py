@@ -70,6 +70,9 @@ class _Refining:
         """The beginning that led to a solution, where the guess did not."""
         self.sticking = needs_softening(problem)
         """Whether joints stick and slide to save effort."""
+        # Limits of rates are active nearly everywhere in least time, and change sides from mesh to mesh.
+        self.altered = self.sticking or any(phase.rows.rates for phase in problem.phases)
+        """Whether the motion on the next mesh may differ as if its problem were another one."""
         self.measures: Measured | None = None
         """Of the best solution so far."""
 
@@ -158,7 +161,7 @@ class _Refining:
         settings = replace(self.settings, mesh=meshes)
         if nearby:
             # Joints that stick and slide change places from mesh to mesh, as if the problem were another one.
-            settings = replace(settings, solver=settings.solver.from_nearby(altered=self.sticking))
+            settings = replace(settings, solver=settings.solver.from_nearby(altered=self.altered))
         if self.best is not None and self.best.proof is not None and self.best.proof.motion_holds:
             # The motion is known by now, and only its objective is left to settle.
             settings = replace(settings, solver=settings.solver.at_most(PATIENCE), restarts=Restarts(0))
@@ -166,7 +169,7 @@ class _Refining:
             plain = replace(settings.interval_limits, rounds=0)
             return self._solve(self.problem, start, replace(settings, restarts=Restarts(0), interval_limits=plain), {})
         found = self._solve(self.problem, start, settings, {})
-        nearer = settings.solver.from_nearby(altered=self.sticking)
+        nearer = settings.solver.from_nearby(altered=self.altered)
         again_settings = replace(settings, solver=nearer, restarts=Restarts(0))
         margins: dict[LimitedInterval, float] = {}
         for _ in range(MOST_MARGINS):

@@ -5,6 +5,7 @@ from .bounds import Between, Bounds, as_bounds, between
 from .clearance import GroundClearance
 from .clearance_geometry import CollisionShapes
 from .differential_drive import DifferentialDrive
+from .follow_path import FollowPath
 from .frame_pose import FramePose, FramePosition
 from .heights import RequiredHeight, SwingApex
 from .integral import IntegralConstraint
@@ -22,6 +23,7 @@ __all__ = [
     "CollisionShapes",
     "Constraint",
     "DifferentialDrive",
+    "FollowPath",
     "FramePose",
     "FramePosition",
     "GroundClearance",

@@ -40,7 +40,8 @@ def transfer(duals: Sequence[PhaseDuals], nlp: Nlp) -> Multipliers | None:
 
 def _transferred(duals: Sequence[PhaseDuals], nlp: Nlp) -> Multipliers:
     rows, bounds = np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables))
-    for i, (known, layout) in enumerate(zip(duals, nlp.layouts, strict=True)):
+    # Where costates are not unique there are no duals to transfer, and the estimate is zero.
+    for i, (known, layout) in enumerate(zip(duals, nlp.layouts, strict=False)):
         breaks = layout.breaks(nlp.guess)
         _defects(nlp, i, known, layout, breaks, rows)
         _places(nlp, i, known, layout, breaks, rows)

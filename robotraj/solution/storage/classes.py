@@ -43,6 +43,7 @@ from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.clearance_geometry import CollisionShapes
 from robotraj.problem.constraints.differential_drive import DifferentialDrive
+from robotraj.problem.constraints.follow_path import FollowPath
 from robotraj.problem.constraints.frame_pose import FramePose, FramePosition
 from robotraj.problem.constraints.heights import SwingApex
 from robotraj.problem.constraints.integral import IntegralConstraint
@@ -102,12 +103,12 @@ CLASSES: Mapping[str, type] = {
     kind.__name__: kind
     for kind in (
         # problems
-        State, Between, Limits, AtEnd, AtStart, GroundClearance, CollisionShapes, FramePose, FramePosition, SwingApex,
-        DifferentialDrive, IntegralConstraint, JointAcceleration, JointEffort, JointPosition, JointVelocity,
-        PathConstraint, JointJerk, JointTorqueRate, VariableBounds, Continuity, Jump, EqualDuration, Linkage,
-        SameParameter, Mirror, Periodic, Liftoff, Touchdown, Sum, Duration, Effort, Lagrange, Mayer, ForceRate,
-        CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness, TerminalPose, Tracking, CostOfTransport, AbsolutePower,
-        MechanicalWork,
+        State, Between, Limits, AtEnd, AtStart, GroundClearance, CollisionShapes, FollowPath, FramePose,
+        FramePosition, SwingApex, DifferentialDrive, IntegralConstraint, JointAcceleration, JointEffort,
+        JointPosition, JointVelocity, PathConstraint, JointJerk, JointTorqueRate, VariableBounds, Continuity, Jump,
+        EqualDuration, Linkage, SameParameter, Mirror, Periodic, Liftoff, Touchdown, Sum, Duration, Effort, Lagrange,
+        Mayer, ForceRate, CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness, TerminalPose, Tracking,
+        CostOfTransport, AbsolutePower, MechanicalWork,
         # robots, contacts, terrain
         Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ForwardDynamics, InverseDynamics, Kinematics,
         FlatFoot, ImplicitContact, LineContact, LoopClosure, PointContact, Linearised, SecondOrder, FourCorners,

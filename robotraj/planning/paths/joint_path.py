@@ -1,0 +1,104 @@
+"""Paths of joints as piecewise polynomials: through configurations, of splines, of planned motions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.splines import through
+from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj.solution.solution import Solution
+
+Array = NDArray[np.float64]
+
+HIGHEST = 5
+"""Degree of the spline through configurations, which bounds jerks; lower with fewer than six of them."""
+PIECES = 32
+"""Number of pieces by which a function of the parameter is approximated."""
+
+
+def as_path(path: Any, parameters: ArrayLike | None = None) -> PiecewisePolynomial:
+    """Return a path q(s) of joints.
+
+    Parameters
+    ----------
+    path : array (m, nq), Solution, PiecewisePolynomial, spline or callable
+        An array of configurations [rad, m] is interpolated by a spline of degree 5, or lower with fewer than six. Of a
+        solution, the positions over time are taken. Splines of SciPy are taken as they are. Other functions of s give
+        (nq,) or (m, nq), and are interpolated; their interval is ``path.path_interval``, as in TOPP-RA, else [0, 1].
+    parameters : array (m,), optional
+        Ascending parameters of the configurations; by default the length of the polygon through them, from 0 to 1.
+
+    Raises
+    ------
+    InputError
+        A path of another kind or shape, equal neighbours, parameters that do not ascend, numbers that are not finite.
+    """
+    if isinstance(path, PiecewisePolynomial):
+        return path
+    if isinstance(path, Solution):
+        return _of_solution(path)
+    if callable(path):
+        return _of_function(path)
+    try:
+        points = np.array(path, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"A path is an array (m, nq), a spline or a solution; got {type(path).__name__}.") from error
+    return _through(points, parameters)
+
+
+def _through(points: Array, parameters: ArrayLike | None) -> PiecewisePolynomial:
+    if points.ndim != 2 or len(points) < 2 or not np.isfinite(points).all():
+        raise InputError(f"A path is a finite array (m, nq) of at least two configurations; got shape {points.shape}.")
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    if not (steps > 0).all():
+        raise InputError(f"Configurations {int(np.argmin(steps))} and the next of the path are equal; leave one out.")
+    s = np.append(0.0, np.cumsum(steps) / steps.sum()) if parameters is None else np.array(parameters, dtype=float)
+    if s.shape != (len(points),) or not (np.diff(s) > 0).all():
+        raise InputError(f"The path needs {len(points)} ascending parameters; got {s.tolist()}.")
+    degree = min(HIGHEST, len(points) - 1)
+    if degree % 2 == 0:
+        # Too few points for the odd degree above: one polynomial passes through three or five of them.
+        if len(points) == degree + 1:
+            return PiecewisePolynomial(s[[0, -1]], [(s - s[0]) / (s[-1] - s[0])], [points])
+        degree -= 1
+    spline = through(s, points, degree)
+    return _sampled(spline, np.unique(spline.knots), degree)
+
+
+def _of_solution(solution: Solution) -> PiecewisePolynomial:
+    breaks, sites, values = [np.array([solution.phases[0].t0])], list[Array](), list[Array]()
+    for part in solution.phases:
+        if part.phase.robot is None:
+            raise InputError(f"Phase {part.phase.name!r} of the solution moves a System, which has no path of joints.")
+        curve = part.trajectory.x
+        breaks.append(curve.breaks[1:])
+        sites += list(curve.sites)
+        values += [each[:, : part.phase.robot.nq] for each in curve.values]
+    return PiecewisePolynomial(np.concatenate(breaks), sites, values)
+
+
+def _of_function(path: Any) -> PiecewisePolynomial:
+    coefficients, places = getattr(path, "c", None), getattr(path, "x", None)
+    if isinstance(places, np.ndarray) and isinstance(coefficients, np.ndarray) and coefficients.ndim == 3:
+        return _sampled(path, places, coefficients.shape[0] - 1)
+    knots, degree = getattr(path, "t", None), getattr(path, "k", None)
+    if isinstance(knots, np.ndarray) and isinstance(degree, int):
+        return _sampled(path, np.unique(knots[degree : len(knots) - degree]), degree)
+    first, last = getattr(path, "path_interval", (0.0, 1.0))
+    return _sampled(path, np.linspace(first, last, PIECES + 1), HIGHEST)
+
+
+def _sampled(path: Any, breaks: Array, degree: int) -> PiecewisePolynomial:
+    """Return the pieces of a polynomial of that degree on every interval, from its values."""
+    sites = np.linspace(0.0, 1.0, degree + 1) if degree else np.array([0.5])
+    values = []
+    for start, end in zip(breaks[:-1], breaks[1:], strict=True):
+        found = np.array([np.asarray(path(start + (end - start) * site), dtype=float) for site in sites])
+        if found.ndim != 2 or not np.isfinite(found).all():
+            raise InputError(f"The path must give finite configurations (nq,); got shape {found.shape[1:]}.")
+        values.append(found)
+    return PiecewisePolynomial(np.array(breaks, dtype=float), [sites] * len(values), values)

@@ -1,0 +1,146 @@
+"""Least time along a given path of the joints, under limits of speed, acceleration, torque, jerk and torque rate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robotraj._util.errors import InputError
+from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj.planning.paths.joint_path import as_path
+from robotraj.planning.plan import plan
+from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.constraints.bounds import BoundsLike, between
+from robotraj.problem.constraints.follow_path import FollowPath
+from robotraj.problem.constraints.motors.rates import JointJerk, JointTorqueRate
+from robotraj.problem.objectives.base import Objective
+from robotraj.problem.objectives.duration import Duration
+from robotraj.problem.phase import Phase
+from robotraj.robot.limits import Limits
+from robotraj.robot.robot import Robot
+from robotraj.solution.solution import Solution
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.design.quantity import Quantity
+
+LONGEST = 1e3
+"""Upper bound of the duration [s]."""
+PLACES = np.linspace(0.0, 1.0, 17)
+"""Places of every piece of a path at which positions are compared with their limits."""
+ROUNDING = 1e-6
+"""Largest violation of a limit of position that is rounding [rad, m]."""
+
+
+def retime(
+    path: Any,
+    robot: Robot | None = None,
+    *,
+    parameters: ArrayLike | None = None,
+    limits: Limits | None = None,
+    jerk: BoundsLike | float = None,
+    torque_rate: BoundsLike | float = None,
+    start_speed: float | None = 0.0,
+    end_speed: float | None = 0.0,
+    constraints: Sequence[Constraint] = (),
+    design: Mapping[str, Quantity | Sequence[Quantity]] | None = None,
+    objective: Objective | None = None,
+    **options: Any,
+) -> Solution:
+    """Plan the motion of least time along a path q(s) of the joints.
+
+    The path parameter s, its speed and its acceleration are variables of the phase, beside those of the robot
+    (``rt.constraints.FollowPath``). The result is a plan of the robot like any other, proved by default.
+
+    Parameters
+    ----------
+    path : array (m, nq), Solution, spline or callable
+        See ``rt.planning.as_path``.
+    robot : Robot, optional
+        That of the solution whose path is retimed, where it is left out.
+    parameters : array (m,), optional
+        Parameters of an array of configurations.
+    limits : Limits, optional
+        Limits of speed, acceleration and torque; those of the robot by default. The path is compared with the limits of
+        position, and no motion along it can change that.
+    jerk, torque_rate : float, Between, sequence or mapping by joint, optional
+        Limits of da/dt [rad/s^3, m/s^3] and of d tau/dt [N m/s, N/s]; a number bounds both signs.
+    start_speed, end_speed : float, optional
+        ds/dt at both ends: 0 is at rest, None leaves it free.
+    constraints : sequence of Constraint
+        Further constraints, such as the speed of the tool.
+    design : mapping, optional
+        Payloads and other quantities of the robot, as of ``rt.Phase``.
+    objective : Objective, optional
+        ``rt.Duration()`` by default.
+    **options
+        Of ``rt.plan``: mesh, tolerance, check ...
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    InputError
+        No robot, a path that is none, or one beyond a limit of position.
+    NoSolutionFound
+        The limits allow no motion along the path, for example because a joint cannot hold its weight there.
+
+    Notes
+    -----
+    Source: Bobrow, Dubowsky and Gibson, International Journal of Robotics Research 4 (1985), for motions on paths;
+    Pham and Pham, IEEE Transactions on Robotics 34 (2018), for the method that the benchmarks compare with.
+    """
+    if robot is None and isinstance(path, Solution):
+        robot = path.phases[0].phase.robot
+    if not isinstance(robot, Robot):
+        raise InputError("rt.retime needs robot=, a robot of rt.load(...), except for the path of a robot's solution.")
+    given = robot.limits if limits is None else limits
+    joints = as_path(path, parameters)
+    _check_positions(joints, given)
+    every: list[Constraint] = [FollowPath(joints, start_speed, end_speed)]
+    for kind, bounds in ((JointJerk, jerk), (JointTorqueRate, torque_rate)):
+        if bounds is not None:
+            every.append(kind(_symmetric(bounds)))
+    phase = Phase(
+        robot,
+        (0.0, LONGEST),
+        objective=Duration() if objective is None else objective,
+        constraints=[*every, *constraints],
+        design=design or {},
+        limits=given.with_(position=np.inf),
+        name="path",
+    )
+    return plan(phase, **options)
+
+
+def _check_positions(path: PiecewisePolynomial, limits: Limits) -> None:
+    """Raise an InputError that names the joint and the place where a path is beyond the limits of position."""
+    q = path.inside(PLACES)
+    if q.shape[-1] != len(limits.joints):
+        raise InputError(f"The path has {q.shape[-1]} joints, but the robot {len(limits.joints)}.")
+    beyond = np.maximum(limits.position_lower - q, q - limits.position_upper)
+    piece, place, joint = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
+    if beyond[piece, place, joint] > ROUNDING:
+        s = path.breaks[piece] + PLACES[place] * (path.breaks[piece + 1] - path.breaks[piece])
+        low, high = (float(side[joint]) for side in limits.positions)
+        raise InputError(
+            f"The path has {limits.joints[joint]!r} at {q[piece, place, joint]:.6g} at s = {s:.4g}, outside its "
+            f"position limit [{low:g}, {high:g}]. Move the path, or give other limits=."
+        )
+
+
+def _symmetric(bounds: BoundsLike) -> BoundsLike:
+    """Return bounds on both signs of a number, of numbers, or of numbers by joint."""
+    if isinstance(bounds, Mapping):
+        return {joint: _of_both_signs(value) for joint, value in bounds.items()}
+    if isinstance(bounds, Sequence | np.ndarray):
+        return [_of_both_signs(value) for value in bounds]
+    return _of_both_signs(bounds)
+
+
+def _of_both_signs(value: Any) -> Any:
+    return between(-float(value), float(value)) if isinstance(value, float | int | np.number) else value

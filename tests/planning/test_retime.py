@@ -1,0 +1,96 @@
+"""Least time along given paths: closed forms, the path is kept, limits hold, plans are plans like any other."""
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning import as_path
+
+WAY = np.array(
+    [
+        [-1.1, -1.8, 1.6, -1.2, -1.57, 0.0],
+        [-0.5, -1.5, 1.2, -1.0, -1.2, 0.6],
+        [0.2, -1.2, 1.3, -0.6, -1.0, 0.4],
+        [1.1, -0.8, 0.6, -0.6, -0.6, 1.2],
+    ]
+)
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return rt.load("ur5")
+
+
+@pytest.fixture(scope="module")
+def retimed(arm):
+    return rt.retime(WAY, arm)
+
+
+def test_a_block_takes_the_time_of_its_closed_form():
+    """1 kg and 1 N from rest to rest over 4 m: T = 2 sqrt(4), whatever the parameter of the path."""
+    solution = rt.retime(np.array([[0.0], [1.0], [4.0]]), rt.load("block"), parameters=[0.0, 2.0, 5.0])
+    assert solution.duration == pytest.approx(4.0, rel=1e-3)
+
+
+def test_the_motion_keeps_the_path_and_its_limits(arm, retimed):
+    sample = retimed.at(np.linspace(0.0, retimed.duration, 2001))
+    path = as_path(WAY)
+    assert np.abs(sample.q - path(sample.x["path.s"])).max() < 5e-4
+    assert np.allclose(sample.q[[0, -1]], WAY[[0, -1]], atol=1e-7) and np.allclose(sample.v[[0, -1]], 0.0, atol=1e-7)
+    assert (np.diff(sample.x["path.s"]) > -1e-9).all()
+    assert (np.abs(sample.tau) < arm.limits.effort * (1 + 2e-3)).all()
+    assert (np.abs(sample.v) < arm.limits.velocity * (1 + 1e-6)).all()
+    assert rt.validate(retimed).passed
+
+
+def test_it_is_saved_and_loaded_like_any_plan(retimed, tmp_path):
+    retimed.save(tmp_path / "path.npz")
+    again = rt.load_solution(tmp_path / "path.npz")
+    assert isinstance(again.problem.phases[0].constraints[0], rt.constraints.FollowPath)
+    assert rt.validate(again).passed
+    assert np.array_equal(again.at(0.3).q, retimed.at(0.3).q)
+
+
+def test_no_motion_on_its_own_path_is_longer(arm):
+    slow = rt.plan(rt.Phase(arm, 1.5, rt.State(q=WAY[0], v=0), rt.State(q=WAY[-1], v=0), rt.Effort()), rt.Mesh(12))
+    fast = rt.retime(slow)
+    assert fast.duration < slow.duration * 0.97
+    assert rt.retime(fast, mesh=rt.Mesh(40)).duration == pytest.approx(fast.duration, rel=1e-2)
+
+
+def test_limits_of_jerk_and_torque_rate_hold_along_the_path(arm, retimed):
+    limited = rt.retime(WAY, arm, jerk=300.0, torque_rate={"elbow_joint": 1500.0})
+    t = np.linspace(0.0, limited.duration, 4001)
+    sample = limited.at(t)
+    assert np.abs(np.diff(sample.a, axis=0) / np.diff(t)[:, None]).max() < 300 * (1 + 1e-4)
+    assert np.abs(np.diff(sample.tau[:, 2]) / np.diff(t)).max() < 1500 * (1 + 2e-3)
+    assert limited.duration > retimed.duration
+    assert rt.validate(limited).passed
+
+
+def test_splines_of_scipy_are_taken_as_they_are(arm):
+    interpolate = pytest.importorskip("scipy.interpolate")
+    s = np.linspace(0.0, 1.0, 4)
+    cubic, bspline = interpolate.CubicSpline(s, WAY), interpolate.make_interp_spline(s, WAY, k=3)
+    at = np.linspace(0.0, 1.0, 57)
+    for spline in (cubic, bspline, lambda x: cubic(x)):
+        assert np.allclose(as_path(spline)(at), cubic(at), atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [
+        (WAY[:, :5], "5 joints"),
+        (WAY * 10.0, "outside its"),
+        (np.vstack([WAY, WAY[-1:]]), "are equal"),
+        ("path", "an array"),
+    ],
+)
+def test_paths_that_are_none_are_refused(arm, path, words):
+    with pytest.raises(rt.InputError, match=words):
+        rt.retime(path, arm)
+
+
+def test_a_robot_is_needed():
+    with pytest.raises(rt.InputError, match="robot="):
+        rt.retime(WAY)
