@@ -114,7 +114,6 @@ def plan(
     -----
     Settings that are left open. The first rule of a setting whose conditions hold applies:
 
-    setting          where                                              choice
     ===============  ===========================================  ==============================================
     setting          where                                        choice
     ===============  ===========================================  ==============================================
@@ -123,7 +122,7 @@ def plan(
                      otherwise                                    None
     mesh             goals, a motor at every joint, dry friction  Mesh of 16 intervals, RadauIIA()
                      goals, a motor at every joint                Mesh of 16 intervals, HermiteSimpson()
-                     goals, contacts                              Mesh of 6 intervals, HermiteSimpson()
+                     goals, contacts                              SharedOut()
                      goals                                        Mesh of 20 intervals, HermiteSimpson()
                      otherwise                                    Mesh of 20 intervals, RadauIIA()
     solver           engine=Compiled()                            Ipopt()

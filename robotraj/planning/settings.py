@@ -18,7 +18,7 @@ from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.native.engines.native import Native
 from robotraj.planning import conditions as when
 from robotraj.planning.conditions import Case, Condition
-from robotraj.planning.proving.first_mesh import COARSE, STEP, STICKING, SYSTEM, graded
+from robotraj.planning.proving.first_mesh import COARSE, STICKING, SYSTEM, SharedOut, graded
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts as Restarts
@@ -75,7 +75,7 @@ RULES: tuple[Rule, ...] = (
         "mesh", when.PROVED, when.EXACT, when.STICKING, graded(COARSE, STICKING), "joints start and stop by themselves"
     ),
     _rule("mesh", when.PROVED, when.EXACT, graded(COARSE), "a coarse mesh finds the course of the motion"),
-    _rule("mesh", when.PROVED, when.CONTACTS, Mesh(STEP), "a coarse mesh finds the course of a step"),
+    _rule("mesh", when.PROVED, when.CONTACTS, SharedOut(), "a coarse mesh finds the course of a step"),
     _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh finds the course of the motion"),
     _rule("mesh", when.ALWAYS, Mesh(20, RadauIIA(3)), "refinement starts from a coarse mesh"),
     _rule("solver", when.COMPILED, Ipopt(), "the engine keeps the functions that IPOPT calls"),
@@ -176,7 +176,8 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
         if name not in values:
             case = Case(problem, values)
             rule = next(rule for rule in RULES if rule.setting == name and rule.holds(case))
-            values[name], reasons[name] = rule.choice, rule.reason
+            choice = rule.choice.of(problem) if isinstance(rule.choice, SharedOut) else rule.choice
+            values[name], reasons[name] = choice, rule.reason
     if values["refinement"] is not None and values["tolerance"] is None and values["goals"] is None:
         raise InputError(
             "refinement= chooses how meshes are refined, but a mesh given alone is not refined; "

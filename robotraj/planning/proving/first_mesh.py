@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import field
+
 import numpy as np
 
+from robotraj._util.values import dataclass
+from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.collocation import Scheme
-from robotraj.transcription.schemes.lobatto import HermiteSimpson
+from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
 
@@ -13,8 +17,10 @@ COARSE = 16
 """Intervals of the first mesh: it finds the course of the motion, and what a finer one gains is measured against it."""
 SYSTEM = 20
 """The same for systems and robots without a motor at every joint."""
-STEP = 6
-"""The same for every phase with contacts, most of which are short."""
+STEP = 4
+"""The same for the longest phase of a motion with contacts, in Lobatto's intervals of four points."""
+FEWEST = 2
+"""The same for its shortest phases."""
 CROWDING = 0.8
 """How far the knots are drawn to the ends, from 0 for equal intervals to 1."""
 
@@ -25,6 +31,31 @@ STICKING = RadauIIA(3)
 Simpson's rule sees a joint that starts and stops inside every interval at its middle alone: the sum that is minimised
 then lies percents below the integral. With one more point, and none shared, the two agree.
 """
+
+
+@dataclass(frozen=True)
+class SharedOut:
+    """Meshes of several phases, with intervals in proportion to their durations.
+
+    Attributes
+    ----------
+    most, least : int
+        Intervals of the longest phase, and of the shortest ones.
+    scheme : Scheme
+    """
+
+    most: int = STEP
+    least: int = FEWEST
+    scheme: Scheme = field(default_factory=lambda: LobattoIIIA(4))
+
+    def of(self, problem: Problem) -> tuple[Mesh, ...]:
+        """Return the mesh of each phase; the length of a free duration is the middle of its bounds."""
+        lengths = np.array([0.5 * sum(phase.duration_bounds) for phase in problem.phases])
+        known = np.isfinite(lengths)
+        # A phase of any duration counts as the longest.
+        lengths = np.where(known, lengths, np.max(lengths[known], initial=1e-3))
+        counts = np.clip(np.ceil(self.most * lengths / lengths.max() - 1e-9), self.least, self.most)
+        return tuple(Mesh(int(count), self.scheme) for count in counts)
 
 
 def graded(count: int, scheme: Scheme | None = None) -> Mesh:

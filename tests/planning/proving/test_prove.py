@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.first_mesh import graded
+from robotraj.planning.proving.first_mesh import SharedOut, graded
 
 
 def reach(objective: rt.objectives.Objective, duration: object) -> rt.Phase:
@@ -133,3 +133,12 @@ def test_an_objective_is_compared_with_that_of_a_mesh_that_is_clearly_coarser() 
     assert solution.proof is not None and solution.proof.holds
     fine = rt.plan(up, mesh=rt.Mesh(500, rt.HermiteSimpson()), guess=solution)
     assert solution.objective == pytest.approx(fine.objective, rel=1e-3)
+
+
+def test_intervals_of_a_first_mesh_are_shared_out_by_durations() -> None:
+    robot = rt.load("hopper", root="planar")
+    spans = (0.2, 1.0, 0.6, (0.0, np.inf), (0.2, 0.6))
+    problem = rt.Problem([rt.Phase(robot, span, name=str(i)) for i, span in enumerate(spans)])
+    meshes = SharedOut(4, 2, rt.schemes.LobattoIIIA(4)).of(problem)
+    assert [mesh.count for mesh in meshes] == [2, 4, 3, 4, 2]
+    assert all(mesh.schemes[0] == rt.schemes.LobattoIIIA(4) for mesh in meshes)
