@@ -31,6 +31,7 @@ from .problem import constraints, links, objectives
 from .problem.constraints.base import AtEnd, AtStart
 from .problem.constraints.bounds import between
 from .problem.constraints.clearance import GroundClearance
+from .problem.constraints.collision_free import CollisionFree
 from .problem.constraints.frame_pose import FramePose, FramePosition
 from .problem.constraints.integral import IntegralConstraint
 from .problem.constraints.path import PathConstraint
@@ -62,6 +63,7 @@ __version__: str
 __all__ = [
     "AtEnd",
     "AtStart",
+    "CollisionFree",
     "Continuity",
     "Duration",
     "Effort",

@@ -15,6 +15,7 @@ from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
 from robotraj.planning.progress import Deadline
+from robotraj.planning.proving.clearing import ROUNDS, Clearing
 from robotraj.planning.warm_start import earlier_multipliers, earlier_program, earlier_rows, lengthened
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
@@ -83,8 +84,10 @@ def solve(
     plain = nlp
     if added:
         nlp = with_added_rows(nlp, added, nlp.guess)
+    clearing = Clearing(nlp)
+    nlp = clearing.begin(nlp)
     multipliers = earlier_multipliers(guess, nlp, True) if added and same else earlier_multipliers(guess, plain, False)
-    if added and not same and multipliers is not None:
+    if (clearing or (added and not same)) and multipliers is not None:
         multipliers = lengthened(multipliers, nlp)
     solution, w = _solve(nlp, guess, multipliers, solver, progress, began)
     try:
@@ -113,17 +116,22 @@ def solve(
                 return solution
         found = _state_violations(solution, interval_limits.tolerance)
         moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
-        for _ in range(interval_limits.rounds if hold is None or hold(solution) else 0):
-            new = rows_to_add(nlp, found, added)
-            if not new or not solution.success:
+        clearing.measure(solution)
+        rounds = interval_limits.rounds if hold is None or hold(solution) else 0
+        for number in range(max(rounds, ROUNDS if clearing else 0)):
+            new = rows_to_add(nlp, found, added) if number < rounds else []
+            if not (new or not clearing.proved) or not solution.success:
                 break
             began = time.perf_counter()
             if moving:
                 # Knots start again from where the mesh has them: moved ones hold on to the arcs they came to stand on.
                 nlp = transcribe(problem, mesh, as_guess(solution), engine, interval_limits)
                 nlp = with_added_rows(nlp, [*added, *new], nlp.guess)
+                nlp = clearing.begin(nlp)
             else:
-                nlp = with_added_rows(nlp, new, w)
+                nlp = with_added_rows(nlp, new, w) if new else replace(nlp, guess=w)
+            if not clearing.proved:
+                nlp = clearing.tightened(nlp, w)
             again, w = _solve(nlp, solution, earlier_multipliers(solution, nlp, True), solver, progress, began)
             times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
             failed = not again.success and again.status is not Status.INTERRUPTED
@@ -132,12 +140,14 @@ def solve(
                 break
             added += new
             found = _state_violations(solution, interval_limits.tolerance)
+            clearing.measure(solution)
         of_variables = [
             violation
             for i, part in enumerate(solution.phases)
             for violation in variable_violations(part.phase, i, part.trajectory, part.inputs)
         ]
         left, controls = (between_points(problem, group) for group in (found, of_variables))
+        left = (*clearing.violations(solution), *left)
     except KeyboardInterrupt:
         # Ctrl-C between two solves: the last solution is kept.
         return replace(solution, status=Status.INTERRUPTED, added_rows=tuple(added))

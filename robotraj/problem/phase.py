@@ -15,6 +15,7 @@ from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.system import System, SystemDynamics
 from robotraj.problem.augmentation import with_fixed
+from robotraj.problem.clearance.ends import check_ends, clearance_summary
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.bounds import Between, Bounds, Interval, as_bounds, as_duration
 from robotraj.problem.constraints.contact_limits import contact_limits
@@ -132,6 +133,7 @@ class Phase(OneLine):
         check_rows(self.rows, self._ends)
         if self.robot is None:
             return
+        check_ends(self.name, self.constraints, self.robot, self._ends)
         if self.bound_design is None:
             check_contacts(self.rows, self.robot, self.bound_contacts, known, self._ends)
         if isinstance(self.limits, Limits):
@@ -237,7 +239,7 @@ class Phase(OneLine):
         bound = [replace(each.bind(self.body, self.parameter_names), source=each) for each in every]
         bound += [limits for contact in self.bound_contacts for limits in contact_limits(contact)]
         terms = self.objective.terms if self.objective is not None else ()
-        # Two terms may need the same slacks; their rows are imposed once.
+        # Two terms may need the same slacks.
         needed = {b.name: b for _, term in terms for b in term.definitions(self.dae)}
         return tuple(b for b in (*bound, *needed.values()) if b.rows)
 
@@ -279,9 +281,10 @@ class Phase(OneLine):
 
     @property
     def _table(self) -> PhaseTable:
-        objective = str(self.objective) if self.objective is not None else "none: any feasible motion"
-        parameters = parameter_rows(self.parameter_names, self.parameter_bounds, self.bound_design)
-        return phase_table(self.rows, self.subject.name, objective, self.duration_bounds, self._ends, parameters)
+        objective = str(self.objective or "none: any feasible motion")
+        more = parameter_rows(self.parameter_names, self.parameter_bounds, self.bound_design)
+        more += clearance_summary(self.constraints, self.robot)
+        return phase_table(self.rows, self.subject.name, objective, self.duration_bounds, self._ends, more)
 
     def __repr__(self) -> str:
         duration = duration_text(*self.duration_bounds)

@@ -59,7 +59,7 @@ class PhaseTable(OneLine):
 
 
 def phase_table(
-    rows: RowTable, subject: str, objective: str, duration: tuple[float, float], ends: Ends, parameters: Sequence[Row]
+    rows: RowTable, subject: str, objective: str, duration: tuple[float, float], ends: Ends, more: Sequence[Row]
 ) -> PhaseTable:
     """Tabulate a phase.
 
@@ -74,8 +74,8 @@ def phase_table(
         Least and greatest duration [s].
     ends : mapping of Where to Bounds
         Bounds of the state at the start and at the end.
-    parameters : sequence of Row
-        One row for each parameter.
+    more : sequence of Row
+        One row for each parameter and for each obstacle.
     """
     dae = rows.dae
     cells: list[Cells] = [("duration", "", "", _interval(*duration), "s")]
@@ -83,7 +83,7 @@ def phase_table(
     cells += [(r.name, r.joint or "", r.where.value, _interval(r.lower, r.upper), r.unit) for r in rows]
     cells += [(r.quantity, r.label, "throughout", "= 0", r.unit) for r in dae.residuals]
     cells += [("defect", s.name, "throughout", "= 0", s.unit) for s in dae.states]
-    cells += [(r.name, r.joint or "", "", _interval(r.lower, r.upper), r.unit) for r in parameters]
+    cells += [(r.name, r.joint or "", "", _interval(r.lower, r.upper), r.unit) for r in more]
     sizes = f"{len(dae.states)} states, {len(dae.algebraic)} algebraic, {len(dae.controls)} controls"
     return PhaseTable(f"phase {rows.phase!r} of {subject}: {sizes}", objective, tuple(cells))
 

@@ -40,6 +40,8 @@ class Proof(OneLine):
     unsettled : float
         What a finer mesh may still gain, estimated from the objectives of the last two meshes, relative.
     goals : Goals
+    shortfall : float
+        Largest distance by which a ``CollisionFree`` is not proved [m]; 0 where all distances are proved.
     """
 
     error: float
@@ -47,11 +49,12 @@ class Proof(OneLine):
     quadrature: float
     unsettled: float
     goals: Goals
+    shortfall: float = 0.0
 
     @property
     def motion_holds(self) -> bool:
         """Whether the plan is a motion within its limits, the best one or not."""
-        return self.error <= self.goals.error and self.excess <= self.goals.excess
+        return self.error <= self.goals.error and self.excess <= self.goals.excess and self.shortfall <= 0.0
 
     @property
     def holds(self) -> bool:
@@ -60,12 +63,14 @@ class Proof(OneLine):
         return self.motion_holds and settled
 
     def __str__(self) -> str:
-        measures = (
+        measures: tuple[tuple[str, float, float], ...] = (
             ("error of the motion", self.error, self.goals.error),
             ("excess over limits", self.excess, self.goals.excess),
             ("error of the objective's integral", self.quadrature, self.goals.objective),
             ("objective still to gain", self.unsettled, self.goals.objective),
         )
+        if self.shortfall > 0.0:
+            measures = (*measures, ("distance not proved [m]", self.shortfall, 0.0))
         shown = (
             f"{name} {value:.1e}" + (f" (allowed {goal:.0e})" if not value <= goal else "")
             for name, value, goal in measures

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import own_fields
+from robotraj.dynamics.obstacles.speed_bounds import ranges_of
 from robotraj.dynamics.rows import rows_of
 
 Array = NDArray[np.float64]
@@ -122,6 +123,28 @@ class Obstacle(OneLine, ABC):
         columns = np.array(rotations).reshape(3, count, 3)
         return np.array(positions).T, columns.transpose(1, 0, 2)
 
+    def speed_bounds(self, breaks: Array) -> Array:
+        """Return bounds (K,) [m/s] on the speeds of the shape's points between times ``breaks`` (K + 1,) [s].
+
+        The speed of a point is at most abs(d position / dt) + 2 abs(d quaternion / dt) reach.
+
+        Raises
+        ------
+        InputError
+            The pose is written with other operations than ``speed_bounds.ranges_of`` knows.
+        """
+        lower, upper = ranges_of(self._rates, breaks[:-1], breaks[1:], f"the pose of {self.label!r}")
+        largest = np.maximum(np.abs(lower), np.abs(upper))
+        linear, turning = (np.linalg.norm(part, axis=0) for part in (largest[:3], largest[3:]))
+        return np.asarray(linear + np.where(turning > 0.0, 2.0 * turning * self.reach, 0.0))
+
+    @cached_property
+    def _rates(self) -> ca.Function:
+        """T -> rates of position and unit quaternion, (7,)."""
+        t = ca.SX.sym("t")
+        parts = ca.vertcat(*self._symbols("position", self.position, 3, t), *self._quaternion(t))
+        return ca.Function("rates", [t], [ca.densify(ca.jacobian(parts, t))])
+
     @cached_property
     def _fixed(self) -> tuple[Array, Array]:
         position, quaternion = (np.array(value, dtype=float) for value in (self.position, self.quaternion))
@@ -135,12 +158,15 @@ class Obstacle(OneLine, ABC):
         """T -> position, rotation; a quaternion that depends on time is normalised."""
         t = ca.SX.sym("t")
         position = self._symbols("position", self.position, 3, t)
-        quaternion = self._symbols("quaternion", self.quaternion, 4, t)
-        if callable(self.quaternion):
-            length = ca.sqrt(sum(value * value for value in quaternion))
-            quaternion = [value / length for value in quaternion]
-        rotation = ca.vertcat(*(ca.horzcat(*row) for row in rotation_of(quaternion)))
+        rotation = ca.vertcat(*(ca.horzcat(*row) for row in rotation_of(self._quaternion(t))))
         return ca.Function("pose", [t], [ca.densify(ca.vertcat(*position)), ca.densify(rotation)])
+
+    def _quaternion(self, t: ca.SX) -> list[Any]:
+        quaternion = self._symbols("quaternion", self.quaternion, 4, t)
+        if not callable(self.quaternion):
+            return quaternion
+        length = ca.sqrt(sum(value * value for value in quaternion))
+        return [value / length for value in quaternion]
 
     def _symbols(self, name: str, given: Place, size: int, t: ca.SX) -> list[Any]:
         if not callable(given):

@@ -93,10 +93,12 @@ def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measu
     share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
     needs = tuple(np.maximum(own, share * np.abs(of_objective)) for own, of_objective in zip(errors, left, strict=True))
     broken = tuple(broken_rows(p.phase, p.trajectory, p.inputs) for p in parts)
-    excess = [v.relative for v in (*solution.interval_violations, *solution.control_interval_violations)]
+    between = (*solution.interval_violations, *solution.control_interval_violations)
+    excess = [violation.relative for violation in between if violation.name != "clearance"]
+    shortfall = max((violation.amount for violation in between if violation.name == "clearance"), default=0.0)
     excess += [float(rows.max()) for rows in broken]
     quadrature = abs(solution.objective - true) / size
-    proof = Proof(max(float(e.max()) for e in errors), max(0.0, *excess), quadrature, unsettled, goals)
+    proof = Proof(max(float(e.max()) for e in errors), max(0.0, *excess), quadrature, unsettled, goals, shortfall)
     return Measured(proof, true, count, before, needs, broken)
 
 

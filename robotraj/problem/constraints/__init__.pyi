@@ -4,6 +4,7 @@ from .base import AtEnd, AtStart, BoundConstraint, Constraint, Row, Where
 from .bounds import Between, Bounds, as_bounds, between
 from .clearance import GroundClearance
 from .clearance_geometry import CollisionShapes
+from .collision_free import CollisionFree
 from .differential_drive import DifferentialDrive
 from .follow_path import FollowPath
 from .frame_pose import FramePose, FramePosition
@@ -20,6 +21,7 @@ __all__ = [
     "Between",
     "BoundConstraint",
     "Bounds",
+    "CollisionFree",
     "CollisionShapes",
     "Constraint",
     "DifferentialDrive",

@@ -10,6 +10,7 @@ import os
 from collections.abc import Collection, Sequence
 from itertools import combinations
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -68,6 +69,18 @@ def candidate_pairs(
         if a.parentJoint != b.parentJoint and not joined and frozenset((first, second)) not in dropped:
             found.append((first, second))
     return found
+
+
+class Spheres(Protocol):
+    """Spheres with the distances of pairs of links."""
+
+    def self_distances(self, robot: Robot, q: Array) -> Array:
+        """Return the distance [m] of each pair of links (configurations, pairs)."""
+
+
+def always_touching(robot: Robot, spheres: Spheres) -> npt.NDArray[np.bool_]:
+    """Return which pairs of links touch in all of ``sampled_configurations``, (pairs,)."""
+    return np.asarray(np.all(spheres.self_distances(robot, sampled_configurations(robot)) < 0.0, axis=0))
 
 
 def _parent_link(model: pin.Model, frame: int) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -14,7 +15,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.enclosing_spheres import EXCESS, union_volume
 from robotraj.robot.collision.fit_cache import fitted
-from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
+from robotraj.robot.collision.link_pairs import always_touching, candidate_pairs
 from robotraj.robot.collision.placements import placements
 from robotraj.robot.collision.tessellation import triangles_of
 from robotraj.robot.robot import Robot
@@ -153,12 +154,7 @@ def _made(robot: Robot, disabled: Collection[tuple[str, str]]) -> RobotSpheres:
         numbers,
         tuple(fits),
     )
-    if not len(numbers):
-        return every
-    touching = np.all(every.self_distances(robot, sampled_configurations(robot)) < 0.0, axis=0)
-    return RobotSpheres(
-        every.links, every.link, every.joint, every.centre, every.radius, numbers[~touching], every.fits
-    )
+    return replace(every, link_pairs=numbers[~always_touching(robot, every)])
 
 
 def spheres_of(shape: Any) -> tuple[Array, Array, float, float]:
@@ -168,14 +164,14 @@ def spheres_of(shape: Any) -> tuple[Array, Array, float, float]:
     if kind == "Sphere":
         return np.zeros((1, 3)), np.array([float(geometry.radius)]), 0.0, 0.0
     if kind == "Capsule":
-        return _capsule(float(geometry.radius), float(geometry.halfLength))
+        return capsule_spheres(float(geometry.radius), float(geometry.halfLength))
     fit = fitted(triangles_of(geometry, name))
     excess = fit.volume / fit.hull_volume - 1.0 if fit.hull_volume > 0.0 else float("inf")
     return fit.centres, fit.radii, fit.protrusion, excess
 
 
-def _capsule(radius: float, half: float) -> tuple[Array, Array, float, float]:
-    """Spheres along the axis whose intersections still enclose the capsule."""
+def capsule_spheres(radius: float, half: float) -> tuple[Array, Array, float, float]:
+    """Return spheres along the z axis whose union encloses a capsule, as ``spheres_of`` does."""
     reach = radius + min(EXCESS, 0.25 * radius)
     step = 2.0 * np.sqrt(reach**2 - radius**2)
     count = int(np.ceil(2.0 * half / step)) + 1

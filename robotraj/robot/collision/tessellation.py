@@ -30,15 +30,13 @@ def triangles_of(shape: Any, name: str) -> Array:
         corners = np.array([[tri[0], tri[1], tri[2]] for tri in (shape.tri_indices(i) for i in range(count))])
         return np.asarray(vertices[corners])
     if kind == "Box":
-        return _hull(_corners(np.array(shape.halfSide)))
-    if kind == "Cylinder":
-        return _hull(_prism(float(shape.radius), float(shape.halfLength)))
+        return box_triangles(np.array(shape.halfSide))
+    if kind in ("Cylinder", "Cone"):
+        return cylinder_triangles(float(shape.radius), float(shape.halfLength))
     if kind == "Ellipsoid":
-        return _hull(_corners(np.ones(3)) * np.array(shape.radii))
-    if kind == "Cone":
-        return _hull(_prism(float(shape.radius), float(shape.halfLength)))
+        return box_triangles(np.array(shape.radii))
     if kind.startswith("Convex"):
-        return _hull(np.array(shape.points()))
+        return hull_triangles(np.array(shape.points()))
     raise InputError(f"The collision shape {name!r} is a {kind}, which spheres are not fitted to; use a mesh.")
 
 
@@ -55,17 +53,20 @@ def subdivided(triangles: Array, longest: float) -> Array:
     return np.concatenate(done) if done else np.zeros((0, 3, 3))
 
 
-def _corners(half: Array) -> Array:
-    return np.array(np.meshgrid(*((-h, h) for h in half), indexing="ij")).reshape(3, -1).T
+def box_triangles(half: Array) -> Array:
+    """Return the faces of a box with half its sides (3,) [m]."""
+    return hull_triangles(np.array(np.meshgrid(*((-h, h) for h in half), indexing="ij")).reshape(3, -1).T)
 
 
-def _prism(radius: float, half: float) -> Array:
+def cylinder_triangles(radius: float, half: float) -> Array:
+    """Return the faces of a prism around a cylinder about z with half its length [m]."""
     angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
     rim = radius / np.cos(np.pi / SIDES) * np.column_stack([np.cos(angles), np.sin(angles)])
-    return np.concatenate([np.column_stack([rim, np.full(SIDES, z)]) for z in (-half, half)])
+    return hull_triangles(np.concatenate([np.column_stack([rim, np.full(SIDES, z)]) for z in (-half, half)]))
 
 
-def _hull(points: Array) -> Array:
+def hull_triangles(points: Array) -> Array:
+    """Return the faces of the convex hull of points (n, 3), counter-clockwise from outside."""
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(points)

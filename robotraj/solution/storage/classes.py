@@ -26,6 +26,8 @@ from robotraj.dynamics.design.length import LinkLength
 from robotraj.dynamics.design.mass import BodyMass
 from robotraj.dynamics.design.payload import Payload
 from robotraj.dynamics.kinematics import Kinematics
+from robotraj.dynamics.obstacles.convex_mesh import ConvexMesh
+from robotraj.dynamics.obstacles.shapes import Box, Capsule, Cylinder, HalfSpace, Sphere
 from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.height_map import HeightMap
@@ -42,6 +44,7 @@ from robotraj.problem.constraints.base import AtEnd, AtStart
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.clearance_geometry import CollisionShapes
+from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.constraints.differential_drive import DifferentialDrive
 from robotraj.problem.constraints.follow_path import FollowPath
 from robotraj.problem.constraints.frame_pose import FramePose, FramePosition
@@ -113,6 +116,8 @@ CLASSES: Mapping[str, type] = {
         Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ForwardDynamics, InverseDynamics, Kinematics,
         FlatFoot, ImplicitContact, LineContact, LoopClosure, PointContact, Linearised, SecondOrder, FourCorners,
         PressureAndTorsion, JointDamping, LinkLength, BodyMass, Payload, Flat, HeightMap, Slope, Steps,
+        # obstacles
+        CollisionFree, Box, Capsule, ConvexMesh, Cylinder, HalfSpace, Sphere,
         # expressions of gaits that are plain data
         DurationRatio, SwingArc, FixedPosture, SquaredAccelerations, RootHeight, Upright,
         # solutions

@@ -156,6 +156,14 @@ def control_weights(sites: tuple[float, ...]) -> tuple[Array, Array]:
     return (from_values(len(at) - 1) @ basis(at, places))[missing], places[missing]
 
 
+def coefficients(sites: Array, values: Array) -> Array:
+    """Return the Bernstein coefficients (m, n) of polynomials of degree m - 1 with values (m, n) at sites (m,)."""
+    degree = len(sites) - 1
+    if degree == 0:
+        return values
+    return np.asarray(from_values(degree) @ basis(sites, np.linspace(0.0, 1.0, degree + 1)) @ values)
+
+
 def from_values(degree: int) -> Array:
     """Return the matrix from a polynomial's values at equal distances to its coefficients, (degree + 1, degree + 1)."""
     sites = np.linspace(0.0, 1.0, degree + 1)

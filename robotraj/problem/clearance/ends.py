@@ -1,0 +1,67 @@
+"""A check before planning: what a phase's fixed ends already touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.problem.clearance.pairs import ClearancePairs
+from robotraj.problem.constraints.base import Constraint, Row, Where
+from robotraj.problem.constraints.collision_free import CollisionFree
+from robotraj.problem.feasibility import Ends
+from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+def clearances_of(constraints: Sequence[Constraint], robot: Robot | None) -> tuple[ClearancePairs, ...]:
+    """Return the pairs of every ``CollisionFree`` among the constraints of a phase that moves a robot."""
+    if robot is None:
+        return ()
+    return tuple(each.pairs(robot) for each in constraints if isinstance(each, CollisionFree))
+
+
+def clearance_summary(constraints: Sequence[Constraint], robot: Robot | None) -> list[Row]:
+    """Return one row for each obstacle, and one for pairs of links, of every ``CollisionFree`` of a phase."""
+    rows = []
+    for pairs in clearances_of(constraints, robot):
+        links = {pairs.names(pair)[0] for pair in range(pairs.against)}
+        rows += [Row("clearance", "m", pairs.margin, np.inf, f"{len(links)} links and {o}") for o in pairs.labels]
+        if len(pairs) > pairs.against:
+            count = len(pairs.spheres.link_pairs)
+            rows.append(Row("clearance", "m", pairs.margin, np.inf, f"{count} pairs of links"))
+    return rows
+
+
+def check_ends(phase: str, constraints: Sequence[Constraint], robot: Robot, ends: Ends) -> None:
+    """Refuse ends at which the robot is nearer to an obstacle at rest, or to itself, than the margin.
+
+    Raises
+    ------
+    InputError
+        Names the worst pair, its link, its obstacle and the distance.
+    """
+    for pairs in clearances_of(constraints, robot):
+        for end, q in _fixed(robot, ends):
+            distances = pairs.distances(q[None], np.zeros(1))[0]
+            distances[: pairs.against][[pairs.obstacles[o].moves for o in pairs.second[: pairs.against]]] = np.inf
+            worst = int(np.argmin(distances)) if len(distances) else -1
+            if worst >= 0 and distances[worst] < pairs.margin:
+                apart = float(distances[worst])
+                is_overlap = f"overlap by {-apart:.4g} m" if apart < 0.0 else f"are {apart:.4g} m apart"
+                raise InputError(
+                    f"Phase {phase!r}: at the {end} {pairs.label(worst)} {is_overlap}, below the margin of "
+                    f"{pairs.margin:g} m, by the spheres around the robot's shapes; move the {end} or the obstacle, or "
+                    "name the pair in srdf= if it may touch."
+                )
+
+
+def _fixed(robot: Robot, ends: Ends) -> Iterator[tuple[str, Array]]:
+    for where, bounds in ends.items():
+        if where in (Where.START, Where.END):
+            lower, upper = bounds.lower[: robot.nq], bounds.upper[: robot.nq]
+            if np.array_equal(lower, upper):
+                yield where.value, np.asarray(lower)

@@ -1,0 +1,242 @@
+"""Pairs of shapes that a phase keeps apart: spheres of the robot and obstacles, and spheres of two links.
+
+Shapes that no joint moves relative to each other form no pair. Obstacles on a frame of the robot are enclosed by
+spheres, as the robot's own shapes are, and belong to the link that carries them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
+from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.dynamics.obstacles.convex_mesh import ConvexMesh
+from robotraj.dynamics.obstacles.primitives import labels_of
+from robotraj.dynamics.obstacles.shapes import Box, Capsule, Cylinder, Sphere
+from robotraj.problem.clearance.levers import levers
+from robotraj.robot.collision.fit_cache import fitted
+from robotraj.robot.collision.link_pairs import always_touching, candidate_pairs
+from robotraj.robot.collision.placements import joint_tree
+from robotraj.robot.collision.robot_spheres import RobotSpheres, capsule_spheres, robot_spheres
+from robotraj.robot.collision.tessellation import box_triangles, cylinder_triangles, hull_triangles
+from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+
+@dataclass(frozen=True, eq=False)
+class ClearancePairs(OneLine):
+    """What a ``CollisionFree`` keeps apart, as plain arrays.
+
+    Attributes
+    ----------
+    robot : Robot
+    spheres : RobotSpheres
+        Of the robot, and of the obstacles that it carries.
+    obstacles : tuple of Obstacle
+        Those in the world.
+    labels : tuple of str
+        Names of ``obstacles``.
+    margin : float
+        Least distance [m].
+    first : ndarray of int (n,)
+        Sphere of each pair.
+    second : ndarray of int (n,)
+        Obstacle of the first ``against`` pairs, sphere of the others.
+    against : int
+        Number of pairs with an obstacle.
+    """
+
+    robot: Robot
+    spheres: RobotSpheres
+    obstacles: tuple[Obstacle, ...]
+    labels: tuple[str, ...]
+    margin: float
+    first: Indices
+    second: Indices
+    against: int
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def names(self, pair: int) -> tuple[str, str]:
+        """Return the names of both shapes of a pair: a link, and an obstacle or another link."""
+        links, link = self.spheres.links, self.spheres.link
+        other = int(self.second[pair])
+        return links[link[self.first[pair]]], self.labels[other] if pair < self.against else links[link[other]]
+
+    def label(self, pair: int) -> str:
+        """Return ``"wrist_3_link and box"``."""
+        return " and ".join(self.names(pair))
+
+    def distances(self, q: Array, times: Array) -> Array:
+        """Return the distances of all pairs (m, n) [m] at configurations (m, nq) and times (m,) [s]."""
+        out = np.empty((len(q), len(self)))
+        centres = self.spheres.centres(self.robot, q)
+        for number, obstacle in enumerate(self.obstacles):
+            own = self._of_obstacle[number]
+            if own.size:
+                out[:, own] = self._from_obstacle(obstacle, centres[:, self.first[own]], times)
+            out[:, own] -= self.spheres.radius[self.first[own]]
+        a, b = self.first[self.against :], self.second[self.against :]
+        out[:, self.against :] = np.linalg.norm(centres[:, a] - centres[:, b], axis=2)
+        out[:, self.against :] -= self.spheres.radius[a] + self.spheres.radius[b]
+        return out
+
+    def distances_of(self, pairs: Indices, q: Array, times: Array) -> Array:
+        """Return the distance (m,) [m] of one pair at each configuration (m, nq) and time (m,) [s]."""
+        centres, radius = self.spheres.centres(self.robot, q), self.spheres.radius
+        which = np.arange(len(pairs))
+        here = centres[which, self.first[pairs]]
+        out = np.empty(len(pairs))
+        own = pairs >= self.against
+        there = centres[which[own], self.second[pairs[own]]]
+        out[own] = np.linalg.norm(here[own] - there, axis=1) - radius[self.second[pairs[own]]]
+        for number, obstacle in enumerate(self.obstacles):
+            chosen = np.flatnonzero(~own & (self.second[pairs] == number))
+            if chosen.size:
+                out[chosen] = self._from_obstacle(obstacle, here[chosen, None], times[chosen])[:, 0]
+        return np.asarray(out - radius[self.first[pairs]])
+
+    def _from_obstacle(self, obstacle: Obstacle, points: Array, times: Array) -> Array:
+        """Signed distances (m, n) of points (m, n, 3) from an obstacle."""
+        positions, rotations = obstacle.poses(times)
+        local = (points - positions[:, None]) @ rotations
+        return obstacle.distance(local.reshape(-1, 3)).reshape(points.shape[:2])
+
+    @cached_property
+    def _of_obstacle(self) -> list[Indices]:
+        against = self.second[: self.against]
+        return [np.flatnonzero(against == number) for number in range(len(self.obstacles))]
+
+    @cached_property
+    def speed_factors(self) -> Array:
+        """Bounds (n, nv): the distance of a pair changes by at most ``speed_factors @ abs(v)`` a second [m]."""
+        own = levers(self.robot, self.spheres.joint, self.spheres.centre)
+        factors = own[self.first]
+        a, b = self.first[self.against :], self.second[self.against :]
+        # Joints that move both spheres alike do not change their distance.
+        moved = joint_tree(self.robot).is_moved_by()[self.spheres.joint][:, self._joint_of_rate]
+        factors[self.against :] = np.where(moved[a] & ~moved[b], own[a], 0.0) + np.where(
+            moved[b] & ~moved[a], own[b], 0.0
+        )
+        return factors
+
+    @cached_property
+    def _joint_of_rate(self) -> Indices:
+        """Joint of each entry of v."""
+        joints = [np.full(joint.nv, number) for number, joint in enumerate(self.robot.model.joints) if number]
+        return np.concatenate([np.zeros(0, dtype=int), *joints])
+
+
+def clearance_pairs(
+    robot: Robot,
+    obstacles: Sequence[Obstacle],
+    margin: float,
+    self_collision: bool,
+    disabled: Sequence[tuple[str, str]],
+) -> ClearancePairs:
+    """Return the pairs of a robot and obstacles.
+
+    Raises
+    ------
+    InputError
+        The robot has no collision shapes, an obstacle names an unknown frame, or one on a frame moves or is endless.
+    """
+    spheres = robot_spheres(robot, disabled)
+    if not len(spheres.radius):
+        raise InputError(f"{robot.name} has no collision shapes in its URDF; add <collision> to its links.")
+    labels = labels_of(obstacles)
+    carried = [(o, label) for o, label in zip(obstacles, labels, strict=True) if o.frame is not None]
+    if carried:
+        spheres = _with_carried(robot, spheres, carried, disabled)
+    still = [(o, label) for o, label in zip(obstacles, labels, strict=True) if o.frame is None]
+    moving = np.flatnonzero(spheres.joint > 0)
+    first, second = [np.zeros(0, dtype=int)], [np.zeros(0, dtype=int)]
+    for number, (obstacle, _) in enumerate(still):
+        # A base that does not move is beside obstacles at rest by construction.
+        own = np.arange(len(spheres.radius)) if obstacle.moves else moving
+        first.append(own)
+        second.append(np.full(len(own), number))
+    against = sum(map(len, first))
+    if self_collision:
+        first.append(spheres.sphere_pairs[:, 0])
+        second.append(spheres.sphere_pairs[:, 1])
+    return ClearancePairs(
+        robot,
+        spheres,
+        tuple(obstacle for obstacle, _ in still),
+        tuple(label for _, label in still),
+        margin,
+        np.concatenate(first),
+        np.concatenate(second),
+        against,
+    )
+
+
+def _with_carried(
+    robot: Robot,
+    spheres: RobotSpheres,
+    carried: Sequence[tuple[Obstacle, str]],
+    disabled: Sequence[tuple[str, str]],
+) -> RobotSpheres:
+    """Add obstacles on frames of the robot as links of their own."""
+    links, pairs = list(spheres.links), list(map(tuple, spheres.link_pairs.tolist()))
+    for obstacle, label in carried:
+        frame = robot.model.frames[robot.frame(str(obstacle.frame))]
+        centres, radii = _enclosed(obstacle, label)
+        position, rotation = obstacle.pose()
+        local = centres @ rotation.T + position
+        placed = local @ frame.placement.rotation.T + frame.placement.translation
+        name = label if label not in links else f"{label} on {obstacle.frame}"
+        joint = int(frame.parentJoint)
+        # What a link carries may touch it, and the links that it may touch by construction.
+        beside = {links[i] for i in set(spheres.link[spheres.joint == joint].tolist())}
+        near = candidate_pairs(robot, spheres.links, disabled)
+        allowed = [link for link in spheres.links if link not in beside and _is_apart(link, beside, near)]
+        pairs += [(links.index(link), len(links)) for link in allowed]
+        links.append(name)
+        spheres = replace(
+            spheres,
+            links=tuple(links),
+            link=np.append(spheres.link, np.full(len(radii), len(links) - 1)),
+            joint=np.append(spheres.joint, np.full(len(radii), joint)),
+            centre=np.concatenate([spheres.centre, placed]),
+            radius=np.append(spheres.radius, radii),
+        )
+    numbers = np.array(pairs, dtype=int).reshape(-1, 2)
+    every = replace(spheres, link_pairs=numbers)
+    return replace(every, link_pairs=numbers[~always_touching(robot, every)])
+
+
+def _is_apart(link: str, beside: set[str], near: Sequence[tuple[str, str]]) -> bool:
+    """Whether a link is checked against all links of the body that carries an obstacle."""
+    return all((link, other) in near or (other, link) in near for other in beside)
+
+
+def _enclosed(obstacle: Obstacle, label: str) -> tuple[Array, Array]:
+    """Spheres of an obstacle that the robot carries."""
+    if obstacle.moves:
+        raise InputError(f"{label}: an obstacle on a frame moves with it; give its pose in the frame as numbers.")
+    match obstacle:
+        case Sphere():
+            return np.zeros((1, 3)), np.array([obstacle.radius])
+        case Capsule():
+            return capsule_spheres(obstacle.radius, 0.5 * obstacle.length)[:2]
+        case Box():
+            fit = fitted(box_triangles(np.array(obstacle.dimensions)))
+        case Cylinder():
+            fit = fitted(cylinder_triangles(obstacle.radius, 0.5 * obstacle.length))
+        case ConvexMesh():
+            fit = fitted(hull_triangles(obstacle.vertices))
+        case _:
+            raise InputError(f"{label}: a {obstacle.kind} is endless and cannot be on a frame; give a box.")
+    return fit.centres, fit.radii

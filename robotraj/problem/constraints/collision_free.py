@@ -1,0 +1,110 @@
+"""Motions without collisions: the robot keeps its distance from obstacles and from itself."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.clearance.pairs import ClearancePairs
+    from robotraj.problem.scalars import Scalar
+    from robotraj.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class CollisionFree(Constraint):
+    """The robot touches neither obstacles nor itself: every distance is at least ``margin``, at every time.
+
+    The robot's collision shapes are spheres of its URDF, or spheres that enclose its other shapes
+    (``rt.robot.collision.robot_spheres``); distances from obstacles are exact. Rows are imposed on pairs that come
+    near each other. Between the collocation points a bound on the speed of each pair proves the distances, and
+    ``solution.proof`` reports what could not be proved. ``rt.validate`` checks the exact shapes with coal.
+
+    Parameters
+    ----------
+    obstacles : sequence of Obstacle
+        ``rt.obstacles.Box((0.2, 0.2, 0.4), position=(0.5, 0, 0.2))``, in the world or on a ``frame`` of the robot.
+    margin : float
+        Least distance [m].
+    self_collision : bool
+        Keep the robot's links apart, too.
+    srdf : path or sequence of (str, str), optional
+        Pairs of links that are not checked: an SRDF with ``<disable_collisions>``, or names. Links that a joint joins
+        or that touch in every sampled configuration are never checked.
+
+    Raises
+    ------
+    InputError
+        An obstacle is none, a margin that is negative; on binding: a robot without collision shapes, a System.
+    """
+
+    obstacles: Sequence[Obstacle] = ()
+    margin: float = 0.0
+    self_collision: bool = True
+    srdf: str | os.PathLike[str] | Sequence[tuple[str, str]] | None = None
+    _known: dict[Robot, ClearancePairs] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        given: Any = self.obstacles
+        obstacles = (given,) if isinstance(given, Obstacle) else tuple(given)
+        for obstacle in obstacles:
+            if not isinstance(obstacle, Obstacle):
+                raise InputError(f"CollisionFree: {obstacle!r} is no obstacle such as rt.obstacles.Box((1, 1, 1)).")
+        object.__setattr__(self, "obstacles", obstacles)
+        margin: object = self.margin
+        if not (isinstance(margin, float | int | np.floating | np.integer) and 0.0 <= margin < np.inf):
+            raise InputError(f"CollisionFree: margin is {margin!r}; give a distance in metres, 0 or more.")
+        if isinstance(self.srdf, str | os.PathLike):
+            from robotraj.robot.collision.link_pairs import read_srdf
+
+            object.__setattr__(self, "srdf", read_srdf(self.srdf))
+        named: Any = () if self.srdf is None else self.srdf
+        pairs = tuple(tuple(pair) for pair in named)
+        if not all(len(pair) == 2 and all(isinstance(name, str) for name in pair) for pair in pairs):
+            raise InputError("CollisionFree: srdf= is the path of an SRDF, or pairs of names of links.")
+        object.__setattr__(self, "srdf", pairs)
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Check the robot; the pairs are no rows of the phase's table, see ``pairs``.
+
+        Raises
+        ------
+        InputError
+            The phase moves a System, or has a design, which would move the shapes.
+        """
+        robot = robot_of(dynamics, "CollisionFree")
+        if getattr(dynamics, "design", None) is not None:
+            raise InputError(
+                "CollisionFree cannot be planned with a design, which may move the shapes; fix the design."
+            )
+        for obstacle in self.obstacles:
+            if obstacle.frame is not None:
+                robot.frame(obstacle.frame)
+        return BoundConstraint("clearance", (), _nothing)
+
+    def pairs(self, robot: Robot) -> ClearancePairs:
+        """Return the pairs of shapes that the constraint keeps apart; they are made once for each robot."""
+        if robot not in self._known:
+            self._known[robot] = self._pairs(robot)
+        return self._known[robot]
+
+    def _pairs(self, robot: Robot) -> ClearancePairs:
+        from robotraj.problem.clearance.pairs import clearance_pairs
+
+        return clearance_pairs(robot, self.obstacles, float(self.margin), self.self_collision, self.srdf or ())  # type: ignore[arg-type]
+
+
+def _nothing(point: RobotPoint) -> list[Scalar]:
+    return []

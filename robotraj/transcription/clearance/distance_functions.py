@@ -1,0 +1,171 @@
+"""Distances of pairs as stage functions: one for all pairs of a joint and a kind of obstacle, or of two joints.
+
+A function reads the joint positions that move the pair, and for obstacles that move in time the clock. Its constants
+differ from pair to pair: centres, radii, poses and sizes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.dynamics.obstacles.primitives import WIDTH
+from robotraj.problem.clearance.pairs import ClearancePairs
+from robotraj.robot.collision.placements import joint_tree
+from robotraj.robot.robot import Robot
+from robotraj.transcription.assembly.point_functions import PointFunctions
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+Clocks = tuple[bool, bool]
+
+_FUNCTIONS: WeakKeyDictionary[Robot, dict[Hashable, DistanceFunction]] = WeakKeyDictionary()
+
+
+@dataclass(frozen=True, eq=False)
+class DistanceFunction:
+    """A stage function y = d(q, [t0, T]; [tau, t0, T], c) [m], with t = t0 + tau T for obstacles that move.
+
+    Attributes
+    ----------
+    stage : PointFunctions
+        Its unknowns are the positions, then t0 and T where these are free and the obstacle moves.
+    positions : ndarray of int
+        Entries of q that it reads.
+    timed : bool
+        Whether it reads the time.
+    """
+
+    stage: PointFunctions
+    positions: Indices
+    timed: bool
+
+
+def key_of(pairs: ClearancePairs, pair: int, free: Clocks = (False, False)) -> Hashable:
+    """Return what pairs with one function have in common."""
+    spheres = pairs.spheres
+    joint, other = int(spheres.joint[pairs.first[pair]]), int(pairs.second[pair])
+    if pair >= pairs.against:
+        return joint, int(spheres.joint[other])
+    obstacle = pairs.obstacles[other]
+    if obstacle.moves:
+        return joint, _SameObstacle(obstacle), free
+    if not obstacle.dimensions:
+        return joint, _SameObstacle(obstacle)
+    return joint, obstacle.kind
+
+
+def function_of(pairs: ClearancePairs, pair: int, free: Clocks) -> DistanceFunction:
+    """Return the function of a pair; it is made once for each robot and key.
+
+    Parameters
+    ----------
+    pairs : ClearancePairs
+    pair : int
+    free : (bool, bool)
+        Whether t0 and T are unknowns; else they are constants behind the first one.
+    """
+    known = _FUNCTIONS.setdefault(pairs.robot, {})
+    key = key_of(pairs, pair, free)
+    if key not in known:
+        known[key] = _made(pairs, pair, free)
+    return known[key]
+
+
+def constants_of(pairs: ClearancePairs, chosen: Indices) -> Array:
+    """Return the constants of pairs with one function, (n, n_c), without the time's."""
+    spheres = pairs.spheres
+    first, second = pairs.first[chosen], pairs.second[chosen]
+    centres = spheres.centre[first]
+    if chosen[0] >= pairs.against:
+        both = spheres.radius[first] + spheres.radius[second]
+        return np.column_stack([centres, spheres.centre[second], both])
+    parts = [_obstacle_constants(pairs.obstacles[number]) for number in second.tolist()]
+    return np.column_stack([centres, spheres.radius[first], np.array(parts).reshape(len(chosen), -1)])
+
+
+class _SameObstacle:
+    """An obstacle as a key by identity, which keeps it alive."""
+
+    def __init__(self, obstacle: Obstacle) -> None:
+        self.obstacle = obstacle
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _SameObstacle) and other.obstacle is self.obstacle
+
+    def __hash__(self) -> int:
+        return id(self.obstacle)
+
+
+def _obstacle_constants(obstacle: Obstacle) -> Array:
+    if obstacle.moves:
+        return np.zeros(0)
+    position, rotation = obstacle.pose()
+    sizes = np.zeros(WIDTH if obstacle.dimensions else 0)
+    sizes[: len(obstacle.dimensions)] = obstacle.dimensions
+    return np.concatenate([position, rotation.ravel(), sizes])
+
+
+def _made(pairs: ClearancePairs, pair: int, free: Clocks) -> DistanceFunction:
+    robot, spheres = pairs.robot, pairs.spheres
+    joint = int(spheres.joint[pairs.first[pair]])
+    q = ca.SX.sym("q", robot.nq)
+    if pair >= pairs.against:
+        other = int(spheres.joint[pairs.second[pair]])
+        c = ca.SX.sym("c", 7)
+        apart = _world(robot, joint, q, c[:3]) - _world(robot, other, q, c[3:6])
+        distance = ca.norm_2(apart) - c[6]
+        return _stage(robot, distance, q, None, c, (joint, other))
+    obstacle = pairs.obstacles[pairs.second[pair]]
+    before = 1 + free.count(False) if obstacle.moves else 0
+    c = ca.SX.sym("c", int(constants_of(pairs, np.array([pair])).shape[1]) + before)
+    own, clock = c[before:], ca.SX.sym("clock", free.count(True)) if obstacle.moves else None
+    point = _world(robot, joint, q, own[:3])
+    sizes: Sequence[Any] = obstacle.dimensions
+    if clock is not None:
+        unknown, known = iter(ca.vertsplit(clock)), iter(ca.vertsplit(c[1:before]))
+        t0, duration = (next(unknown) if is_free else next(known) for is_free in free)
+        position, rotation = obstacle.pose(t0 + c[0] * duration)
+    else:
+        position, rotation = own[4:7], ca.reshape(own[7:16], 3, 3).T
+        if obstacle.dimensions:
+            sizes = [own[16 + i] for i in range(WIDTH)]
+    local = ca.mtimes(rotation.T, point - position)
+    distance = obstacle.smooth_distance([local[i] for i in range(3)], sizes) - own[3]
+    return _stage(robot, distance, q, clock, c, (joint,))
+
+
+def _stage(
+    robot: Robot, distance: ca.SX, q: ca.SX, clock: ca.SX | None, c: ca.SX, joints: Sequence[int]
+) -> DistanceFunction:
+    """Make the stage of a distance over the positions that it depends on."""
+    moved = joint_tree(robot).is_moved_by()
+    shared = moved[list(joints)].all(axis=0) if len(joints) > 1 else np.zeros(moved.shape[1], dtype=bool)
+    own = moved[list(joints)].any(axis=0)
+    if len(joints) > 1:
+        # Joints that move both points alike do not change their distance; zero stands for them.
+        own &= ~shared
+    positions = [
+        at
+        for j in np.flatnonzero(own).tolist()
+        for at in range(robot.model.joints[j].idx_q, robot.model.joints[j].idx_q + robot.model.joints[j].nq)
+    ]
+    still = [at for at in range(robot.nq) if at not in positions]
+    neutral = robot.neutral[still]
+    distance = ca.substitute(distance, q[still], ca.DM(neutral)) if still else distance
+    unknowns = q[positions] if clock is None else ca.vertcat(q[positions], clock)
+    return DistanceFunction(PointFunctions(unknowns, c, distance), np.array(positions, dtype=int), clock is not None)
+
+
+def _world(robot: Robot, joint: int, q: ca.SX, centre: ca.SX) -> ca.SX:
+    if joint == 0:
+        return centre
+    position, rotation = robot.symbolic.frame_placement(str(robot.model.names[joint]))(q)
+    return position + ca.mtimes(rotation, centre)

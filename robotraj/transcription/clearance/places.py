@@ -1,0 +1,74 @@
+"""Places of a phase at which distances are imposed: its knots, and the collocation points inside its intervals."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.transcription.layout import PhaseLayout
+from robotraj.transcription.schemes.onestep import OneStep
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+
+@dataclass(frozen=True, eq=False)
+class StatePlaces:
+    """Places in the order of time.
+
+    Attributes
+    ----------
+    columns : ndarray of int (m, nx)
+        Columns of the state.
+    fractions : ndarray (m,)
+        Of the phase.
+    intervals : ndarray of int (m,)
+        Interval of each place; a knot belongs to the interval on its right, the last to the last.
+    taus : ndarray (m,)
+        In the interval, in [0, 1].
+    first, last : ndarray of int (K,)
+        Places at both ends of each interval.
+    """
+
+    columns: Indices
+    fractions: Array
+    intervals: Indices
+    taus: Array
+    first: Indices
+    last: Indices
+
+
+def state_places(layout: PhaseLayout) -> StatePlaces:
+    """Return the places of a layout; in shooting, its knots."""
+    columns: list[Indices] = []
+    fractions, intervals, taus = [], [], []
+    first: list[int] = []
+    for run in layout.runs:
+        shot = isinstance(run.scheme, OneStep)
+        nodes = np.zeros(0) if shot else run.scheme.nodes
+        inner = np.flatnonzero((nodes > 0.0) & (nodes < 1.0))
+        for i, interval in enumerate(run.which.tolist()):
+            first.append(len(columns))
+            columns.append(layout.knots[interval])
+            fractions.append(run.start[i])
+            intervals.append(interval)
+            taus.append(0.0)
+            for j in inner.tolist():
+                columns.append(run.states[i, j])
+                fractions.append(run.start[i] + run.length[i] * nodes[j])
+                intervals.append(interval)
+                taus.append(float(nodes[j]))
+    columns.append(layout.knots[-1])
+    fractions.append(1.0)
+    intervals.append(intervals[-1])
+    taus.append(1.0)
+    starts = np.array(first)
+    return StatePlaces(
+        np.array(columns),
+        np.array(fractions),
+        np.array(intervals),
+        np.array(taus),
+        starts,
+        np.append(starts[1:], len(columns) - 1),
+    )

@@ -1,0 +1,125 @@
+"""Proof of distances between the collocation points, or where and by how much they are short.
+
+A pair's distance changes by at most L = sum_j lever_j max abs(v_j) a second (``ClearancePairs.speed_factors``), with
+the speeds bounded on each interval by the Bernstein coefficients of their polynomials, and by the speed of an obstacle
+that moves. From its value at the middle of a piece of length h it is at least d - L h / 2 there. A piece whose bound is
+below the margin is halved, until all are proved, or d itself is below.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.values import dataclass
+from robotraj.problem.clearance.pairs import ClearancePairs
+from robotraj.transcription.interval_limits.bernstein_bounds import coefficients
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+HALVINGS = 16
+"""Halvings of an interval after which a piece that is not proved counts as short."""
+COARSE = 8
+"""Halvings after a first distance below the margin: the worst place is then known well enough."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shortfalls:
+    """Where distances are not proved, each interval and pair once.
+
+    Attributes
+    ----------
+    intervals, pairs : ndarray of int (k,)
+    times : ndarray (k,)
+        Of the least distance that was seen [s].
+    distances : ndarray (k,)
+        The least distance that was seen, or its lower bound where that alone is below the margin [m].
+    least : float
+        Least distance of all pairs at all evaluations [m]; infinite without pairs.
+    nearest : (int, float)
+        Its pair and time; pair -1 without pairs.
+    """
+
+    intervals: Indices
+    pairs: Indices
+    times: Array
+    distances: Array
+    least: float
+    nearest: tuple[int, float]
+
+
+def shortfalls(pairs: ClearancePairs, x: PiecewisePolynomial) -> Shortfalls:
+    """Prove the distances of pairs along the states of a motion; return those that are not proved."""
+    nothing = np.zeros(0, dtype=int)
+    if not len(pairs):
+        return Shortfalls(nothing, nothing, np.zeros(0), np.zeros(0), np.inf, (-1, 0.0))
+    nq = pairs.robot.nq
+    breaks = x.breaks
+    lengths = np.diff(breaks)
+    bounds = _speed_bounds(pairs, x)
+    half = 0.5 * lengths
+    middle = breaks[:-1] + half
+    distances = pairs.distances(x(middle)[:, :nq], middle)
+    interval, pair = np.nonzero(distances - bounds * half[:, None] < pairs.margin)
+    at, found = middle[interval], distances[interval, pair]
+    width = half[interval]
+    best = np.unravel_index(int(np.argmin(distances)), distances.shape)
+    least, nearest = float(distances[best]), (int(best[1]), float(middle[best[0]]))
+    worst: dict[tuple[int, int], tuple[float, float]] = {}
+    for depth in range(HALVINGS + 1):
+        if not interval.size:
+            break
+        k = int(np.argmin(found))
+        if found[k] < least:
+            least, nearest = float(found[k]), (int(pair[k]), float(at[k]))
+        last = depth == HALVINGS
+        bound = found - bounds[interval, pair] * width if last else found
+        for j in np.flatnonzero(bound < pairs.margin).tolist():
+            key = int(interval[j]), int(pair[j])
+            if bound[j] < worst.get(key, (np.inf, 0.0))[0]:
+                worst[key] = float(bound[j]), float(at[j])
+        if last:
+            break
+        open_ = found - bounds[interval, pair] * width < pairs.margin
+        if depth >= COARSE:
+            known = np.array([(i, p) in worst for i, p in zip(interval.tolist(), pair.tolist(), strict=True)])
+            open_ &= ~known
+        interval, pair = np.repeat(interval[open_], 2), np.repeat(pair[open_], 2)
+        width, at = np.repeat(0.5 * width[open_], 2), np.repeat(at[open_], 2)
+        at = at + width * np.tile([-1.0, 1.0], len(at) // 2)
+        if interval.size:
+            found = pairs.distances_of(pair, x(at, interval)[:, :nq], at)
+    keys = list(worst)
+    return Shortfalls(
+        np.array([key[0] for key in keys], dtype=int),
+        np.array([key[1] for key in keys], dtype=int),
+        np.array([worst[key][1] for key in keys]),
+        np.array([worst[key][0] for key in keys]),
+        least,
+        nearest,
+    )
+
+
+def _speed_bounds(pairs: ClearancePairs, x: PiecewisePolynomial) -> Array:
+    """Bounds (K, n) on how fast each distance changes on each interval [m/s]."""
+    rates = _rates(pairs, x)
+    speeds = np.array(
+        [np.abs(coefficients(rates.sites[k], rates.values[k])).max(axis=0) for k in range(len(rates.values))]
+    )
+    bounds = speeds @ pairs.speed_factors.T
+    for number, obstacle in enumerate(pairs.obstacles):
+        if obstacle.moves:
+            own = np.flatnonzero(pairs.second[: pairs.against] == number)
+            bounds[:, own] += obstacle.speed_bounds(x.breaks)[:, None]
+    return np.asarray(bounds)
+
+
+def _rates(pairs: ClearancePairs, x: PiecewisePolynomial) -> PiecewisePolynomial:
+    """Return the rates of the positions; of a floating root the velocities of the state bound its motion."""
+    robot = pairs.robot
+    if robot.nq == robot.nv:
+        rates = x.derivative()
+        return PiecewisePolynomial(x.breaks, x.sites, [values[:, : robot.nq] for values in rates.values])
+    return PiecewisePolynomial(x.breaks, x.sites, [values[:, robot.nq : robot.nq + robot.nv] for values in x.values])

@@ -1,0 +1,54 @@
+"""Plans among obstacles: proved free, and free by coal at every millisecond."""
+
+from __future__ import annotations
+
+import coal
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+
+START, GOAL = (-1.1, -1.8, 1.6, -1.2, -1.57, 0), (1.1, -0.8, 0.6, -0.6, -0.6, 1.2)
+
+
+def coal_clearance(robot: rt.Robot, solution: rt.Solution, box: rt.obstacles.Box) -> float:
+    """Least distance of the exact shapes from a box, sampled at 1 ms [m]."""
+    shapes, data = robot.collision_model, robot.model.createData()
+    placed, least = shapes.createData(), np.inf
+    other = coal.Box(*box.sides)
+    for t in np.append(np.arange(0.0, solution.duration, 1e-3), solution.duration):
+        pin.updateGeometryPlacements(robot.model, data, shapes, placed, solution.at(t).q)
+        position, rotation = box.pose(float(t))
+        for i, shape in enumerate(shapes.geometryObjects):
+            if shape.parentJoint:
+                at = coal.Transform3s(placed.oMg[i].rotation, placed.oMg[i].translation)
+                where = coal.Transform3s(rotation, position)
+                found = coal.distance(shape.geometry, at, other, where, coal.DistanceRequest(), coal.DistanceResult())
+                least = min(least, found)
+    return float(least)
+
+
+def reach(box: rt.obstacles.Box, margin: float = 0.0) -> rt.Phase:
+    free = rt.CollisionFree([box], margin, self_collision=False)
+    ends = (rt.State(q=START, v=0), rt.State(q=GOAL, v=0))
+    return rt.Phase(rt.load("ur5"), (0.2, 5), *ends, rt.Duration(), constraints=[free])
+
+
+@pytest.mark.parametrize("margin", [0.0, 0.02])
+def test_a_ur5_passes_a_box_in_its_way(margin: float) -> None:
+    box = rt.obstacles.Box((0.1, 0.1, 0.3), (0.52, 0.07, 0.47))
+    blocked = rt.plan(reach(box).with_(constraints=[]))
+    solution = rt.plan(reach(box, margin))
+    robot = solution.phases[0].phase.robot
+    assert coal_clearance(robot, blocked, box) <= 0.0
+    assert solution.proof.holds and solution.proof.shortfall == 0.0
+    assert coal_clearance(robot, solution, box) >= margin
+    assert solution.duration >= blocked.duration - 1e-4
+
+
+def test_a_box_that_moves_in_time_is_avoided_when_it_is_there() -> None:
+    box = rt.obstacles.Box((0.1, 0.1, 0.3), lambda t: (0.52, 0.07 + 0.3 * (t - 0.36), 0.47))
+    solution = rt.plan(reach(box))
+    assert solution.proof.motion_holds
+    assert coal_clearance(solution.phases[0].phase.robot, solution, box) > 0.0
