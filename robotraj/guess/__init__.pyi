@@ -9,18 +9,23 @@ from .from_solution import FromSolution
 from .keyframes import Keyframes
 from .legs.inverted_pendulum import InvertedPendulum
 from .minimum_jerk import MinimumJerk
+from .paths.geometric_path import GeometricPath
+from .paths.planner import PathPlanner, RRTConnect
 from .perturbed import Perturbed
 from .reaching.inverse_kinematics import InverseKinematics
 from .straight_line import StraightLine
 
 __all__ = [
     "FromSolution",
+    "GeometricPath",
     "InitialGuess",
     "InverseKinematics",
     "InvertedPendulum",
     "Keyframes",
     "MinimumJerk",
+    "PathPlanner",
     "Perturbed",
+    "RRTConnect",
     "StraightLine",
     "default_guess",
 ]

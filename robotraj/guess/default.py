@@ -9,7 +9,9 @@ from robotraj._util.errors import InputError
 from robotraj.guess.along_path import AlongPath, follows_path
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.from_solution import FromSolution, is_solution
+from robotraj.guess.perturbed import Perturbed
 from robotraj.guess.straight_line import StraightLine
+from robotraj.problem.constraints.collision_free import CollisionFree
 
 if TYPE_CHECKING:
     from robotraj.problem.problem import Problem
@@ -18,11 +20,14 @@ if TYPE_CHECKING:
 def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
     """Return an inverted pendulum for one robot with a free root on contacts, a given path, else a straight line.
 
+    Among obstacles, a path around them takes the place of a straight line that is not free.
+
     Parameters
     ----------
     problem : Problem
     branch : int
-        Rank of the branches of inverse kinematics at ends that constraints decide; see ``rt.guess.StraightLine``.
+        Rank of the branches of inverse kinematics at ends that constraints decide, and of the paths around obstacles;
+        see ``rt.guess.StraightLine`` and ``rt.guess.GeometricPath``.
     """
     robots = {id(phase.robot) for phase in problem.phases}
     robot = problem.phases[0].robot
@@ -32,11 +37,39 @@ def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
 
         return InvertedPendulum()
     line = StraightLine(branch=branch)
+    free: InitialGuess = line
+    if _avoids_collisions(problem):
+        from robotraj.guess.paths.geometric_path import GeometricPath
+
+        free = GeometricPath(line, rank=branch)
     if any(follows_path(phase) for phase in problem.phases):
         from robotraj.guess.guess import EachPhase
 
-        return EachPhase([AlongPath() if follows_path(phase) else line for phase in problem.phases])
-    return line
+        return EachPhase([AlongPath() if follows_path(phase) else free for phase in problem.phases])
+    return free
+
+
+def other_guess(
+    problem: Problem, rank: int, seed: tuple[int, ...], spread: float = 1.0, given: InitialGuess | None = None
+) -> InitialGuess:
+    """Return another start: among obstacles the path of a rank, else a seeded variation of a guess.
+
+    Parameters
+    ----------
+    problem : Problem
+    rank : int
+        Above 0.
+    seed, spread
+        Of ``rt.guess.Perturbed``.
+    given : InitialGuess, optional
+        What is varied; the default guess of this rank without it.
+    """
+    guess = given or default_guess(problem, rank)
+    return guess if given is None and _avoids_collisions(problem) else Perturbed(guess, seed, spread)
+
+
+def _avoids_collisions(problem: Problem) -> bool:
+    return any(isinstance(each, CollisionFree) for phase in problem.phases for each in phase.constraints)
 
 
 def as_guess(value: object) -> InitialGuess | None:

@@ -25,6 +25,7 @@ from robotraj._util.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
+    from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -108,38 +109,69 @@ def fastest_line(phase: Phase, first: Array, last: Array) -> Trapezoid | None:
         None if no bound on the accelerations is known: joints without motors, a moving root, contacts, motors too weak
         to hold the robot on the line, equal ends, no limits.
     """
-    robot = phase.robot
-    if robot is None or robot.root != "fixed" or robot.nu < robot.nv or phase.bound_contacts:
+    limits = LineLimits.of(phase)
+    if limits is None:
         return None
-    n = robot.nv
+    n = limits.robot.nv
     line = last[:n] - first[:n]
-    moved = np.abs(line) > 1e-9
-    if not moved.any():
-        return None
-    lower, upper = _limits(phase, "v")
-    fastest = float(np.min(np.where(line > 0, upper, -lower)[moved] / np.abs(line[moved])))
-    lower, upper = _limits(phase, "a")
-    slope = float(np.min(np.minimum(upper, -lower)[moved] / np.abs(line[moved])))
-    lower, upper = _limits(phase, "tau")
-    model, data, zero = robot.model, robot.model.createData(), np.zeros(n)
-    places = first[:n] + np.linspace(0.0, 1.0, PLACES)[:, None] * line
-    # rnea returns a view of data, which the next call overwrites.
-    gravity = np.array([pin.rnea(model, data, q, zero, zero).copy() for q in places])
-    inertia = np.abs(np.array([pin.rnea(model, data, q, zero, line).copy() for q in places]) - gravity)
-    held = gravity + robot.friction * np.sign(line)
-    reserve = np.minimum(upper - held, held - lower)
-    loaded = (inertia > 1e-9) | (reserve < 0)
-    slope = min(slope, float(np.min(reserve[loaded] / np.maximum(inertia[loaded], 1e-9), initial=np.inf)))
+    fastest, slope = limits.along(first[:n], line)
     if not (fastest > 0 and 0 < slope < np.inf):
         return None
     along = line / (line @ line)
     return Trapezoid.of(fastest, slope, float(along @ first[n : 2 * n]), float(along @ last[n : 2 * n]))
 
 
-def _limits(phase: Phase, quantity: str) -> tuple[Array, Array]:
-    """Return the bounds (nv,) on v, a or tau of every joint throughout the phase, infinite where there are none."""
-    assert phase.robot is not None
-    limits = phase.rows.limits()
-    pairs = [limits.get(f"{quantity}.{name}", (-np.inf, np.inf)) for name in phase.robot.velocity_names]
-    lower, upper = np.reshape(pairs, (-1, 2)).T
-    return lower, upper
+@dataclass(frozen=True, eq=False)
+class LineLimits:
+    """Limits (nv,) of a robot with a motor at every joint that hold throughout a phase, infinite where there are none.
+
+    Attributes
+    ----------
+    robot : Robot
+    speeds, accelerations, torques : pair of ndarray
+        Lower and upper [rad/s, rad/s^2, N m and their like of joints that slide].
+    """
+
+    robot: Robot
+    speeds: tuple[Array, Array]
+    accelerations: tuple[Array, Array]
+    torques: tuple[Array, Array]
+
+    @classmethod
+    def of(cls, phase: Phase) -> LineLimits | None:
+        """Return the limits of a phase; None for joints without motors, a moving root, contacts and systems."""
+        robot = phase.robot
+        if robot is None or robot.root != "fixed" or robot.nu < robot.nv or phase.bound_contacts:
+            return None
+        limits = phase.rows.limits()
+
+        def pair(quantity: str) -> tuple[Array, Array]:
+            bounds = [limits.get(f"{quantity}.{name}", (-np.inf, np.inf)) for name in robot.velocity_names]
+            lower, upper = np.reshape(bounds, (-1, 2)).T
+            return lower, upper
+
+        return cls(robot, pair("v"), pair("a"), pair("tau"))
+
+    def along(self, first: Array, line: Array) -> tuple[float, float]:
+        """Return the largest s' [1/s] and abs(s'') [1/s^2] on q = first + s line, s from 0 to 1.
+
+        The second is 0 or less where the motors cannot hold the robot on the line, and infinite without any limit; both
+        are 0 for a line of no length.
+        """
+        moved = np.abs(line) > 1e-9
+        if not moved.any():
+            return 0.0, 0.0
+        lower, upper = self.speeds
+        fastest = float(np.min(np.where(line > 0, upper, -lower)[moved] / np.abs(line[moved])))
+        lower, upper = self.accelerations
+        slope = float(np.min(np.minimum(upper, -lower)[moved] / np.abs(line[moved])))
+        lower, upper = self.torques
+        model, data, zero = self.robot.model, self.robot.model.createData(), np.zeros(len(line))
+        places = first + np.linspace(0.0, 1.0, PLACES)[:, None] * line
+        # rnea returns a view of data, which the next call overwrites.
+        gravity = np.array([pin.rnea(model, data, q, zero, zero).copy() for q in places])
+        inertia = np.abs(np.array([pin.rnea(model, data, q, zero, line).copy() for q in places]) - gravity)
+        held = gravity + self.robot.friction * np.sign(line)
+        reserve = np.minimum(upper - held, held - lower)
+        loaded = (inertia > 1e-9) | (reserve < 0)
+        return fastest, min(slope, float(np.min(reserve[loaded] / np.maximum(inertia[loaded], 1e-9), initial=np.inf)))

@@ -20,8 +20,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.guess.base import InitialGuess
-from robotraj.guess.default import default_guess
-from robotraj.guess.perturbed import Perturbed
+from robotraj.guess.default import other_guess
 from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.diagnosis.elastic import relaxed_motion
 from robotraj.problem.problem import Problem
@@ -109,7 +108,7 @@ def _from_elsewhere(
     if conflicts and fixed and all(conflict.physical for conflict in conflicts):
         return
     for branch, seed in enumerate(seeds, 1):
-        found = solve(problem, Perturbed(default_guess(problem, branch), (seed,)))
+        found = solve(problem, other_guess(problem, branch, (seed,)))
         yield found, "variation of the default guess, which did not converge"
     if motion is not None and not conflicts:
         yield solve(problem, motion), "motion that meets every row on a coarse mesh"

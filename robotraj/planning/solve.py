@@ -84,8 +84,8 @@ def solve(
     plain = nlp
     if added:
         nlp = with_added_rows(nlp, added, nlp.guess)
-    clearing = Clearing(nlp)
-    nlp = clearing.begin(nlp)
+    clearing = Clearing(nlp, as_guess(guess))
+    unkept, nlp = nlp, clearing.rows(nlp)
     multipliers = earlier_multipliers(guess, nlp, True) if added and same else earlier_multipliers(guess, plain, False)
     if (clearing or (added and not same)) and multipliers is not None:
         multipliers = lengthened(multipliers, nlp)
@@ -125,14 +125,15 @@ def solve(
             began = time.perf_counter()
             if moving:
                 # Knots start again from where the mesh has them: moved ones hold on to the arcs they came to stand on.
-                nlp = transcribe(problem, mesh, as_guess(solution), engine, interval_limits)
-                nlp = with_added_rows(nlp, [*added, *new], nlp.guess)
-                nlp = clearing.begin(nlp)
+                unkept = transcribe(problem, mesh, as_guess(solution), engine, interval_limits)
+                unkept = with_added_rows(unkept, [*added, *new], unkept.guess)
             else:
-                nlp = with_added_rows(nlp, new, w) if new else replace(nlp, guess=w)
-            if not clearing.proved:
-                nlp = clearing.tightened(nlp, w)
-            again, w = _solve(nlp, solution, earlier_multipliers(solution, nlp, True), solver, progress, began)
+                unkept = with_added_rows(unkept, new, w) if new else replace(unkept, guess=w)
+            nlp = clearing.rows(unkept)
+            if clearing:
+                again, w = _solve(nlp, solution, None, solver.from_nearby(), progress, began)
+            else:
+                again, w = _solve(nlp, solution, earlier_multipliers(solution, nlp, True), solver, progress, began)
             times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
             failed = not again.success and again.status is not Status.INTERRUPTED
             solution = replace(solution if failed else again, times=times, iterations=iterations)

@@ -34,7 +34,7 @@ def earlier_program(
 ) -> Nlp | None:
     """Return the NLP of an earlier solution of a problem like this one, or of earlier starts, with this one's numbers.
 
-    None is returned where that has another structure, or rows were added between its points.
+    None is returned where that has another structure, or further rows on distances or between its points.
     """
     if isinstance(guess, Start):
         return guess.shared.transcribed(problem, mesh, guess, engine, interval_limits)
@@ -46,6 +46,8 @@ def earlier_program(
     ):
         return None
     origin = guess.multipliers.origin
+    if origin.nlp.keeps_clear:
+        return None
     return transcribed_again(origin.nlp, problem, mesh, engine, interval_limits, origin.w)
 
 

@@ -8,10 +8,10 @@ g * row_scale.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import field
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,25 +37,6 @@ Array = NDArray[np.float64]
 
 OBJECTIVE_SIZES = 1e-2, 1e5
 """Least and greatest size of the objective of a solver, whose tolerance of 1e-8 is absolute."""
-
-
-class ClearanceRow(NamedTuple):
-    """A row on the distance of a pair at one place.
-
-    Attributes
-    ----------
-    phase, constraint : int
-        Indices of the phase, and of the ``CollisionFree`` among those of the phase.
-    place : int
-        Index in ``clearance.places.state_places``.
-    pair : int
-        Index in the pairs of the constraint.
-    """
-
-    phase: int
-    constraint: int
-    place: int
-    pair: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +68,8 @@ class Nlp(OneLine):
         How limits hold between the collocation points.
     loose_rows : Scalars or None
         The rows without margins, if ``rows`` have margins.
-    clearance_rows : mapping of ClearanceRow to int
-        Row of each distance that is kept.
+    keeps_clear : bool
+        Whether rows on distances were added, whose planes belong to one motion.
     """
 
     problem: Problem
@@ -105,7 +86,7 @@ class Nlp(OneLine):
     engine: Engine = field(default_factory=VirtualMachine)
     interval_limits: ConstraintGeneration = field(default_factory=ConstraintGeneration)
     loose_rows: Scalars | None = None
-    clearance_rows: Mapping[ClearanceRow, int] = field(default_factory=dict, repr=False)
+    keeps_clear: bool = False
 
     @cached_property
     def functions(self) -> Functions:

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError, Interrupted
 from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
-from robotraj.guess.default import as_guess, default_guess
-from robotraj.guess.perturbed import Perturbed
+from robotraj.guess.default import as_guess, default_guess, other_guess
 from robotraj.planning.many.starts import Shared, Start
 from robotraj.planning.many.sweep import attach, check_options, detach
 from robotraj.planning.many.workers import run
@@ -148,7 +147,8 @@ def multistart(
     patience : int, optional
         Stop when this many starts in a row found no lower optimum; by default all starts are run.
     guess : InitialGuess, Solution or sequence of InitialGuess, optional
-        A straight line by default. Where a pose decides an end, every start takes another branch of inverse kinematics.
+        A straight line by default. Where a pose decides an end, every start takes another branch of inverse kinematics,
+        and among obstacles another path.
     executor : concurrent.futures.Executor, optional
         As of ``rt.sweep``: one new process per core by default. A process takes about a second to begin; where a start
         takes less, ``ThreadPoolExecutor(1)`` is faster.
@@ -194,7 +194,7 @@ def multistart(
     check_options(options)
     given = as_guess(guess)
     first = given or default_guess(problem)
-    varied = (Perturbed(given or default_guess(problem, i), (seed, i), spread) for i in range(1, starts))
+    varied = (other_guess(problem, i, (seed, i), spread, given) for i in range(1, starts))
     guesses = [first, *varied]
     left = 0
     try:

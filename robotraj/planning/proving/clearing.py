@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-from numpy.typing import NDArray
-
+from robotraj.guess.base import InitialGuess
+from robotraj.guess.default import default_guess
+from robotraj.problem.phase import Phase
 from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
 from robotraj.transcription.clearance.clearance_rows import (
     Clearances,
     clearances,
-    near_rows,
-    rows_on_intervals,
+    near_pairs,
     with_clearance_rows,
-    with_distances,
-    with_own_distances,
 )
-from robotraj.transcription.clearance.places import state_places
 from robotraj.transcription.clearance.proof import Shortfalls, shortfalls
-from robotraj.transcription.nlp import ClearanceRow, Nlp
+from robotraj.transcription.clearance.supporting_planes import Array, Motion
+from robotraj.transcription.nlp import Nlp
 
 ROUNDS = 10
 """Solves with further or raised rows on one mesh."""
@@ -30,65 +27,59 @@ LEAST = 2e-5
 """Least amount by which a distance is raised [m]."""
 MOST = 0.02
 """Largest amount by which a distance is raised in one round [m]."""
+DEEP = 0.03
+"""How far a motion may be inside a shape and still fix the planes of the next round [m]."""
 
 
 class Clearing:
     """The distances that one NLP keeps, from solve to solve.
 
+    Rows are planes between shapes that a known motion fixes: the guess, then each solution that is hardly inside a
+    shape. They hold the homotopy class of the guess.
+
     Parameters
     ----------
     nlp : Nlp
         Before its first solve.
+    guess : InitialGuess or None
+        Of the problem; the default guess without one.
     """
 
-    def __init__(self, nlp: Nlp) -> None:
+    def __init__(self, nlp: Nlp, guess: InitialGuess | None) -> None:
         self._every = clearances(nlp)
+        self._motions: list[Motion] = []
+        if self._every:
+            start = (guess or default_guess(nlp.problem)).prepared(nlp.problem)
+            self._motions = [_guessed(start, nlp.problem.phases[own.phase], own) for own in self._every]
+        self._kept: list[dict[tuple[int, int], float]] = [{} for _ in self._every]
         self._found: list[tuple[Clearances, Shortfalls]] = []
 
     def __bool__(self) -> bool:
         """Whether a phase has a ``CollisionFree``."""
         return bool(self._every)
 
-    def begin(self, nlp: Nlp) -> Nlp:
-        """Add rows on the pairs that are near at the guess."""
-        if not self._every:
-            return nlp
-        nlp = with_own_distances(nlp, self._every)
-        return with_clearance_rows(nlp, self._every, near_rows(nlp, nlp.guess, self._every))
+    def rows(self, nlp: Nlp) -> Nlp:
+        """Add rows on the pairs that are near along the known motion, or were."""
+        for own, motion, kept in zip(self._every, self._motions, self._kept, strict=True):
+            for interval, pair in near_pairs(own, nlp.layouts[own.phase], motion).tolist():
+                kept.setdefault((interval, pair), 0.0)
+        return with_clearance_rows(nlp, self._every, self._kept, self._motions)
 
     def measure(self, solution: Solution) -> None:
-        """Prove the distances along a solution."""
+        """Prove the distances along a solution; what is short has rows next, or raised ones."""
         self._found = [(own, shortfalls(own.pairs, solution.phases[own.phase].trajectory.x)) for own in self._every]
+        for i, (own, found) in enumerate(self._found):
+            for interval, pair, distance in zip(found.intervals, found.pairs, found.distances, strict=True):
+                place = int(interval), int(pair)
+                amount = min(max(MORE * (own.pairs.margin - float(distance)), LEAST), MOST)
+                self._kept[i][place] = self._kept[i][place] + amount if place in self._kept[i] else 0.0
+            if solution.success and found.least > own.pairs.margin - DEEP:
+                self._motions[i] = _solved(solution, own)
 
     @property
     def proved(self) -> bool:
         """Whether all distances of the solution that was measured are proved."""
         return all(not found.pairs.size for _, found in self._found)
-
-    def tightened(self, nlp: Nlp, w: NDArray[np.float64]) -> Nlp:
-        """Add rows on what was short, and raise the rows that are there already."""
-        rows: list[ClearanceRow] = []
-        raised: dict[ClearanceRow, float] = {}
-        for own, found in self._found:
-            places = state_places(nlp.layouts[own.phase])
-            each = zip(found.intervals.tolist(), found.pairs.tolist(), found.distances.tolist(), strict=True)
-            for interval, pair, distance in each:
-                wanted = rows_on_intervals(own, places, np.array([[interval, pair]]))
-                known = [row for row in wanted if row in nlp.clearance_rows]
-                short = own.pairs.margin - distance
-                amount = min(max(MORE * short, LEAST), MOST)
-                # Ends are fixed and have no rows.
-                if len(known) == len(wanted) or (known and short < LEAST):
-                    raised |= {row: max(amount, raised.get(row, 0.0)) for row in known}
-                rows += [row for row in wanted if row not in nlp.clearance_rows]
-        more = with_clearance_rows(nlp, self._every, [*rows, *near_rows(nlp, w, self._every)])
-        unchanged = more is nlp and not raised
-        if unchanged:
-            for own, found in self._found:
-                places = state_places(nlp.layouts[own.phase])
-                every = np.column_stack([found.intervals, found.pairs])
-                raised |= {row: LEAST for row in rows_on_intervals(own, places, every) if row in nlp.clearance_rows}
-        return with_distances(more, raised) if raised else more
 
     def violations(self, solution: Solution) -> Iterator[Violation]:
         """Yield the pairs whose distance is not proved, each with its worst time."""
@@ -102,3 +93,19 @@ class Clearing:
                 short = margin - float(found.distances[k])
                 label, time = own.pairs.label(pair), float(found.times[k])
                 yield Violation(name, "clearance", label, time, short, "m", margin, "under", 1.0)
+
+
+def _guessed(guess: InitialGuess, phase: Phase, own: Clearances) -> Motion:
+    known, nq = guess.of(phase, own.phase), own.pairs.robot.nq
+    return lambda s: (known.states(s)[:, :nq], known.duration * s)
+
+
+def _solved(solution: Solution, own: Clearances) -> Motion:
+    x, nq = solution.phases[own.phase].trajectory.x, own.pairs.robot.nq
+    first, last = float(x.breaks[0]), float(x.breaks[-1])
+
+    def motion(s: Array) -> tuple[Array, Array]:
+        times = first + s * (last - first)
+        return x(times)[:, :nq], times
+
+    return motion

@@ -1,13 +1,14 @@
-"""Rows on distances: which pairs are near at which places, and the NLP that has them.
+"""Rows on distances: which pairs are near on which intervals of a known motion, and the NLP that has them.
 
-Rows are only added. A pair that comes near at one place of an interval has rows at all places of the interval. Their
-lower bound is the margin with a small slack, and with what a proof was short of on the interval.
+A pair that comes near on an interval has rows at all places of the interval. Their lower bound is the margin with a
+small slack, and with what a proof was short of on the interval.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +18,28 @@ from robotraj.problem.clearance.ends import clearances_of
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
-from robotraj.transcription.clearance.distance_functions import constants_of, function_of, key_of
+from robotraj.transcription.clearance.distance_functions import (
+    DistanceFunction,
+    constants_of,
+    function_of,
+    key_of,
+)
 from robotraj.transcription.clearance.places import StatePlaces, state_places
+from robotraj.transcription.clearance.supporting_planes import Motion, heights, planes
 from robotraj.transcription.collocation.ends import widen
 from robotraj.transcription.layout import PhaseLayout
-from robotraj.transcription.nlp import ClearanceRow, Nlp
+from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.table import Entry, ScalarTable
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
+SAMPLES = 5
+"""Places of an interval at which a known motion is looked at."""
+FURTHER = 0.02
+"""How much further than the nearest sphere of a link another one with rows may be [m]."""
+SIDE = 2e-3
+"""Distance beyond the margin that a known motion keeps from the plane of another place [m]."""
 NEAR = 0.05
 """Distance beyond the margin below which a pair has rows [m]."""
 SLACK = 5e-4
@@ -69,50 +82,64 @@ def clearances(nlp: Nlp) -> list[Clearances]:
     return found
 
 
-def near_rows(nlp: Nlp, w: Array, every: Sequence[Clearances]) -> list[ClearanceRow]:
-    """Return rows of pairs that are near at a decision vector, at all places of the intervals."""
-    found = []
-    for own in every:
-        layout = nlp.layouts[own.phase]
-        places = state_places(layout)
-        q = w[places.columns[:, : own.pairs.robot.nq]]
-        times = np.interp(places.fractions, layout.fractions, layout.breaks(w))
-        near = own.pairs.distances(q, times) < own.pairs.margin + NEAR
-        found += rows_on_intervals(own, places, _intervals_of(places, near))
-    return found
+def near_pairs(own: Clearances, layout: PhaseLayout, motion: Motion) -> Indices:
+    """Return (interval, pair) of pairs that come near along a motion, (k, 2).
+
+    Of the spheres of one link near one obstacle or link those count that come within ``FURTHER`` of the nearest.
+    """
+    _, found = _least(own, layout, motion)
+    pairs, spheres = own.pairs, own.pairs.spheres
+    against = np.arange(len(pairs)) < pairs.against
+    other = np.where(against, pairs.second, len(pairs.obstacles) + spheres.link[np.where(against, 0, pairs.second)])
+    _, group = np.unique(np.column_stack([spheres.link[pairs.first], other]), axis=0, return_inverse=True)
+    numbers = group.ravel()
+    nearest = np.full((int(numbers.max(initial=-1)) + 1, len(found)), np.inf)
+    np.minimum.at(nearest, numbers, found.T)
+    return np.argwhere((found < pairs.margin + NEAR) & (found < nearest[numbers].T + FURTHER))
 
 
-def rows_on_intervals(own: Clearances, places: StatePlaces, chosen: Indices) -> list[ClearanceRow]:
-    """Return rows of (interval, pair) at every place of the interval."""
-    rows: dict[tuple[int, int], None] = {}
-    for interval, pair in chosen.tolist():
-        for place in range(int(places.first[interval]), int(places.last[interval]) + 1):
-            rows[place, pair] = None
-    return [ClearanceRow(own.phase, own.number, place, pair) for place, pair in rows]
+def _least(own: Clearances, layout: PhaseLayout, motion: Motion) -> tuple[Array, Array]:
+    """Return the fraction and the value of the least distance of each pair on each interval, (K, n)."""
+    knots = layout.fractions
+    at = knots[:-1, None] + np.diff(knots)[:, None] * np.linspace(0.0, 1.0, SAMPLES)
+    distances = own.pairs.distances(*motion(at.ravel())).reshape(*at.shape, -1)
+    where = distances.argmin(axis=1)
+    return np.take_along_axis(at, where, axis=1), np.take_along_axis(distances, where[:, None], axis=1)[:, 0]
 
 
-def _intervals_of(places: StatePlaces, near: NDArray[np.bool_]) -> Indices:
-    """Return (interval, pair) of pairs that are near at a place of the interval."""
-    at = np.array([near[first : last + 1].any(axis=0) for first, last in zip(places.first, places.last, strict=True)])
-    return np.argwhere(at)
+Raised = Mapping[tuple[int, int], float]
+"""By how much the distance of (interval, pair) is raised beyond its slack [m]."""
 
 
-def with_clearance_rows(nlp: Nlp, every: Sequence[Clearances], rows: Sequence[ClearanceRow]) -> Nlp:
-    """Add rows to an NLP, which come last; rows on states that are fixed, or that it has already, are left out."""
-    known, kept = nlp.clearance_rows, dict(nlp.clearance_rows)
+def with_clearance_rows(
+    nlp: Nlp, every: Sequence[Clearances], kept: Sequence[Raised], motions: Sequence[Motion]
+) -> Nlp:
+    """Add rows to an NLP without any, which come last; rows on states that are fixed are left out.
+
+    Parameters
+    ----------
+    nlp : Nlp
+    every : sequence of Clearances
+    kept : sequence of mapping
+        The pairs that have rows, for each of ``every``.
+    motions : sequence of callable
+        The motion along which normals are fixed, for each of ``every``.
+    """
     table = ScalarTable.after(nlp.rows)
     blocks: list[Block] = []
-    for own in every:
+    for own, raised, motion in zip(every, kept, motions, strict=True):
+        if not raised:
+            continue
         layout = nlp.layouts[own.phase]
         places = state_places(layout)
-        groups: dict[object, list[ClearanceRow]] = {}
-        for row in rows:
-            if (row.phase, row.constraint) == (own.phase, own.number) and row not in known:
-                groups.setdefault(key_of(own.pairs, row.pair), []).append(row)
+        fractions, _ = _least(own, layout, motion)
+        groups: dict[object, list[_Row]] = {}
+        for (interval, pair), amount in raised.items():
+            for place in range(int(places.first[interval]), int(places.last[interval]) + 1):
+                row = _Row(place, pair, float(fractions[interval, pair]), amount)
+                groups.setdefault(key_of(own.pairs, pair), []).append(row)
         for group in groups.values():
-            made, numbers = _block(nlp, own, layout, places, group, table)
-            blocks += made
-            kept |= numbers
+            blocks += _block(nlp, own, layout, places, group, motion, table)
     if not blocks:
         return nlp
     constraints = nlp.rows.joined(table.finish())
@@ -128,8 +155,17 @@ def with_clearance_rows(nlp: Nlp, every: Sequence[Clearances], rows: Sequence[Cl
         linear=linear,
         row_scale=np.append(nlp.row_scale, np.ones(len(constraints) - len(nlp.rows))),
         loose_rows=None if nlp.loose_rows is None else nlp.loose_rows.joined(table.finish()),
-        clearance_rows=kept,
+        keeps_clear=True,
     )
+
+
+class _Row(NamedTuple):
+    """A row: its place, its pair, the fraction of the phase where the pair is nearest, and what is added to it [m]."""
+
+    place: int
+    pair: int
+    nearest: float
+    raised: float
 
 
 def _block(
@@ -137,10 +173,11 @@ def _block(
     own: Clearances,
     layout: PhaseLayout,
     places: StatePlaces,
-    group: Sequence[ClearanceRow],
+    group: Sequence[_Row],
+    motion: Motion,
     table: ScalarTable,
-) -> tuple[list[Block], dict[ClearanceRow, int]]:
-    """Return the block of rows with one function, none where all their states are fixed, and their numbers."""
+) -> list[Block]:
+    """Return the block of rows with one function, none where all their states are fixed."""
     clock = layout.clock(0)
     free = (clock.base.column is not None, clock.span.column is not None)
     function = function_of(own.pairs, group[0].pair, free)
@@ -148,30 +185,59 @@ def _block(
     chosen = np.any(nlp.variables.lower[every] < nlp.variables.upper[every], axis=1)
     columns, rows = every[chosen], [row for row, is_free in zip(group, chosen.tolist(), strict=True) if is_free]
     if not rows:
-        return [], {}
-    constants = constants_of(own.pairs, np.array([row.pair for row in rows]))
+        return []
+    pairs = np.array([row.pair for row in rows])
+    constants = constants_of(own.pairs, pairs)
     if function.timed:
         columns, constants = _with_clock(layout, places, rows, columns, constants)
-    entries = {row.pair: Entry(own.phase, "clearance", own.pairs.label(row.pair), "m") for row in rows}
+    else:
+        at = places.fractions[[row.place for row in rows]]
+        nearest = np.array([row.nearest for row in rows])
+        constants = np.column_stack([constants, _planes(own, function, pairs, nearest, at, motion)])
+    entries = {pair: Entry(own.phase, "clearance", own.pairs.label(pair), "m") for pair in np.unique(pairs).tolist()}
     numbers = np.empty(len(rows), dtype=int)
     for i, row in enumerate(rows):
-        at = places.fractions[row.place : row.place + 1]
-        numbers[i] = table.add([entries[row.pair]], at, own.pairs.margin + own.slack[row.pair])[0, 0]
+        lower = own.pairs.margin + own.slack[row.pair] + row.raised
+        numbers[i] = table.add([entries[row.pair]], places.fractions[row.place : row.place + 1], lower)[0, 0]
     gather, scatter = Triplets(), Triplets()
     gather.add(np.arange(columns.size), columns.ravel(), 1.0)
     scatter.add(numbers, np.arange(len(rows)), 1.0)
-    block = Block(
-        function.stage,
-        gather.matrix((columns.size, len(nlp.variables))),
-        np.ascontiguousarray(constants.T),
-        scatter.matrix((int(numbers.max()) + 1, len(rows))),
-        np.zeros(len(rows)),
-    )
-    return [block], dict(zip(rows, numbers.tolist(), strict=True))
+    return [
+        Block(
+            function.stage,
+            gather.matrix((columns.size, len(nlp.variables))),
+            np.ascontiguousarray(constants.T),
+            scatter.matrix((int(numbers.max()) + 1, len(rows))),
+            np.zeros(len(rows)),
+        )
+    ]
+
+
+def _planes(
+    own: Clearances, function: DistanceFunction, pairs: Indices, nearest: Array, at: Array, motion: Motion
+) -> Array:
+    """Return the planes (n, 4) of rows.
+
+    All rows of a pair on an interval have the plane of its nearest place: shapes that are on both sides of one plane at
+    the ends hardly cross it between them. A row that the known motion would violate has the plane of its own place.
+    """
+    neutral = own.pairs.robot.neutral
+
+    def moved(fractions: Array) -> Array:
+        q = np.tile(neutral, (len(fractions), 1))
+        q[:, function.positions] = motion(fractions)[0][:, function.positions]
+        return q
+
+    here = moved(at)
+    found = planes(own.pairs, pairs, moved(nearest))
+    wrong = np.flatnonzero(heights(own.pairs, pairs, here, found) < own.pairs.margin + SIDE)
+    if wrong.size:
+        found[wrong] = planes(own.pairs, pairs[wrong], here[wrong])
+    return found
 
 
 def _with_clock(
-    layout: PhaseLayout, places: StatePlaces, rows: Sequence[ClearanceRow], columns: Indices, constants: Array
+    layout: PhaseLayout, places: StatePlaces, rows: Sequence[_Row], columns: Indices, constants: Array
 ) -> tuple[Indices, Array]:
     """Add the columns of free clocks, and before the constants the place on the clock and the fixed ones."""
     more, before = [], []
@@ -184,29 +250,3 @@ def _with_clock(
         before.append([tau, *(scalar.value for scalar in scalars if scalar.column is None)])
     both = np.column_stack([columns, np.array(more, dtype=int).reshape(len(rows), -1)])
     return both, np.column_stack([np.array(before), constants])
-
-
-def with_own_distances(nlp: Nlp, every: Sequence[Clearances]) -> Nlp:
-    """Set the lower bounds of the rows that an earlier program had to the margins and slacks of this problem."""
-    if not nlp.clearance_rows:
-        return nlp
-    lower, known = nlp.rows.lower.copy(), {(own.phase, own.number): own for own in every}
-    for row, number in nlp.clearance_rows.items():
-        own = known[row.phase, row.constraint]
-        lower[number] = own.pairs.margin + own.slack[row.pair]
-    return _with_lower(nlp, lower)
-
-
-def with_distances(nlp: Nlp, beyond: Mapping[ClearanceRow, float]) -> Nlp:
-    """Raise the lower bounds of rows on distances [m]; functions and blocks are shared."""
-    lower = nlp.rows.lower.copy()
-    for row, amount in beyond.items():
-        lower[nlp.clearance_rows[row]] += amount
-    return _with_lower(nlp, lower)
-
-
-def _with_lower(nlp: Nlp, lower: Array) -> Nlp:
-    again = replace(nlp, rows=replace(nlp.rows, lower=lower))
-    if "functions" in nlp.__dict__:
-        again.__dict__["functions"] = replace(nlp.functions, preparing=0.0)
-    return again

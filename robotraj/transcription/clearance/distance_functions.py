@@ -1,13 +1,17 @@
-"""Distances of pairs as stage functions: one for all pairs of a joint and a kind of obstacle, or of two joints.
+"""Distances of pairs as stage functions: one for all pairs of a joint, or of two joints.
 
-A function reads the joint positions that move the pair, and for obstacles that move in time the clock. Its constants
-differ from pair to pair: centres, radii, poses and sizes.
+A sphere with centre p and radius r is apart from a convex shape by at least n' p - h - r for every unit vector n, where
+h is the largest n' x of the shape. For spheres around p and q it is at least n' (p - q) - r - s. These bounds are equal
+to the distance where n is its gradient. With n fixed they are as smooth as the robot's kinematics, while a distance has
+corners.
+
+For obstacles that move in time the function is the distance itself, and reads the clock. Constants differ from pair to
+pair: centres, normals and offsets.
 """
 
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from typing import Any
 from weakref import WeakKeyDictionary
 
 import casadi as ca
@@ -16,7 +20,6 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
-from robotraj.dynamics.obstacles.primitives import WIDTH
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.robot.collision.placements import joint_tree
 from robotraj.robot.robot import Robot
@@ -31,7 +34,7 @@ _FUNCTIONS: WeakKeyDictionary[Robot, dict[Hashable, DistanceFunction]] = WeakKey
 
 @dataclass(frozen=True, eq=False)
 class DistanceFunction:
-    """A stage function y = d(q, [t0, T]; [tau, t0, T], c) [m], with t = t0 + tau T for obstacles that move.
+    """A stage function y(q; c) = n' p(q) - offset, or d(q, [t0, T]; [tau, t0, T], c) with t = t0 + tau T [m].
 
     Attributes
     ----------
@@ -57,9 +60,7 @@ def key_of(pairs: ClearancePairs, pair: int, free: Clocks = (False, False)) -> H
     obstacle = pairs.obstacles[other]
     if obstacle.moves:
         return joint, _SameObstacle(obstacle), free
-    if not obstacle.dimensions:
-        return joint, _SameObstacle(obstacle)
-    return joint, obstacle.kind
+    return joint
 
 
 def function_of(pairs: ClearancePairs, pair: int, free: Clocks) -> DistanceFunction:
@@ -80,15 +81,14 @@ def function_of(pairs: ClearancePairs, pair: int, free: Clocks) -> DistanceFunct
 
 
 def constants_of(pairs: ClearancePairs, chosen: Indices) -> Array:
-    """Return the constants of pairs with one function, (n, n_c), without the time's."""
+    """Return the constants of pairs with one function but those of a plane and of time, (n, n_c)."""
     spheres = pairs.spheres
     first, second = pairs.first[chosen], pairs.second[chosen]
-    centres = spheres.centre[first]
     if chosen[0] >= pairs.against:
-        both = spheres.radius[first] + spheres.radius[second]
-        return np.column_stack([centres, spheres.centre[second], both])
-    parts = [_obstacle_constants(pairs.obstacles[number]) for number in second.tolist()]
-    return np.column_stack([centres, spheres.radius[first], np.array(parts).reshape(len(chosen), -1)])
+        return np.column_stack([spheres.centre[first], spheres.centre[second]])
+    if pairs.obstacles[int(second[0])].moves:
+        return np.column_stack([spheres.centre[first], spheres.radius[first]])
+    return np.asarray(spheres.centre[first])
 
 
 class _SameObstacle:
@@ -104,41 +104,26 @@ class _SameObstacle:
         return id(self.obstacle)
 
 
-def _obstacle_constants(obstacle: Obstacle) -> Array:
-    if obstacle.moves:
-        return np.zeros(0)
-    position, rotation = obstacle.pose()
-    sizes = np.zeros(WIDTH if obstacle.dimensions else 0)
-    sizes[: len(obstacle.dimensions)] = obstacle.dimensions
-    return np.concatenate([position, rotation.ravel(), sizes])
-
-
 def _made(pairs: ClearancePairs, pair: int, free: Clocks) -> DistanceFunction:
     robot, spheres = pairs.robot, pairs.spheres
     joint = int(spheres.joint[pairs.first[pair]])
     q = ca.SX.sym("q", robot.nq)
     if pair >= pairs.against:
         other = int(spheres.joint[pairs.second[pair]])
-        c = ca.SX.sym("c", 7)
+        c = ca.SX.sym("c", 10)
         apart = _world(robot, joint, q, c[:3]) - _world(robot, other, q, c[3:6])
-        distance = ca.norm_2(apart) - c[6]
-        return _stage(robot, distance, q, None, c, (joint, other))
+        return _stage(robot, ca.dot(c[6:9], apart) - c[9], q, None, c, (joint, other))
     obstacle = pairs.obstacles[pairs.second[pair]]
-    before = 1 + free.count(False) if obstacle.moves else 0
-    c = ca.SX.sym("c", int(constants_of(pairs, np.array([pair])).shape[1]) + before)
-    own, clock = c[before:], ca.SX.sym("clock", free.count(True)) if obstacle.moves else None
-    point = _world(robot, joint, q, own[:3])
-    sizes: Sequence[Any] = obstacle.dimensions
-    if clock is not None:
-        unknown, known = iter(ca.vertsplit(clock)), iter(ca.vertsplit(c[1:before]))
-        t0, duration = (next(unknown) if is_free else next(known) for is_free in free)
-        position, rotation = obstacle.pose(t0 + c[0] * duration)
-    else:
-        position, rotation = own[4:7], ca.reshape(own[7:16], 3, 3).T
-        if obstacle.dimensions:
-            sizes = [own[16 + i] for i in range(WIDTH)]
-    local = ca.mtimes(rotation.T, point - position)
-    distance = obstacle.smooth_distance([local[i] for i in range(3)], sizes) - own[3]
+    if not obstacle.moves:
+        c = ca.SX.sym("c", 7)
+        return _stage(robot, ca.dot(c[3:6], _world(robot, joint, q, c[:3])) - c[6], q, None, c, (joint,))
+    before = 1 + free.count(False)
+    c, clock = ca.SX.sym("c", 4 + before), ca.SX.sym("clock", free.count(True))
+    unknown, known = iter(ca.vertsplit(clock)), iter(ca.vertsplit(c[1:before]))
+    t0, duration = (next(unknown) if is_free else next(known) for is_free in free)
+    position, rotation = obstacle.pose(t0 + c[0] * duration)
+    local = ca.mtimes(rotation.T, _world(robot, joint, q, c[before : before + 3]) - position)
+    distance = obstacle.smooth_distance([local[i] for i in range(3)], obstacle.dimensions) - c[before + 3]
     return _stage(robot, distance, q, clock, c, (joint,))
 
 

@@ -7,7 +7,8 @@ import pytest
 
 import robotraj as rt
 from robotraj.problem.clearance.pairs import ClearancePairs
-from robotraj.transcription.clearance.distance_functions import constants_of, function_of, key_of
+from robotraj.transcription.clearance.distance_functions import DistanceFunction, constants_of, function_of, key_of
+from robotraj.transcription.clearance.supporting_planes import heights, planes
 
 CLOUD = np.random.default_rng(5).normal(size=(8, 3)) * 0.1
 KINDS = {
@@ -26,30 +27,33 @@ def pairs() -> ClearancePairs:
 
 
 @pytest.mark.parametrize("kind", [*KINDS, "link"])
-def test_values_and_derivatives(pairs: ClearancePairs, kind: str) -> None:
+def test_planes_touch_the_distance_at_one_motion_and_are_below_it_elsewhere(pairs: ClearancePairs, kind: str) -> None:
     rng = np.random.default_rng(3)
     named = [p for p in range(len(pairs)) if (p >= pairs.against) == (kind == "link")]
     if kind != "link":
         named = [p for p in named if pairs.labels[pairs.second[p]] == kind]
     for pair in rng.choice(named, size=3).tolist():
-        alike = [p for p in named if key_of(pairs, p) == key_of(pairs, pair)][:4]
+        alike = np.array([p for p in named if key_of(pairs, p) == key_of(pairs, pair)][:4])
         function = function_of(pairs, pair, (False, False))
-        q = rng.uniform(-1, 1, size=(len(alike), 6))
-        v = q[:, function.positions].T
-        c = constants_of(pairs, np.array(alike)).T
-        found = function.stage.evaluate("function", v, c).ravel()
-        exact = pairs.distances_of(np.array(alike), q, np.zeros(len(alike)))
-        # Deep inside, distances are smoothed.
-        outside = exact + pairs.spheres.radius[pairs.first[alike]] > 0
-        np.testing.assert_allclose(found[outside], exact[outside], atol=1e-12)
-        step = 1e-6
-        slopes = np.zeros((len(alike), len(v)))
+        still = np.setdiff1d(np.arange(6), function.positions)
+        q, others = (rng.uniform(-1, 1, size=(len(alike), 6)) for _ in range(2))
+        q[:, still] = others[:, still] = pairs.robot.neutral[still]
+        known = planes(pairs, alike, q)
+        c = np.column_stack([constants_of(pairs, alike), known]).T
+
+        def values(at: np.ndarray, function: DistanceFunction = function, c: np.ndarray = c) -> np.ndarray:
+            return function.stage.evaluate("function", at[:, function.positions].T, c).ravel()
+
+        exact, elsewhere = (pairs.distances_of(alike, each, np.zeros(len(alike))) for each in (q, others))
+        np.testing.assert_allclose(values(q), exact, atol=1e-8)
+        np.testing.assert_allclose(values(others), heights(pairs, alike, others, known), atol=1e-12)
+        assert np.all(values(others) <= elsewhere + 1e-8)
         rows, columns = function.stage.jacobian_pattern
-        slopes[:, columns] = function.stage.evaluate("jacobian", v, c).T
-        for j in range(len(v)):
-            d = step * np.eye(len(v))[j][:, None]
-            up, down = (function.stage.evaluate("function", v + s * d, c).ravel() for s in (1, -1))
-            np.testing.assert_allclose(slopes[:, j], (up - down) / (2 * step), atol=1e-6)
+        slopes = np.zeros((len(alike), 6))
+        slopes[:, function.positions[columns]] = function.stage.evaluate("jacobian", q[:, function.positions].T, c).T
+        for j in range(6):
+            step = 1e-6 * np.eye(6)[j]
+            np.testing.assert_allclose(slopes[:, j], (values(q + step) - values(q - step)) / 2e-6, atol=1e-6)
 
 
 def test_a_moving_obstacle_reads_free_and_fixed_clocks() -> None:

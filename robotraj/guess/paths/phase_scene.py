@@ -1,0 +1,52 @@
+"""The scene of a phase: its robot, and the obstacles that its ``rt.CollisionFree`` names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from robotraj.dynamics.obstacles.primitives import primitives_of
+from robotraj.guess.paths.scene import PathScene, sphere_tree
+from robotraj.problem.constraints.collision_free import CollisionFree
+from robotraj.robot.limits import Limits
+
+if TYPE_CHECKING:
+    from robotraj.problem.clearance.pairs import ClearancePairs
+    from robotraj.problem.phase import Phase
+    from robotraj.robot.robot import Robot
+
+_KNOWN: WeakKeyDictionary[Phase, PathScene] = WeakKeyDictionary()
+
+
+def scene_of(phase: Phase) -> PathScene | None:
+    """Return the scene of a phase; None without ``rt.CollisionFree`` and for a moving base.
+
+    Obstacles that move are left out: planners without time do not see them.
+    """
+    robot = phase.robot
+    if robot is None or robot.root != "fixed" or robot.nq != robot.nv:
+        return None
+    kept = [constraint.pairs(robot) for constraint in phase.constraints if isinstance(constraint, CollisionFree)]
+    if not kept:
+        return None
+    if phase not in _KNOWN:
+        _KNOWN[phase] = _scene(phase, robot, kept)
+    return _KNOWN[phase]
+
+
+def _scene(phase: Phase, robot: Robot, kept: Sequence[ClearancePairs]) -> PathScene:
+    widest = max(kept, key=lambda pairs: len(pairs) - pairs.against)
+    apart = widest.spheres.link_pairs if len(widest) > widest.against else widest.spheres.link_pairs[:0]
+    obstacles = [obstacle for pairs in kept for obstacle in pairs.obstacles if not obstacle.moves]
+    limits = phase.limits if isinstance(phase.limits, Limits) else None
+    free = np.full(robot.nq, np.inf)
+    return PathScene(
+        sphere_tree(robot, widest.spheres, apart, primitives_of(obstacles)),
+        -free if limits is None else limits.position_lower,
+        free if limits is None else limits.position_upper,
+        np.ones(robot.nv) if limits is None else np.where(np.isfinite(limits.velocity), limits.velocity, 1.0),
+        max(pairs.margin for pairs in kept),
+    )

@@ -1,0 +1,59 @@
+"""Planes between shapes: the constants of rows whose normals are fixed along a known motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.problem.clearance.pairs import ClearancePairs
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+Motion = Callable[[Array], tuple[Array, Array]]
+"""From fractions of a phase (m,) to positions (m, nq) and times (m,) [s]."""
+
+STEP = 1e-6
+"""Step of the central difference of a distance [m]."""
+
+
+def planes(pairs: ClearancePairs, chosen: Indices, q: Array) -> Array:
+    """Return normals and offsets (n, 4) of pairs with one function, tangent to their distance at positions (n, nq).
+
+    Joints that move both spheres of a pair are neutral in ``q``, as in ``distance_functions``.
+    """
+    first, second = pairs.first[chosen], pairs.second[chosen]
+    radius, rows = pairs.spheres.radius, np.arange(len(chosen))
+    centres = pairs.spheres.centres(pairs.robot, q)
+    here = centres[rows, first]
+    if chosen[0] >= pairs.against:
+        apart = here - centres[rows, second]
+        normals = apart / np.maximum(np.linalg.norm(apart, axis=1), 1e-12)[:, None]
+        return np.column_stack([normals, radius[first] + radius[second]])
+    out = np.empty((len(chosen), 4))
+    for number in np.unique(second).tolist():
+        own = second == number
+        distance, out[own, :3] = _tangent(pairs.obstacles[number], here[own])
+        out[own, 3] = np.einsum("ij,ij->i", out[own, :3], here[own]) - distance + radius[first[own]]
+    return out
+
+
+def heights(pairs: ClearancePairs, chosen: Indices, q: Array, given: Array) -> Array:
+    """Return n' p - offset (n,) [m] of planes (n, 4) at positions (n, nq)."""
+    centres, rows = pairs.spheres.centres(pairs.robot, q), np.arange(len(chosen))
+    at = centres[rows, pairs.first[chosen]]
+    if chosen[0] >= pairs.against:
+        at = at - centres[rows, pairs.second[chosen]]
+    return np.asarray(np.einsum("ij,ij->i", given[:, :3], at) - given[:, 3])
+
+
+def _tangent(obstacle: Obstacle, points: Array) -> tuple[Array, Array]:
+    """Return signed distances (n,) and their unit gradients (n, 3) at points of the world (n, 3)."""
+    position, rotation = obstacle.pose()
+    local = (points - position) @ rotation
+    steps = STEP * np.vstack([np.eye(3), -np.eye(3)])
+    around = obstacle.distance((local[:, None] + steps).reshape(-1, 3)).reshape(-1, 2, 3)
+    gradients = (around[:, 0] - around[:, 1]) @ rotation.T
+    return obstacle.distance(local), gradients / np.maximum(np.linalg.norm(gradients, axis=1), 1e-300)[:, None]
