@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, NoSolutionFound
+from robotraj._util.forks import unforked
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from robotraj.planning.continuation import ContinuationStep
 
 
+@unforked()
 def plan(
     problem: Problem | Phase,
     mesh: Mesh | Sequence[Mesh] | None = None,

@@ -22,7 +22,7 @@ from robotraj.solution.records import added_times
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Multipliers, Progress, Solver
-from robotraj.solvers.ipopt import Ipopt
+from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
 from robotraj.transcription.collocation.unwrap_angles import unwrapped
 from robotraj.transcription.interval_limits.added_rows import rows_to_add, with_added_rows
@@ -102,7 +102,7 @@ def solve(
                 few = replace(
                     settings,
                     mesh=Mesh(COARSE, HermiteSimpson()),
-                    solver=Ipopt(max_iterations=300),
+                    solver=InteriorPoint(max_iterations=300, fallback=None),
                     engine=VirtualMachine(),
                     interval_limits=ConstraintGeneration(rounds=0),
                     restarts=Restarts(0),

@@ -21,7 +21,7 @@ from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import transcribed_again
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
-NEAR = 1e-2
+NEAR = 0.1
 """Largest violation of a scaled row at a guess from another problem whose multipliers are still taken over."""
 
 

@@ -16,6 +16,7 @@ from robotraj.solvers.formulation import Formulation, carried
 
 if TYPE_CHECKING:
     from robotraj.native import Program
+    from robotraj.solvers.stagewise.program import Program as Written
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +56,14 @@ def warm_start(multipliers: Multipliers | None, formulation: Formulation) -> dic
     origin = origin_of(multipliers)
     lam = None if origin is None else carried(origin.formulation, origin.lam, formulation)
     return {} if lam is None else {"lam": lam}
+
+
+def largest_violation(native: Program, start: NDArray[np.float64], program: Written) -> float:
+    """Return the largest violation of a scaled row at a start."""
+    rows = native.rows(start)
+    equalities = rows.size - program.lower.size
+    outside = np.maximum(program.lower - rows[equalities:], rows[equalities:] - program.upper)
+    return float(max(np.max(np.abs(rows[:equalities]), initial=0.0), np.max(outside, initial=0.0)))
 
 
 def report(progress: Progress | None) -> Callable[[int, float, float], bool] | None:

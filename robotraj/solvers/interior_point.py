@@ -22,7 +22,7 @@ from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.solvers.base import LateMultipliers, Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted
-from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, origin_of, report, warm_start
+from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, largest_violation, report, warm_start
 from robotraj.solvers.formulation import Formulation, formulate, options
 from robotraj.solvers.formulation import multipliers as original_multipliers
 from robotraj.solvers.ipopt import Ipopt
@@ -35,7 +35,11 @@ if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
 
 WARM_BARRIER = 1e-4
-"""Barrier parameter of a solve that starts from multipliers."""
+"""Smallest first barrier parameter of a solve that starts from multipliers."""
+WARM_SHARE = 1e-2
+"""First barrier parameter of such a solve, relative to the largest violation of a scaled row at its start.
+
+A solution of a neighbouring problem is as far from the central path of its barrier as it violates the rows."""
 NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
 """First barrier parameters of a solve that starts from the solution on another mesh, and of another problem."""
 STATUSES = {
@@ -201,6 +205,10 @@ class InteriorPoint(Solver):
         ready = time.perf_counter()
         start = formulation.start(nlp.guess)
         scale = self.objective_scale or of_program(native, start, program, self.initial_barrier, nlp)
+        warm = warm_start(multipliers, formulation)
+        barrier = self.initial_barrier
+        if warm:
+            barrier = min(barrier, max(WARM_BARRIER, WARM_SHARE * largest_violation(native, start, program)))
         tried = []
         iterations = 0
         for factor in FACTORS if self.barrier_factor is None else (self.barrier_factor,):
@@ -209,11 +217,11 @@ class InteriorPoint(Solver):
                 start,
                 program.lower,
                 program.upper,
-                self._options(factor, self.max_iterations - iterations, multipliers, formulation),
+                self._options(barrier, factor, self.max_iterations - iterations, formulation),
                 objective_scale=scale,
                 callback=report(progress),
                 time_limit=left,
-                **warm_start(multipliers, formulation),
+                **warm,
             )
             tried.append(found)
             iterations += found.iterations
@@ -252,12 +260,7 @@ class InteriorPoint(Solver):
             {"setup": ready - began, "solve": spent, **parts},
         )
 
-    def _options(
-        self, barrier_factor: float, iterations: int, multipliers: Multipliers | None, formulation: Formulation
-    ) -> Options:
-        barrier = self.initial_barrier
-        if origin_of(multipliers) is not None:
-            barrier = min(barrier, WARM_BARRIER)
+    def _options(self, barrier: float, barrier_factor: float, iterations: int, formulation: Formulation) -> Options:
         chosen: Options = load_native().Options(
             tolerance=self.tolerance,
             max_iterations=iterations,

@@ -61,7 +61,7 @@ def test_what_it_took_is_counted() -> None:
 
 
 def test_a_plan_on_several_meshes_names_the_beginning_that_led_to_it() -> None:
-    solution = rt.plan(triple_integrator())
+    solution = rt.plan(triple_integrator(), solver=rt.Ipopt())
     assert solution.proof is not None and solution.proof.holds
     assert len(solution.refinement) > 1 and "the guess was too short" in solution.message
 

@@ -17,7 +17,9 @@ from robotraj.solution.solution import Solution
 from robotraj.transcription.shooting.problem import explicit
 
 
-def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = None, **options: Any) -> list[Solution]:
+def sweep(
+    problems: Sequence[Problem | Phase], *, executor: Executor | None = None, chain: bool = False, **options: Any
+) -> list[Solution]:
     """Plan many problems with the same options.
 
     Parameters
@@ -28,6 +30,9 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
         Processes, threads or ``dask.distributed.Client.get_executor()``. By default one new process per core. It is
         spawned, so a script needs ``if __name__ == "__main__":`` around the call. ``ThreadPoolExecutor(1)`` plans in
         this process, one problem after the other.
+    chain : bool
+        Plan in this process, each problem from the solution of the last one that was solved. Neighbouring problems,
+        such as gaits of rising speed, take fewer iterations; problems of other local optima may follow the first one's.
     **options
         Of ``rt.plan``: mesh, guess, solver, tolerance, continuation ...
 
@@ -39,7 +44,8 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
     Raises
     ------
     InputError
-        A problem, named by its number, cannot be posed or pickled; ``rt.plan`` has no such option.
+        A problem, named by its number, cannot be posed or pickled; ``rt.plan`` has no such option; a chain has an
+        executor.
     Interrupted
         Ctrl-C was pressed; ``found`` has the solutions so far, by the numbers of their problems.
 
@@ -68,12 +74,32 @@ def sweep(problems: Sequence[Problem | Phase], *, executor: Executor | None = No
     for i, problem in enumerate(posed):
         if not isinstance(problem, Problem):
             raise InputError(f"rt.sweep takes problems or phases; number {i} is a {type(problem).__name__}.")
+    if chain:
+        if executor is not None:
+            raise InputError("rt.sweep(chain=True) plans one problem after the other: leave executor= out.")
+        return _chained(posed, options)
     try:
         found = run(_plan, options, list(enumerate(posed)), executor)
     except Interrupted as stopped:
         kept = {i: attach(solution, posed[i]) for i, solution in stopped.found.items()}
         raise Interrupted(kept, len(posed)) from stopped
     return [attach(solution, problem) for solution, problem in zip(found, posed, strict=True)]
+
+
+def _chained(problems: Sequence[Problem], options: Mapping[str, Any]) -> list[Solution]:
+    """Plan each problem from the solution of the last one that was solved."""
+    found: list[Solution] = []
+    last: Solution | None = None
+    for number, problem in enumerate(problems):
+        given = options if last is None else {**options, "guess": last}
+        try:
+            solution = _numbered_plan(given, number, problem)
+        except KeyboardInterrupt as stopped:
+            raise Interrupted(dict(enumerate(found)), len(problems)) from stopped
+        found.append(solution)
+        if solution.success:
+            last = solution
+    return found
 
 
 def check_options(options: Mapping[str, Any]) -> None:
@@ -92,8 +118,12 @@ def check_options(options: Mapping[str, Any]) -> None:
 
 def _plan(options: Mapping[str, Any], numbered: tuple[int, Problem]) -> Solution:
     number, problem = numbered
+    return detach(_numbered_plan(options, number, problem))
+
+
+def _numbered_plan(options: Mapping[str, Any], number: int, problem: Problem) -> Solution:
     try:
-        return detach(plan(problem, check=False, progress=False, **options))
+        return plan(problem, check=False, progress=False, **options)
     except InputError as error:
         raise type(error)(f"Problem number {number} of the sweep: {error}") from error
 

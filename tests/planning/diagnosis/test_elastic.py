@@ -21,7 +21,12 @@ def ur5() -> rt.Robot:
 
 def coarse(problem: rt.Problem, guess: rt.Solution | None) -> rt.Solution:
     return rt.plan(
-        problem, rt.Mesh(15), guess, rt.Ipopt(max_iterations=300), restarts=rt.planning.Restarts(0), check=False
+        problem,
+        rt.Mesh(15),
+        guess,
+        rt.InteriorPoint(max_iterations=300, fallback=None),
+        restarts=rt.planning.Restarts(0),
+        check=False,
     )
 
 

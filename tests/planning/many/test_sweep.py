@@ -292,3 +292,28 @@ def test_options_that_a_plan_does_not_have_are_refused_before_any_worker(search:
 
     with pytest.raises(rt.UnknownName, match="option of rt.plan named 'msh'. Did you mean 'mesh'"):
         search(executor=Never(), msh=rt.Mesh(3))
+
+
+def test_a_chain_starts_each_plan_from_the_last_one_solved() -> None:
+    """The third problem is too fast for its control; the fourth starts from the second."""
+    problems = moves()
+    chained = rt.sweep(problems, chain=True, mesh=MESH)
+    assert [solution.success for solution in chained] == [True, True, False, True]
+    assert [chained[i].objective for i in (0, 1, 3)] == pytest.approx([12.0, 1.5, 12 / 64], rel=1e-6)
+
+
+def test_a_chain_of_gaits_takes_fewer_iterations_than_cold_plans() -> None:
+    """Each cold one but the first takes 18 to 22 iterations, from its neighbour 12 to 19."""
+    robot = rt.load("solo12", root="floating", limits={"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7})
+    steps = [rt.gait.trot(robot, step_length=length, duration=0.2, clearance=0.04) for length in (0.06, 0.07, 0.08)]
+    options = {"mesh": rt.Mesh(4, rt.HermiteSimpson()), "solver": rt.InteriorPoint(threads=1)}
+    chained = rt.sweep(steps, chain=True, **options)
+    cold = [rt.plan(step, **options) for step in steps[1:]]
+    for one, other in zip(chained[1:], cold, strict=True):
+        assert one.objective == pytest.approx(other.objective, rel=1e-6)
+    assert sum(one.iterations for one in chained[1:]) < 0.8 * sum(one.iterations for one in cold)
+
+
+def test_a_chain_has_no_executor() -> None:
+    with pytest.raises(InputError, match="leave executor= out"):
+        rt.sweep(moves(), chain=True, executor=Backwards())
