@@ -37,7 +37,7 @@ LIMIT = 300.0
 """Seconds after which a process is stopped; solvers stop after 120 processor seconds."""
 
 
-def run_once(key: str, name: str, python: Path, cache: Path) -> dict[str, Any]:
+def run_once(key: str, name: str, python: Path, cache: Path, limit: float = LIMIT) -> dict[str, Any]:
     """Run one script in a fresh process and judge its result."""
     tool, task = TOOLS[name], task_of(key)
     with tempfile.TemporaryDirectory() as folder:
@@ -57,9 +57,9 @@ def run_once(key: str, name: str, python: Path, cache: Path) -> dict[str, Any]:
         command = [str(python), "-W", "ignore", str(HERE / "scripts" / tool.script), str(out)]
         began = time.time()
         try:
-            done = subprocess.run(command, env=variables, cwd=folder, capture_output=True, text=True, timeout=LIMIT)
+            done = subprocess.run(command, env=variables, cwd=folder, capture_output=True, text=True, timeout=limit)
         except subprocess.TimeoutExpired:
-            return {"failed": f"over {LIMIT:.0f} s", "total": LIMIT}
+            return {"failed": f"over {limit:.0f} s", "total": limit}
         if done.returncode or not out.exists():
             reason = (done.stderr.strip().splitlines() or ["no output"])[-1]
             return {"failed": reason[:120], "total": time.time() - began}

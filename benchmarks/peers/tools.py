@@ -91,6 +91,7 @@ TOOLS: dict[str, Tool] = {
         ),
         cannot=dict.fromkeys(("T1", "T2", "T3", "T4"), "not run: a mesh for an arm's minimum time"),
     ),
+    "robotraj-proven": _robotraj(", proved by default", PEERS_MESH="open"),
     "by-hand": Tool("by hand, inverse dynamics", "inverse_by_hand.py"),
     "opti": Tool("CasADi Opti", "opti_forward.py", slow=True, largest=50),
     "drake-ipopt": Tool(

@@ -1,7 +1,8 @@
 """A task with robotraj: PEERS_SOLVER, PEERS_ENGINE and PEERS_INTERVAL_LIMITS name values that rt.plan is given.
 
 PEERS_STARTS is a number of starts of rt.multistart, all in this process; 1 by default, rt.plan itself.
-PEERS_MESH=Chebyshev selects a mesh for the minimum time of an arm.
+PEERS_MESH=Chebyshev selects a mesh for the minimum time of an arm. PEERS_MESH=open leaves the mesh to robotraj, which
+then proves the plan.
 """
 
 from __future__ import annotations
@@ -98,8 +99,10 @@ def curves_of(solution: rt.Solution) -> tuple[np.ndarray, ...]:
     return t, *(np.array([getattr(s, name) for s in samples]) for name in ("q", "v", "tau"))
 
 
-def mesh_of(task: Task) -> rt.Mesh:
+def mesh_of(task: Task) -> rt.Mesh | None:
     """Return equal intervals of Hermite-Simpson, or twice as many of lower order that are dense at both ends."""
+    if os.environ.get("PEERS_MESH") == "open":
+        return None
     if os.environ.get("PEERS_MESH") == "Chebyshev":
         return rt.Mesh.chebyshev(2 * task.intervals, rt.schemes.RadauIIA(2))
     # A bang-bang force is constant within each interval, so that it cannot bulge over its limit.

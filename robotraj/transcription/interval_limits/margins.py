@@ -76,8 +76,10 @@ class _Tightened:
         self.lower, self.upper = scalars.lower.copy(), scalars.upper.copy()
 
     def tighten(self, at: np.ndarray, lower: float, upper: float) -> None:
-        self.lower[at] = np.maximum(self.lower[at], np.minimum(lower, self.upper[at]))
-        self.upper[at] = np.minimum(self.upper[at], np.maximum(upper, self.lower[at]))
+        """Move finite bounds; columns without bounds have rows on coefficients, and a new bound takes a new program."""
+        low, high = at[np.isfinite(self.lower[at])], at[np.isfinite(self.upper[at])]
+        self.lower[low] = np.maximum(self.lower[low], np.minimum(lower, self.upper[low]))
+        self.upper[high] = np.minimum(self.upper[high], np.maximum(upper, self.lower[high]))
 
     def shift(self, at: np.ndarray, amount: float) -> None:
         self.lower[at] += amount

@@ -48,3 +48,14 @@ def test_margins_do_not_add_up_and_share_the_functions() -> None:
     assert np.array_equal(once.variables.upper, twice.variables.upper)
     assert once.rows.upper.tolist() != nlp.rows.upper.tolist()
     assert once.blocks is nlp.blocks and once.loose_rows is nlp.rows
+
+
+def test_a_margin_bounds_no_column_that_had_no_bound() -> None:
+    """A solver that works by stages keeps its program: middles of intervals are bounded by coefficients alone."""
+    limits = rt.interval_limits.BernsteinBounds(controls=True)
+    nlp = transcribe(rt.Problem([pushed()]), rt.Mesh(4, rt.HermiteSimpson()), interval_limits=limits)
+    number = next(row.number for row in nlp.problem.phases[0].rows if row.variable == "u")
+    tight = with_margins(nlp, {LimitedInterval(0, 1, number): 0.1})
+    assert np.array_equal(np.isfinite(tight.variables.upper), np.isfinite(nlp.variables.upper))
+    assert np.sum(tight.variables.upper < nlp.variables.upper) == 2  # the ends of the interval
+    assert not np.isfinite(nlp.variables.upper).all()
