@@ -11,6 +11,7 @@ from robotraj._util.forks import unforked
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
+from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.progress import Deadline, watching
 from robotraj.planning.settings import resolve
 from robotraj.planning.solve import solve
@@ -168,7 +169,7 @@ def plan(
     settings = resolve(problem, given, settings)
     if time_limit is not None:
         above_zero("time_limit", time_limit, "s")
-    find = _method(settings)
+    find = with_candidates(_method(settings)) if has_candidates(problem) else _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
     with watching(settings.solver, progress) as shown:
         show = shown if time_limit is None else Deadline(time_limit, shown)

@@ -340,7 +340,17 @@ def test_every_value_of_a_problem_that_is_plain_data_is_on_the_list() -> None:
         for kind in kinds:
             kinds += kind.__subclasses__()
         plain = {k.__name__ for k in kinds if _is_kept(k)}
-        internal = {"JointLimit", "RateLimit", "Term", "Integral", "EndCost", "Shot", "Shooting", "Objective"}
+        internal = {
+            "JointLimit",
+            "RateLimit",
+            "FrameMotionLimit",
+            "Term",
+            "Integral",
+            "EndCost",
+            "Shot",
+            "Shooting",
+            "Objective",
+        }
         assert plain - set(CLASSES) - functions - internal - {name for name in plain if name[0] == "_"} == set(), family
 
 

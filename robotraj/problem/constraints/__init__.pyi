@@ -13,6 +13,11 @@ from .integral import IntegralConstraint
 from .joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity, own_limits
 from .motors.rates import JointJerk, JointTorqueRate
 from .path import PathConstraint
+from .task_space.axis import FrameAxis
+from .task_space.candidates import OneOf
+from .task_space.region import PoseRegion
+from .task_space.tool_motion import FrameAcceleration, FrameSpeed
+from .task_space.tool_path import CircularPath, LinearPath
 from .variable_bounds import VariableBounds
 
 __all__ = [
@@ -21,13 +26,17 @@ __all__ = [
     "Between",
     "BoundConstraint",
     "Bounds",
+    "CircularPath",
     "CollisionFree",
     "CollisionShapes",
     "Constraint",
     "DifferentialDrive",
     "FollowPath",
+    "FrameAcceleration",
+    "FrameAxis",
     "FramePose",
     "FramePosition",
+    "FrameSpeed",
     "GroundClearance",
     "IntegralConstraint",
     "JointAcceleration",
@@ -36,7 +45,10 @@ __all__ = [
     "JointPosition",
     "JointTorqueRate",
     "JointVelocity",
+    "LinearPath",
+    "OneOf",
     "PathConstraint",
+    "PoseRegion",
     "RequiredHeight",
     "Row",
     "SwingApex",

@@ -7,6 +7,8 @@ from .expressions import Lagrange, Mayer
 from .force_rate import ForceRate
 from .momentum import CentroidalMomentum
 from .rates import Jerk, TorqueRate
+from .redundancy.centering import JointCentering
+from .redundancy.manipulability import Manipulability
 from .smoothness import FrameSmoothness
 from .terminal_pose import TerminalPose
 from .tracking import Tracking
@@ -24,7 +26,9 @@ __all__ = [
     "FrameSmoothness",
     "Integral",
     "Jerk",
+    "JointCentering",
     "Lagrange",
+    "Manipulability",
     "Mayer",
     "MechanicalWork",
     "Objective",

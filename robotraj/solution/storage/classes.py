@@ -53,6 +53,11 @@ from robotraj.problem.constraints.integral import IntegralConstraint
 from robotraj.problem.constraints.joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity
 from robotraj.problem.constraints.motors.rates import JointJerk, JointTorqueRate
 from robotraj.problem.constraints.path import PathConstraint
+from robotraj.problem.constraints.task_space.axis import FrameAxis
+from robotraj.problem.constraints.task_space.candidates import OneOf
+from robotraj.problem.constraints.task_space.region import PoseRegion
+from robotraj.problem.constraints.task_space.tool_motion import FrameAcceleration, FrameSpeed
+from robotraj.problem.constraints.task_space.tool_path import CircularPath, LinearPath
 from robotraj.problem.constraints.variable_bounds import VariableBounds
 from robotraj.problem.links.continuity import Continuity, Jump
 from robotraj.problem.links.linkage import EqualDuration, Linkage, SameParameter
@@ -65,6 +70,8 @@ from robotraj.problem.objectives.expressions import Lagrange, Mayer
 from robotraj.problem.objectives.force_rate import ForceRate
 from robotraj.problem.objectives.momentum import CentroidalMomentum
 from robotraj.problem.objectives.rates import Jerk, TorqueRate
+from robotraj.problem.objectives.redundancy.centering import JointCentering
+from robotraj.problem.objectives.redundancy.manipulability import Manipulability
 from robotraj.problem.objectives.smoothness import FrameSmoothness
 from robotraj.problem.objectives.terminal_pose import TerminalPose
 from robotraj.problem.objectives.tracking import Tracking
@@ -107,11 +114,12 @@ CLASSES: Mapping[str, type] = {
     for kind in (
         # problems
         State, Between, Limits, AtEnd, AtStart, GroundClearance, CollisionShapes, FollowPath, FramePose,
-        FramePosition, SwingApex, DifferentialDrive, IntegralConstraint, JointAcceleration, JointEffort,
-        JointPosition, JointVelocity, PathConstraint, JointJerk, JointTorqueRate, VariableBounds, Continuity, Jump,
-        EqualDuration, Linkage, SameParameter, Mirror, Periodic, Liftoff, Touchdown, Sum, Duration, Effort, Lagrange,
-        Mayer, ForceRate, CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness, TerminalPose, Tracking,
-        CostOfTransport, AbsolutePower, MechanicalWork,
+        FramePosition, SwingApex, FrameAxis, OneOf, PoseRegion, FrameAcceleration, FrameSpeed, CircularPath,
+        LinearPath, JointCentering, Manipulability, DifferentialDrive, IntegralConstraint, JointAcceleration,
+        JointEffort, JointPosition, JointVelocity, PathConstraint, JointJerk, JointTorqueRate, VariableBounds,
+        Continuity, Jump, EqualDuration, Linkage, SameParameter, Mirror, Periodic, Liftoff, Touchdown, Sum, Duration,
+        Effort, Lagrange, Mayer, ForceRate, CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness, TerminalPose,
+        Tracking, CostOfTransport, AbsolutePower, MechanicalWork,
         # robots, contacts, terrain
         Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ForwardDynamics, InverseDynamics, Kinematics,
         FlatFoot, ImplicitContact, LineContact, LoopClosure, PointContact, Linearised, SecondOrder, FourCorners,

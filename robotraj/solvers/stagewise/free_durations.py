@@ -103,6 +103,12 @@ def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, 
             flat, k = columns.reshape(-1, len(own)), np.array(own)
             power[flat] = k
             clock[flat[:, k > 0]] = column
+        # States at rows that were added between the points are in no layout; they have the meaning of their variable.
+        meaning = nlp.variables.meaning
+        for number, order in zip(meaning[layout.knots[0]].tolist(), orders.states, strict=True):
+            if order > 0:
+                same = np.flatnonzero(meaning == number)
+                power[same], clock[same] = order, column
         unit[column] = nlp.scale[column] / max(nlp.guess[column], 1e-3)
         if before is not None and 0.5 <= before.unit[column] / unit[column] <= 2:
             unit[column] = before.unit[column]

@@ -5,7 +5,7 @@ places of every interval; a parabola through three neighbouring places locates a
 differ in what they read and in how much is allowed:
 
 - rows of the state: the polynomials of the state;
-- bounds of controls, accelerations and other algebraic variables: the variable itself;
+- bounds of controls, accelerations and other algebraic variables: the variable itself, and path rows that read them;
 - path rows that depend on controls or algebraic variables, and bounds of contact forces: all polynomials.
 """
 
@@ -106,7 +106,9 @@ def state_violations(phase: Phase, index: int, trajectory: PhaseTrajectory, allo
 def variable_violations(
     phase: Phase, index: int, trajectory: PhaseTrajectory, inputs: Inputs | None = None
 ) -> list[IntervalViolation]:
-    """Find bounds on controls and accelerations, in every interval, that are exceeded by more than a share of them.
+    """Find limits of controls and accelerations, in every interval, that are exceeded by more than a share of them.
+
+    They are bounds of these variables and of their rates, and path rows of the phase that read them.
 
     Parameters
     ----------
@@ -137,7 +139,15 @@ def variable_violations(
         columns = [names.index(str(row.variable)) for row in rows]
         allowed = EXACT_SHARE * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, _Rates(_Controls(inputs), columns), ONE_SIDED, allowed)
-    return found
+    rows = [row for row in phase.rows.of_inputs if not row.is_equality and _is_given(phase, row)]
+    share = EXACT_SHARE if isinstance(inputs, DrivenInputs) else SHARE
+    reader = _Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
+    return found + _violations(index, rows, reader, INNER_PLACES, share * np.array([row.size for row in rows]))
+
+
+def _is_given(phase: Phase, row: PhaseRow) -> bool:
+    """Whether a row is one of the phase's own constraints; those of contacts are measured against the weight."""
+    return phase.rows.constraints[row.constraint].source is not None
 
 
 def input_violations(

@@ -1,0 +1,100 @@
+"""Sets of poses: a box of positions in the axes of a pose, a free rotation about an axis, a cone of rotations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
+from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
+from robotraj.problem.constraints.frame_pose import AXES, PoseLike, as_pose, own_pose
+from robotraj.problem.constraints.task_space.axis import dot, perpendicular, turned, unit_vector
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
+    from robotraj.dynamics.point import RobotPoint
+    from robotraj.problem.scalars import Scalar
+
+
+@dataclass(frozen=True)
+class PoseRegion(Constraint):
+    """A frame inside a set of poses around a pose (p, R).
+
+    Position: lower <= R' (p_f - p) <= upper, a box in the axes of the pose. Rotation: with ``free_axis`` e, the axes
+    R_f e and R e agree within ``angle``, and the frame turns freely about e; without it, the whole rotation from R to
+    R_f is at most ``angle``, trace(R' R_f) >= 1 + 2 cos(angle).
+
+    Parameters
+    ----------
+    frame : str
+    pose : pinocchio.SE3 or (position, rotation)
+        As for ``rt.FramePose``.
+    position : number, Between, sequence of 3 or mapping
+        Displacements in the axes of the pose [m]: numbers fix, ``rt.between`` bounds, None leaves free.
+    free_axis : sequence of 3 float, optional
+        e, in the axes of the frame and of the pose alike.
+    angle : float
+        [rad], from 0 to below pi.
+
+    Wrap in ``rt.AtEnd`` for a goal with tolerances.
+    """
+
+    frame: str
+    pose: PoseLike
+    position: BoundsLike = 0.0
+    free_axis: Sequence[float] | None = None
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "pose", own_pose(self.pose))
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Write a row for each bounded displacement, and those of the rotation.
+
+        Raises
+        ------
+        InputError
+            No robot or frame of that name, a pose that is none, an angle out of range.
+        """
+        robot_of(dynamics, "PoseRegion").frame(self.frame)
+        frame, what = self.frame, f"region of frame {self.frame!r}"
+        place, rotation = as_pose(self.pose, what)
+        origin = np.array(place, dtype=float)
+        lower, upper = as_bounds(self.position, AXES, what, "axis")
+        kept = [i for i in range(3) if np.isfinite(lower[i]) or np.isfinite(upper[i])]
+        if not 0.0 <= self.angle < np.pi:
+            raise InputError(f"The {what} has the angle {self.angle} rad; it lies from 0 to below pi.")
+        rows = [Row(f"region position {AXES[i]}", "m", lower[i], upper[i], frame) for i in kept]
+        exact, room = self.angle == 0.0, 1.0 - np.cos(self.angle)
+        axis = None if self.free_axis is None else unit_vector(self.free_axis, what)
+        if not exact:
+            rows.append(Row("region angle", "", -np.inf, 1.0, frame))
+        else:
+            names = AXES if axis is None else AXES[:2]
+            rows += [Row(f"region rotation {name}", "rad", 0.0, 0.0, frame) for name in names]
+            rows.append(Row("region half turn", "", 0.0 if axis is not None else 1.0, np.inf, frame))
+        across = None if axis is None else perpendicular(rotation @ axis)
+
+        def expression(point: RobotPoint) -> list[Scalar]:
+            view = point.frame(frame)
+            moved = [view.position[i] - float(origin[i]) for i in range(3)]
+            values = [dot(rotation[:, i], moved) for i in kept]
+            if axis is not None and across is not None:
+                pointing = turned(view.rotation, axis)
+                along = dot(rotation @ axis, pointing)
+                if not exact:
+                    return [*values, (1.0 - along) / room]
+                return [*values, *(dot(direction, pointing) for direction in across), along]
+            error = rotation.T @ view.rotation
+            trace = error[0, 0] + error[1, 1] + error[2, 2]
+            if not exact:
+                return [*values, 0.5 * (3.0 - trace) / room]
+            skew = [error[2, 1] - error[1, 2], error[0, 2] - error[2, 0], error[1, 0] - error[0, 1]]
+            return [*values, *(0.5 * s for s in skew), trace]
+
+        return BoundConstraint("pose region", tuple(rows), expression)

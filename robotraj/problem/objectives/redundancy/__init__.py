@@ -1,0 +1,1 @@
+"""Costs for joints to spare: manipulability, distance from the limits of position."""
