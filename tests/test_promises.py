@@ -61,7 +61,7 @@ def test_objectives_subtract_negate_and_divide() -> None:
         rt.Effort() / 0
 
 
-def test_a_plan_on_one_mesh_tells_its_error_between_the_knots(solution: rt.Solution) -> None:
+def test_a_plan_on_one_mesh_prints_its_error_between_the_knots(solution: rt.Solution) -> None:
     assert "error between knots" in str(solution)
     finer = rt.plan(solution.problem, mesh=rt.Mesh(80), guess=solution)
     assert solution.error is not None and finer.error is not None

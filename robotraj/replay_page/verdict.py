@@ -90,10 +90,10 @@ def figures(solution: Solution) -> list[Figure]:
         found += [Figure(name, _number(v), goal, "good" if v <= goal else "unproved") for name, v, goal in measures]
     elif solution.refinement:
         found.append(Figure("error between knots", _number(solution.refinement[-1].error), None, "unproved"))
-    rows, between = len(solution.violation_list), _between(solution)
+    rows, exceeded = len(solution.violation_list), _limits_exceeded(solution)
     found.append(Figure("violated rows", rows, None, "bad" if rows else "good" if proof is not None else "unproved"))
     if proof is None:
-        found.append(Figure("limits exceeded between points", len(between), None, "unproved"))
+        found.append(Figure("limits exceeded between points", len(exceeded), None, "unproved"))
     return found
 
 
@@ -139,14 +139,14 @@ def _given_mesh(solution: Solution) -> list[Data]:
 
 def _worst_of_each_row(solution: Solution) -> list[Violation]:
     """Return the largest violation of each row, largest first."""
-    ranked = sorted((*solution.violation_list, *_between(solution)), key=lambda violation: -violation.relative)
+    ranked = sorted((*solution.violation_list, *_limits_exceeded(solution)), key=lambda violation: -violation.relative)
     found: dict[tuple[str, str], Violation] = {}
     for violation in ranked:
         found.setdefault((violation.phase, violation.label), violation)
     return list(found.values())
 
 
-def _between(solution: Solution) -> tuple[Violation, ...]:
+def _limits_exceeded(solution: Solution) -> tuple[Violation, ...]:
     return (*solution.interval_violations, *solution.control_interval_violations)
 
 

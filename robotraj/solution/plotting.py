@@ -50,8 +50,8 @@ class _Trace(OneLine):
     values: dict[str, Array]
     knots: Array
     at_knots: dict[str, Array]
-    between: Array
-    at_between: dict[str, Array]
+    inner: Array
+    at_inner: dict[str, Array]
 
 
 def plot(solution: Planned) -> Figure:
@@ -114,9 +114,9 @@ def _trace(part: PhaseSolution) -> _Trace:
     pieces = [values_of(part, grid, k) for k, grid in enumerate(grids)]
     values = {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
     gaps = np.abs(part.points[:, None] - knots[None, :]).min(axis=1)
-    between = part.points[gaps > 1e-9 * max(part.duration, 1e-9)]
-    at_between = values_of(part, between)
-    return _Trace(part, np.concatenate(grids), values, knots, values_of(part, knots), between, at_between)
+    inner = part.points[gaps > 1e-9 * max(part.duration, 1e-9)]
+    at_inner = values_of(part, inner)
+    return _Trace(part, np.concatenate(grids), values, knots, values_of(part, knots), inner, at_inner)
 
 
 def _variables(solution: Planned) -> list[Variable]:
@@ -180,7 +180,7 @@ def _curves(
             if not crowded:
                 axes.plot(trace.knots, trace.at_knots[variable.name], color=color, markersize=3.4, **dot)
                 axes.plot(
-                    trace.between, trace.at_between[variable.name], color=color, markersize=3.2,
+                    trace.inner, trace.at_inner[variable.name], color=color, markersize=3.2,
                     markerfacecolor="white", markeredgewidth=0.8, **dot,
                 )  # fmt: skip
 
@@ -233,7 +233,7 @@ def _marks(axes: Axes, traces: Sequence[_Trace]) -> None:
     """Mark knots with long and collocation points with short ticks along the bottom."""
     bottom: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "linestyle": "none", "marker": "|"}
     for trace in traces:
-        axes.plot(trace.between, np.full(len(trace.between), 0.008), color="0.6", markersize=4, **bottom)
+        axes.plot(trace.inner, np.full(len(trace.inner), 0.008), color="0.6", markersize=4, **bottom)
         axes.plot(trace.knots, np.full(len(trace.knots), 0.02), color="0.25", markersize=8, **bottom)
 
 

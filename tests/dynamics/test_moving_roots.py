@@ -137,7 +137,7 @@ def test_the_plan_is_found_from_every_guess(plan, guess):
     assert rt.plan(phase, rt.Mesh(8), guess).objective == pytest.approx(plan.objective, rel=1e-4)
 
 
-def test_a_plan_is_gone_on_from(plan):
+def test_a_plan_is_a_guess_for_the_next(plan):
     phase = plan.problem.phases[0]
     again = rt.plan(phase, rt.Mesh(8, rt.schemes.RadauIIA(3)), guess=plan)
     assert again.objective == pytest.approx(plan.objective, rel=1e-4)

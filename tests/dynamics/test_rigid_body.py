@@ -82,7 +82,7 @@ def test_variables_are_named_by_joint_with_units() -> None:
     assert [(v.name, v.unit) for v in dae.residuals] == [("dynamics.slider", "N"), ("dynamics.pole", "N m")]
 
 
-def test_a_point_knows_frames_centre_of_mass_and_momentum() -> None:
+def test_a_point_has_frames_centre_of_mass_and_momentum() -> None:
     robot = rt.load("acrobot")
     q, v, a, tau = somewhere(robot)
     data = robot.model.createData()

@@ -74,7 +74,7 @@ def test_end_speeds_beyond_the_limits_are_reduced() -> None:
 @pytest.mark.parametrize(
     "law", [Trapezoid.of(np.inf, 3.0), Trapezoid.of(0.5, 3.0), Trapezoid.of(2.0, 3.0, 0.5, 1.0)], ids=str
 )
-def test_a_law_goes_from_0_to_1_and_its_rates_are_its_derivatives(law: Trapezoid) -> None:
+def test_a_law_rises_from_0_to_1_and_its_rates_are_its_derivatives(law: Trapezoid) -> None:
     np.testing.assert_allclose(law.motion(np.array([0.0, 1.0]))[0], [0, 1], atol=1e-12)
     f, h = np.linspace(0.013, 0.987, 60), 1e-6
     ahead, behind, here = law.motion(f + h), law.motion(f - h), law.motion(f)

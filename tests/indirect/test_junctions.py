@@ -34,7 +34,7 @@ def bounce(bryson_denham: Any, request: pytest.FixtureRequest) -> tuple[float, r
 
 
 @pytest.mark.parametrize("mesh", MESHES, ids=str)
-def test_bryson_denhams_costates_from_a_plan_that_knows_nothing_of_its_arcs(
+def test_bryson_denhams_costates_from_a_plan_without_its_arcs(
     bryson_denham: Any, bounce: tuple[float, rt.Solution], mesh: rt.Mesh
 ) -> None:
     """Second order: the bound is met without speed, and the costate of x jumps there. Each side has its limit."""

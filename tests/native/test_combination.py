@@ -84,7 +84,7 @@ def test_empty_rows_leave_the_base(rows: int) -> None:
 def test_results_may_have_places_of_their_own(rows: int, processor: str) -> None:
     rng = np.random.default_rng(rows)
     matrix = staircase(50, rows, 25, 12, rng)
-    # Every stage leaves a gap, its first two rows go nowhere, and one row goes elsewhere than those like it.
+    # Every stage leaves a gap, its first two rows are dropped, and one row has another place than those like it.
     places = np.arange(matrix.shape[0]) + 3 * np.repeat(np.arange(50), rows)
     places[np.arange(matrix.shape[0]) % rows < 2] = -1
     places[31 * rows + 5] = 60 * rows

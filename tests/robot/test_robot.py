@@ -108,7 +108,7 @@ def test_actuated_joints_keep_the_order_of_v():
     assert robot.actuation.sum() == 2
 
 
-def test_a_catalogued_robot_knows_its_motors_and_the_caller_may_choose_others():
+def test_a_catalogued_robot_has_its_motors_and_the_caller_may_choose_others():
     assert rt.load("acrobot").actuated == ("elbow",)
     assert rt.load("acrobot", actuated=["shoulder", "elbow"]).nu == 2
     assert rt.load("acrobot", actuated=[]).actuation.shape == (2, 0)

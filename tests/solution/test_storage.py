@@ -147,7 +147,7 @@ def test_a_loaded_solution_warm_starts_and_proves_like_the_first(cartpole: rt.So
     assert rt.validate(loaded).drift.worst == rt.validate(cartpole).drift.worst
 
 
-def test_the_model_is_in_the_file_when_the_urdf_is_gone(tmp_path: Path) -> None:
+def test_the_file_contains_the_model_so_the_urdf_may_be_deleted(tmp_path: Path) -> None:
     urdf = tmp_path / "mine.urdf"
     text = next(entry.urdf for entry in rt.catalogue() if entry.name == "block").read_text()
     urdf.write_text(text.replace('robot name="block"', 'robot name="mine"'))

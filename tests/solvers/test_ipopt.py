@@ -41,7 +41,7 @@ def test_both_barriers_find_the_minimum_time(barrier: str) -> None:
     )
 
 
-def test_progress_tells_every_iteration_in_order() -> None:
+def test_progress_reports_every_iteration_in_order() -> None:
     seen: list[Iteration] = []
     nlp = rt.transcription.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
     outcome = rt.Ipopt().solve(nlp, seen.append)

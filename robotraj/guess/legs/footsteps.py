@@ -241,7 +241,7 @@ class Footsteps:
                 sign = self.schedule.sign if axis == "y" else 1.0
                 start = pendulum.repeating(sign, gain)
             else:
-                start = pendulum.between(begin, begin + gain)
+                start = pendulum.joining(begin, begin + gain)
             paths[axis] = (pendulum, start)
         levels = self._levels(standing_at)
         z = heights(times, levels, [not f for f in self.grounded], gravity, self.schedule.repeat is not None)

@@ -59,7 +59,7 @@ class Pendulum:
         matrix, vector = self._whole()
         return np.asarray(np.linalg.lstsq(matrix - sign * np.eye(2), np.array([gain, 0.0]) - vector, rcond=1e-9)[0])
 
-    def between(self, first: float, last: float) -> Array:
+    def joining(self, first: float, last: float) -> Array:
         """Return the first state (x, v) of the motion from one position to another."""
         matrix, vector = self._whole()
         return np.array([first, (last - vector[0] - matrix[0, 0] * first) / matrix[0, 1]])

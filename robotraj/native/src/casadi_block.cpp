@@ -52,7 +52,7 @@ void PointFunction::call(Memory& memory, double* result) const {
     failed = function_(memory.arguments.data(), memory.results.data(), memory.integers.data(), memory.reals.data(),
                        memory.handle);
   } catch (const std::exception&) {
-    // A thread of the pool has nobody to throw to; the solver sees that the numbers are none.
+    // No caller would catch an exception of a pool's thread; the solver refuses numbers that are not finite.
   }
   if (failed) std::fill_n(result, results_ * batch_, std::numeric_limits<double>::quiet_NaN());
 }

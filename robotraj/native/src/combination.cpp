@@ -26,7 +26,7 @@ struct Combination::Rows {
   const double* base;
   bool adds;
   std::size_t first;          // row of the whole
-  std::ptrdiff_t behind = 0;  // how much further on x is read than its columns say
+  std::ptrdiff_t behind = 0;  // offset of the entries of x that are read from its columns
   std::ptrdiff_t place(std::size_t row) const {
     if (adds) {
       const std::int32_t* entries = matrix.starts() + row % matrix.rows();
@@ -69,7 +69,7 @@ struct Combination::Rows {
     return true;
   }
 
-  /// The longest run within rows [begin, end) that goes through `middle`.
+  /// The longest run within rows [begin, end) that includes `middle`.
   Run through(std::size_t begin, std::size_t end, std::size_t middle) const {
     Run best{};
     std::size_t compared = 0;
@@ -209,7 +209,7 @@ void Combination::add(const Rows& rows, const Run& run) {
   runs_.push_back(added);
 }
 
-/// Lists the columns that the last block reads, and has its entries say which of them they take.
+/// Lists the columns that the last block reads; its entries become indices into that list.
 void Combination::number_reads(Run& run) {
   const auto begin = columns_.begin() + static_cast<std::ptrdiff_t>(run.first_entry);
   std::vector<std::int32_t> reads(begin, columns_.end());

@@ -1,4 +1,4 @@
-// The packs of one kind of processor; ROBOTRAJ_LANES says how many points they hold.
+// The packs of one kind of processor; ROBOTRAJ_LANES is the number of points that they hold.
 //
 // Everything of the kernels has internal linkage: it means something else in each of their files.
 #pragma once

@@ -12,7 +12,7 @@ namespace robotraj::native {
 /// Most points in a pack. Work is shared among threads in multiples of it; a point's results do not depend on its pack.
 constexpr std::size_t kMostLanes = 8;
 
-/// Allocates memory as the widest vectors want it.
+/// Allocates memory with the alignment of the widest vectors.
 template <typename T>
 struct Aligned {
   using value_type = T;

@@ -20,8 +20,8 @@ struct RigidArguments {
   const double* test;  ///< l, for the Hessian
   double* states;      ///< `Kernels::state` packs a joint
   double* tau;
-  double* jacobian;  ///< d tau/dx as `jacobian_pattern` says; may be null
-  double* hessian;   ///< d^2 (l' tau)/dx^2 as `hessian_pattern` says; may be null
+  double* jacobian;  ///< d tau/dx in the order of `jacobian_pattern`; may be null
+  double* hessian;   ///< d^2 (l' tau)/dx^2 in the order of `hessian_pattern`; may be null
 };
 
 /// One of the chain rule's terms: out[out] += left[left] * right[right].

@@ -57,7 +57,7 @@ std::vector<int> sizes(const Indices& array, const char* name) {
   return {array.data(), array.data() + array.size()};
 }
 
-/// Lets Python decide, once an iteration, whether a solve goes on.
+/// Lets Python decide, once an iteration, whether a solve continues.
 class Check {
  public:
   Check(nb::object callback, double time_limit)

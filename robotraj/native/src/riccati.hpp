@@ -1,4 +1,4 @@
-// Newton's system of a stagewise program by a Riccati recursion that knows which entries there are.
+// Newton's system of a stagewise program by a Riccati recursion that uses the sparsity of the dynamics.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct RiccatiOptions {
   double pivot_tolerance = 1e-6;  ///< Cholesky pivots below this part of their diagonal are not positive
 };
 
-/// Memory that a stage works in, as large as the largest stage wants it; aligned to kBlock numbers.
+/// Memory that a stage works in, as large as the largest stage needs; aligned to kBlock numbers.
 struct RiccatiMemory {
   double *matrix, *reduced;  ///< M by columns, and what is left of it after an elimination
   double* cost;              ///< P of the next stage, full

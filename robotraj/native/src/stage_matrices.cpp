@@ -136,7 +136,7 @@ void StageMatrices::place_jacobian(const Pattern& pattern) {
       std::size_t& e = next[kind];
       for (; e < pattern.size() && pattern.rows[e] < first_row[kind][k] + rows[kind]; ++e) {
         const std::int32_t column = pattern.columns[e] - first_column;
-        // What is left of the stage is the -1 of the next state, which the recursion knows by itself.
+        // What is left of the stage is the -1 of the next state, which the recursion does not read from here.
         if (column >= n) continue;
         entries.push_back({pattern.rows[e] - first_row[kind][k], column, static_cast<std::int32_t>(e)});
       }

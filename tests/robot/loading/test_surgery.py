@@ -84,7 +84,7 @@ def test_a_pair_of_cosine_and_sine_need_not_be_normalised(urdf):
 
 
 @pytest.mark.parametrize("name", ["ur5", "kinova"])
-def test_locked_joints_are_gone_and_the_rest_moves_alike(name):
+def test_locked_joints_are_removed_and_the_others_move_alike(name):
     whole = rt.load(name)
     held = {whole.joint_names[1]: 0.4, whole.joint_names[3]: -1.1}
     robot = rt.load(name, locked=held)

@@ -79,7 +79,7 @@ def test_times_can_be_given(cartpole: rt.Solution, tmp_path: Path) -> None:
     assert [float(row[2]) for row in rows] == cartpole.at(np.array(times)).q[:, 1].tolist()  # type: ignore[index]
 
 
-def test_a_json_tells_the_whole_story(cartpole: rt.Solution, tmp_path: Path) -> None:
+def test_a_json_contains_the_whole_solution(cartpole: rt.Solution, tmp_path: Path) -> None:
     data = json.loads(cartpole.to_json(tmp_path / "swing.json", samples=11).read_text())
     assert data["status"] == "solved" and data["success"] is True
     assert data["objective"] == cartpole.objective and data["duration"] == 2.0

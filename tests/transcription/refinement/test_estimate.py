@@ -145,7 +145,7 @@ def test_the_compressed_form_has_the_estimate_of_the_separated_one() -> None:
 @pytest.mark.parametrize(
     "scheme", [*COLLOCATION, *STEPPED, rt.schemes.MultipleShooting(rt.schemes.Adaptive())], ids=name
 )
-def test_a_solution_tells_its_error_by_any_scheme(scheme: Scheme) -> None:
+def test_a_solution_has_an_error_estimate_for_every_scheme(scheme: Scheme) -> None:
     solution = rt.plan(rt.Phase(SWING, 2.0, rt.State([1, 0])), rt.Mesh(8, scheme))
     assert solution.error == estimate(solution.phases[0]).max()
     assert f"error between knots {solution.error:.1e}" in str(solution)

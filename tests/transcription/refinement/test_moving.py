@@ -74,7 +74,7 @@ def test_bounds_that_leave_no_mesh_are_refused(bounds: tuple[float, float]) -> N
 
 
 @pytest.mark.parametrize("bang", bangs(), ids=lambda bang: bang.case.name)
-def test_refinement_goes_on_from_where_the_knots_came_to_stand(bang: Bang) -> None:
+def test_refinement_continues_from_the_moved_knots(bang: Bang) -> None:
     """The next meshes keep the switches on knots and move on: the optimum is met far closer than the tolerance."""
     solver = rt.Ipopt(tolerance=1e-10)
     solution = rt.plan(bang.case.problem, bang.mesh, bang.case.guess, solver, tolerance=1e-6)

@@ -327,7 +327,7 @@ def test_an_objective_settles_on_a_finer_mesh_alone(scheme: Any, refinement: Any
 @pytest.mark.parametrize(
     "scheme", [rt.schemes.RadauIIA(5), rt.schemes.GaussLegendre(4)], ids=lambda s: type(s).__name__
 )
-def test_what_a_hull_costs_goes_with_the_mesh(scheme: Any, tolerance: float) -> None:
+def test_the_cost_of_bernstein_bounds_vanishes_with_the_mesh(scheme: Any, tolerance: float) -> None:
     # u = clip(c (1 - 2 t), -5, 5), with c from the integral of (1 - t) u, which is 1: scipy.optimize.brentq.
     block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
     effort = rt.Lagrange(lambda point: point.u["u"] ** 2)

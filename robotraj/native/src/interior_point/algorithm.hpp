@@ -48,7 +48,7 @@ class Algorithm {
   LineSearch search;
   Barrier barrier;
 
-  /// Gives the phase that the line search hands over to; without it a step that is too short ends the solve.
+  /// Sets the phase that follows a line search that fails; without it a step that is too short ends the solve.
   std::function<Restoration&()> restoration;
   /// Ends the iteration as `restored`; asked from the second iteration on.
   std::function<bool()> goal;

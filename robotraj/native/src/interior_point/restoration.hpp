@@ -12,7 +12,7 @@ class Restoration {
  public:
   Restoration(ProgramProblem& original, const Options& options, Progress& progress);
 
-  /// Leaves a point in `original.trial`, or says why there is none.
+  /// Leaves a point in `original.trial`, or returns why there is none.
   End restore(Run& original, const LineSearch& search);
 
   double seconds() const { return algorithm_.run.direction.seconds; }

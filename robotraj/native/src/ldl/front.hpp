@@ -46,7 +46,7 @@ struct FrontKernels {
   void (*backward)(const double* l, int ld, int pivots, double* x);
 };
 
-/// Those of the processor at hand or, with a name, those compiled for that one.
+/// Those of the present processor or, with a name, those compiled for that one.
 const FrontKernels& front_kernels_of(const std::string& processor = {});
 
 // One file each.

@@ -32,7 +32,7 @@ class Elimination {
       if (done_ == end) {
         if (end == f_.candidates) break;
         if (done_ == begun) {
-          // Nothing more goes within the threshold. The last front takes what there is.
+          // No pivot is left within the threshold. The last front accepts any other.
           if (!rule_.last || forced) break;
           forced = true;
           threshold = 0.0;
@@ -122,7 +122,7 @@ class Elimination {
   /// Eliminates the next candidate, alone or with another; false if neither can go.
   bool pivot(double threshold) {
     const int k = done_;
-    // Constraints that know no other candidate wait: no need to look at all of their rows.
+    // Constraints without another candidate wait: their rows need not all be read.
     const int inner = (f_.candidates + kStep - 1) / kStep * kStep;
     column(k, k, inner, one_);
     if (!(largest(one_, k, f_.candidates) > rule_.small)) return false;

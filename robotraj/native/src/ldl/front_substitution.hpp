@@ -10,7 +10,7 @@ namespace {
 ROBOTRAJ_INLINE const Loose* loose(const double* x) { return reinterpret_cast<const Loose*>(x); }
 ROBOTRAJ_INLINE Loose* loose(double* x) { return reinterpret_cast<Loose*>(x); }
 
-/// Adds a child's lower triangle of `count` rows, `step` numbers a column, where `places` says.
+/// Adds a child's lower triangle of `count` rows, `step` numbers a column, at `places`.
 void add(const double* block, int step, int count, const int* places, double* entries, int ld) {
   // Most rows follow each other in the parent too.
   int begin = 0;
