@@ -12,8 +12,8 @@ import casadi as ca
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.expression_values import rows_of
 from robotraj.dynamics.point import Point
-from robotraj.dynamics.rows import rows_of
 from robotraj.dynamics.variable import Column, Named, Scalar, Variable
 
 Expression: TypeAlias = "Callable[[Any], Column | Sequence[Scalar] | Scalar]"

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.dynamics.rows import as_rows
+from robotraj.dynamics.expression_values import as_rows
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, Row, Where

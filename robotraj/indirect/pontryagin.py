@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rigid_body import ForwardDynamics
-from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.system import System
 from robotraj.dynamics.variable import Named, Scalar
 from robotraj.indirect.arcs import Side

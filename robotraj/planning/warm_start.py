@@ -114,7 +114,7 @@ def earlier_multipliers(guess: InitialGuess | Solution | None, nlp: Nlp, extende
         return lengthened(known, nlp)
     if not same:
         return None
-    from robotraj.solution.costates.transfer import transfer
+    from robotraj.solution.costates.multiplier_transfer import transfer
 
     return transfer(guess.duals, nlp)
 

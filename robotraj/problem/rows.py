@@ -19,8 +19,8 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.point import Point
-from robotraj.dynamics.rows import as_rows
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where
 

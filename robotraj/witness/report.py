@@ -9,7 +9,7 @@ from robotraj._util.errors import ValidationFailed, unknown_name
 from robotraj._util.values import dataclass
 from robotraj.witness.complaints import complaints_about
 from robotraj.witness.figures import Figures, Tolerances
-from robotraj.witness.table import coloured, render
+from robotraj.witness.report_text import coloured, render
 
 
 @dataclass(frozen=True, repr=False)

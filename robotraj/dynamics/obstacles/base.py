@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import own_fields
+from robotraj.dynamics.expression_values import rows_of
 from robotraj.dynamics.obstacles.speed_bounds import ranges_of
-from robotraj.dynamics.rows import rows_of
 
 Array = NDArray[np.float64]
 Place = Sequence[float] | Callable[[Any], Any]

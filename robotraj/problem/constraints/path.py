@@ -10,7 +10,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.rows import rows_of
+from robotraj.dynamics.expression_values import rows_of
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, symbols_of
 from robotraj.problem.constraints.bounds import SideLike
 

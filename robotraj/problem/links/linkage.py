@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
-from robotraj.dynamics.rows import rows_of
+from robotraj.dynamics.expression_values import rows_of
 from robotraj.problem.constraints.base import Row, ends_of
 from robotraj.problem.constraints.bounds import SideLike
 from robotraj.problem.constraints.path import flat, side

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.rows import rows_of
+from robotraj.dynamics.expression_values import rows_of
 from robotraj.problem.constraints.base import ends_of, symbols_of
 from robotraj.problem.objectives.base import EndCost, Integral
 

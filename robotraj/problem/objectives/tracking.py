@@ -11,9 +11,9 @@ import numpy as np
 
 from robotraj._util.errors import InputError, called
 from robotraj._util.values import dataclass
+from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody
-from robotraj.dynamics.rows import as_rows
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.reference_motion import ReferenceSolution, symbolic_states

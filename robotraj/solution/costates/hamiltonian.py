@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
-from robotraj.dynamics.rows import as_rows
+from robotraj.dynamics.expression_values import as_rows
 from robotraj.problem.constraints.base import Row
 from robotraj.problem.phase import Phase
 

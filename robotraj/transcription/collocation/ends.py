@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.dynamics.rows import as_rows
+from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.variable import Named
 from robotraj.problem.constraints.base import Row, Where
 from robotraj.problem.links.base import BoundLink, Ends

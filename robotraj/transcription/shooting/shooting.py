@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
-from robotraj.dynamics.rows import as_rows
+from robotraj.dynamics.expression_values import as_rows
 from robotraj.problem.constraints.base import Row
 from robotraj.problem.rows import PhaseRow
 from robotraj.transcription.assembly.block import Block

@@ -7,8 +7,8 @@ from typing import Protocol
 
 from robotraj.witness.contacts.holding import Holding, part_of
 from robotraj.witness.contacts.impact import Impact
-from robotraj.witness.layout import table, worst_of, wrapped
 from robotraj.witness.plants.plant import Landing
+from robotraj.witness.report_tables import table, worst_of, wrapped
 
 
 class Allowed(Protocol):

@@ -6,12 +6,12 @@ import html
 from collections.abc import Mapping
 
 from robotraj._util.values import dataclass
-from robotraj.witness.layout import table, worst_of, wrapped
 from robotraj.witness.peak import Peak
 from robotraj.witness.protocols import Array
+from robotraj.witness.report_tables import table, worst_of, wrapped
+from robotraj.witness.report_text import coloured
 from robotraj.witness.simulation.drift import Drift
 from robotraj.witness.simulation.robot import Simulation
-from robotraj.witness.table import coloured
 
 
 @dataclass(frozen=True)

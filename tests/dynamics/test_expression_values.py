@@ -12,7 +12,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError
-from robotraj.dynamics.rows import as_rows, rows_of
+from robotraj.dynamics.expression_values import as_rows, rows_of
 
 
 def phase(**changes: Any) -> rt.Phase:

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 from robotraj.witness.contacts.table import contacts
 from robotraj.witness.figures import Figures
-from robotraj.witness.layout import table, worst_of, wrapped
 from robotraj.witness.peak import Peak
+from robotraj.witness.report_tables import table, worst_of, wrapped
 from robotraj.witness.simulation.drift import Drift, DriftRow
 
 COLOURS = {"PASSED": "\x1b[32m", "FAILED": "\x1b[31m"}

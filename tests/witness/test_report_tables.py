@@ -1,6 +1,6 @@
 """Tables of reports: aligned, 80 columns wide, numbers whole."""
 
-from robotraj.witness.layout import WIDTH, shortened, table
+from robotraj.witness.report_tables import WIDTH, shortened, table
 
 
 def test_numbers_are_aligned_right_and_texts_left():
