@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from robotraj._util.values import dataclass
 from robotraj.solution.violation import Violation
+from robotraj.witness.checks.clearance import Clearance
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
 from robotraj.witness.contacts.holding import Holding
@@ -95,6 +96,10 @@ class Figures:
     impacts : tuple of Impact
     stiff : float or None
         Time [s] from which implicit steps simulated open loop, because the motion is stiff.
+    clearances : tuple of Clearance
+        Smallest distance of the exact shapes for every ``CollisionFree``.
+    self_collisions : tuple of Clearance
+        Links that pass through each other where no ``CollisionFree`` keeps them apart: a warning, not judged.
     """
 
     local: Drift | None
@@ -117,6 +122,8 @@ class Figures:
     holdings: tuple[Holding, ...] = ()
     impacts: tuple[Impact, ...] = ()
     stiff: float | None = None
+    clearances: tuple[Clearance, ...] = ()
+    self_collisions: tuple[Clearance, ...] = ()
 
     @property
     def violations(self) -> tuple[Violation, ...]:

@@ -35,6 +35,7 @@ def render(figures: Figures, complaints: Sequence[str], verdict: str) -> str:
     phases = ", ".join(repr(name) for name in figures.phases)
     head = f"Validation of {phases}: {figures.duration:.6g} s, {figures.intervals} intervals"
     lines = [*wrapped(head, "", "  "), *_motion(figures), "", *_violations(figures), ""]
+    lines += _clearances(figures)
     if figures.holdings:
         lines += [*contacts(figures.holdings, figures.impacts, figures.landings, figures.tolerances), ""]
     lines += [*_residual(figures), *_energy(figures), *_unseen(figures)]
@@ -113,6 +114,20 @@ def _violations(figures: Figures) -> list[str]:
     title = f"  limits and constraints violated, {figures.tolerances.limits:.1e} of their range is allowed{others}"
     cells = [[f"{v.label} !", f"{v.amount:.2e}", f"{v.limit:.6g}", v.unit, f"{v.time:.4f}", v.phase] for v in rows]
     return [title, *table(("row", "by", "limit", "unit", "at t [s]", "phase"), cells, (0, 5))]
+
+
+def _clearances(figures: Figures) -> list[str]:
+    """Return the smallest distances, and a warning for links that pass through each other."""
+    lines = []
+    for each in figures.clearances:
+        apart = f"{1e3 * each.distance:.4g} mm, {each.label}, t = {each.time:.4g} s"
+        lines += wrapped(f"smallest distance: {apart} (at least {1e3 * each.margin:g} mm)")
+    for each in figures.self_collisions:
+        lines += wrapped(
+            f"warning: {each.label} pass through each other in phase {each.phase!r}, t = {each.time:.4g} s; "
+            "rt.CollisionFree() keeps links apart"
+        )
+    return [*lines, ""] if lines else []
 
 
 def _residual(figures: Figures) -> list[str]:

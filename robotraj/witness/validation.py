@@ -9,6 +9,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj.witness.checks import energy as energies
+from robotraj.witness.checks.clearance import clearance_of, self_collisions
 from robotraj.witness.checks.links import link_violations
 from robotraj.witness.checks.residual import Residual, residual_of
 from robotraj.witness.checks.violations import violations_of
@@ -55,11 +56,12 @@ def validate(
     M a + h = B tau - d + J' f and J a + (dJ/dt) v = 0. DOP853 integrates; where the motion is
     stiff, an L-stable SDIRK method of order 4 does.
 
-    Four figures decide:
+    Five figures decide:
 
     - the local error: short parts of the plan are simulated one by one, each from the plan's own state;
     - limits, constraints, links, boundary conditions and contacts, between the knots too; and impacts,
       M (v+ - v-) = J' L, J v+ = 0;
+    - distances of the exact shapes from obstacles and each other, by coal, for every ``CollisionFree``;
     - tracking: the robot follows the whole plan with ``solution.gains``, time-varying linear feedback;
     - the mirrored half of a gait, simulated as a motion of its own: the inertia of a robot is seldom symmetric.
 
@@ -112,6 +114,9 @@ def validate(
         lambda: [*link_violations(solution), *(v for p in phases for v in violations_of(p, samples, clock))],
         True,
     )
+    distances = within("distances", lambda: [clearance_of(p, clock) for p in robots], True) or []
+    passing = within("self-collision", lambda: [c for p in robots for c in self_collisions(p, clock)], False)
+    broken = [*(broken or ()), *(violation for _, short in distances for violation in short)]
     locally = within("local error", lambda: local_errors(solution, LOCAL_RTOL, LOCAL_ATOL, clock), local is not None)
     holdings = within("contacts", lambda: [h for p in robots for h in holding_of(p, samples, clock)], True)
     impacts = within("impacts", lambda: impacts_of(solution), True)
@@ -133,7 +138,7 @@ def validate(
         local=locally,
         closed_loop=followed,
         drift=None if drifted is None else drifted.drift,
-        breaches=tuple(sorted(broken or (), key=lambda v: -v.relative)),
+        breaches=tuple(sorted(broken, key=lambda v: -v.relative)),
         energy=energies.add(balances or ()),
         residual=Residual(*(largest(getattr(r, of) for r in residuals or ()) for of in ("dynamics", "rate", "jumps"))),
         failure=None if drifted is None else drifted.failure,
@@ -150,4 +155,6 @@ def validate(
         holdings=tuple(holdings or ()),
         impacts=tuple(impacts or ()),
         stiff=None if drifted is None else drifted.stiff,
+        clearances=tuple(each for nearest, _ in distances for each in nearest),
+        self_collisions=tuple(passing or ()),
     )

@@ -1,0 +1,278 @@
+"""Distances of a robot's exact shapes from obstacles and from each other, by coal, along a plan.
+
+A pair whose distance is d and changes by at most L a second cannot touch before d / L has passed. Each pair is
+evaluated again then, and near contact every ``RESOLUTION``. L is this file's own bound: speeds of the joints, the
+largest of samples with a reserve, times the greatest distance of the shape's points from each joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import product
+from typing import Any, NamedTuple
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.problem.constraints.collision_free import CollisionFree
+from robotraj.problem.phase import Phase
+from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
+from robotraj.robot.robot import Robot
+from robotraj.solution.violation import Violation
+from robotraj.witness.checks.coal_shapes import coal_shape
+from robotraj.witness.planned import robot_sample
+from robotraj.witness.protocols import Array, PhaseSolutionLike
+
+RESOLUTION = 1e-3
+"""Longest time between evaluations near contact [s]."""
+RESERVE = 1.2
+"""Factor on sampled speeds."""
+SIZE = 1e-2
+"""Penetration that counts as a relative violation of 1 [m]."""
+PER_INTERVAL = 9
+"""Samples of speeds in every interval."""
+
+
+class Clearance(NamedTuple):
+    """The smallest distance of a phase.
+
+    Attributes
+    ----------
+    phase, label : str
+        Name of the phase, and of both shapes.
+    distance, margin : float
+        [m].
+    time : float
+        [s].
+    """
+
+    phase: str
+    label: str
+    distance: float
+    margin: float
+    time: float
+
+
+class _Shape(NamedTuple):
+    """A shape that a joint carries, or an obstacle in the world."""
+
+    label: str
+    geometry: Any
+    joint: int
+    placement: pin.SE3
+    obstacle: Obstacle | None = None
+
+
+def clearance_of(
+    planned: PhaseSolutionLike, clock: Callable[[], None] = lambda: None
+) -> tuple[list[Clearance], list[Violation]]:
+    """Return the smallest distance for every ``CollisionFree`` of a phase, and all that are below the margin."""
+    phase = planned.phase
+    nearest: list[Clearance] = []
+    broken: list[Violation] = []
+    if not isinstance(phase, Phase) or phase.robot is None:
+        return nearest, broken
+    for free in phase.constraints:
+        if isinstance(free, CollisionFree):
+            shapes, pairs = _pairs(phase.robot, free)
+            least = _least(planned, phase.robot, shapes, pairs, clock)
+            found = [
+                Clearance(phase.name, f"{shapes[a].label} and {shapes[b].label}", distance, float(free.margin), time)
+                for (a, b), (distance, time) in zip(pairs, least, strict=True)
+            ]
+            nearest += sorted(found, key=lambda each: each.distance)[:1]
+            broken += _violations(found)
+    return nearest, broken
+
+
+def self_collisions(planned: PhaseSolutionLike, clock: Callable[[], None] = lambda: None) -> list[Clearance]:
+    """Return the pairs of links that pass through each other where no ``CollisionFree`` keeps them apart."""
+    phase = planned.phase
+    if not isinstance(phase, Phase) or phase.robot is None or phase.robot.root != "fixed":
+        return []
+    robot = phase.robot
+    if any(isinstance(each, CollisionFree) and each.self_collision for each in phase.constraints):
+        return []
+    shapes, pairs = _pairs(robot, CollisionFree())
+    found = _least(planned, robot, shapes, pairs, clock)
+    worst: dict[str, Clearance] = {}
+    for (a, b), (distance, time) in zip(pairs, found, strict=True):
+        label = f"{shapes[a].label} and {shapes[b].label}"
+        if distance < 0.0 and distance < worst.get(label, Clearance("", "", 0.0, 0.0, 0.0)).distance:
+            worst[label] = Clearance(phase.name, label, distance, 0.0, time)
+    return sorted(worst.values(), key=lambda each: each.distance)
+
+
+def _violations(found: Sequence[Clearance]) -> list[Violation]:
+    worst: dict[str, Clearance] = {}
+    for each in found:
+        known = worst.get(each.label)
+        if each.distance < each.margin and (known is None or each.distance < known.distance):
+            worst[each.label] = each
+    return [
+        Violation(e.phase, "clearance", e.label, e.time, e.margin - e.distance, "m", e.margin, "under", SIZE)
+        for e in worst.values()
+    ]
+
+
+def _pairs(robot: Robot, free: CollisionFree) -> tuple[list[_Shape], list[tuple[int, int]]]:
+    """Return the exact shapes, and the pairs that are checked."""
+    model = robot.model
+    own = [
+        _Shape(model.frames[s.parentFrame].name, s.geometry, int(s.parentJoint), s.placement)
+        for s in robot.collision_model.geometryObjects
+    ]
+    links = list(dict.fromkeys(shape.label for shape in own))
+    disabled: Any = free.srdf or ()
+    apart = {frozenset(pair) for pair in candidate_pairs(robot, links, disabled)}
+    carried, world = [], []
+    for obstacle in free.obstacles:
+        position, rotation = obstacle.pose() if not obstacle.moves else (np.zeros(3), np.eye(3))
+        local = pin.SE3(np.array(rotation), np.array(position))
+        if obstacle.frame is None:
+            world.append(_Shape(obstacle.label, coal_shape(obstacle), 0, local, obstacle))
+        else:
+            frame = model.frames[robot.frame(obstacle.frame)]
+            shape = coal_shape(obstacle)
+            carried.append(_Shape(obstacle.label, shape, int(frame.parentJoint), frame.placement * local))
+    shapes = [*own, *carried, *world]
+    pairs = []
+    for i, j in product(range(len(own) + len(carried)), range(len(own) + len(carried), len(shapes))):
+        obstacle_moves = shapes[j].obstacle is not None and shapes[j].obstacle.moves  # type: ignore[union-attr]
+        if shapes[i].joint or obstacle_moves:
+            pairs.append((i, j))
+    if free.self_collision:
+        among = [(i, j) for i in range(len(own)) for j in range(i) if frozenset((own[i].label, own[j].label)) in apart]
+        for k, held in enumerate(carried, start=len(own)):
+            beside = {shape.label for shape in own if shape.joint == held.joint}
+            for i, shape in enumerate(own):
+                if shape.label not in beside and all(frozenset((shape.label, name)) in apart for name in beside):
+                    among.append((k, i))
+        pairs += _sometimes_apart(robot, shapes, among)
+    return shapes, pairs
+
+
+def _sometimes_apart(robot: Robot, shapes: Sequence[_Shape], among: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the pairs of links that do not touch in every sampled configuration."""
+    touching = {frozenset((shapes[i].label, shapes[j].label)) for i, j in among}
+    data, request = robot.model.createData(), coal.CollisionRequest()
+    for q in sampled_configurations(robot):
+        if not touching:
+            break
+        places = _places(robot, data, shapes, q, 0.0)
+        now = {
+            frozenset((shapes[i].label, shapes[j].label))
+            for i, j in among
+            if frozenset((shapes[i].label, shapes[j].label)) in touching
+            and coal.collide(
+                shapes[i].geometry, places[i], shapes[j].geometry, places[j], request, coal.CollisionResult()
+            )
+        }
+        touching &= now
+    return [(i, j) for i, j in among if frozenset((shapes[i].label, shapes[j].label)) not in touching]
+
+
+def _places(robot: Robot, data: pin.Data, shapes: Sequence[_Shape], q: Array, t: float) -> list[Any]:
+    pin.forwardKinematics(robot.model, data, q)
+    places = []
+    for shape in shapes:
+        placed = data.oMi[shape.joint] * shape.placement if shape.joint else shape.placement
+        rotation, position = placed.rotation, placed.translation
+        if shape.obstacle is not None and shape.obstacle.moves:
+            position, rotation = shape.obstacle.pose(t)
+        places.append(coal.Transform3s(rotation, position))
+    return places
+
+
+def _least(
+    planned: PhaseSolutionLike,
+    robot: Robot,
+    shapes: Sequence[_Shape],
+    pairs: Sequence[tuple[int, int]],
+    clock: Callable[[], None],
+) -> list[tuple[float, float]]:
+    """Return the smallest distance of every pair and its time."""
+    knots = np.asarray(planned.knots, dtype=float)
+    count = max(int(np.ceil((knots[-1] - knots[0]) / RESOLUTION)), 1)
+    times = np.unique(np.concatenate([np.linspace(knots[0], knots[-1], count + 1), knots]))
+    q = robot_sample(planned, times).q
+    speeds = _speeds(planned, knots)
+    rates = _rates(robot, shapes, pairs)
+    interval = np.clip(np.searchsorted(knots, times, side="right") - 1, 0, len(knots) - 2)
+    drift = _obstacle_speeds(shapes, pairs, times)
+    # The fastest motion from now on bounds how soon a pair may touch.
+    ahead = np.maximum.accumulate(speeds[::-1], axis=0)[::-1]
+    least = [(np.inf, float(times[0]))] * len(pairs)
+    due = np.zeros(len(pairs))
+    data, request = robot.model.createData(), coal.DistanceRequest()
+    for k, t in enumerate(times):
+        now = np.flatnonzero(due <= t + 1e-12) if k else np.arange(len(pairs))
+        if not now.size:
+            continue
+        clock()
+        places = _places(robot, data, shapes, q[k], float(t))
+        bounds = rates[now] @ ahead[interval[k]] + drift[now]
+        for pair, bound in zip(now.tolist(), bounds.tolist(), strict=True):
+            a, b = pairs[pair]
+            distance = coal.distance(
+                shapes[a].geometry, places[a], shapes[b].geometry, places[b], request, coal.DistanceResult()
+            )
+            if distance < least[pair][0]:
+                least[pair] = float(distance), float(t)
+            due[pair] = t + (max(distance, 0.0) / bound if bound > 0.0 else np.inf)
+    return least
+
+
+def _speeds(planned: PhaseSolutionLike, knots: Array) -> Array:
+    """Largest joint speeds in every interval, with a reserve, (K, nv)."""
+    sites = np.linspace(0.0, 1.0, PER_INTERVAL)
+    lengths = np.diff(knots)
+    times = (knots[:-1, None] + lengths[:, None] * sites).ravel()
+    which = np.repeat(np.arange(len(lengths)), PER_INTERVAL)
+    v = robot_sample(planned, times, which).v
+    return RESERVE * np.abs(v).reshape(len(lengths), PER_INTERVAL, -1).max(axis=1)
+
+
+def _rates(robot: Robot, shapes: Sequence[_Shape], pairs: Sequence[tuple[int, int]]) -> Array:
+    """Bounds (pairs, nv): a distance changes by at most rates @ abs(v) a second."""
+    levers = [_levers(robot, shape) for shape in shapes]
+    return np.array([levers[a] + levers[b] for a, b in pairs]).reshape(len(pairs), robot.nv)
+
+
+def _levers(robot: Robot, shape: _Shape) -> Array:
+    """Greatest distance of the shape's points from each joint that carries it (nv,); 1 for those that slide."""
+    model, row = robot.model, np.zeros(robot.nv)
+    if not shape.joint:
+        return row
+    shape.geometry.computeLocalAABB()
+    box = shape.geometry
+    middle = shape.placement.act(np.array(box.aabb_center))
+    reach, at = float(np.linalg.norm(middle)) + float(box.aabb_radius), shape.joint
+    while at > 0:
+        joint = model.joints[at]
+        turns = joint.shortname().startswith("JointModelR")
+        if joint.nv == 1:
+            row[joint.idx_v] = reach if turns else 1.0
+        else:
+            row[joint.idx_v : joint.idx_v + joint.nv] = max(reach, 1.0)
+        limit = 0.0
+        if joint.nv == 1 and not turns:
+            limits = robot.limits.position_lower[joint.idx_v], robot.limits.position_upper[joint.idx_v]
+            limit = max(abs(each) if np.isfinite(each) else 10.0 for each in limits)
+        reach += float(np.linalg.norm(model.jointPlacements[at].translation)) + limit
+        at = int(model.parents[at])
+    return row
+
+
+def _obstacle_speeds(shapes: Sequence[_Shape], pairs: Sequence[tuple[int, int]], times: Array) -> Array:
+    """Largest speed of the obstacle of each pair, sampled, with a reserve (pairs,) [m/s]."""
+    speed = {}
+    for number, shape in enumerate(shapes):
+        if shape.obstacle is not None and shape.obstacle.moves:
+            positions, rotations = shape.obstacle.poses(times)
+            turned = np.linalg.norm(np.diff(rotations, axis=0), axis=(1, 2)) * shape.obstacle.reach
+            moved = np.linalg.norm(np.diff(positions, axis=0), axis=1) + np.nan_to_num(turned)
+            speed[number] = RESERVE * float(np.max(moved / np.diff(times), initial=0.0))
+    return np.array([speed.get(a, 0.0) + speed.get(b, 0.0) for a, b in pairs])

@@ -1,0 +1,82 @@
+"""Exact shapes along a plan: collisions that the planner does not know are found and named."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+from robotraj.witness.checks.clearance import clearance_of, self_collisions
+
+START, GOAL = (-1.1, -1.8, 1.6, -1.2, -1.57, 0), (1.1, -0.8, 0.6, -0.6, -0.6, 1.2)
+BOX = rt.obstacles.Box((0.1, 0.1, 0.3), (0.52, 0.07, 0.47), name="post")
+
+
+@pytest.fixture(scope="module")
+def free_plan() -> rt.Solution:
+    ends = rt.State(q=START, v=0), rt.State(q=GOAL, v=0)
+    return rt.plan(rt.Phase(rt.load("ur5"), 1.0, *ends, rt.Effort()), mesh=rt.Mesh(12))
+
+
+def seen_with(solution: rt.Solution, *obstacles: rt.obstacles.Obstacle, margin: float = 0.0) -> list:
+    """What the witness finds of the solution's motion among obstacles that it was not planned with."""
+    part = solution.phases[0]
+    free = rt.CollisionFree(obstacles, margin, self_collision=False)
+
+    class Planned:
+        phase = part.phase.with_(constraints=[])
+        knots = part.knots
+
+        def at(self, *arguments, **options):
+            return part.at(*arguments, **options)
+
+    planned = Planned()
+    object.__setattr__(planned.phase, "constraints", (free,))
+    return clearance_of(planned)
+
+
+def test_a_post_in_the_way_is_named_with_its_link_and_time(free_plan: rt.Solution) -> None:
+    robot = free_plan.phases[0].phase.robot
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, free_plan.at(0.5).q)
+    post = rt.obstacles.Box((0.1, 0.1, 0.3), data.oMf[robot.frame("tool0")].translation, name="post")
+    (nearest,), violations = seen_with(free_plan, post)
+    assert nearest.distance < 0.0 and nearest.label.endswith("and post")
+    assert violations and all(violation.name == "clearance" for violation in violations)
+    assert "post" in str(violations[0]) and violations[0].relative > 1e-3
+
+
+def test_the_smallest_distance_is_that_of_dense_samples(free_plan: rt.Solution) -> None:
+    far = rt.obstacles.Sphere(0.05, (0.5, 0.0, 1.1))
+    (nearest,), violations = seen_with(free_plan, far)
+    (again,), short = seen_with(free_plan, far, margin=nearest.distance + 0.01)
+    assert not violations and short
+    assert again.distance == pytest.approx(nearest.distance)
+    # At its time no other sample of the motion is nearer: a ball grown by the distance just touches.
+    grown = rt.obstacles.Sphere(0.05 + nearest.distance + 1e-4, (0.5, 0.0, 1.1))
+    assert seen_with(free_plan, grown)[1]
+    shrunk = rt.obstacles.Sphere(0.05 + nearest.distance - 1e-3, (0.5, 0.0, 1.1))
+    assert not seen_with(free_plan, shrunk)[1]
+
+
+def test_links_that_pass_through_each_other_are_a_warning() -> None:
+    arm = rt.load("ur5")
+    folded = rt.State(q=(0, -1.5, 2.8, 1.1, 1.3, 0), v=0)
+    phase = rt.Phase(arm, 1.0, rt.State(q=(0, -1.5, 0.5, -1.2, 0, 0), v=0), folded, rt.Effort())
+    solution = rt.plan(phase, mesh=rt.Mesh(8))
+    found = self_collisions(solution.phases[0])
+    assert found and found[0].distance < 0.0
+    report = rt.validate(solution)
+    assert report.self_collisions and "pass through each other" in str(report)
+    assert np.isfinite(report.self_collisions[0].time)
+
+
+def test_a_plan_among_obstacles_passes_with_its_smallest_distance_shown() -> None:
+    free = rt.CollisionFree([BOX], self_collision=False)
+    ends = rt.State(q=START, v=0), rt.State(q=GOAL, v=0)
+    solution = rt.plan(rt.Phase(rt.load("ur5"), (0.2, 5), *ends, rt.Duration(), constraints=[free]))
+    report = rt.validate(solution)
+    assert report.passed, report
+    (nearest,) = report.clearances
+    assert 0.0 < nearest.distance < 0.2 and "smallest distance" in str(report)
