@@ -22,6 +22,7 @@ from robotraj.replay_page.contacts import contact_scene
 from robotraj.replay_page.footholds import contact_frames
 from robotraj.replay_page.scene.ground import GroundView, ground_of
 from robotraj.replay_page.scene.motion import SceneMotion, keys, motion_of
+from robotraj.replay_page.scene.obstacles import draw_obstacles
 from robotraj.replay_page.scene.shapes import tube
 from robotraj.replay_page.scene.visuals import Visual, visuals_of
 from robotraj.replay_page.scene.window import PackedTrack, RecordingWindow, draw
@@ -91,7 +92,9 @@ def scene_of(robot: Robot, cycles: GaitCycles, fps: int, traces: Sequence[str] |
     colors = [feet.index(name) if name in feet else len(feet) + k for k, name in enumerate(names)]
     pairs = zip(frames, colors, strict=True)
     drawn = [_trace(viewer, motion, model.frames[frame], k, rgb(c), size) for k, (frame, c) in enumerate(pairs)]
-    window.send(meshcat.commands.SetAnimation(_animation(motion, paths, fps), play=False, repetitions=1))
+    animation = _animation(motion, paths, fps)
+    animation.clips |= draw_obstacles(viewer, robot, cycles, paths, motion.times, fps)
+    window.send(meshcat.commands.SetAnimation(animation, play=False, repetitions=1))
     stature = _stature(visuals, motion)
     description = _description(model, motion, paths, hull, ground, drawn) | {
         "body": root_of(robot.root).joints[-1] if robot.root != "fixed" else None,

@@ -16,12 +16,12 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.dynamics.obstacles.coal_shapes import coal_shape
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.phase import Phase
 from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
 from robotraj.robot.robot import Robot
 from robotraj.solution.violation import Violation
-from robotraj.witness.checks.coal_shapes import coal_shape
 from robotraj.witness.planned import robot_sample
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 

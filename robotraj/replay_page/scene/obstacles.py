@@ -1,0 +1,82 @@
+"""The obstacles that a replay shows: at rest, on a frame of the robot, or moving in time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import meshcat
+import numpy as np
+import pinocchio as pin
+from meshcat.animation import AnimationClip
+from meshcat.path import Path as NodePath
+from numpy.typing import NDArray
+
+from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.dynamics.obstacles.coal_shapes import coal_shape
+from robotraj.problem.constraints.collision_free import CollisionFree
+from robotraj.replay_page.scene.motion import keys
+from robotraj.replay_page.scene.shapes import shape_part
+from robotraj.replay_page.scene.window import PackedTrack, draw
+from robotraj.robot.robot import Robot
+from robotraj.solution.cycles.gait_cycles import GaitCycles
+
+Array = NDArray[np.float64]
+COLOR = (0.85, 0.55, 0.30, 1.0)
+
+
+def draw_obstacles(
+    viewer: meshcat.Visualizer, robot: Robot, cycles: GaitCycles, paths: Sequence[str], times: Array, fps: int
+) -> dict[NodePath, AnimationClip]:
+    """Draw the obstacles of every ``CollisionFree``, each once; return the clips of those that move.
+
+    Parameters
+    ----------
+    viewer : meshcat.Visualizer
+    robot : Robot
+    cycles : GaitCycles
+    paths : sequence of str
+        Node of each joint.
+    times : ndarray (m,)
+        Of the animation [s].
+    fps : int
+    """
+    clips = {}
+    for number, obstacle in enumerate(_obstacles(cycles)):
+        part = shape_part(coal_shape(obstacle))
+        if part is None:
+            continue
+        placement, parent = np.eye(4), "obstacles"
+        if obstacle.frame is not None:
+            frame = robot.model.frames[robot.frame(obstacle.frame)]
+            placement, parent = np.array(frame.placement.homogeneous), paths[frame.parentJoint]
+        position, rotation = obstacle.pose(float(times[0]))
+        placement = placement @ pin.SE3(np.array(rotation), np.array(position)).homogeneous
+        path = f"{parent}/obstacle {number}"
+        viewer[path].set_transform(placement)
+        draw(viewer[path], part, COLOR)
+        if obstacle.moves:
+            clips[NodePath(("meshcat",)).append(path)] = _clip(obstacle, times, fps)
+    return clips
+
+
+def _obstacles(cycles: GaitCycles) -> Iterator[Obstacle]:
+    seen: list[Obstacle] = []
+    for result in cycles.phases:
+        for constraint in result.phase.constraints:
+            for obstacle in constraint.obstacles if isinstance(constraint, CollisionFree) else ():
+                if not any(obstacle is other for other in seen):
+                    seen.append(obstacle)
+                    yield obstacle
+
+
+def _clip(obstacle: Obstacle, times: Array, fps: int) -> AnimationClip:
+    """Return the motion of an obstacle as keys."""
+    positions, rotations = obstacle.poses(times)
+    quaternions = np.array([pin.Quaternion(np.array(rotation)).coeffs() for rotation in rotations])
+    flips = np.cumsum(np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0.0) % 2 == 1
+    quaternions[1:][flips] *= -1.0
+    chosen, clip = keys(positions, quaternions), AnimationClip(fps=fps)
+    frames = (times - times[0]) * fps
+    for name, kind, values in (("position", "vector3", positions), ("quaternion", "quaternion", quaternions)):
+        clip.tracks[name] = PackedTrack(name, kind, frames[chosen], values[chosen])
+    return clip
