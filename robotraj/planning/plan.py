@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from robotraj._util.errors import InputError, NoSolutionFound
 from robotraj._util.forks import unforked
@@ -13,8 +16,8 @@ from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.progress import Deadline, watching
-from robotraj.planning.settings import resolve
-from robotraj.planning.solve import solve
+from robotraj.planning.settings import GIVEN, resolve
+from robotraj.planning.solve import on_a_coarse_mesh, solve, unsolved
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals
@@ -182,7 +185,12 @@ def plan(
         if isinstance(show, Deadline):
             show.begin()
         try:
-            solution = interrupted or find(problem, guess, settings, show)
+            careful = _careful(problem, settings)
+            solution = interrupted or _impossible(problem, guess, settings) or find(problem, guess, careful, show)
+            if not solution.success:
+                from robotraj.planning.diagnosis.explain import explained
+
+                solution = explained(solution, partial(on_a_coarse_mesh, settings=settings, progress=show))
         except KeyboardInterrupt:
             from robotraj.planning.continuation import found_by
 
@@ -196,10 +204,7 @@ def plan(
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)
         verb = "was" if len(problem.phases) == 1 else "were"
-        from robotraj.planning.diagnosis.ends import unheld_ends
-
-        causes = "".join(f"\na likely cause: {cause}" for cause in unheld_ends(problem))
-        raise NoSolutionFound(f"{names} {verb} not solved.\n{solution}{causes}", solution)
+        raise NoSolutionFound(f"{names} {verb} not solved: {solution.cause}\n{solution}", solution)
     return solution
 
 
@@ -214,6 +219,30 @@ def _method(settings: Settings) -> Callable[..., Solution]:
 
         return adapt
     return solve
+
+
+def _impossible(problem: Problem, guess: InitialGuess | Solution | None, settings: Settings) -> Solution | None:
+    """Return a failed solution where the ends of several phases exclude each other; None where nothing is known.
+
+    Motions with a given end are checked. Motions that repeat and single phases are checked after a failed solve, which
+    takes no longer than the check.
+    """
+    last = problem.phases[-1].end_bounds
+    if len(problem.phases) == 1 or isinstance(guess, Solution) or not np.any(last.lower == last.upper):
+        return None
+    from robotraj.planning.diagnosis.postures import unreached_ends
+
+    conflicts = unreached_ends(problem)
+    return unsolved(problem, guess, settings, conflicts) if conflicts else None
+
+
+def _careful(problem: Problem, settings: Settings) -> Settings:
+    """Return settings whose solver gives up early where the motors cannot hold an end; a solver that is given stays."""
+    if settings.reasons.get("solver") == GIVEN:
+        return settings
+    from robotraj.planning.diagnosis.ends import unheld_ends
+
+    return replace(settings, solver=settings.solver.hopefully()) if unheld_ends(problem) else settings
 
 
 def _out_of_time(solution: Solution, seconds: float) -> Solution:

@@ -14,16 +14,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import chain
 
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import other_guess
 from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.diagnosis.elastic import relaxed_motion
+from robotraj.planning.diagnosis.ends import unheld_ends
+from robotraj.planning.diagnosis.explain import are_sure, completed
+from robotraj.planning.diagnosis.postures import unreached_ends
+from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.problem.problem import Problem
+from robotraj.solution.conflict import Conflict
 from robotraj.solution.records import added_times
 from robotraj.solution.settings import Restarts
 from robotraj.solution.solution import Solution
@@ -35,6 +40,9 @@ LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
 
 WHENCE = ", from a "
 """What separates the message of a solver from the beginning that led to its solution."""
+
+VARIATION = "variation of the default guess, which did not converge"
+"""How such a beginning is described."""
 
 Solve = Callable[[Problem, InitialGuess | Solution | None], Solution]
 """(problem, guess) -> Solution, on the same mesh."""
@@ -48,10 +56,12 @@ def restarted(
     restarts: Restarts,
     coarsely: Solve,
 ) -> Solution:
-    """Solve a problem that failed again: from longer motions, variations, and a motion that meets every constraint.
+    """Solve a problem that failed again, or find why it has no solution.
 
-    A relaxed problem (``robotraj.planning.diagnosis.elastic``) shows which limits conflict; where they are limits of
-    joints or of a fixed duration alone, no variation is tried, since no other guess changes a limit.
+    Ends without a configuration end the search (``robotraj.planning.diagnosis.postures``), and ends that the motors
+    cannot hold (``robotraj.planning.diagnosis.ends``). Else the relaxed problem
+    (``robotraj.planning.diagnosis.elastic``) is solved from one beginning after the other. A motion of it that meets
+    every row is the next guess. Where all need relaxed rows, those of the least sum must give.
 
     Parameters
     ----------
@@ -73,76 +83,134 @@ def restarted(
         The first that was found, else the one that failed; with the seconds and iterations of all attempts.
     """
     problem = failed.problem
-    if failed.status not in LOST:
+    if failed.status not in LOST or undefined_expression(failed):
         return failed
-    spent, iterations = failed.times, failed.iterations
-    factors = tuple(restarts.longer)[: restarts.count]
-    seeds = tuple(restarts.seeds)[: restarts.count - len(factors)]
-    for attempt, whence in chain(
-        _from_longer(problem, nlp, guess, solve, factors), _from_elsewhere(problem, guess, solve, seeds, coarsely)
-    ):
-        if attempt.conflicts:
-            failed = replace(failed, conflicts=attempt.conflicts)
+    unreached = unreached_ends(problem)
+    if unreached:
+        return replace(failed, status=Status.INFEASIBLE, conflicts=unreached)
+    unheld = unheld_ends(problem)
+    if unheld:
+        return replace(failed, status=Status.INFEASIBLE, conflicts=unheld)
+    least: tuple[Conflict, ...] = ()
+    relaxed: Solution | None = None
+    for beginning in _beginnings(failed, nlp, guess, restarts):
+        motion, conflicts = relaxed_motion(beginning.problem, coarsely, beginning.guess)
+        if motion is None:
             continue
-        spent, iterations = added_times(spent, attempt.times), iterations + attempt.iterations
-        if attempt.status is Status.INTERRUPTED:
-            return replace(failed, status=Status.INTERRUPTED, times=spent, iterations=iterations)
-        if attempt.success and whence:
-            return replace(attempt, message=attempt.message + WHENCE + whence, times=spent, iterations=iterations)
-    return replace(failed, times=spent, iterations=iterations)
+        failed = _counted(failed, motion)
+        if motion.status is Status.INTERRUPTED:
+            return replace(failed, status=Status.INTERRUPTED)
+        if conflicts:
+            if relaxed is None or _total(conflicts) < _total(least):
+                least, relaxed = conflicts, motion
+            if beginning.certain and all(conflict.physical for conflict in conflicts):
+                break
+            continue
+        found = solve(problem, motion)
+        failed = _counted(failed, found)
+        if found.status is Status.INTERRUPTED:
+            return replace(failed, status=Status.INTERRUPTED)
+        if found.success:
+            message = found.message + WHENCE + beginning.described(nlp, found)
+            return replace(found, message=message, times=failed.times, iterations=failed.iterations)
+        # Rows are met on a coarse mesh: no limit excludes a motion.
+        least, relaxed = (), motion
+    if not all(conflict.physical for conflict in least) and guess is None:
+        # Rows of the user's own, such as obstacles, may have motions on their other side.
+        for branch, seed in enumerate(restarts.seeds, 1):
+            found = solve(problem, other_guess(problem, branch, (seed,)))
+            failed = _counted(failed, found)
+            if found.status is Status.INTERRUPTED:
+                return replace(failed, status=Status.INTERRUPTED)
+            if found.success:
+                message = f"{found.message}{WHENCE}{VARIATION}"
+                return replace(found, message=message, times=failed.times, iterations=failed.iterations)
+    if not least:
+        return failed
+    conflicts = completed(problem, least, relaxed, coarsely)
+    return replace(failed, conflicts=conflicts, status=Status.INFEASIBLE if are_sure(conflicts) else failed.status)
 
 
-def _from_elsewhere(
-    problem: Problem, guess: InitialGuess | Solution | None, solve: Solve, seeds: Sequence[int], coarsely: Solve
-) -> Iterator[tuple[Solution, str]]:
-    """Start from variations of the default guess, then from a motion that meets every row on a coarse mesh.
+def _total(conflicts: Sequence[Conflict]) -> float:
+    return sum(conflict.relative for conflict in conflicts)
 
-    Before that, the relaxed problem shows which rows conflict. Limits of joints at a fixed duration end the search.
+
+def _counted(failed: Solution, attempt: Solution) -> Solution:
+    """Add the seconds and iterations of an attempt."""
+    times, iterations = added_times(failed.times, attempt.times), failed.iterations + attempt.iterations
+    return replace(failed, times=times, iterations=iterations)
+
+
+@dataclass(frozen=True, eq=False)
+class _Beginning:
+    """Where the relaxed problem starts.
+
+    Attributes
+    ----------
+    problem : Problem
+        The problem, its free durations fixed where ``durations`` are given.
+    guess : InitialGuess, Solution or None
+    durations : tuple of float
+        Of all phases [s]; empty where they are left as they are.
+    free : tuple of bool
+        Whether the problem leaves the duration of a phase open.
+    certain : bool
+        Whether other guesses change nothing where limits of joints alone must give.
+    varied : bool
+        Whether the guess is another one than the default guess.
     """
-    if not seeds or guess is not None:
-        return
-    motion, conflicts = relaxed_motion(problem, coarsely)
-    if motion is not None and (conflicts or motion.status is Status.INTERRUPTED):
-        yield replace(motion, conflicts=conflicts), ""
-    fixed = all(low == high for low, high in (phase.duration_bounds for phase in problem.phases))
-    if conflicts and fixed and all(conflict.physical for conflict in conflicts):
-        return
-    for branch, seed in enumerate(seeds, 1):
-        found = solve(problem, other_guess(problem, branch, (seed,)))
-        yield found, "variation of the default guess, which did not converge"
-    if motion is not None and not conflicts:
-        yield solve(problem, motion), "motion that meets every row on a coarse mesh"
+
+    problem: Problem
+    guess: InitialGuess | Solution | None
+    durations: tuple[float, ...] = ()
+    free: tuple[bool, ...] = ()
+    certain: bool = False
+    varied: bool = False
+
+    def described(self, nlp: Nlp, found: Solution) -> str:
+        """Describe the beginning of a solution."""
+        if self.varied:
+            return VARIATION
+        if self.durations:
+            return _whence(nlp, self.free, self.durations, found)
+        return "motion that meets every row on a coarse mesh"
 
 
-def _from_longer(
-    problem: Problem, nlp: Nlp, guess: InitialGuess | Solution | None, solve: Solve, factors: Sequence[float]
-) -> Iterator[tuple[Solution, str]]:
-    """Start from longer motions; each solution is named by its motion, the motions themselves are not named."""
-    free = [layout.duration.column is not None for layout in nlp.layouts]
-    if not any(free) or not (guess is None or isinstance(guess, StraightLine | Solution)):
-        return
-    tried: set[tuple[float, ...]] = set()
-    for times in factors:
-        durations = tuple(_duration(nlp, i, times) for i in range(len(free)))
-        if durations in tried:
-            return
-        tried.add(durations)
-        try:
-            ample = [
-                replace(phase, duration=duration, objective=None) if is_free else phase
-                for phase, duration, is_free in zip(problem.phases, durations, free, strict=True)
-            ]
-        except InputError:
-            # A fixed duration that the speed limits do not allow is refused; the next one is longer.
-            continue
-        motion = solve(Problem(ample, problem.links), None)
-        yield motion, ""
-        if motion.success:
-            found = solve(problem, motion)
-            yield found, _whence(nlp, free, durations, found)
+def _beginnings(
+    failed: Solution, nlp: Nlp, guess: InitialGuess | Solution | None, restarts: Restarts
+) -> Iterator[_Beginning]:
+    """Yield longer motions where durations are free, else the last iterate; then variations of the default guess."""
+    problem, left = failed.problem, restarts.count
+    free = tuple(layout.duration.column is not None for layout in nlp.layouts)
+    longer: _Beginning | None = None
+    if any(free) and (guess is None or isinstance(guess, StraightLine | Solution)):
+        tried: set[tuple[float, ...]] = set()
+        for times in restarts.longer[:left]:
+            durations = tuple(_duration(nlp, i, times) for i in range(len(free)))
+            if durations in tried:
+                break
+            tried.add(durations)
+            left -= 1
+            try:
+                ample = [
+                    replace(phase, duration=duration, objective=None) if is_free else phase
+                    for phase, duration, is_free in zip(problem.phases, durations, free, strict=True)
+                ]
+            except InputError:
+                # A fixed duration that the speed limits do not allow is refused; the next one is longer.
+                continue
+            longer = _Beginning(Problem(ample, problem.links), None, durations, free)
+            yield longer
+    elif left:
+        left -= 1
+        yield _Beginning(problem, failed, certain=not any(free))
+    if guess is None:
+        for branch, seed in enumerate(restarts.seeds[:left], 1):
+            varied = other_guess(problem, branch, (seed,))
+            yield replace(longer or _Beginning(problem, None), guess=varied, varied=True)
 
 
-def _whence(nlp: Nlp, free: list[bool], durations: tuple[float, ...], found: Solution) -> str:
+def _whence(nlp: Nlp, free: Sequence[bool], durations: tuple[float, ...], found: Solution) -> str:
     """Describe the motion from which a solution was found, and whether the guess was shorter than the solution."""
     chosen = [i for i, is_free in enumerate(free) if is_free]
     seconds = " and ".join(f"{durations[i]:.3g} s" for i in chosen)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import VirtualMachine
+from robotraj.native.engines.native import Native
 from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
@@ -18,10 +20,11 @@ from robotraj.planning.progress import Deadline
 from robotraj.planning.proving.clearing import ROUNDS, Clearing
 from robotraj.planning.warm_start import earlier_multipliers, earlier_program, earlier_rows, lengthened
 from robotraj.problem.problem import Problem
+from robotraj.solution.conflict import Conflict
 from robotraj.solution.records import added_times
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import Multipliers, Progress, Solver
+from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
 from robotraj.transcription.collocation.unwrap_angles import unwrapped
@@ -38,8 +41,10 @@ from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.transcribe import transcribe
 
-COARSE = 15
-"""Intervals of a phase of the relaxed problem, which shows the limits that conflict."""
+COARSE, COARSE_STEP = 15, 6
+"""Intervals of a phase of the relaxed problem, which shows the limits that conflict; with contacts."""
+PATIENCE = 200
+"""Largest number of iterations of the relaxed problem."""
 
 
 def solve(
@@ -98,19 +103,9 @@ def solve(
                 worth = hold if asked is problem else _never
                 return solve(asked, start, replace(settings, restarts=Restarts(0)), progress, worth)
 
-            def coarsely(asked: Problem, start: InitialGuess | Solution | None) -> Solution:
-                few = replace(
-                    settings,
-                    mesh=Mesh(COARSE, HermiteSimpson()),
-                    solver=InteriorPoint(max_iterations=300, fallback=None),
-                    engine=VirtualMachine(),
-                    interval_limits=ConstraintGeneration(rounds=0),
-                    restarts=Restarts(0),
-                )
-                return solve(asked, start, few, progress)
-
             from robotraj.planning.restarts import restarted
 
+            coarsely = partial(on_a_coarse_mesh, settings=settings, progress=progress)
             solution = restarted(solution, nlp, guess, once_more, settings.restarts, coarsely)
             if solution.success:
                 return solution
@@ -153,6 +148,34 @@ def solve(
         # Ctrl-C between two solves: the last solution is kept.
         return replace(solution, status=Status.INTERRUPTED, added_rows=tuple(added))
     return replace(solution, added_rows=tuple(added), interval_violations=left, control_interval_violations=controls)
+
+
+def unsolved(
+    problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, conflicts: tuple[Conflict, ...]
+) -> Solution:
+    """Return the guess as a failed solution of a problem that was not worth solving."""
+    began = time.perf_counter()
+    nlp = transcribe(problem, settings.mesh, as_guess(guess), VirtualMachine(), settings.interval_limits)
+    nothing = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
+    message = "not solved: no configurations at the ends of the phases meet the rows"
+    outcome = Outcome(Status.INFEASIBLE, message, nlp.guess, nothing, 0)
+    return replace(checked_solution(nlp, outcome, {"build": time.perf_counter() - began}), conflicts=conflicts)
+
+
+def on_a_coarse_mesh(
+    problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
+) -> Solution:
+    """Solve a relaxed problem once on few intervals."""
+    contacts = any(phase.contacts for phase in problem.phases)
+    few = replace(
+        settings,
+        mesh=Mesh(COARSE_STEP if contacts else COARSE, HermiteSimpson()),
+        solver=InteriorPoint(max_iterations=PATIENCE, fallback=None),
+        engine=Native(),
+        interval_limits=ConstraintGeneration(rounds=0),
+        restarts=Restarts(0),
+    )
+    return solve(problem, guess, few, progress)
 
 
 def _never(solution: Solution) -> bool:

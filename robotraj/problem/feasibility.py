@@ -8,12 +8,14 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.placeholder_dynamics import MissingEquations
 from robotraj.dynamics.system import System
 from robotraj.problem.constraints.base import Row, Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.rows import Kind, PhaseRow, RowTable
 from robotraj.robot.limits import Limits
+from robotraj.robot.loading.inertia import weightless_joints
 from robotraj.robot.robot import Robot
 
 SLACK = 1e-6
@@ -34,6 +36,23 @@ def check_limits(phase: str, limits: Limits, robot: Robot) -> None:
     complaints = limits.complaints(robot.actuated)
     if complaints:
         raise InputError(f"Phase {phase!r}: " + " ".join(complaints))
+
+
+def check_masses(phase: str, robot: Robot, body: Dynamics) -> None:
+    """Refuse joints that move no mass: their equations determine no acceleration. Kinematics need none.
+
+    Raises
+    ------
+    InputError
+        Naming the joints.
+    """
+    joints = weightless_joints(robot.model) if any(body.residuals) else ()
+    if joints:
+        raise InputError(
+            f"Phase {phase!r}: no mass moves with {', '.join(map(repr, joints))}, so no torque decides on the "
+            "acceleration. Give the moved links an <inertial>, or lock the joints with "
+            f"rt.load(..., locked={{{joints[0]!r}: 0.0}})."
+        )
 
 
 def check_equations(table: RowTable, system: System) -> None:
@@ -135,29 +154,4 @@ def _check_expressions(table: RowTable, end: Where, bounds: Bounds) -> None:
             raise InputError(
                 f"Phase {table.phase!r}: at the {end.value}, {row.label} is {_with(f'{number:.6g}', row.unit)}, "
                 f"outside {_range(row)}. Move the {end.value}, or relax the constraint."
-            )
-
-
-def check_duration(phase: str, robot: Robot, limits: Limits, longest: float, ends: Ends) -> None:
-    """Refuse a joint that must travel further than its speed limit allows in the longest duration [s].
-
-    Raises
-    ------
-    InputError
-        Naming the joint, the way it must travel and the shortest duration that would do.
-    """
-    start, end = ends[Where.START], ends[Where.END]
-    positions = robot.position_names
-    for i, joint in enumerate(robot.velocity_names):
-        if joint not in positions:
-            continue  # the velocities of a floating root are no rates of single positions
-        at = positions.index(joint)
-        gap = max(end.lower[at] - start.upper[at], start.lower[at] - end.upper[at], 0.0)
-        speed = limits.velocity[i]
-        if np.isfinite(gap) and gap > speed * longest * (1 + 1e-9):
-            unit = robot.units[i]
-            raise InputError(
-                f"Phase {phase!r}: joint {joint!r} must travel {gap:.4g} {unit}, but its velocity limit of "
-                f"{speed:.4g} {unit}/s allows {speed * longest:.4g} {unit} in {longest:.4g} s. "
-                f"Allow at least {gap / speed:.4g} s."
             )

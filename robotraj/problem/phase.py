@@ -21,8 +21,9 @@ from robotraj.problem.constraints.bounds import Between, Bounds, Interval, as_bo
 from robotraj.problem.constraints.contact_limits import contact_limits
 from robotraj.problem.constraints.joint_limits import OwnLimits, own_limits
 from robotraj.problem.constraints.variable_bounds import VariableBounds
-from robotraj.problem.feasibility import Ends, check_duration, check_equations, check_limits, check_rows
+from robotraj.problem.feasibility import Ends, check_equations, check_limits, check_masses, check_rows
 from robotraj.problem.footing_checks import check_contacts
+from robotraj.problem.least_durations import check_durations
 from robotraj.problem.objectives.base import EndCost, Integral, Objective
 from robotraj.problem.phase_fields import as_constraints, as_contacts, as_mapping, bind_contacts
 from robotraj.problem.printing import PhaseTable, duration_text, parameter_rows, phase_table
@@ -135,9 +136,10 @@ class Phase(OneLine):
             return
         check_ends(self.name, self.constraints, self.robot, self._ends)
         if self.bound_design is None:
+            check_masses(self.name, self.robot, self.body)
             check_contacts(self.rows, self.robot, self.bound_contacts, known, self._ends)
         if isinstance(self.limits, Limits):
-            check_duration(self.name, self.robot, self.limits, longest, self._ends)
+            check_durations(self.name, self.robot, self.limits, longest, self._ends)
 
     @property
     def robot(self) -> Robot | None:

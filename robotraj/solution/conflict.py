@@ -25,6 +25,10 @@ class Conflict(OneLine):
         The relaxation relative to the scale of the row.
     physical : bool
         Whether it is a limit of a joint or of the duration, which does not depend on the guess.
+    reason : str
+        What the bound is needed for, or the rows that it conflicts with; empty if unknown.
+    exact : bool
+        Whether it follows from the ends of the motion alone, whatever the mesh.
     """
 
     phase: str
@@ -35,8 +39,11 @@ class Conflict(OneLine):
     unit: str
     relative: float
     physical: bool = False
+    reason: str = ""
+    exact: bool = False
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
         where = "" if self.name == "duration" else f", t = {self.time:.3g} s"
-        return f"{self.name}{where}: {self.bound:.4g}{unit} must become {self.needed:.4g}{unit}"
+        reason = f" ({self.reason})" if self.reason else ""
+        return f"{self.name}{where}: {self.bound:.4g}{unit} must become {self.needed:.4g}{unit}{reason}"

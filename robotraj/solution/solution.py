@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+CHANGE_LIMITS = "Change one of these limits or the motion that conflicts with it."
+
 
 @dataclass(frozen=True, eq=False)
 class Solution(OneLine):
@@ -251,6 +253,19 @@ class Solution(OneLine):
 
         return plot(self)
 
+    @property
+    def cause(self) -> str:
+        """Why no solution was found: the first limit that must give, else the worst violated row, else the message."""
+        if self.conflicts:
+            return self._in_phase(self.conflicts[0])
+        if self.status is Status.INVALID_NUMBER or not self.violation_list:
+            return self.message
+        return f"{self.status.value}, {self._in_phase(self.violation_list[0])}"
+
+    def _in_phase(self, entry: Conflict | Violation) -> str:
+        """Write an entry, with its phase where there are several."""
+        return f"{entry} (phase {entry.phase!r})" if len(self.phases) > 1 else str(entry)
+
     def __repr__(self) -> str:
         names = brief(tuple(part.phase.name for part in self.phases)).strip("(),")
         if len(self.phases) > ENTRIES:
@@ -294,10 +309,10 @@ class Solution(OneLine):
                 f"interval_limits=rt.interval_limits.BernsteinBounds(controls=True) would hold it"
             )
         if not self.success:
-            lines += [f"what must give: {conflict}" for conflict in self.conflicts[:5]]
-            lines += [f"solver: {self.message}", f"try: {self.status.remedy}"]
-            several = len(self.phases) > 1
-            lines += [f"  {v} (phase {v.phase!r})" if several else f"  {v}" for v in self.violations(5)]
+            lines += [f"what must give: {self._in_phase(conflict)}" for conflict in self.conflicts[:5]]
+            lines += [f"solver: {self.message}"]
+            lines += [f"  {self._in_phase(violation)}" for violation in self.violations(5)]
+            lines += [f"try: {CHANGE_LIMITS if self.conflicts else self.status.remedy}"]
         # A line is indented by its rank; what does not fit goes on below, indented further.
         return "\n".join(
             part for line in lines for part in wrapped(line.lstrip(), line[: len(line) - len(line.lstrip())])

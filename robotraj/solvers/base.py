@@ -158,6 +158,10 @@ class Solver(OneLine, ABC):
         """Return this solver with at most this number of iterations; itself where it has no such limit."""
         return self
 
+    def hopefully(self) -> Solver:
+        """Return this solver for a problem that seldom has a solution: it stops early, and no other is tried."""
+        return self
+
     def from_nearby(self, altered: bool = False) -> Solver:
         """Return this solver for a start near the optimum, such as the solution on a coarser mesh.
 

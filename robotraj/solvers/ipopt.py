@@ -111,6 +111,10 @@ class Ipopt(Solver):
         """Return this solver with no more than these iterations."""
         return replace(self, max_iterations=min(self.max_iterations, iterations))
 
+    def hopefully(self) -> Ipopt:
+        """Return this solver with a tenth of its iterations."""
+        return self.at_most(max(1, self.max_iterations // 10))
+
     def within(self, seconds: float) -> Ipopt:
         """Return this solver with a limit of wall-clock seconds for one solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))

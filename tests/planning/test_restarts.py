@@ -109,8 +109,9 @@ def test_what_was_tried_in_vain_is_counted() -> None:
     once = solve(problem, None, resolve(problem, given))
     solution = rt.plan(too_far(), rt.Mesh(), solver=rt.Ipopt(), check=False)
     assert solution.status is once.status is Status.INFEASIBLE
-    # Motions of three and nine times 0.55 s, no longer than 3 s, and two variations.
-    assert solution.iterations > 3 * once.iterations and solution.times["solve"] > 2 * once.times["solve"]
+    # Relaxed motions of three and nine times 0.55 s, no longer than 3 s, and of two variations.
+    assert solution.iterations > 2 * once.iterations and solution.times["solve"] > once.times["solve"]
+    assert solution.conflicts[0].name == "control bound, u"
     np.testing.assert_array_equal(solution.phases[0].trajectory.x.breaks, once.phases[0].trajectory.x.breaks)
 
 
@@ -142,15 +143,15 @@ def test_rows_between_the_points_are_weighed_by_solutions_of_the_problem_alone()
 
 
 def test_an_interruption_ends_all_beginnings(monkeypatch: pytest.MonkeyPatch) -> None:
-    problem, solves, plain = Problem([too_far()]), [], rt.Ipopt.solve
+    problem, solves, plain = Problem([too_far()]), [], rt.InteriorPoint.solve
 
-    def stopped(self: rt.Ipopt, *arguments: Any) -> Any:
+    def stopped(self: rt.InteriorPoint, *arguments: Any) -> Any:
         outcome = plain(self, *arguments)
         solves.append(outcome)
         return outcome if len(solves) == 1 else replace(outcome, status=Status.INTERRUPTED)
 
-    monkeypatch.setattr(rt.Ipopt, "solve", stopped)
-    solution = rt.plan(problem, solver=rt.Ipopt(), check=False)
+    monkeypatch.setattr(rt.InteriorPoint, "solve", stopped)
+    solution = rt.plan(problem, solver=rt.InteriorPoint(fallback=None), check=False)
     assert solution.status is Status.INTERRUPTED and len(solves) == 2
     assert solution.iterations == sum(outcome.iterations for outcome in solves)
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import pinocchio as pin
 import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError
+from robotraj.dynamics.kinematics import Kinematics
 
 
 @pytest.mark.parametrize(("where", "which"), [(rt.AtStart, "start"), (rt.AtEnd, "end")])
@@ -31,3 +33,14 @@ def test_ends_held_at_different_values_do_not_contradict() -> None:
     )
     solution = rt.plan(phase, rt.Mesh(5))
     assert [solution.at(t).q[1] for t in (0.0, 5.0)] == pytest.approx([0.1, 0.2], abs=1e-8)
+
+
+def test_a_joint_that_moves_no_mass_is_refused_by_name() -> None:
+    model = pin.buildSampleModelManipulator()
+    last = model.njoints - 1
+    model.inertias[last] = pin.Inertia.Zero()
+    with pytest.warns(UserWarning, match="No mass moves"):
+        robot = rt.load(model)
+    with pytest.raises(InputError, match=f"no mass moves with '{model.names[last]}'"):
+        rt.Phase(robot, 1.0, limits=None)
+    assert rt.Phase(robot, 1.0, limits=None, dynamics=Kinematics())

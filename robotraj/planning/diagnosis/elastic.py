@@ -2,7 +2,8 @@
 
 Each inequality l <= c(point) <= u of a phase becomes l - w s <= c <= u + w s with a slack s >= 0 of the row and a scale
 w in its unit, and the sum of the slacks is minimised. Dynamics, ends of the state, contacts and links stay exact. The
-least sum leaves most slacks at zero; a second, reweighted solve reduces their number further.
+least sum leaves most slacks at zero; a second, reweighted solve reduces their number further. Where limits of speeds,
+accelerations, torques or controls must give, a longer duration may do instead: the least one is found with exact rows.
 Source: Candes, Wakin and Boyd, Enhancing sparsity by reweighted l1 minimization, J. Fourier Anal. Appl. 14 (2008);
 Gill, Murray and Saunders, SNOPT, SIAM Review 47 (2005), for the elastic mode.
 """
@@ -22,9 +23,11 @@ from robotraj._util.errors import RobotrajError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
+from robotraj.guess.base import InitialGuess
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where
 from robotraj.problem.constraints.bounds import between
 from robotraj.problem.objectives.base import Objective
+from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.expressions import Mayer
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -34,13 +37,15 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 
 Array = NDArray[np.float64]
-Solve = Callable[[Problem, "Solution | None"], Solution]
+Solve = Callable[[Problem, "InitialGuess | Solution | None"], Solution]
 """(problem, guess) -> Solution, on a mesh and with a solver of the caller's choice."""
 
 SMALL = 1e-3
 """Slacks, relative to the row's scale, that count as zero."""
 LONGEST = 30.0
-"""Longest duration of a relaxed motion, relative to the longest allowed one."""
+"""Longest duration that is tried, relative to the longest allowed one."""
+AT_AN_END = 5.0
+"""Weight of slacks of rows at one end: what a motion is for gives after the limits."""
 
 
 KEPT = (Where.INTEGRAL, Where.RATE)
@@ -59,6 +64,11 @@ class _RelaxedRow:
     def scale(self) -> float:
         """Unit of the slack: the larger finite bound, else 1, in the row's unit."""
         return self.row.greatest_bound or 1.0
+
+    @property
+    def weight(self) -> float:
+        """Weight of the slack in the sum."""
+        return AT_AN_END if self.row.where in (Where.START, Where.END) else 1.0
 
 
 @dataclass(frozen=True)
@@ -95,13 +105,9 @@ class _RelaxedConstraint(Constraint):
         return dynamics if source is None else source.augment(dynamics)
 
 
-def _last_time(longest: float) -> BoundConstraint:
-    """Return the row of the end of a motion that starts at 0, t <= longest [s]."""
-    row = Row("duration", "s", -np.inf, longest)
-    return BoundConstraint("duration", (row,), lambda point: [point.t], Where.END)
-
-
-def relaxed_motion(problem: Problem, solve: Solve) -> tuple[Solution | None, tuple[Conflict, ...]]:
+def relaxed_motion(
+    problem: Problem, solve: Solve, guess: InitialGuess | Solution | None = None
+) -> tuple[Solution | None, tuple[Conflict, ...]]:
     """Return the motion of the relaxed problem, and the rows that it relaxes.
 
     Parameters
@@ -109,6 +115,8 @@ def relaxed_motion(problem: Problem, solve: Solve) -> tuple[Solution | None, tup
     problem : Problem
     solve : callable
         ``solve(problem, guess)``.
+    guess : InitialGuess, Solution or None
+        Where the relaxed problem starts.
 
     Returns
     -------
@@ -119,14 +127,18 @@ def relaxed_motion(problem: Problem, solve: Solve) -> tuple[Solution | None, tup
     """
     try:
         relaxed, entries = _relaxed(problem, {})
-        found = solve(relaxed, None)
+        found = solve(relaxed, guess)
     except RobotrajError:
         return None, ()
     if not found.success:
         return (found if found.status is Status.INTERRUPTED else None), ()
     slacks = _slacks(found, entries)
     if sum(value > SMALL for value in slacks.values()) > 1:
-        weights = {name: 1.0 / (value + SMALL) for name, value in slacks.items()}
+        weights = {
+            entry.name: SMALL * entry.weight / (slacks[entry.name] + SMALL)
+            for of_phase in entries
+            for entry in of_phase
+        }
         again = solve(_relaxed(problem, weights)[0], found)
         if again.success:
             found, slacks = again, _slacks(again, entries)
@@ -139,18 +151,38 @@ def relaxed_motion(problem: Problem, solve: Solve) -> tuple[Solution | None, tup
     return found, tuple(sorted(listed, key=lambda conflict: -conflict.relative))
 
 
+def enough_time(problem: Problem, solve: Solve, motion: Solution) -> Conflict | None:
+    """Return the least duration of a single phase with which its rows can hold; None where none was found.
+
+    Parameters
+    ----------
+    problem : Problem
+    solve : callable
+        ``solve(problem, guess)``.
+    motion : Solution
+        Of the relaxed problem.
+    """
+    phase = problem.phases[0]
+    longest = phase.duration_bounds[1]
+    if len(problem.phases) > 1 or not np.isfinite(longest) or longest <= 0.0:
+        return None
+    try:
+        found = solve(Problem([phase.with_(duration=(longest, LONGEST * longest), objective=Duration())]), motion)
+    except RobotrajError:
+        return None
+    if not found.success:
+        return None
+    needed = found.duration
+    relative = needed / longest - 1.0
+    return Conflict(phase.name, "duration", needed, longest, needed, "s", relative, True, "alone would do")
+
+
 def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, list[list[_RelaxedRow]]]:
     """Return the relaxed problem, and the relaxed rows of each phase."""
     phases, relaxed_rows = [], []
-    alone = len(problem.phases) == 1
     for i, phase in enumerate(problem.phases):
         # Contacts of the phase impose their limits themselves; rows of the objective are removed with it.
         given = [bound for bound in phase.rows.constraints if bound.source is not None]
-        least, longest = phase.duration_bounds
-        duration = phase.duration
-        if alone and np.isfinite(longest):
-            given.append(_last_time(longest))
-            duration = (least, LONGEST * longest)
         dae = phase.body
         for constraint in phase.constraints:
             dae = constraint.augment(dae)
@@ -160,10 +192,10 @@ def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, l
         wrapped: list[Constraint] = [_RelaxedConstraint(tuple(group)) for _, group in of_each]
         wrapped += [bound.source for bound in given if bound.where in KEPT and bound.source is not None]
         names = [entry.name for entry in entries]
-        cost: Objective = Mayer(partial(_total, names=names, weights=[weights.get(name, 1.0) for name in names]))
+        sizes = [weights.get(entry.name, entry.weight) for entry in entries]
+        cost: Objective = Mayer(partial(_total, names=names, weights=sizes))
         phases.append(
             phase.with_(
-                duration=duration,
                 limits=None,
                 states={},
                 controls={},
@@ -213,7 +245,7 @@ def _conflict(found: Solution, index: int, entry: _RelaxedRow, slack: float) -> 
         bound + amount if upper else bound - amount,
         entry.row.unit,
         slack,
-        entry.row.label == "duration" or entry.row.kind is Kind.BOUND or entry.row.joint in _joints(phase),
+        entry.row.kind is Kind.BOUND or entry.row.joint in _joints(phase),
     )
 
 

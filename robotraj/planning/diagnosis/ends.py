@@ -1,75 +1,151 @@
 """Ends of a motion at rest that the motors cannot hold: static torques beyond their limits.
 
+A pose at rest is held if torques and contact forces balance gravity, 0 = RNEA(q, 0, 0) - B tau - J' f, within their
+limits and dry friction. The least excess over the torque limits is the solution of a linear program,
+
+    minimise  sum_j e_j / tau_j    subject to the balance,  |tau_j| <= limit_j + e_j,  f_normal >= 0.
+
 A robot can pass through such a pose, and even reach it while gravity slows it down. The ends are therefore not refused;
-they are reported as a likely cause where a solve fails.
+they are reported as a cause where a solve fails.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import cast
+
+import casadi as ca
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
-from robotraj._util.values import dataclass
+from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.rigid_body import InverseDynamics
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.problem.constraints.base import symbols_of
+from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
+from robotraj.solution.conflict import Conflict
+
+Array = NDArray[np.float64]
+
+NOTICED = 1e-6
+"""Excess relative to a limit that is reported."""
 
 
-@dataclass(frozen=True)
-class Unheld:
-    """A pose at rest that a motor cannot hold.
+def unheld_ends(problem: Problem) -> tuple[Conflict, ...]:
+    """Return the torque limits that hold no fixed end at rest, with the torques that would, the largest excess first.
 
-    Attributes
-    ----------
-    phase : str
-        Name of the phase.
-    end : str
-        ``"start"`` or ``"end"``.
-    joint : str
-    needed, limit : float
-        Torque or force that holds the pose, and the limit of the motor [N m, N].
-    unit : str
+    Phases of Systems and phases with design parameters are not judged, nor are poses that no torque balances.
     """
-
-    phase: str
-    end: str
-    joint: str
-    needed: float
-    limit: float
-    unit: str
-
-    def __str__(self) -> str:
-        return (
-            f"holding the {self.end} of {self.phase!r} needs {self.needed:.4g} {self.unit} of {self.joint}, "
-            f"its limit is {self.limit:.4g}"
+    found = [
+        conflict
+        for phase in problem.phases
+        for end, bounds, time in (
+            ("start", phase.start_bounds, 0.0),
+            ("end", phase.end_bounds, phase.duration_bounds[1]),
         )
+        for conflict in _unheld(phase, end, bounds, time)
+    ]
+    return tuple(sorted(found, key=lambda conflict: -conflict.relative))
 
 
-def unheld_ends(problem: Problem) -> tuple[Unheld, ...]:
-    """Return the fixed ends at rest whose gravity torques tau = g(q) exceed the motors, the largest excess first.
-
-    Robots have a fixed root and neither contacts nor design parameters; other poses are held by forces that are
-    unknowns of the plan.
-    """
-    found = [entry for phase in problem.phases for end in ("start", "end") for entry in _unheld(phase, end)]
-    return tuple(sorted(found, key=lambda entry: entry.limit - entry.needed))
-
-
-def _unheld(phase: Phase, end: str) -> list[Unheld]:
+def _unheld(phase: Phase, end: str, bounds: Bounds, time: float) -> list[Conflict]:
     robot, limits = phase.robot, phase.limits
-    if robot is None or not isinstance(limits, Limits) or robot.root != "fixed" or phase.contacts or phase.design:
+    if robot is None or not isinstance(limits, Limits) or phase.design:
         return []
-    bounds = phase.start_bounds if end == "start" else phase.end_bounds
     size = robot.nq + robot.nv
     lower, upper = bounds.lower[:size], bounds.upper[:size]
     if not np.array_equal(lower, upper) or np.any(lower[robot.nq :]):
         return []
-    torques = pin.computeGeneralizedGravity(robot.model, robot.model.createData(), lower[: robot.nq])
-    entries = []
-    for i, (joint, unit) in enumerate(zip(robot.velocity_names, robot.units, strict=True)):
-        # Dry friction supports a joint at rest.
-        needed = max(abs(float(torques[i])) - float(robot.friction[i]), 0.0)
-        limit = float(limits.effort[i]) if joint in robot.actuated else np.inf
-        if needed > limit * (1 + 1e-9):
-            entries.append(Unheld(phase.name, end, joint, needed, limit, "N m" if unit == "rad" else "N"))
-    return entries
+    joints = [list(limits.joints).index(joint) for joint in robot.actuated]
+    allowed = np.asarray(limits.effort)[joints]
+    excess = _least_excess(phase, lower, allowed)
+    named = zip(robot.actuated, joints, allowed, excess, strict=True)
+    return [
+        Conflict(
+            phase.name,
+            f"effort limit, {joint}",
+            time,
+            float(limit),
+            float(limit + over),
+            "N m" if robot.units[i] == "rad" else "N",
+            float(over / limit),
+            True,
+            f"holding the {end} needs it",
+        )
+        for joint, i, limit, over in named
+        if over > NOTICED * limit
+    ]
+
+
+def _least_excess(phase: Phase, state: Array, allowed: Array) -> Array:
+    """Return the excess e (nu,) of the torques that hold a state; zeros where no torque does."""
+    robot = phase.robot
+    assert robot is not None
+    if not phase.contacts and robot.nu == robot.nv:
+        gravity = pin.computeGeneralizedGravity(robot.model, robot.model.createData(), state[: robot.nq])
+        return np.maximum(0.0, np.abs(robot.actuation.T @ gravity) - robot.actuation.T @ robot.friction - allowed)
+    body = InverseDynamics().of(robot, None, phase.bound_contacts)
+    point = cast(RobotPoint, symbols_of(body, phase.parameter_names))
+    columns = [ca.vertcat(ca.SX(0, 1), *named.values()) for named in (point.x, point.z, point.u, point.p)]
+    x, z, u, p = columns
+    residual = body.residual(point)
+    forces, nv, nu = z[robot.nv :], robot.nv, robot.nu
+    parts = [residual, ca.jacobian(residual, u), ca.jacobian(residual, forces)]
+    evaluate = ca.Function("balance", [x, z, u, p, point.t], parts)
+    values = evaluate(state, np.zeros(z.numel()), np.zeros(nu), np.zeros(p.numel()), 0.0)
+    load, by_torques, by_forces = (np.array(ca.DM(value).full())[:nv] for value in values)
+    pushes = [row.variable for contact in phase.bound_contacts for row in contact.limit_rows if row.lower >= 0.0]
+    least = [0.0 if v.name in pushes else -np.inf for v in body.algebraic[nv:]]
+    finite = np.isfinite(allowed)
+    if _held_easily(load.ravel(), by_torques, by_forces, np.where(finite, allowed, 1e12), np.array(least)):
+        return np.zeros(nu)
+    from scipy.optimize import linprog
+
+    # Unknowns: torques, excess, contact forces, dry friction.
+    friction = np.asarray(robot.friction, dtype=float)
+    weights = np.concatenate([np.zeros(nu), np.where(finite, 1.0 / np.where(finite, allowed, 1.0), 0.0)])
+    cost = np.concatenate([weights, np.zeros(len(least) + nv)])
+    balance = np.hstack([by_torques, np.zeros((nv, nu)), by_forces, np.eye(nv)])
+    within = np.hstack([np.eye(nu), -np.eye(nu), np.zeros((nu, len(least) + nv))])
+    both = np.vstack([within, within * np.where(np.arange(within.shape[1]) < nu, -1.0, 1.0)])
+    slipping = _friction_rows(phase, [variable.name for variable in body.algebraic[nv:]])
+    cones = np.hstack([np.zeros((len(slipping), 2 * nu)), slipping, np.zeros((len(slipping), nv))])
+    most = np.where(finite, allowed, 1e12)
+    ranges = [(None, None)] * nu + [(0.0, None)] * nu + [(low, None) for low in least]
+    ranges += [(-size, size) for size in friction]
+    above = np.concatenate([most, most, np.zeros(len(slipping))])
+    found = linprog(cost, np.vstack([both, cones]), above, balance, -load.ravel(), ranges)
+    return np.asarray(found.x[nu : 2 * nu]) if found.status == 0 else np.zeros(nu)
+
+
+def _friction_rows(phase: Phase, forces: Sequence[str]) -> Array:
+    """Return rows (m, forces) of |f_x| <= mu f_z and |f_y| <= mu f_z on level ground, which the cone lies within."""
+    rows = []
+    for bound in phase.bound_contacts:
+        contact = bound.contact
+        normal = f"force.{bound.name}.z"
+        if not isinstance(getattr(contact, "ground", None), Flat) or normal not in forces:
+            continue
+        for axis in "xy":
+            name = f"force.{bound.name}.{axis}"
+            for sign in (1.0, -1.0) if name in forces else ():
+                row = np.zeros(len(forces))
+                row[forces.index(name)], row[forces.index(normal)] = sign, -float(getattr(contact, "friction", np.inf))
+                rows.append(row)
+    return np.array(rows).reshape(-1, len(forces))
+
+
+def _held_easily(load: Array, by_torques: Array, by_forces: Array, allowed: Array, least: Array) -> bool:
+    """Whether the balance of least norm, torques relative to their limits, keeps every limit: no program is needed."""
+    weight = max(float(np.abs(load).max(initial=0.0)), 1.0)
+    columns = np.hstack([by_torques * allowed, by_forces * weight])
+    found = np.linalg.lstsq(columns, -load, rcond=1e-10)[0]
+    nu = by_torques.shape[1]
+    balanced = float(np.abs(columns @ found + load).max(initial=0.0)) < NOTICED * weight
+    return balanced and bool(
+        np.all(np.abs(found[:nu]) <= 1.0) and np.all(found[nu:] >= np.where(least < 0.0, -np.inf, 0.0))
+    )

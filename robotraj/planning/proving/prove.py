@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from robotraj.guess.base import InitialGuess
+from robotraj.planning.diagnosis.explain import are_sure
 from robotraj.planning.progress import Deadline
 from robotraj.planning.proving.measures import Measured, measured
 from robotraj.planning.proving.soft_friction import SPEEDS, needs_softening, softened
@@ -96,7 +97,7 @@ class _Refining:
                 return self._concluded(replace(self.best or last, status=Status.INTERRUPTED))
             if last.success:
                 self.best = last = self._measured(last)
-            elif not first or last.status in LIMITS_OF_THE_USER:
+            elif not first or last.status in LIMITS_OF_THE_USER or are_sure(last.conflicts):
                 break
             if not first and last.proof is not None and last.proof.holds:
                 break
@@ -167,7 +168,10 @@ class _Refining:
             settings = replace(settings, solver=settings.solver.at_most(PATIENCE), restarts=Restarts(0))
         if first:
             plain = replace(settings.interval_limits, rounds=0)
-            return self._solve(self.problem, start, replace(settings, restarts=Restarts(0), interval_limits=plain), {})
+            return self._solve(self.problem, start, replace(settings, interval_limits=plain), {})
+        if self.best is None:
+            # Other guesses were tried on the first mesh.
+            settings = replace(settings, restarts=Restarts(0))
         found = self._solve(self.problem, start, settings, {})
         nearer = settings.solver.from_nearby(altered=self.altered)
         again_settings = replace(settings, solver=nearer, restarts=Restarts(0))

@@ -23,6 +23,7 @@ from robotraj.robot.loading.notes import (
     mimic_note,
     neutral_note,
     renamed_frames_note,
+    strength_note,
     weightless_note,
 )
 from robotraj.robot.loading.rotor import with_rotors
@@ -79,7 +80,8 @@ def assemble(
     kept = np.append(q[:start], [value for joint, value in zip(names, q[start:], strict=True) if joint not in held])
     _check_dissipation(model, own.joints)
     motors = _actuated(actuated, about.actuated, own.joints[own.free :])
-    findings = (*about.findings, *filter(None, [weightless_note(weightless_joints(model))]))
+    found = weightless_note(weightless_joints(model)), strength_note(model, wanted, units(model, root), motors)
+    findings = (*about.findings, *filter(None, found))
     warned = () if about.known else (*findings, *wanted.complaints(motors))
     if warned:
         warnings.warn(f"{about.name!r}: {' '.join(warned)}", stacklevel=3)

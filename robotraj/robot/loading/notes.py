@@ -13,6 +13,11 @@ from robotraj.robot.loading.mimic import Mimic
 
 Array = NDArray[np.float64]
 
+GRAVITY = 9.81
+STRONGEST = 20.0
+"""Effort relative to the robot's weight at its full reach above which a limit is implausible; real arms reach 0.2 to 4,
+small grippers 9."""
+
 
 def mimic_note(mimics: Sequence[Mimic], held: Mapping[str, float], asked: Mapping[str, float]) -> str:
     """Name the coupled joints that were locked by default."""
@@ -34,6 +39,40 @@ def weightless_note(joints: Sequence[str]) -> str:
         f"No mass moves with {', '.join(map(repr, joints))}, so the mass matrix is singular. Give the links an "
         "<inertial>, or lock the joints with locked={joint: value}."
     )
+
+
+def strength_note(model: pin.Model, limits: Limits, units: Sequence[str], actuated: Collection[str]) -> str:
+    """Name joints whose effort limit is implausible beside the weight of the whole robot at its full reach."""
+    weight = GRAVITY * sum(float(body.mass) for body in list(model.inertias)[1:])
+    span = _reach(model)
+    strong = [
+        f"{joint} ({limits.effort[i]:.4g} {'N' if unit == 'm' else 'N m'})"
+        for i, (joint, unit) in enumerate(zip(limits.joints, units, strict=True))
+        if joint in actuated
+        and np.isfinite(limits.effort[i])
+        and limits.effort[i] > STRONGEST * weight * (1.0 if unit == "m" else span)
+    ]
+    if not strong or weight == 0.0:
+        return ""
+    more = f" and {len(strong) - 1} more" if len(strong) > 1 else ""
+    return (
+        f"Implausible effort limit of {strong[0]}{more}: the robot weighs {weight / GRAVITY:.3g} kg and reaches "
+        f"{span:.2g} m. No motion meets such a limit; give the motors' own with limits={{'effort': ...}}."
+    )
+
+
+def _reach(model: pin.Model) -> float:
+    """Return a bound on the distance of the bodies' masses from the first joint [m], by their radii of gyration."""
+    reach = [
+        float(np.linalg.norm(body.lever)) + float(np.sqrt(np.trace(body.inertia) / (2.0 * body.mass)))
+        if body.mass
+        else 0.0
+        for body in list(model.inertias)
+    ]
+    placements, parents = list(model.jointPlacements), list(model.parents)
+    for i in range(model.njoints - 1, 0, -1):
+        reach[parents[i]] = max(reach[parents[i]], float(np.linalg.norm(placements[i].translation)) + reach[i])
+    return max((reach[i] for i in range(1, model.njoints) if parents[i] == 0), default=0.0)
 
 
 def renamed_frames_note(names: Sequence[str]) -> str:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.elastic import relaxed_motion
+from robotraj.planning.diagnosis.elastic import enough_time, relaxed_motion
+from robotraj.planning.settings import resolve
+from robotraj.planning.solve import solve
 
 A = np.array([-1.1, -1.8, 1.6, -1.2, -1.57, 0.0])
 B = np.array([1.1, -0.8, 0.6, -0.6, -0.6, 1.2])
@@ -20,14 +23,8 @@ def ur5() -> rt.Robot:
 
 
 def coarse(problem: rt.Problem, guess: rt.Solution | None) -> rt.Solution:
-    return rt.plan(
-        problem,
-        rt.Mesh(15),
-        guess,
-        rt.InteriorPoint(max_iterations=300, fallback=None),
-        restarts=rt.planning.Restarts(0),
-        check=False,
-    )
+    few = resolve(problem, {"mesh": rt.Mesh(15), "solver": rt.InteriorPoint(max_iterations=200, fallback=None)})
+    return solve(problem, guess, replace(few, restarts=rt.planning.Restarts(0)))
 
 
 def reach(ur5: rt.Robot, **changes: Any) -> rt.Problem:
@@ -65,6 +62,11 @@ def test_a_duration_too_short_for_the_motors_is_reported() -> None:
         end=rt.State({"x": 1, "v": 0}),
         controls={"u": rt.between(-1, 1)},
     )
-    _, found = relaxed_motion(rt.Problem([phase]), coarse)
-    assert [conflict.name for conflict in found] == ["duration"]
-    assert found[0].needed == pytest.approx(2.0, rel=0.02)
+    problem = rt.Problem([phase])
+    motion, found = relaxed_motion(problem, coarse)
+    assert [conflict.name for conflict in found] == ["control bound, u"]
+    # With force u on 1 kg a motion over 1 m takes 2 / sqrt(u).
+    assert abs(found[0].needed) == pytest.approx((2.0 / 1.9) ** 2, rel=0.02)
+    assert motion is not None
+    longer = enough_time(problem, coarse, motion)
+    assert longer is not None and longer.needed == pytest.approx(2.0, rel=0.02)

@@ -30,10 +30,11 @@ def reach(ur5: rt.Robot, effort: float, **changes: object) -> rt.Problem:
 
 
 def test_the_torque_is_that_of_gravity(ur5: rt.Robot) -> None:
-    (entry,) = [e for e in unheld_ends(reach(ur5, 20.0)) if e.end == "end"]
+    (entry,) = [e for e in unheld_ends(reach(ur5, 20.0)) if e.time == 2.0]
     gravity = pin.computeGeneralizedGravity(ur5.model, ur5.model.createData(), B)
     assert entry.needed == pytest.approx(abs(gravity[1]))
-    assert str(entry).startswith("holding the end of 'phase' needs") and "limit is 20" in str(entry)
+    assert str(entry).startswith("effort limit, shoulder_lift_joint") and "holding the end needs it" in str(entry)
+    assert entry.bound == 20.0
 
 
 def test_strong_motors_hold_everything(ur5: rt.Robot) -> None:
@@ -48,6 +49,22 @@ def test_ends_that_move_or_are_open_are_not_judged(ur5: rt.Robot) -> None:
 def test_a_failed_plan_names_the_motor_that_cannot_hold_its_end(ur5: rt.Robot) -> None:
     solver = rt.Ipopt(max_iterations=3)
     with pytest.raises(
-        rt.NoSolutionFound, match="a likely cause: holding the end of 'phase' needs .* shoulder_lift_joint"
+        rt.NoSolutionFound, match="shoulder_lift_joint, .*: 20 N m must become 45.79 N m .holding the end"
     ):
         rt.plan(reach(ur5, 20.0), rt.Mesh(5), solver=solver)
+
+
+def test_feet_carry_a_robot_within_their_friction() -> None:
+    """Two legs of a table: with the weight on point feet, the torques of the linear program balance it."""
+    robot = rt.load("solo12", root="floating")
+    feet = tuple(name for name in rt.gait.limb_ends(robot) if name.endswith("FOOT"))
+    rest = rt.State(q=rt.gait.stand(robot, feet), v=0)
+    contacts = [rt.PointContact(foot, friction=0.7) for foot in feet]
+
+    def stand(effort: float) -> rt.Problem:
+        limits = robot.limits.with_(effort=effort)
+        return rt.Problem([rt.Phase(robot, 0.5, rest, rest, rt.Effort(), contacts=contacts, limits=limits)])
+
+    weak = unheld_ends(stand(0.1))
+    assert weak and all(entry.name.startswith("effort limit") for entry in weak)
+    assert not unheld_ends(stand(1.01 * max(entry.needed for entry in weak)))

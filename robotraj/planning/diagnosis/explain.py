@@ -1,0 +1,61 @@
+"""Why a plan failed: the conflicts of its limits, from the cheapest check to the relaxed problem.
+
+Ends without a configuration come first, then torques that hold no end, then the relaxed problem on a coarse mesh.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from robotraj.planning.diagnosis.elastic import Solve, enough_time, relaxed_motion
+from robotraj.planning.diagnosis.ends import unheld_ends
+from robotraj.planning.diagnosis.postures import unreached_ends
+from robotraj.planning.diagnosis.undefined import undefined_expression
+from robotraj.problem.problem import Problem
+from robotraj.solution.conflict import Conflict
+from robotraj.solution.solution import Solution
+from robotraj.solvers.status import Status
+
+UNEXPLAINED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED, Status.ITERATION_LIMIT, Status.DIVERGED)
+"""Statuses for which the relaxed problem is solved."""
+SURE = 2e-2
+"""Relative relaxation on a coarse mesh below which a finer mesh may still have a motion."""
+SHORT_OF_TIME = ("velocity", "acceleration", "effort", "control")
+"""First words of the rows for which a longer duration may do instead."""
+
+
+def are_sure(conflicts: tuple[Conflict, ...]) -> bool:
+    """Whether a finer mesh would not do either."""
+    return any(conflict.exact or conflict.relative > SURE for conflict in conflicts)
+
+
+def completed(
+    problem: Problem, conflicts: tuple[Conflict, ...], motion: Solution | None, coarsely: Solve
+) -> tuple[Conflict, ...]:
+    """Add the duration that would do instead of stronger limits."""
+    if motion is None or not conflicts:
+        return conflicts
+    if not all(conflict.name.startswith(SHORT_OF_TIME) for conflict in conflicts):
+        return conflicts
+    longer = enough_time(problem, coarsely, motion)
+    return conflicts if longer is None else (*conflicts, longer)
+
+
+def explained(solution: Solution, coarsely: Solve) -> Solution:
+    """Return a solution that was not found with the cause: an undefined expression, or conflicts of limits."""
+    if solution.success or solution.conflicts:
+        return solution
+    undefined = undefined_expression(solution)
+    if undefined:
+        return replace(solution, message=f"{undefined} ({solution.message})", status=Status.INVALID_NUMBER)
+    if solution.status not in UNEXPLAINED:
+        return solution
+    problem = solution.problem
+    conflicts = unreached_ends(problem)
+    if conflicts:
+        return replace(solution, conflicts=conflicts)
+    unheld = unheld_ends(problem)
+    if unheld:
+        return replace(solution, conflicts=unheld)
+    motion, conflicts = relaxed_motion(problem, coarsely, solution)
+    return replace(solution, conflicts=completed(problem, conflicts, motion, coarsely))

@@ -1,0 +1,137 @@
+"""Checks of durations and fixed ends against the speed and acceleration limits of each joint alone.
+
+A joint with |a| <= A and |v| <= V moves from (q_0, v_0) to (q_1, v_1) in the least time by accelerating to a peak speed
+and braking. With the direction s = sign(q_1 - q_0 - (v_0 + v_1) |v_1 - v_0| / (2 A)) the peak is
+
+    v_p = s sqrt((v_0^2 + v_1^2) / 2 + s A (q_1 - q_0)),
+
+or s V, which the joint keeps, if that is less. Source: Lynch and Park, Modern Robotics (2017), section 9.2.2.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import Where
+from robotraj.problem.feasibility import Ends
+from robotraj.robot.limits import Limits
+from robotraj.robot.robot import Robot
+
+ROUNDING = 1e-9
+"""Relative excess of a bound that is round-off."""
+GREATEST = 1e9
+"""Acceleration [rad/s^2, m/s^2] above which none is named as sufficient."""
+
+
+@dataclass(frozen=True)
+class _Travel:
+    """What one joint must do: from a position and speed to others, within its limits [SI]."""
+
+    joint: str
+    unit: str
+    first: float
+    last: float
+    start_speed: float
+    end_speed: float
+    fastest: float
+    acceleration: float
+
+    def least_time(self, acceleration: float) -> float:
+        """Return the least duration [s] with an acceleration limit."""
+        gap, v0, v1 = self.last - self.first, self.start_speed, self.end_speed
+        way = 1.0 if gap >= 0.5 * (v0 + v1) * abs(v1 - v0) / acceleration else -1.0
+        peak = way * np.sqrt(max(0.0, 0.5 * (v0**2 + v1**2) + way * acceleration * gap))
+        if abs(peak) <= self.fastest:
+            return float((abs(peak - v0) + abs(v1 - peak)) / acceleration)
+        peak = way * self.fastest
+        ramps = 0.5 * ((v0 + peak) * abs(peak - v0) + (peak + v1) * abs(v1 - peak)) / acceleration
+        return float((abs(peak - v0) + abs(v1 - peak)) / acceleration + abs(gap - ramps) / self.fastest)
+
+    def enough(self, duration: float) -> float | None:
+        """Return an acceleration limit with which the duration [s] suffices; None where the speed limit is too low."""
+        low, high = self.acceleration, GREATEST
+        if self.least_time(high) > duration:
+            return None
+        for _ in range(80):
+            middle = float(np.sqrt(low * high))
+            low, high = (low, middle) if self.least_time(middle) <= duration else (middle, high)
+        return high
+
+
+def check_durations(phase: str, robot: Robot, limits: Limits, longest: float, ends: Ends) -> None:
+    """Refuse a joint that must travel faster than its limits allow in the longest duration [s].
+
+    Speeds limit every joint with fixed or bounded ends; accelerations those whose positions and speeds are fixed.
+
+    Raises
+    ------
+    InputError
+        Naming the joint, the way it must travel, and the shortest duration or the acceleration that would do.
+    """
+    start, end = ends[Where.START], ends[Where.END]
+    positions = robot.position_names
+    for i, joint in enumerate(robot.velocity_names):
+        if joint not in positions:
+            continue  # the velocities of a floating root are no rates of single positions
+        at, rate = positions.index(joint), robot.nq + i
+        unit = robot.units[i]
+        gap = max(end.lower[at] - start.upper[at], start.lower[at] - end.upper[at], 0.0)
+        speed, acceleration = float(limits.velocity[i]), float(limits.acceleration[i])
+        if np.isfinite(gap) and gap > speed * longest * (1 + ROUNDING):
+            raise InputError(
+                f"Phase {phase!r}: joint {joint!r} must travel {gap:.4g} {unit}, but its velocity limit of "
+                f"{speed:.4g} {unit}/s allows {speed * longest:.4g} {unit} in {longest:.4g} s. "
+                f"Allow at least {gap / speed:.4g} s, or a velocity of at least {gap / longest:.4g} {unit}/s."
+            )
+        if not np.isfinite(acceleration):
+            continue
+        low, high = limits.positions
+        for sign, side, place in ((1.0, start, "start"), (-1.0, end, "end")):
+            if side.lower[at] == side.upper[at] and side.lower[rate] == side.upper[rate]:
+                bounds = float(low[at]), float(high[at])
+                moved = float(side.lower[at]), sign * float(side.lower[rate])
+                _check_braking(phase, joint, unit, place, moved, bounds, acceleration)
+        fixed = all(side.lower[k] == side.upper[k] for side in (start, end) for k in (at, rate))
+        if fixed and np.isfinite(longest):
+            first, last = float(start.lower[at]), float(end.lower[at])
+            speeds = float(start.lower[rate]), float(end.lower[rate])
+            _check_travel(phase, _Travel(joint, unit, first, last, *speeds, speed, acceleration), longest)
+
+
+def _check_travel(phase: str, travel: _Travel, longest: float) -> None:
+    """Refuse a travel that takes longer than the longest duration [s]."""
+    least = travel.least_time(travel.acceleration)
+    if least <= longest * (1 + ROUNDING):
+        return
+    enough, unit = travel.enough(longest), travel.unit
+    instead = "" if enough is None else f", or an acceleration of at least {enough:.4g} {unit}/s^2"
+    raise InputError(
+        f"Phase {phase!r}: joint {travel.joint!r} must travel {abs(travel.last - travel.first):.4g} {unit} in "
+        f"{longest:.4g} s, but with its acceleration limit of {travel.acceleration:.4g} {unit}/s^2 it takes "
+        f"{least:.4g} s. Allow at least {least:.4g} s{instead}."
+    )
+
+
+def _check_braking(
+    phase: str,
+    joint: str,
+    unit: str,
+    place: str,
+    moved: tuple[float, float],
+    bounds: tuple[float, float],
+    acceleration: float,
+) -> None:
+    """Refuse a speed that a joint cannot lose, or cannot have gained, inside its position limits."""
+    at, speed = moved
+    limit = bounds[1] if speed > 0.0 else bounds[0]
+    room, needed = abs(limit - at), 0.5 * speed**2 / acceleration
+    if speed == 0.0 or not np.isfinite(limit) or needed <= room * (1 + ROUNDING):
+        return
+    raise InputError(
+        f"Phase {phase!r}: at the {place}, joint {joint!r} is {room:.4g} {unit} from its position limit of "
+        f"{limit:.4g} {unit} with a speed of {abs(speed):.4g} {unit}/s, and its acceleration limit of "
+        f"{acceleration:.4g} {unit}/s^2 needs {needed:.4g} {unit}. Allow an acceleration of at least "
+        f"{0.5 * speed**2 / max(room, 1e-300):.4g} {unit}/s^2, or move the limit."
+    )

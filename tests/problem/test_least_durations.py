@@ -1,0 +1,50 @@
+"""Least times of one joint against closed forms, and what a phase refuses by them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.problem.least_durations import _Travel
+
+
+def travel(first: float, last: float, v0: float = 0.0, v1: float = 0.0, speed: float = np.inf) -> _Travel:
+    return _Travel("joint", "rad", first, last, v0, v1, speed, 2.0)
+
+
+def test_from_rest_to_rest_over_d_takes_two_roots_of_d_by_a() -> None:
+    assert travel(0.0, 3.0).least_time(2.0) == pytest.approx(2.0 * np.sqrt(1.5))
+    assert travel(1.0, -2.0).least_time(2.0) == pytest.approx(2.0 * np.sqrt(1.5))
+
+
+def test_with_a_speed_limit_v_it_takes_d_by_v_and_v_by_a() -> None:
+    assert travel(0.0, 3.0, speed=1.0).least_time(2.0) == pytest.approx(3.0 + 0.5)
+
+
+@pytest.mark.parametrize("ends", [(0.0, 1.0, 0.5, -0.3), (0.0, 0.01, 2.0, 0.0), (0.4, -0.2, 1.0, 1.0), (0, 0, 1, -1)])
+def test_the_least_time_is_that_of_the_collocated_problem(ends: tuple[float, float, float, float]) -> None:
+    first, last, v0, v1 = ends
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    bounds = {"u": rt.between(-2, 2)}
+    phase = rt.Phase(block, (0.01, 9.0), rt.State([first, v0]), rt.State([last, v1]), rt.Duration(), controls=bounds)
+    assert travel(*ends).least_time(2.0) == pytest.approx(rt.plan(phase, tolerance=1e-6).duration, rel=1e-4)
+
+
+def arm(duration: float, end: float, speed: float = 0.0, **limits: object) -> rt.Phase:
+    robot = rt.load("two_link_arm")
+    start = rt.State(q=0, v=[speed, 0])
+    return rt.Phase(robot, duration, start, rt.State(q=[end, 0], v=0), limits=robot.limits.with_(**limits))
+
+
+def test_a_phase_names_the_acceleration_and_the_duration_that_would_do() -> None:
+    with pytest.raises(rt.InputError, match="'shoulder' must travel 1 rad in 1 s.* at least 1.414 s, or .* 4 rad/s"):
+        arm(1.0, 1.0, acceleration=2.0, velocity=100.0)
+    assert arm(1.0, 1.0, acceleration=4.0, velocity=100.0)
+
+
+def test_a_speed_that_no_joint_can_lose_is_refused() -> None:
+    limits = {"position": 0.1, "acceleration": 5.0}
+    with pytest.raises(rt.InputError, match="'shoulder' is 0.1 rad from its position limit of 0.1 rad .* 20 rad/s"):
+        arm(5.0, 0.05, speed=2.0, **limits)
+    assert arm(5.0, 0.05, speed=0.9, **limits)
