@@ -53,7 +53,7 @@ NAMED = 3
 
 
 @dataclass(frozen=True, eq=False)
-class _Row:
+class _EndRow:
     """A row of the relaxed problem: value, bounds, and how it is named."""
 
     value: ca.SX
@@ -134,7 +134,7 @@ def _all_ends(phases: Sequence[Phase]) -> list[_Ends]:
     return found
 
 
-def _rows_of(ends: _Ends) -> Iterator[_Row]:
+def _rows_of(ends: _Ends) -> Iterator[_EndRow]:
     """Yield the rows of one phase: limits, what the user gave, contacts, mean speeds."""
     phase, size = ends.phase, _size(ends.phase)
     table, states = phase.rows, [state.name for state in phase.body.states]
@@ -149,26 +149,26 @@ def _rows_of(ends: _Ends) -> Iterator[_Row]:
         for row in table.bounds:
             if row.variable in states[:size] and row.where in (Where.THROUGHOUT, where):
                 value = x[states.index(str(row.variable))]
-                yield _Row(value, row.lower, row.upper, phase.name, row.label, row.unit, t, GIVEN, True)
+                yield _EndRow(value, row.lower, row.upper, phase.name, row.label, row.unit, t, GIVEN, True)
         for variable, value, low, high in zip(phase.body.states[:size], ca.vertsplit(x[:size]), *given, strict=False):
             label = f"{where.value} {variable.quantity}, {variable.label}"
-            yield _Row(value, low, high, phase.name, label, variable.unit, t, ENDS, True)
+            yield _EndRow(value, low, high, phase.name, label, variable.unit, t, ENDS, True)
         here = [row for row in read if row.where in (Where.THROUGHOUT, where)]
         values = _values(ends, here, x, t)
         for row, value in zip(here, values, strict=True):
             weight = GIVEN if row.where is Where.THROUGHOUT else HELD
-            yield _Row(value, row.lower, row.upper, phase.name, row.label, row.unit, t, weight)
+            yield _EndRow(value, row.lower, row.upper, phase.name, row.label, row.unit, t, weight)
         held = phase.body.invariant(point) if phase.body.invariants else ca.SX(0, 1)
         for variable, value in zip(phase.body.invariants, ca.vertsplit(held), strict=True):
             label = f"{variable.quantity}, {variable.label}"
-            yield _Row(value, 0.0, 0.0, phase.name, label, variable.unit, t, HELD)
+            yield _EndRow(value, 0.0, 0.0, phase.name, label, variable.unit, t, HELD)
     middle = ends.begun + 0.5 * ends.duration
     for name, value, low, high in zip(
         phase.parameter_names, ca.vertsplit(ends.parameters), *phase.parameter_bounds, strict=True
     ):
-        yield _Row(value, low, high, phase.name, f"parameter {name}", "", middle, GIVEN, True)
+        yield _EndRow(value, low, high, phase.name, f"parameter {name}", "", middle, GIVEN, True)
     least, longest = phase.duration_bounds
-    yield _Row(ends.duration, max(least, SHORTEST), longest, phase.name, "duration", "s", ends.duration, GIVEN, True)
+    yield _EndRow(ends.duration, max(least, SHORTEST), longest, phase.name, "duration", "s", ends.duration, GIVEN, True)
     yield from _mean_speeds(ends)
 
 
@@ -186,7 +186,7 @@ def _values(ends: _Ends, rows: Sequence[object], x: ca.SX, t: ca.SX) -> list[ca.
     )
 
 
-def _mean_speeds(ends: _Ends) -> Iterator[_Row]:
+def _mean_speeds(ends: _Ends) -> Iterator[_EndRow]:
     """Yield (q_1 - q_0) / T within the speed limits, for joints with one position."""
     phase, robot = ends.phase, ends.phase.robot
     if robot is None or not isinstance(phase.limits, Limits):
@@ -197,17 +197,17 @@ def _mean_speeds(ends: _Ends) -> Iterator[_Row]:
             i = positions.index(joint)
             mean = (ends.last[i] - ends.first[i]) / ends.duration
             half = ends.begun + 0.5 * ends.duration
-            yield _Row(mean, -limit, limit, phase.name, f"velocity limit, {joint}", f"{unit}/s", half, GIVEN, True)
+            yield _EndRow(mean, -limit, limit, phase.name, f"velocity limit, {joint}", f"{unit}/s", half, GIVEN, True)
 
 
-def _rows_of_links(problem: Problem, ends: Sequence[_Ends]) -> Iterator[_Row]:
+def _rows_of_links(problem: Problem, ends: Sequence[_Ends]) -> Iterator[_EndRow]:
     for link in problem.bound_links:
         own = {unknown.name: ca.SX.sym(unknown.name) for unknown in link.unknowns}
         values = link.values([Ends(ends[i].start, ends[i].end) for i in link.phases], own)
         at = ends[link.phases[0]]
         for row, value in zip(link.rows, values, strict=True):
             name = f"{row.label} of {link.name}"
-            yield _Row(value, row.lower, row.upper, at.phase.name, name, row.unit, at.begun + at.duration, HELD)
+            yield _EndRow(value, row.lower, row.upper, at.phase.name, name, row.unit, at.begun + at.duration, HELD)
 
 
 def _reads_only(value: ca.SX, unknown: ca.SX) -> bool:
@@ -216,7 +216,7 @@ def _reads_only(value: ca.SX, unknown: ca.SX) -> bool:
     return all(symbol.name() + str(symbol.__hash__()) in known for symbol in ca.symvar(value))
 
 
-def _least_slacks(problem: Problem, rows: Sequence[_Row], unknown: ca.SX) -> tuple[Conflict, ...]:
+def _least_slacks(problem: Problem, rows: Sequence[_EndRow], unknown: ca.SX) -> tuple[Conflict, ...]:
     """Minimise the slacks from one start after the other, and describe the least sum."""
     sides = [
         (i, sign, bound)
@@ -268,7 +268,7 @@ def _least_slacks(problem: Problem, rows: Sequence[_Row], unknown: ca.SX) -> tup
 
 
 def _conflicts(
-    rows: Sequence[_Row],
+    rows: Sequence[_EndRow],
     sides: Sequence[tuple[int, float, float]],
     left: Array,
     multipliers: Array,
