@@ -25,6 +25,7 @@ from .planning.compilation import precompile
 from .planning.many.multistart import multistart
 from .planning.many.sweep import sweep
 from .planning.paths.retime import retime
+from .planning.paths.waypoints import Waypoints
 from .planning.plan import plan
 from .planning.replanning.replanner import Replanner
 from .problem import constraints, links, objectives
@@ -100,6 +101,7 @@ __all__ = [
     "Touchdown",
     "UnknownName",
     "ValidationFailed",
+    "Waypoints",
     "between",
     "catalogue",
     "constraints",

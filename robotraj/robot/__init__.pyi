@@ -3,6 +3,7 @@
 Start with ``robot.py``. The room may import ``symbolic`` and ``_util``.
 """
 
+from .carried_body import CarriedBody, carrying
 from .join import join
 from .known_robots.catalogue import catalogue
 from .limits import Limits
@@ -11,8 +12,10 @@ from .mobile import on_wheels
 from .robot import Robot
 
 __all__ = [
+    "CarriedBody",
     "Limits",
     "Robot",
+    "carrying",
     "catalogue",
     "join",
     "load",

@@ -6,10 +6,12 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from robotraj.robot.limits import Limits, MagnitudeLimits, PositionLimits
 from robotraj.robot.loading.assembly import assemble
 from robotraj.robot.loading.source import describe
+from robotraj.robot.mounting import Base, mounted
 from robotraj.robot.robot import Robot
 
 
@@ -22,6 +24,9 @@ def load(
     locked: Mapping[str, float] | None = None,
     root: str = "fixed",
     limits: Limits | Mapping[str, PositionLimits | MagnitudeLimits] | None = None,
+    gravity: ArrayLike | None = None,
+    base: Base | None = None,
+    rotors: Mapping[str, tuple[float, float]] | None = None,
 ) -> Robot:
     """Load a robot for planning.
 
@@ -46,6 +51,12 @@ def load(
     limits : mapping or Limits, optional
         Overrides by quantity: ``{"position": {"elbow": (-1, 1)}, "velocity": 3.0, "effort": {"elbow":
         20}}``; see ``Limits.with_``.
+    gravity : array (3,), optional
+        [m/s^2] in the world; (0, 0, -9.81) by default.
+    base : pinocchio.SE3 or (position, quaternion), optional
+        Pose of the root link in the world [m], quaternion (x, y, z, w); for robots with a fixed root.
+    rotors : mapping of str to (float, float), optional
+        Inertia of the rotor [kg m^2] and gear ratio by joint, ``{"elbow": (1e-5, 100)}``.
 
     Returns
     -------
@@ -72,4 +83,7 @@ def load(
     to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
     limits.
     """
-    return Robot(**assemble(describe(source, package_dirs, trust_paths), actuated, locked, limits, root))
+    robot = Robot(**assemble(describe(source, package_dirs, trust_paths), actuated, locked, limits, root))
+    if gravity is None and base is None and rotors is None:
+        return robot
+    return mounted(robot, gravity, base, rotors)

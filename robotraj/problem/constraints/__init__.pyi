@@ -11,6 +11,8 @@ from .frame_pose import FramePose, FramePosition
 from .heights import RequiredHeight, SwingApex
 from .integral import IntegralConstraint
 from .joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity, own_limits
+from .motors.drive import MotorPower, SpeedTorqueCurve
+from .motors.payloads import PayloadScenarios
 from .motors.rates import JointJerk, JointTorqueRate
 from .path import PathConstraint
 from .task_space.axis import FrameAxis
@@ -46,11 +48,14 @@ __all__ = [
     "JointTorqueRate",
     "JointVelocity",
     "LinearPath",
+    "MotorPower",
     "OneOf",
     "PathConstraint",
+    "PayloadScenarios",
     "PoseRegion",
     "RequiredHeight",
     "Row",
+    "SpeedTorqueCurve",
     "SwingApex",
     "VariableBounds",
     "Where",

@@ -51,6 +51,8 @@ from robotraj.problem.constraints.frame_pose import FramePose, FramePosition
 from robotraj.problem.constraints.heights import SwingApex
 from robotraj.problem.constraints.integral import IntegralConstraint
 from robotraj.problem.constraints.joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity
+from robotraj.problem.constraints.motors.drive import MotorPower, SpeedTorqueCurve
+from robotraj.problem.constraints.motors.payloads import PayloadScenarios
 from robotraj.problem.constraints.motors.rates import JointJerk, JointTorqueRate
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.constraints.task_space.axis import FrameAxis
@@ -78,6 +80,7 @@ from robotraj.problem.objectives.tracking import Tracking
 from robotraj.problem.objectives.transport import CostOfTransport
 from robotraj.problem.objectives.work import AbsolutePower, MechanicalWork
 from robotraj.problem.state import State
+from robotraj.robot.carried_body import CarriedBody
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.loading.joined import JoinedGeometry, JoinedPart
@@ -114,12 +117,13 @@ CLASSES: Mapping[str, type] = {
     for kind in (
         # problems
         State, Between, Limits, AtEnd, AtStart, GroundClearance, CollisionShapes, FollowPath, FramePose,
-        FramePosition, SwingApex, FrameAxis, OneOf, PoseRegion, FrameAcceleration, FrameSpeed, CircularPath,
-        LinearPath, JointCentering, Manipulability, DifferentialDrive, IntegralConstraint, JointAcceleration,
-        JointEffort, JointPosition, JointVelocity, PathConstraint, JointJerk, JointTorqueRate, VariableBounds,
-        Continuity, Jump, EqualDuration, Linkage, SameParameter, Mirror, Periodic, Liftoff, Touchdown, Sum, Duration,
-        Effort, Lagrange, Mayer, ForceRate, CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness, TerminalPose,
-        Tracking, CostOfTransport, AbsolutePower, MechanicalWork,
+        FramePosition, SwingApex, FrameAxis, MotorPower, SpeedTorqueCurve, PayloadScenarios, CarriedBody, OneOf,
+        PoseRegion, FrameAcceleration, FrameSpeed, CircularPath, LinearPath, JointCentering, Manipulability,
+        DifferentialDrive, IntegralConstraint, JointAcceleration, JointEffort, JointPosition, JointVelocity,
+        PathConstraint, JointJerk, JointTorqueRate, VariableBounds, Continuity, Jump, EqualDuration, Linkage,
+        SameParameter, Mirror, Periodic, Liftoff, Touchdown, Sum, Duration, Effort, Lagrange, Mayer, ForceRate,
+        CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness, TerminalPose, Tracking, CostOfTransport, AbsolutePower,
+        MechanicalWork,
         # robots, contacts, terrain
         Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ForwardDynamics, InverseDynamics, Kinematics,
         FlatFoot, ImplicitContact, LineContact, LoopClosure, PointContact, Linearised, SecondOrder, FourCorners,

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 from robotraj._util.errors import InputError
 from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
 from robotraj.problem.constraints.base import Where
+from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.schemes.shooting import Shooting, SingleShooting
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
 
 
 def explicit(problem: Problem, meshes: Sequence[Mesh]) -> Problem:
@@ -33,7 +33,7 @@ def explicit(problem: Problem, meshes: Sequence[Mesh]) -> Problem:
     ]
     if all(new is old for new, old in zip(phases, problem.phases, strict=True)):
         return problem
-    return replace(problem, phases=tuple(phases))
+    return Problem(phases, problem.links, problem.missing)
 
 
 def _explicit(phase: Phase, mesh: Mesh) -> Phase:

@@ -1,0 +1,83 @@
+"""A rigid body that a robot carries at a frame: mass, centre of mass and inertia."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass, own_fields
+from robotraj.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class CarriedBody:
+    """A body fixed to a frame of a robot, for ``rt.robot.carrying`` and ``rt.constraints.PayloadScenarios``.
+
+    Parameters
+    ----------
+    frame : str
+    mass : float
+        [kg].
+    center_of_mass : sequence of 3 float
+        In the axes of the frame [m].
+    inertia : array (3, 3) or (3,), optional
+        About the centre of mass, in the axes of the frame [kg m^2]; a diagonal may be given alone. Zero by default.
+    """
+
+    frame: str
+    mass: float
+    center_of_mass: Sequence[float] = (0.0, 0.0, 0.0)
+    inertia: Sequence[float] | Sequence[Sequence[float]] | None = None
+
+    def __post_init__(self) -> None:
+        own_fields(self)
+        if not 0.0 < self.mass < np.inf:
+            raise InputError(f"The body at {self.frame!r} has the mass {self.mass} kg; it must be above 0.")
+        if np.shape(self.center_of_mass) != (3,) or not np.isfinite(self.center_of_mass).all():
+            raise InputError(f"The body at {self.frame!r} needs a centre of mass (3,); got {self.center_of_mass!r}.")
+        if self.inertia is not None and np.shape(self.inertia) not in ((3,), (3, 3)):
+            raise InputError(f"The inertia of the body at {self.frame!r} has shape (3,) or (3, 3).")
+
+    @property
+    def spatial_inertia(self) -> pin.Inertia:
+        """Inertia in the axes of the frame.
+
+        Raises
+        ------
+        InputError
+            No rigid body has this inertia.
+        """
+        given = np.zeros(3) if self.inertia is None else np.array(self.inertia, dtype=float)
+        matrix = np.diag(given) if given.ndim == 1 else given
+        low, middle, high = np.linalg.eigvalsh(0.5 * (matrix + matrix.T))
+        rounding = 1e-9 * max(1.0, high)
+        if not np.allclose(matrix, matrix.T) or low < -rounding or high > low + middle + rounding:
+            raise InputError(
+                f"No rigid body has the inertia {matrix.tolist()} kg m^2: its principal moments are not negative, and "
+                "none exceeds the sum of the others."
+            )
+        return pin.Inertia(float(self.mass), np.array(self.center_of_mass, dtype=float), matrix)
+
+
+def carrying(robot: Robot, *bodies: CarriedBody) -> Robot:
+    """Return a robot that carries bodies; joints, states and limits are the same.
+
+    Phases of the robot with and without a body are linked by ``rt.Continuity``: the body is grasped or released where
+    they meet.
+
+    Raises
+    ------
+    InputError
+        No such frame, or a frame that does not move.
+    """
+    model = robot.model.copy()
+    for body in bodies:
+        frame = model.frames[robot.frame(body.frame)]
+        if frame.parentJoint == 0:
+            raise InputError(f"Frame {body.frame!r} of {robot.name!r} does not move, so it carries nothing.")
+        model.appendBodyToJoint(frame.parentJoint, body.spatial_inertia, frame.placement)
+    return replace(robot, model=model)
