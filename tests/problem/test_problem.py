@@ -159,3 +159,10 @@ def test_ends_have_no_controls() -> None:
     system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
     with pytest.raises(rt.UnknownName, match="have times, states and parameters alone"):
         rt.plan(rt.Phase(system, 1.0, rt.State([0]), rt.State([1]), cost))
+
+
+def test_the_docstring_of_path_constraints_lists_what_a_point_has() -> None:
+    text = rt.PathConstraint.__doc__ or ""
+    members = {name for name in dir(rt.dynamics.RobotPoint) if name[0] != "_"} - {"moves", "inverse_dynamics"}
+    members |= {"t", "p", "q", "v", "forces"}
+    assert all(f"point.{name}" in text for name in members), members

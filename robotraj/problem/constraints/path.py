@@ -41,6 +41,31 @@ class PathConstraint(Constraint):
     ------
     InputError
         On binding: bounds of a wrong length, NaN, crossed or both open; an expression that fails on a point.
+
+    Notes
+    -----
+    A point is what is known at one instant. Every expression of a user takes one: of ``rt.PathConstraint``,
+    ``rt.IntegralConstraint``, ``rt.Lagrange``, and the equations of ``rt.System``.
+
+    ================================  ======================================================================
+    point.t                           time [s]
+    point.x[name], point.z[name]      states, algebraic variables: "q.elbow", "v.elbow", "a.elbow"
+    point.u[name], point.p[name]      controls such as "tau.elbow", parameters of the phase
+    point.q, point.v                  positions (nq,), velocities (nv,) of a robot [rad, m; rad/s, m/s]
+    point.a, point.tau                accelerations (nv,) [rad/s^2, m/s^2], torques (nu,) [N m, N]
+    point.forces[contact]             force of a contact (3,) [N], with a moment (6,)
+    point.frame(name).position        origin of a frame in the world (3,) [m]
+    point.frame(name).rotation        rotation (3, 3) from the frame to the world
+    point.frame(name).velocity        linear, then angular (6,) [m/s, rad/s], in world axes
+    point.frame(name).acceleration    the same of the acceleration [m/s^2, rad/s^2]
+    point.com, point.momentum         centre of mass (3,) [m], centroidal momentum (6,) [kg m/s, kg m^2/s]
+    point.mass, point.damping         mass of all bodies [kg], damping (nv,) [N m s/rad, N s/m]
+    point.robot, point.symbolic       the Robot, Pinocchio's algorithms on symbols
+    point.extra, point.contact_terms  variables of the objective, terms of contacts: for classes of your own
+    ================================  ======================================================================
+
+    Entries are CasADi symbols while a problem is built, and numbers where a plan is checked: write functions as
+    ``casadi.sqrt(...)``, which takes both. The two points of ``rt.Mayer`` have neither z, u, a, tau nor forces.
     """
 
     expression: PointExpression

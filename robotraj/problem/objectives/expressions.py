@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Lagrange(Integral):
-    """Integral of ``expression(point)`` over the phase: ``rt.Lagrange(lambda point: point.u["u"] ** 2)``."""
+    """Integral of ``expression(point)`` over the phase: ``rt.Lagrange(lambda point: point.u["u"] ** 2)``.
+
+    ``rt.PathConstraint`` lists what a point has.
+    """
 
     expression: PointExpression
 
