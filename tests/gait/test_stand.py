@@ -66,3 +66,12 @@ def test_a_robot_without_feet_names_the_ends_of_its_limbs() -> None:
     robot = rt.load("g1", root="floating")
     with pytest.raises(rt.InputError, match="left_ankle_roll_link"):
         gait.stand(robot)
+
+
+def test_a_humanoid_with_straight_knees_crouches() -> None:
+    """The knees of g1 bend to both sides of zero, to one of them by 5 degrees only."""
+    robot, sole = rt.load("g1", root="floating"), partial(FlatFoot, length=0.15, width=0.05, offset=(0.03, 0, -0.03))
+    feet = ("left_ankle_roll_link", "right_ankle_roll_link")
+    q = gait.stand(robot, feet, sole, height=0.5)
+    assert pin.centerOfMass(robot.model, robot.model.createData(), q)[2] == pytest.approx(0.5, abs=0.05)
+    assert q[7 + robot.joint_names.index("left_knee_joint") - 1] > 0.5

@@ -32,6 +32,12 @@ TOLERANCE = 1e-10
 """Norm of the feet's error [m, rad] at which Newton's method stops."""
 REPEATS = 5
 """Repetitions with the posture moved to the last answer, for a given height."""
+BEND = 0.6
+"""Angle by which a joint at a bound is bent inwards [rad]."""
+NEAR_HEIGHT = 1e-3
+"""Distance of the centre of mass from a given height beyond which other bends are tried [m]."""
+ONE_SIDED = 0.1
+"""Share of a joint's range: a joint that is nearer to a bound bends to the other side, as knees do."""
 ROOT_FREEDOMS = {"fixed": 0, "planar": 3, "floating": 6}
 
 
@@ -256,15 +262,38 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     ground = float(com[2] - height_above(stance, feet, com))
     target = height if height is not None else (0.95 if straight else 1.0) * (com[2] - ground)
     if straight:
-        joints = start[len(start) - len(lower) :]
-        joints += np.where(joints - lower < 0.05, 0.6, np.where(upper - joints < 0.05, -0.6, 0.0))
-        start = stance._inside(start)
+        start = _bent(stance, start, 0.05)
     com = np.array([*middle, ground + target])
     found = stance.reach(start, feet, com, {}, start if straight else q)
-    for _ in range(REPEATS if height is not None else 0):
-        # A given height has priority over the posture, so the posture moves to the last answer.
-        found = stance.reach(found, feet, com, {}, upright(robot, found))
+    if height is None:
+        return found
+    found = _at_height(stance, found, feet, com)
+    if abs(_com_height(stance, found) - com[2]) > NEAR_HEIGHT:
+        # The nearest bend of a knee may be the one that its limit ends.
+        start = _bent(stance, q, ONE_SIDED * (upper - lower))
+        other = _at_height(stance, stance.reach(start, feet, com, {}, start), feet, com)
+        found = min(found, other, key=lambda each: abs(_com_height(stance, each) - com[2]))
     return found
+
+
+def _at_height(stance: BalancedStance, q: Array, feet: Mapping[str, float], com: Array) -> Array:
+    """Return a configuration that reaches the centre of mass: it has priority over the posture, which follows."""
+    for _ in range(REPEATS):
+        q = stance.reach(q, feet, com, {}, upright(stance.robot, q))
+    return q
+
+
+def _bent(stance: BalancedStance, q: Array, near: Array | float) -> Array:
+    """Bend joints inwards that are within ``near`` of one bound."""
+    lower, upper = stance._bounds
+    q = np.array(q)
+    joints = q[len(q) - len(lower) :]
+    joints += np.where(joints - lower < near, BEND, np.where(upper - joints < near, -BEND, 0.0))
+    return stance._inside(q)
+
+
+def _com_height(stance: BalancedStance, q: Array) -> float:
+    return float(pin.centerOfMass(stance.robot.model, stance.data, q)[2])
 
 
 def height_above(stance: BalancedStance, feet: Mapping[str, float], com: Array) -> float:
