@@ -1,14 +1,16 @@
 """Pairs of links that are checked against each other.
 
 Not checked are pairs that an SRDF disables, links that a joint joins, links that do not move relative to each other,
-and links whose shapes touch in every configuration.
+and links whose shapes touch in every configuration. Links that stand closer than spheres can tell are left to the
+exact shapes of the witness: spheres around the forearm and the wrist of an arm overlap in half of its configurations,
+where the shapes touch in few.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Collection, Sequence
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import Protocol
 
@@ -25,6 +27,10 @@ Pairs = tuple[tuple[str, str], ...]
 
 SAMPLES = 300
 """Configurations in which a pair must touch to count as always touching."""
+OFTEN = 0.15
+"""Share of configurations in which the spheres of a pair must touch for its exact shapes to be looked at."""
+AGREEING = 0.5
+"""Least share of these in which the exact shapes touch too."""
 
 
 def read_srdf(path: str | os.PathLike[str]) -> Pairs:
@@ -81,6 +87,45 @@ class Spheres(Protocol):
 def always_touching(robot: Robot, spheres: Spheres) -> npt.NDArray[np.bool_]:
     """Return which pairs of links touch in all of ``sampled_configurations``, (pairs,)."""
     return np.asarray(np.all(spheres.self_distances(robot, sampled_configurations(robot)) < 0.0, axis=0))
+
+
+def too_coarse(
+    robot: Robot, links: Sequence[str], pairs: npt.NDArray[np.int_], spheres: Spheres
+) -> npt.NDArray[np.bool_]:
+    """Return which pairs of links touch by their spheres in many configurations, and by their shapes in few, (pairs,).
+
+    Parameters
+    ----------
+    links : sequence of str
+        Links that carry spheres.
+    pairs : ndarray of int (m, 2)
+        Indices in ``links``.
+    """
+    q = sampled_configurations(robot)
+    share = np.mean(spheres.self_distances(robot, q) < 0.0, axis=0)
+    found = share > OFTEN
+    if not found.any():
+        return np.asarray(found)
+    shapes, data = robot.collision_model.copy(), robot.model.createData()
+    shapes.removeAllCollisionPairs()
+    on_link = [robot.model.frames[shape.parentFrame].name for shape in shapes.geometryObjects]
+    owner = []
+    for number in np.flatnonzero(found):
+        first, second = (links[i] for i in pairs[number])
+        for i, j in product(_all(on_link, first), _all(on_link, second)):
+            shapes.addCollisionPair(pin.CollisionPair(i, j))
+            owner.append(int(number))
+    results = shapes.createData()
+    touching = np.zeros((len(q), len(share)), dtype=bool)
+    for k, each in enumerate(q):
+        pin.computeCollisions(robot.model, data, shapes, results, each, False)
+        for pair, result in zip(owner, results.collisionResults, strict=True):
+            touching[k, pair] |= result.isCollision()
+    return np.asarray(found & (touching.mean(axis=0) < AGREEING * share))
+
+
+def _all(names: Sequence[str], name: str) -> list[int]:
+    return [i for i, each in enumerate(names) if each == name]
 
 
 def _parent_link(model: pin.Model, frame: int) -> int:

@@ -15,7 +15,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.enclosing_spheres import EXCESS, union_volume
 from robotraj.robot.collision.fit_cache import fitted
-from robotraj.robot.collision.link_pairs import always_touching, candidate_pairs
+from robotraj.robot.collision.link_pairs import always_touching, candidate_pairs, too_coarse
 from robotraj.robot.collision.placements import placements
 from robotraj.robot.collision.tessellation import triangles_of
 from robotraj.robot.robot import Robot
@@ -115,7 +115,8 @@ def robot_spheres(robot: Robot, disabled: Collection[tuple[str, str]] = ()) -> R
     robot : Robot
     disabled : collection of (str, str)
         Pairs of links that are not checked against each other, as of ``read_srdf``. Pairs that a joint joins, that do
-        not move relative to each other, or that touch in all sampled configurations are not checked either.
+        not move relative to each other, or that touch in all sampled configurations are not checked either, nor are
+        those for which the spheres are too coarse (``too_coarse``).
 
     Raises
     ------
@@ -154,7 +155,10 @@ def _made(robot: Robot, disabled: Collection[tuple[str, str]]) -> RobotSpheres:
         numbers,
         tuple(fits),
     )
-    return replace(every, link_pairs=numbers[~always_touching(robot, every)])
+    kept = ~always_touching(robot, every)
+    if any(fit.protrusion > 0.0 for fit in fits):
+        kept &= ~too_coarse(robot, links, numbers, every)
+    return replace(every, link_pairs=numbers[kept])
 
 
 def spheres_of(shape: Any) -> tuple[Array, Array, float, float]:
