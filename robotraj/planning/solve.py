@@ -17,7 +17,7 @@ from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
 from robotraj.planning.progress import Deadline
-from robotraj.planning.proving.clearing import ROUNDS, Clearing
+from robotraj.planning.proving.clearing import ROUGH, ROUNDS, Clearing, Kept
 from robotraj.planning.warm_start import earlier_multipliers, earlier_program, earlier_rows, lengthened
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
@@ -54,6 +54,7 @@ def solve(
     progress: Progress | None = None,
     hold: Callable[[Solution], bool] | None = None,
     margins: Margins | None = None,
+    kept: Kept | None = None,
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
@@ -75,6 +76,8 @@ def solve(
         Whether a first solution is worth adding rows to; by default every one is.
     margins : mapping, optional
         By how much limits are lower on some intervals.
+    kept : list, optional
+        Distances that earlier solves on the mesh raised, which this one adds to; see ``Clearing``.
     """
     if isinstance(progress, Deadline):
         progress.before_solve()
@@ -89,7 +92,7 @@ def solve(
     plain = nlp
     if added:
         nlp = with_added_rows(nlp, added, nlp.guess)
-    clearing = Clearing(nlp, as_guess(guess))
+    clearing = Clearing(nlp, as_guess(guess), [] if kept is None else kept, 0.0 if interval_limits.rounds else ROUGH)
     unkept, nlp = nlp, clearing.rows(nlp)
     multipliers = earlier_multipliers(guess, nlp, True) if added and same else earlier_multipliers(guess, plain, False)
     if (clearing or (added and not same)) and multipliers is not None:

@@ -147,6 +147,16 @@ class ScalarTable:
         self.count += fractions.size
         return np.arange(first, self.count).reshape(fractions.shape)
 
+    def add_above(self, numbers: Indices, fractions: Array, lower: Array) -> Indices:
+        """Add entries ``numbers`` (n,) at fractions (n,) with lower bounds (n,) alone; return indices (n,)."""
+        self._meaning.append(numbers)
+        self._fraction.append(np.asarray(fractions, dtype=float))
+        self._lower.append(np.asarray(lower, dtype=float))
+        self._upper.append(np.full(len(numbers), np.inf))
+        first = self.count
+        self.count += len(numbers)
+        return np.arange(first, self.count)
+
     def finish(self) -> Scalars:
         """Return the scalars as an immutable value."""
         meaning: Indices = np.concatenate([np.empty(0, dtype=int), *self._meaning])

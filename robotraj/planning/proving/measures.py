@@ -11,6 +11,7 @@ from robotraj._util.values import dataclass
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.solution import Solution
+from robotraj.transcription.interval_limits.interval_violations import variable_violations
 from robotraj.transcription.refinement.assess import errors_of
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.refinement.path_violations import broken_rows
@@ -92,7 +93,9 @@ def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measu
     # An interval's share of what the objective's integral may err by counts as much as its error may.
     share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
     needs = tuple(np.maximum(own, share * np.abs(of_objective)) for own, of_objective in zip(errors, left, strict=True))
-    broken = tuple(broken_rows(p.phase, p.trajectory, p.inputs) for p in parts)
+    broken = tuple(
+        np.maximum(broken_rows(p.phase, p.trajectory, p.inputs), _beyond_limits(p, i)) for i, p in enumerate(parts)
+    )
     between = (*solution.interval_violations, *solution.control_interval_violations)
     excess = [violation.relative for violation in between if violation.name != "clearance"]
     shortfall = max((violation.amount for violation in between if violation.name == "clearance"), default=0.0)
@@ -100,6 +103,14 @@ def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measu
     quadrature = abs(solution.objective - true) / size
     proof = Proof(max(float(e.max()) for e in errors), max(0.0, *excess), quadrature, unsettled, goals, shortfall)
     return Measured(proof, true, count, before, needs, broken)
+
+
+def _beyond_limits(part: PhaseSolution, index: int) -> Array:
+    """Return the relative excess over limits of controls and accelerations on every interval, (K,)."""
+    excess = np.zeros(part.mesh.count)
+    for violation in variable_violations(part.phase, index, part.trajectory, part.inputs):
+        excess[violation.interval] = max(excess[violation.interval], violation.amount / violation.row.size)
+    return excess
 
 
 def _coarser(before: Measured | None, count: int) -> Measured | None:

@@ -12,6 +12,7 @@ from dataclasses import replace
 from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.explain import are_sure
 from robotraj.planning.progress import Deadline
+from robotraj.planning.proving.clearing import Kept
 from robotraj.planning.proving.measures import Measured, measured
 from robotraj.planning.proving.soft_friction import SPEEDS, needs_softening, softened
 from robotraj.planning.restarts import WHENCE
@@ -172,7 +173,8 @@ class _Refining:
         if self.best is None:
             # Other guesses were tried on the first mesh.
             settings = replace(settings, restarts=Restarts(0))
-        found = self._solve(self.problem, start, settings, {})
+        kept: Kept = []
+        found = self._solve(self.problem, start, settings, {}, kept)
         nearer = settings.solver.from_nearby(altered=self.altered)
         again_settings = replace(settings, solver=nearer, restarts=Restarts(0))
         margins: dict[LimitedInterval, float] = {}
@@ -183,16 +185,21 @@ class _Refining:
                 for violation in variable_violations(part.phase, i, part.trajectory, part.inputs):
                     place = LimitedInterval(i, violation.interval, violation.row.number)
                     margins[place] = margins.get(place, 0.0) + MORE * violation.amount
-            again = self._solve(self.problem, found, again_settings, margins)
+            again = self._solve(self.problem, found, again_settings, margins, kept)
             if not again.success:
                 break
             found = again
         return found
 
     def _solve(
-        self, problem: Problem, start: InitialGuess | Solution | None, settings: Settings, margins: Margins
+        self,
+        problem: Problem,
+        start: InitialGuess | Solution | None,
+        settings: Settings,
+        margins: Margins,
+        kept: Kept | None = None,
     ) -> Solution:
-        found = solve(problem, start, settings, self.progress, margins=margins)
+        found = solve(problem, start, settings, self.progress, margins=margins, kept=kept)
         self.times = added_times(self.times, found.times)
         self.iterations += found.iterations
         _, _, whence = found.message.partition(WHENCE)

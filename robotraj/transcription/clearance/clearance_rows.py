@@ -194,11 +194,11 @@ def _block(
         at = places.fractions[[row.place for row in rows]]
         nearest = np.array([row.nearest for row in rows])
         constants = np.column_stack([constants, _planes(own, function, pairs, nearest, at, motion)])
-    entries = {pair: Entry(own.phase, "clearance", own.pairs.label(pair), "m") for pair in np.unique(pairs).tolist()}
-    numbers = np.empty(len(rows), dtype=int)
-    for i, row in enumerate(rows):
-        lower = own.pairs.margin + own.slack[row.pair] + row.raised
-        numbers[i] = table.add([entries[row.pair]], places.fractions[row.place : row.place + 1], lower)[0, 0]
+    distinct, which = np.unique(pairs, return_inverse=True)
+    entries = [Entry(own.phase, "clearance", own.pairs.label(pair), "m") for pair in distinct.tolist()]
+    lower = own.pairs.margin + own.slack[pairs] + np.array([row.raised for row in rows])
+    at_places = places.fractions[[row.place for row in rows]]
+    numbers = table.add_above(table.numbers(entries)[which.ravel()], at_places, lower)
     gather, scatter = Triplets(), Triplets()
     gather.add(np.arange(columns.size), columns.ravel(), 1.0)
     scatter.add(numbers, np.arange(len(rows)), 1.0)
