@@ -100,6 +100,9 @@ class FakePhase:
     duration_bounds: tuple[float, float] = (0.0, INF)
     parameter_names: tuple[str, ...] = ()
     parameter_bounds: Any = field(default_factory=lambda: SimpleNamespace(lower=(), upper=()))
+    body: Any = None
+    dae: Any = None
+    rows: Any = field(default_factory=lambda: SimpleNamespace(rates=()))
 
 
 def limits_of(nv: int, **bounds: Any) -> SimpleNamespace:
