@@ -148,6 +148,32 @@ class SphereTree:
         """Return the least signed distance [m] in each of (m,) configurations (m n,)."""
     def nearest(self, q: Array) -> tuple[float, int, int, bool]:
         """Return the least distance, its sphere, and the shape, or the other sphere where the last is True."""
+    def distances(self, q: Array, first: Indices, second: Indices, against: int) -> Array:
+        """Return the distances (m k,) [m] in (m,) configurations of k pairs.
+
+        The first ``against`` pairs are of a sphere and a shape, the others of two spheres.
+        """
+    def centres(self, q: Array, spheres: Indices) -> Array:
+        """Return the centre (3 m,) [m] of one sphere in each of (m,) configurations."""
+    def shortfalls(self, coefficients: Array, counts: Indices, margin: float) -> tuple[Indices, Array]:
+        """Prove the distances along polynomials on intervals, or return those that are not proved.
+
+        Parameters
+        ----------
+        coefficients : ndarray
+            Bernstein coefficients of q, one configuration after the other.
+        counts : ndarray
+            (K,): configurations of each interval.
+        margin : float
+            Least distance [m].
+
+        Returns
+        -------
+        ndarray (4 k + 4,)
+            Interval, sphere, shape or second sphere, and 1 for two spheres; the last four are of the least distance.
+        ndarray (2 k + 2,)
+            Place in the interval, in [0, 1], and distance [m].
+        """
     def motion_free(self, a: Array, b: Array, margin: float, resolution: float) -> bool:
         """Whether all distances exceed ``margin`` on the straight line; False if one comes within ``resolution``."""
     def connect(

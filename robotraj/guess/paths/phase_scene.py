@@ -8,8 +8,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from robotraj.dynamics.obstacles.primitives import primitives_of
-from robotraj.guess.paths.scene import PathScene, sphere_tree
+from robotraj.guess.paths.scene import PathScene
+from robotraj.problem.clearance.sphere_tree import sphere_tree
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.robot.limits import Limits
 
@@ -44,7 +44,7 @@ def _scene(phase: Phase, robot: Robot, kept: Sequence[ClearancePairs]) -> PathSc
     limits = phase.limits if isinstance(phase.limits, Limits) else None
     free = np.full(robot.nq, np.inf)
     return PathScene(
-        sphere_tree(robot, widest.spheres, apart, primitives_of(obstacles)),
+        sphere_tree(robot, widest.spheres, apart, obstacles),
         -free if limits is None else limits.position_lower,
         free if limits is None else limits.position_upper,
         np.ones(robot.nv) if limits is None else np.where(np.isfinite(limits.velocity), limits.velocity, 1.0),

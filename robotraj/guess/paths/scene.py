@@ -8,11 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.obstacles.primitives import Primitives
-from robotraj.native.build import load_native
-from robotraj.robot.collision.placements import joint_tree
-from robotraj.robot.collision.robot_spheres import RobotSpheres
-from robotraj.robot.robot import Robot
 
 if TYPE_CHECKING:
     from robotraj.native._native import SphereTree
@@ -56,39 +51,3 @@ class PathScene:
     def is_free(self, first: Array, last: Array) -> bool:
         """Whether the straight motion between two configurations (nq,) keeps the margin; proved, not sampled."""
         return self.tree.motion_free(first, last, self.margin, self.resolution(first, last))
-
-
-def sphere_tree(robot: Robot, spheres: RobotSpheres, pairs: NDArray[np.int_], shapes: Primitives) -> SphereTree:
-    """Compile a robot's spheres and obstacles in the world.
-
-    Parameters
-    ----------
-    robot : Robot
-        On a fixed base, q of one number for each joint.
-    spheres : RobotSpheres
-    pairs : ndarray (m, 2)
-        Links that may not touch, as indices in ``spheres.links``.
-    shapes : Primitives
-    """
-    joints = joint_tree(robot)
-    count = len(joints.parents)
-    numbers = [joints.axes, joints.rotations.reshape(count, 9), joints.translations]
-    order = np.argsort(spheres.link, kind="stable")
-    links, groups = np.unique(spheres.link[order], return_inverse=True)
-    first = order[np.searchsorted(spheres.link[order], links)]
-    poses = [shapes.rotations.reshape(-1, 9), shapes.positions, shapes.dimensions]
-    corners = [triangles.reshape(-1) for triangles in shapes.triangles]
-    tree: SphereTree = load_native().SphereTree(
-        np.array(joints.parents[1:], dtype=np.int64) - 1,
-        joints.turns[1:].astype(np.int64),
-        np.hstack(numbers)[1:].ravel(),
-        spheres.joint[first].astype(np.int64) - 1,
-        groups.astype(np.int64),
-        np.column_stack([spheres.centre, spheres.radius])[order].ravel(),
-        np.searchsorted(links, pairs).astype(np.int64).ravel(),
-        shapes.kinds.astype(np.int64),
-        np.hstack(poses).ravel(),
-        np.array([len(triangles) for triangles in shapes.triangles], dtype=np.int64),
-        np.concatenate([np.zeros(0), *corners]),
-    )
-    return tree

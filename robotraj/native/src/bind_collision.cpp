@@ -1,6 +1,7 @@
 // Spheres on a tree of joints among obstacles: distances, straight motions and paths, from plain arrays.
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "collision/polynomial_motion.hpp"
 #include "collision/rrt_connect.hpp"
 #include "collision/shorten.hpp"
 
@@ -84,6 +85,70 @@ class SphereTree {
     const auto found = tree_.nearest(configuration(q), HUGE_VAL);
     return nb::make_tuple(found.clearance, found.first, found.second, found.self);
   }
+  /// (m n): of the pairs of a sphere with a shape, `against` of them, then of two spheres, in each configuration.
+  Result distances(const Doubles& q, const Indices& first, const Indices& second, std::size_t against) const {
+    const std::size_t n = tree_.joints.size(), count = n ? q.size() / n : 0, pairs = first.size();
+    checked(q, n * count, "q");
+    known(first, tree_.spheres.size());
+    checked(second, pairs, "second");
+    known(second, std::max(tree_.spheres.size(), tree_.shapes.size()));
+    std::vector<double> out(count * pairs);
+    std::vector<collision::Place> places;
+    std::vector<Eigen::Vector3d> centres(tree_.spheres.size());
+    for (std::size_t k = 0; k < count; ++k) {
+      tree_.forward(q.data() + k * n, places);
+      for (const auto& group : tree_.groups)
+        for (std::size_t s = group.first; s < group.last; ++s)
+          centres[s] = tree_.of(places, group.joint) * tree_.spheres[s].centre;
+      for (std::size_t p = 0; p < pairs; ++p) {
+        const auto s = first.data()[p], t = second.data()[p];
+        out[k * pairs + p] = (p < against ? tree_.shapes[t].distance(centres[s]).value
+                                          : (centres[s] - centres[t]).norm() - tree_.spheres[t].radius) -
+                             tree_.spheres[s].radius;
+      }
+    }
+    return to_numpy(std::move(out));
+  }
+  /// Centres (3 m) of one sphere in each configuration (m n).
+  Result centres(const Doubles& q, const Indices& spheres) const {
+    const std::size_t n = tree_.joints.size();
+    checked(q, n * spheres.size(), "q");
+    known(spheres, tree_.spheres.size());
+    std::vector<double> out;
+    std::vector<collision::Place> places;
+    for (std::size_t k = 0; k < spheres.size(); ++k) {
+      const std::size_t s = spheres.data()[k];
+      tree_.forward(q.data() + k * n, places);
+      for (const auto& group : tree_.groups)
+        if (group.first <= s && s < group.last) {
+          const Eigen::Vector3d centre = tree_.of(places, group.joint) * tree_.spheres[s].centre;
+          out.insert(out.end(), centre.data(), centre.data() + 3);
+        }
+    }
+    return to_numpy(std::move(out));
+  }
+  /// Places (4 k) and numbers (2 k) of what is not proved: interval, first, second, self; tau and distance. Then the
+  /// same of the least distance.
+  nb::tuple shortfalls(const Doubles& coefficients, const Indices& counts, double margin) const {
+    const std::size_t n = tree_.joints.size();
+    collision::PolynomialMotion motion(tree_, margin);
+    std::size_t at = 0;
+    for (std::size_t k = 0; k < counts.size(); ++k) {
+      const std::size_t next = at + counts.data()[k] * n;
+      if (counts.data()[k] < 1 || next > coefficients.size())
+        throw std::invalid_argument("there are fewer coefficients than their counts say");
+      motion.prove(static_cast<int>(k), coefficients.data() + at, static_cast<int>(counts.data()[k]));
+      at = next;
+    }
+    std::vector<std::int64_t> places;
+    std::vector<double> numbers;
+    motion.shorts.push_back(motion.least);
+    for (const auto& s : motion.shorts) {
+      places.insert(places.end(), {s.interval, s.first, s.second, s.self});
+      numbers.insert(numbers.end(), {s.tau, s.distance});
+    }
+    return nb::make_tuple(to_numpy(std::move(places)), to_numpy(std::move(numbers)));
+  }
   bool motion_free(const Doubles& a, const Doubles& b, double margin, double resolution) const {
     return StraightMotion(tree_, margin, resolution).free(configuration(a), configuration(b));
   }
@@ -105,6 +170,11 @@ class SphereTree {
   }
 
  private:
+  static void known(const Indices& numbers, std::size_t count) {
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      if (numbers.data()[i] < 0 || numbers.data()[i] >= static_cast<std::int64_t>(count))
+        throw std::invalid_argument("an index is out of range");
+  }
   static std::vector<int> narrow(const Indices& indices) {
     return std::vector<int>(indices.data(), indices.data() + indices.size());
   }
@@ -139,6 +209,9 @@ void bind_collision(nb::module_& m) {
            nb::arg("corners"))
       .def("clearances", &SphereTree::clearances, nb::arg("q"))
       .def("nearest", &SphereTree::nearest, nb::arg("q"))
+      .def("distances", &SphereTree::distances, nb::arg("q"), nb::arg("first"), nb::arg("second"), nb::arg("against"))
+      .def("centres", &SphereTree::centres, nb::arg("q"), nb::arg("spheres"))
+      .def("shortfalls", &SphereTree::shortfalls, nb::arg("coefficients"), nb::arg("counts"), nb::arg("margin"))
       .def("motion_free", &SphereTree::motion_free, nb::arg("a"), nb::arg("b"), nb::arg("margin"),
            nb::arg("resolution"))
       .def("connect", &SphereTree::connect, nb::arg("start"), nb::arg("goal"), nb::arg("lower"), nb::arg("upper"),

@@ -32,7 +32,7 @@ MOST_MESHES = 4
 """Meshes tried before a plan is given back as it is."""
 PATIENCE = 150
 """Iterations of a solve that may improve an objective, or the start of another solve, and nothing else."""
-MOST_MARGINS = 4
+MOST_MARGINS = 8
 """Times that limits are lowered on one mesh."""
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
 """Ends of a solve after which no other mesh is tried."""

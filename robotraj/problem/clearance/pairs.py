@@ -6,9 +6,10 @@ spheres, as the robot's own shapes are, and belong to the link that carries them
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +22,16 @@ from robotraj.dynamics.obstacles.convex_mesh import ConvexMesh
 from robotraj.dynamics.obstacles.primitives import labels_of
 from robotraj.dynamics.obstacles.shapes import Box, Capsule, Cylinder, Sphere
 from robotraj.problem.clearance.levers import levers
+from robotraj.problem.clearance.sphere_tree import sphere_tree
 from robotraj.robot.collision.fit_cache import fitted
 from robotraj.robot.collision.link_pairs import always_touching, candidate_pairs
 from robotraj.robot.collision.placements import joint_tree
 from robotraj.robot.collision.robot_spheres import RobotSpheres, capsule_spheres, robot_spheres
 from robotraj.robot.collision.tessellation import box_triangles, cylinder_triangles, hull_triangles
 from robotraj.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from robotraj.native._native import SphereTree
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -79,6 +84,9 @@ class ClearancePairs(OneLine):
 
     def distances(self, q: Array, times: Array) -> Array:
         """Return the distances of all pairs (m, n) [m] at configurations (m, nq) and times (m,) [s]."""
+        if self.tree is not None:
+            found = self.tree.distances(np.ravel(q), *self._in_tree, self.against)
+            return np.asarray(found.reshape(len(q), len(self)))
         out = np.empty((len(q), len(self)))
         centres = self.spheres.centres(self.robot, q)
         for number, obstacle in enumerate(self.obstacles):
@@ -105,6 +113,38 @@ class ClearancePairs(OneLine):
             if chosen.size:
                 out[chosen] = self._from_obstacle(obstacle, here[chosen, None], times[chosen])[:, 0]
         return np.asarray(out - radius[self.first[pairs]])
+
+    def centres_of(self, spheres: Indices, q: Array) -> Array:
+        """Return the centre in the world (m, 3) [m] of one sphere at each configuration (m, nq)."""
+        if self.tree is not None:
+            return self.tree.centres(np.ravel(q), self._ranks[spheres]).reshape(len(q), 3)
+        return np.asarray(self.spheres.centres(self.robot, q)[np.arange(len(q)), spheres])
+
+    @cached_property
+    def tree(self) -> SphereTree | None:
+        """The shapes, compiled; None where an obstacle moves in time, or the robot's base does."""
+        if self.robot.root != "fixed" or self.robot.nq != self.robot.nv or any(o.moves for o in self.obstacles):
+            return None
+        apart = self.spheres.link_pairs if len(self) > self.against else self.spheres.link_pairs[:0]
+        return sphere_tree(self.robot, self.spheres, apart, self.obstacles)
+
+    @cached_property
+    def numbers(self) -> Mapping[tuple[int, int, bool], int]:
+        """Number of each pair by its sphere and obstacle, or sphere, in ``tree``, and whether it is two spheres."""
+        first, second = (part.tolist() for part in self._in_tree)
+        return {(a, b, k >= self.against): k for k, (a, b) in enumerate(zip(first, second, strict=True))}
+
+    @cached_property
+    def _ranks(self) -> NDArray[np.int64]:
+        """Place of every sphere in ``tree``, link after link."""
+        ranks = np.empty(len(self.spheres.link), dtype=np.int64)
+        ranks[np.argsort(self.spheres.link, kind="stable")] = np.arange(len(ranks))
+        return ranks
+
+    @cached_property
+    def _in_tree(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        others = np.append(self.second[: self.against], self._ranks[self.second[self.against :]])
+        return self._ranks[self.first], others.astype(np.int64)
 
     def _from_obstacle(self, obstacle: Obstacle, points: Array, times: Array) -> Array:
         """Signed distances (m, n) of points (m, n, 3) from an obstacle."""

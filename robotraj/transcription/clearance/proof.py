@@ -8,6 +8,8 @@ below the margin is halved, until all are proved, or d itself is below.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,9 @@ from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.interval_limits.bernstein_bounds import coefficients
+
+if TYPE_CHECKING:
+    from robotraj.native._native import SphereTree
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -55,6 +60,8 @@ def shortfalls(pairs: ClearancePairs, x: PiecewisePolynomial) -> Shortfalls:
     nothing = np.zeros(0, dtype=int)
     if not len(pairs):
         return Shortfalls(nothing, nothing, np.zeros(0), np.zeros(0), np.inf, (-1, 0.0))
+    if pairs.tree is not None:
+        return _compiled(pairs, pairs.tree, x)
     nq = pairs.robot.nq
     breaks = x.breaks
     lengths = np.diff(breaks)
@@ -99,6 +106,22 @@ def shortfalls(pairs: ClearancePairs, x: PiecewisePolynomial) -> Shortfalls:
         np.array([worst[key][0] for key in keys]),
         least,
         nearest,
+    )
+
+
+def _compiled(pairs: ClearancePairs, tree: SphereTree, x: PiecewisePolynomial) -> Shortfalls:
+    """Prove distances in the compiled module, whose bounds follow the motion of each sphere."""
+    nq = pairs.robot.nq
+    rows = [coefficients(sites, values[:, :nq]) for sites, values in zip(x.sites, x.values, strict=True)]
+    counts = np.array([len(each) for each in rows], dtype=np.int64)
+    places, amounts = tree.shortfalls(np.concatenate(rows).ravel(), counts, pairs.margin)
+    intervals, first, second, both = places.reshape(-1, 4).T
+    taus, distances = amounts.reshape(-1, 2).T
+    times = x.breaks[intervals] + taus * np.diff(x.breaks)[intervals]
+    named = zip(first.tolist(), second.tolist(), both.tolist(), strict=True)
+    found = np.array([pairs.numbers.get((a, b, bool(c)), -1) for a, b, c in named], dtype=int)
+    return Shortfalls(
+        intervals[:-1], found[:-1], times[:-1], distances[:-1], float(distances[-1]), (int(found[-1]), float(times[-1]))
     )
 
 

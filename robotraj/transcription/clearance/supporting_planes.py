@@ -25,11 +25,9 @@ def planes(pairs: ClearancePairs, chosen: Indices, q: Array) -> Array:
     Joints that move both spheres of a pair are neutral in ``q``, as in ``distance_functions``.
     """
     first, second = pairs.first[chosen], pairs.second[chosen]
-    radius, rows = pairs.spheres.radius, np.arange(len(chosen))
-    centres = pairs.spheres.centres(pairs.robot, q)
-    here = centres[rows, first]
+    radius, here = pairs.spheres.radius, pairs.centres_of(first, q)
     if chosen[0] >= pairs.against:
-        apart = here - centres[rows, second]
+        apart = here - pairs.centres_of(second, q)
         normals = apart / np.maximum(np.linalg.norm(apart, axis=1), 1e-12)[:, None]
         return np.column_stack([normals, radius[first] + radius[second]])
     out = np.empty((len(chosen), 4))
@@ -42,10 +40,9 @@ def planes(pairs: ClearancePairs, chosen: Indices, q: Array) -> Array:
 
 def heights(pairs: ClearancePairs, chosen: Indices, q: Array, given: Array) -> Array:
     """Return n' p - offset (n,) [m] of planes (n, 4) at positions (n, nq)."""
-    centres, rows = pairs.spheres.centres(pairs.robot, q), np.arange(len(chosen))
-    at = centres[rows, pairs.first[chosen]]
+    at = pairs.centres_of(pairs.first[chosen], q)
     if chosen[0] >= pairs.against:
-        at = at - centres[rows, pairs.second[chosen]]
+        at = at - pairs.centres_of(pairs.second[chosen], q)
     return np.asarray(np.einsum("ij,ij->i", given[:, :3], at) - given[:, 3])
 
 
