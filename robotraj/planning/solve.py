@@ -26,6 +26,7 @@ from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.interior_point import InteriorPoint
+from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.status import Status
 from robotraj.transcription.collocation.unwrap_angles import unwrapped
 from robotraj.transcription.interval_limits.added_rows import rows_to_add, with_added_rows
@@ -181,6 +182,16 @@ def on_a_coarse_mesh(
     return solve(problem, guess, few, progress)
 
 
+def _by_the_other(nlp: Nlp, progress: Progress | None, failed: Outcome) -> Outcome:
+    """Solve by the interior-point method after IPOPT; the failed outcome is kept where that fails too."""
+    found = InteriorPoint(fallback=None).solve(nlp, progress)
+    iterations, times = failed.iterations + found.iterations, added_times(failed.times, found.times)
+    if found.status is not Status.SOLVED:
+        return replace(failed, iterations=iterations, times=times)
+    message = f"{found.message} (since IPOPT ended at its iteration limit)"
+    return replace(found, message=message, iterations=iterations, times=times)
+
+
 def _never(solution: Solution) -> bool:
     return False
 
@@ -209,6 +220,9 @@ def _solve(
         outcome = solver.resolve(nlp, known, progress, multipliers)
     else:
         outcome = solver.solve(nlp, progress, multipliers)
+    if outcome.status is Status.ITERATION_LIMIT and solver == Ipopt():
+        # A default limit ends the attempt of one solver, not the plan.
+        outcome = _by_the_other(nlp, progress, outcome)
     outcome = replace(outcome, w=unwrapped(nlp, outcome.w))
     if shared is not None:
         shared.keep(nlp, outcome.multipliers)

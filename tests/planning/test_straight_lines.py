@@ -1,0 +1,143 @@
+"""Published problems of bad scales and switching controls converge from the straight line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.solvers.status import Status
+
+
+def free_flyer() -> rt.Phase:
+    """Fly a robot with four jets to the origin; the fuel is the 1-norm of the thrusts.
+
+    Sakawa, Optimal Control Applications and Methods 20 (1999); Betts, Practical Methods (2010), section 6.13.
+    """
+
+    def rates(p: Any) -> list[Any]:
+        one, other = p.u["u1"] - p.u["u2"], p.u["u3"] - p.u["u4"]
+        push, heading = one + other, p.x["heading"]
+        spin = 0.2 * (one - other)
+        return [p.x["vx"], p.x["vy"], p.x["w"], push * ca.cos(heading), push * ca.sin(heading), spin]
+
+    jets = ["u1", "u2", "u3", "u4"]
+    system = rt.System(["x", "y", "heading", "vx", "vy", "w"], jets, rates)
+    pairs = [
+        rt.PathConstraint(lambda p: p.u["u1"] + p.u["u2"], upper=1, name="first pair"),
+        rt.PathConstraint(lambda p: p.u["u3"] + p.u["u4"], upper=1, name="second pair"),
+    ]
+    fuel = rt.Lagrange(lambda p: sum(p.u[jet] for jet in jets))
+    start = rt.State([-10, -10, np.pi / 2, 0, 0, 0])
+    pushes = {jet: rt.between(0, None) for jet in jets}
+    return rt.Phase(system, 12.0, start, rt.State([0] * 6), fuel, pairs, controls=pushes)
+
+
+def hang_glider() -> rt.Phase:
+    """Glide as far as possible through a thermal: COPS 3, problem 11; Betts (2010), section 6.5."""
+
+    def rates(p: Any) -> list[Any]:
+        x, lift = p.x, p.u["lift"]
+        place = (x["x"] / 100.0 - 2.5) ** 2
+        sink = x["vy"] - 2.5 * (1 - place) * ca.exp(-place)
+        speed = ca.sqrt(x["vx"] ** 2 + sink**2)
+        # Drag and lift [N] per speed [m/s] and kilogram, m = 100 kg.
+        common = 0.5 * 1.13 * 14.0 * speed / 100.0
+        drag, up = (0.034 + 0.069662 * lift**2) * common, lift * common
+        return [x["vx"], x["vy"], -up * sink - drag * x["vx"], up * x["vx"] - drag * sink - 9.80665]
+
+    system = rt.System(["x", "y", "vx", "vy"], ["lift"], rates)
+    start, end = [0, 1000, 13.2275675, -1.28750052], {"y": 900, "vx": 13.2275675, "vy": -1.28750052}
+    ahead = {"x": rt.between(0, None), "vx": rt.between(0, None)}
+    far = rt.Mayer(lambda a, b: -b.x["x"])
+    lifts = {"lift": rt.between(0, 1.4)}
+    return rt.Phase(system, (1, 200), rt.State(start), rt.State(end), far, states=ahead, controls=lifts)
+
+
+def goddard() -> rt.Phase:
+    """Climb as high as possible with a given propellant, in feet, pounds and seconds: Betts (2010), section 4.14."""
+
+    def rates(p: Any) -> list[Any]:
+        drag = 5.4915348492e-5 * p.x["v"] ** 2 * ca.exp(-p.x["h"] / 23800.0)
+        return [p.x["v"], (p.u["T"] - drag) / p.x["m"] - 32.174, -p.u["T"] / 1580.9425]
+
+    system = rt.System(["h", "v", "m"], ["T"], rates)
+    high, masses = rt.Mayer(lambda a, b: -b.x["h"]), {"m": rt.between(1, 3)}
+    thrusts = {"T": rt.between(0, 193.044)}
+    return rt.Phase(system, (1, 100), rt.State([0, 0, 3]), rt.State({"m": 1}), high, states=masses, controls=thrusts)
+
+
+def algal_bacterial() -> rt.Phase:
+    """Harvest algae that live with bacteria: Caillau et al., arXiv 2212.03157; test problem of CTDirect."""
+
+    def rates(p: Any) -> list[Any]:
+        s, e, v, q, c = (p.x[name] for name in "sevqc")
+        share, dilution = p.u["share"], p.u["dilution"]
+        growth, uptake, rate = 6.48 * s / (0.09 + s), 27.3e-3 * v / (0.57e-3 + v), 1.0211 * (1 - 2.7628e-3 / q)
+        return [
+            dilution * (0.5 - s) - growth * e / 0.44,
+            ((1 - share) * growth - dilution) * e,
+            share * 23e-3 * growth * e - uptake * c - dilution * v,
+            uptake - rate * q,
+            (rate - dilution) * c,
+            dilution * c,
+        ]
+
+    system = rt.System([*"sevqc", "yield"], ["share", "dilution"], rates)
+    least = {name: rt.between(0, None) for name in "sevc"} | {"q": rt.between(2.7628e-3, None)}
+    start = rt.State([0.1629, 0.0487, 0.0003, 0.0177, 0.035, 0])
+    inputs = {"share": rt.between(0, 1), "dilution": rt.between(0, 1.5)}
+    most = rt.Mayer(lambda a, b: -b.x["yield"])
+    return rt.Phase(system, 20.0, start, None, most, states=least, controls=inputs)
+
+
+@pytest.mark.parametrize(
+    ("build", "optimum", "accuracy"),
+    [(free_flyer, 7.91014874, 1e-4), (hang_glider, -1248.031026, 1e-4), (goddard, -18550.872, 3e-4)],
+)
+def test_the_published_optimum_follows_from_the_straight_line(
+    build: Callable[[], rt.Phase], optimum: float, accuracy: float
+) -> None:
+    solution = rt.plan(build(), tolerance=1e-4, time_limit=30.0)
+    assert solution.objective == pytest.approx(optimum, rel=accuracy)
+
+
+def test_the_reactor_converges_from_the_straight_line() -> None:
+    # CTDirect gives 5.45.
+    solution = rt.plan(algal_bacterial(), rt.Mesh(200, rt.HermiteSimpson()), time_limit=30.0)
+    assert solution.objective == pytest.approx(-5.45, abs=0.01)
+
+
+def test_the_other_solver_is_tried_at_the_iteration_limit_of_the_default(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = rt.Ipopt.solve
+
+    def exhausted(self: rt.Ipopt, *arguments: Any) -> Any:
+        return replace(plain(self, *arguments), status=Status.ITERATION_LIMIT)
+
+    monkeypatch.setattr(rt.Ipopt, "solve", exhausted)
+    mesh = rt.Mesh(20)
+    found = rt.plan(free_flyer(), mesh, solver=rt.Ipopt())
+    assert "IPOPT ended at its iteration limit" in found.message
+    # A limit of the user's own ends the plan.
+    limited = rt.plan(free_flyer(), mesh, solver=rt.Ipopt(max_iterations=500), check=False)
+    assert limited.status is Status.ITERATION_LIMIT
+
+
+def test_a_standing_robot_whose_end_is_the_negated_quaternion_does_not_turn() -> None:
+    """Unit quaternions q and -q are one attitude: a quaternion that shrinks from one to the other is no motion."""
+    robot = rt.load("solo12", root="floating")
+    feet = tuple(name for name in rt.gait.limb_ends(robot) if name.endswith("FOOT"))
+    stand = np.array(rt.gait.stand(robot, feet))
+    end = stand.copy()
+    end[3:7] *= -1.0
+    contacts = [rt.PointContact(foot, friction=0.7) for foot in feet]
+    ends = rt.State(q=stand, v=0), rt.State(q=end, v=0)
+    solution = rt.plan(rt.Phase(robot, 0.5, *ends, rt.Effort(), contacts=contacts), rt.Mesh(10))
+    turns = solution.at(np.linspace(0.0, 0.5, 401)).q[:, 3:7]
+    np.testing.assert_allclose(np.linalg.norm(turns, axis=1), 1.0, atol=1e-6)
+    np.testing.assert_allclose(np.abs(turns @ stand[3:7]), 1.0, atol=1e-3)
