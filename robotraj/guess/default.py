@@ -11,7 +11,6 @@ from robotraj.guess.base import InitialGuess
 from robotraj.guess.from_solution import FromSolution, is_solution
 from robotraj.guess.perturbed import Perturbed
 from robotraj.guess.straight_line import StraightLine
-from robotraj.problem.constraints.collision_free import CollisionFree
 
 if TYPE_CHECKING:
     from robotraj.problem.problem import Problem
@@ -69,7 +68,7 @@ def other_guess(
 
 
 def _avoids_collisions(problem: Problem) -> bool:
-    return any(isinstance(each, CollisionFree) for phase in problem.phases for each in phase.constraints)
+    return any(each.avoids_collisions for phase in problem.phases for each in phase.constraints)
 
 
 def as_guess(value: object) -> InitialGuess | None:

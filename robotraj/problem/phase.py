@@ -15,7 +15,6 @@ from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.system import System, SystemDynamics
 from robotraj.problem.augmentation import with_fixed
-from robotraj.problem.clearance.ends import check_ends, clearance_summary
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.bounds import Between, Bounds, Interval, as_bounds, as_duration
 from robotraj.problem.constraints.contact_limits import contact_limits
@@ -134,7 +133,10 @@ class Phase(OneLine):
         check_rows(self.rows, self._ends)
         if self.robot is None:
             return
-        check_ends(self.name, self.constraints, self.robot, self._ends)
+        if any(each.avoids_collisions for each in self.constraints):
+            from robotraj.problem.clearance.ends import check_ends
+
+            check_ends(self.name, self.constraints, self.robot, self._ends)
         if self.bound_design is None:
             check_masses(self.name, self.robot, self.body)
             check_contacts(self.rows, self.robot, self.bound_contacts, known, self._ends)
@@ -285,7 +287,10 @@ class Phase(OneLine):
     def _table(self) -> PhaseTable:
         objective = str(self.objective or "none: any feasible motion")
         more = parameter_rows(self.parameter_names, self.parameter_bounds, self.bound_design)
-        more += clearance_summary(self.constraints, self.robot)
+        if any(each.avoids_collisions for each in self.constraints):
+            from robotraj.problem.clearance.ends import clearance_summary
+
+            more += clearance_summary(self.constraints, self.robot)
         return phase_table(self.rows, self.subject.name, objective, self.duration_bounds, self._ends, more)
 
     def __repr__(self) -> str:

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint
-from robotraj.problem.constraints.task_space.candidates import OneOf
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
 from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
+    from robotraj.problem.constraints.task_space.candidates import OneOf
     from robotraj.solution.solution import Solution
 
 MOST = 64
@@ -55,6 +55,8 @@ def _cost(solution: Solution) -> float:
 
 
 def _inner(constraint: Constraint) -> OneOf | None:
+    from robotraj.problem.constraints.task_space.candidates import OneOf
+
     while isinstance(constraint, AtStart | AtEnd):
         constraint = constraint.constraint
     return constraint if isinstance(constraint, OneOf) else None
@@ -63,8 +65,7 @@ def _inner(constraint: Constraint) -> OneOf | None:
 def _choose(constraint: Constraint, number: int) -> Constraint:
     if isinstance(constraint, AtStart | AtEnd):
         return type(constraint)(_choose(constraint.constraint, number))
-    assert isinstance(constraint, OneOf)
-    return replace(constraint, chosen=number)
+    return replace(cast("OneOf", constraint), chosen=number)
 
 
 def _combinations(problem: Problem) -> Iterator[Problem]:

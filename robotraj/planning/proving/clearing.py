@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,15 +12,12 @@ from robotraj.guess.default import default_guess
 from robotraj.problem.phase import Phase
 from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
-from robotraj.transcription.clearance.clearance_rows import (
-    Clearances,
-    clearances,
-    near_pairs,
-    with_clearance_rows,
-)
-from robotraj.transcription.clearance.proof import Shortfalls, shortfalls
-from robotraj.transcription.clearance.supporting_planes import Array, Motion
 from robotraj.transcription.nlp import Nlp
+
+if TYPE_CHECKING:
+    from robotraj.transcription.clearance.clearance_rows import Clearances
+    from robotraj.transcription.clearance.proof import Shortfalls
+    from robotraj.transcription.clearance.supporting_planes import Array, Motion
 
 Kept = list[dict[tuple[int, int], float]]
 ROUNDS = 10
@@ -56,7 +54,11 @@ class Clearing:
     """
 
     def __init__(self, nlp: Nlp, guess: InitialGuess | None, kept: Kept, allowed: float = 0.0) -> None:
-        self._every = clearances(nlp)
+        self._every: list[Clearances] = []
+        if any(each.avoids_collisions for phase in nlp.problem.phases for each in phase.constraints):
+            from robotraj.transcription.clearance.clearance_rows import clearances
+
+            self._every = clearances(nlp)
         self._motions: list[Motion] = []
         if self._every:
             start = (guess or default_guess(nlp.problem)).prepared(nlp.problem)
@@ -72,6 +74,10 @@ class Clearing:
 
     def rows(self, nlp: Nlp) -> Nlp:
         """Add rows on the pairs that are near along the known motion, or were."""
+        if not self._every:
+            return nlp
+        from robotraj.transcription.clearance.clearance_rows import near_pairs, with_clearance_rows
+
         for own, motion, kept in zip(self._every, self._motions, self._kept, strict=True):
             for interval, pair in near_pairs(own, nlp.layouts[own.phase], motion).tolist():
                 kept.setdefault((interval, pair), 0.0)
@@ -79,6 +85,10 @@ class Clearing:
 
     def measure(self, solution: Solution) -> None:
         """Prove the distances along a solution; what is short has rows next, or raised ones."""
+        if not self._every:
+            return
+        from robotraj.transcription.clearance.proof import shortfalls
+
         self._found = [(own, shortfalls(own.pairs, solution.phases[own.phase].trajectory.x)) for own in self._every]
         for i, (own, found) in enumerate(self._found):
             for interval, pair, distance in zip(found.intervals, found.pairs, found.distances, strict=True):

@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
 
@@ -97,7 +97,15 @@ class BoundConstraint(OneLine):
 
 
 class Constraint(OneLine, ABC):
-    """A value that bounds expressions of a Point along a phase. A new kind is one new class."""
+    """A value that bounds expressions of a Point along a phase. A new kind is one new class.
+
+    Attributes
+    ----------
+    avoids_collisions : bool
+        Whether it keeps shapes apart, as ``rt.CollisionFree`` does: a process imports the modules for that when needed.
+    """
+
+    avoids_collisions: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         """Keep copies of the arrays, lists and mappings that were given."""

@@ -49,6 +49,8 @@ class CollisionFree(Constraint):
         An obstacle is none, a margin that is negative; on binding: a robot without collision shapes, a System.
     """
 
+    avoids_collisions = True
+
     obstacles: Sequence[Obstacle] = ()
     margin: float = 0.0
     self_collision: bool = True
