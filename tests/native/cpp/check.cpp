@@ -1,0 +1,128 @@
+#include "check.hpp"
+
+#include <cstdio>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace robotraj::tests {
+namespace {
+
+using native::Csr;
+using native::ThreadPool;
+
+std::vector<std::pair<const char*, Test>>& all() {
+  static std::vector<std::pair<const char*, Test>> tests;
+  return tests;
+}
+int failures = 0;
+
+/// y = (objective, product, |x|^2), derivatives dense.
+class Functions final : public native::PointBlock {
+ public:
+  Functions() : PointBlock({1, 4, 0, 3, 12, 10, 0}) {}
+  void prepare(std::size_t) override {}
+  void values(const double* v, const double*, double* y, ThreadPool&) override {
+    y[0] = v[0] * v[3] * (v[0] + v[1] + v[2]) + v[2];
+    y[1] = v[0] * v[1] * v[2] * v[3];
+    y[2] = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3];
+  }
+  void jacobian(const double* v, const double* c, double* nonzeros, ThreadPool& pool) override {
+    gradient(v, c, nonzeros, pool);
+    for (int j = 0; j < 4; ++j) {
+      nonzeros[4 + j] = 1.0;
+      for (int k = 0; k < 4; ++k) nonzeros[4 + j] *= k == j ? 1.0 : v[k];
+      nonzeros[8 + j] = 2.0 * v[j];
+    }
+  }
+  void cost(const double* v, const double* c, double* cost, ThreadPool& pool) override {
+    double y[3];
+    values(v, c, y, pool);
+    *cost = y[0];
+  }
+  void gradient(const double* v, const double*, double* gradient, ThreadPool&) override {
+    gradient[0] = v[3] * (2.0 * v[0] + v[1] + v[2]);
+    gradient[1] = v[0] * v[3];
+    gradient[2] = v[0] * v[3] + 1.0;
+    gradient[3] = v[0] * (v[0] + v[1] + v[2]);
+  }
+  void hessian(const double* v, const double*, const double* m, double* nonzeros, ThreadPool&) override {
+    const double objective[] = {2.0 * v[3], v[3], v[3], 2.0 * v[0] + v[1] + v[2], 0.0, 0.0, v[0], 0.0, v[0], 0.0};
+    for (int i = 0, e = 0; i < 4; ++i)
+      for (int j = i; j < 4; ++j, ++e) {
+        double product = i == j ? 0.0 : 1.0;
+        for (int k = 0; k < 4; ++k) product *= k == i || k == j ? 1.0 : v[k];
+        nonzeros[e] = m[0] * objective[e] + m[1] * product + (i == j ? 2.0 * m[2] : 0.0);
+      }
+  }
+};
+
+/// Ones at (row[i], column[i]).
+Csr ones(std::size_t rows, std::size_t columns, const std::vector<std::int64_t>& row,
+         const std::vector<std::int64_t>& column) {
+  const std::vector<double> data(row.size(), 1.0);
+  return Csr::summed(rows, columns, row.size(), row.data(), column.data(), data.data());
+}
+
+Csr identity(std::size_t n) {
+  std::vector<std::int64_t> each(n);
+  std::iota(each.begin(), each.end(), 0);
+  return ones(n, n, each, each);
+}
+
+}  // namespace
+
+const std::vector<double> its_lower = {25.0, 1.0, 1.0, 1.0, 1.0};
+const std::vector<double> its_upper = {std::numeric_limits<double>::infinity(), 5.0, 5.0, 5.0, 5.0};
+const std::vector<double> its_start = {1.0, 5.0, 5.0, 1.0};
+
+native::Stages its_stages() { return {{4}, {0}, {1}, {5}}; }
+
+std::shared_ptr<native::Program> hock_schittkowski_71() {
+  native::LinearPart linear;
+  linear.rows = ones(6, 4, {2, 3, 4, 5}, {0, 1, 2, 3});
+  linear.offset = {-40.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  linear.cost.assign(4, 0.0);
+  linear.jacobian = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1};
+  native::Pattern jacobian, hessian;
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column < 4; ++column)
+      if (row < 2 || column == row - 2) {
+        jacobian.rows.push_back(row);
+        jacobian.columns.push_back(column);
+      }
+  for (int i = 0; i < 4; ++i)
+    for (int j = i; j < 4; ++j) {
+      hessian.rows.push_back(i);
+      hessian.columns.push_back(j);
+    }
+  native::Term term;
+  term.block = std::make_shared<Functions>();
+  term.gather = term.gradient = identity(4);
+  term.gather_offset.assign(4, 0.0);
+  term.scatter = ones(6, 3, {0, 1}, {2, 1});
+  term.weights = {1.0};
+  term.jacobian = ones(12, 12, {0, 1, 2, 3, 4, 5, 6, 7}, {8, 9, 10, 11, 4, 5, 6, 7});
+  term.hessian = native::Stacked(identity(10));
+  return std::make_shared<native::Program>(std::move(linear), std::move(jacobian), std::move(hessian),
+                                           std::vector<native::Term>{std::move(term)}, 2);
+}
+
+Named::Named(const char* name, Test test) { all().emplace_back(name, test); }
+
+void check(bool holds, const char* what, const char* file, int line) {
+  if (holds) return;
+  std::printf("%s:%d: %s does not hold\n", file, line, what);
+  ++failures;
+}
+
+}  // namespace robotraj::tests
+
+int main() {
+  for (const auto& [name, test] : robotraj::tests::all()) {
+    std::printf("%s\n", name);
+    test();
+  }
+  std::printf("%zu tests, %d failures\n", robotraj::tests::all().size(), robotraj::tests::failures);
+  return robotraj::tests::failures > 0;
+}

@@ -1,0 +1,37 @@
+// The little that the tests of the C++ need: named tests, checks that name their line, and the smallest full problem.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "interior_point/solver.hpp"
+
+namespace robotraj::tests {
+
+using Test = void (*)();
+
+/// Adds a test to those that `main` runs.
+struct Named {
+  Named(const char* name, Test test);
+};
+
+/// Counts a failure and prints its place.
+void check(bool holds, const char* what, const char* file, int line);
+
+#define ROBOTRAJ_TEST(name)                                        \
+  static void name();                                              \
+  static const ::robotraj::tests::Named name##_named{#name, name}; \
+  static void name()
+#define CHECK(holds) ::robotraj::tests::check(static_cast<bool>(holds), #holds, __FILE__, __LINE__)
+
+/// Problem 71 of Hock and Schittkowski (1981):
+///
+///     min x1 x4 (x1 + x2 + x3) + x3,   x1 x2 x3 x4 >= 25,   |x|^2 = 40,   1 <= x <= 5,
+///
+/// with the optimum 17.0140173 at (1, 4.743, 3.8211, 1.3794). Rows are [|x|^2 - 40, the product, x].
+std::shared_ptr<native::Program> hock_schittkowski_71();
+native::Stages its_stages();
+extern const std::vector<double> its_lower, its_upper, its_start;
+
+}  // namespace robotraj::tests
