@@ -174,6 +174,10 @@ def plan(
         above_zero("time_limit", time_limit, "s")
     find = with_candidates(_method(settings)) if has_candidates(problem) else _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
+    if any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases):
+        from robotraj.planning.diagnosis.self_collision import warn_of_self_collision
+
+        warn_of_self_collision(problem)
     with watching(settings.solver, progress) as shown:
         show = shown if time_limit is None else Deadline(time_limit, shown)
         if continuation:

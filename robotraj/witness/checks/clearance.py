@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import coal
 import numpy as np
@@ -19,7 +19,7 @@ from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.obstacles.coal_shapes import coal_shape
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.phase import Phase
-from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
+from robotraj.robot.collision.exact_shapes import ExactShape, link_shapes, sometimes_apart
 from robotraj.robot.robot import Robot
 from robotraj.solution.violation import Violation
 from robotraj.witness.planned import robot_sample
@@ -119,14 +119,9 @@ def _violations(found: Sequence[Clearance]) -> list[Violation]:
 
 def _pairs(robot: Robot, free: CollisionFree) -> tuple[list[_Shape], list[tuple[int, int]]]:
     """Return the exact shapes, and the pairs that are checked."""
-    model = robot.model
-    own = [
-        _Shape(model.frames[s.parentFrame].name, s.geometry, int(s.parentJoint), s.placement)
-        for s in robot.collision_model.geometryObjects
-    ]
-    links = list(dict.fromkeys(shape.label for shape in own))
-    disabled: Any = free.srdf or ()
-    apart = {frozenset(pair) for pair in candidate_pairs(robot, links, disabled)}
+    model, disabled = robot.model, cast("Sequence[tuple[str, str]]", free.srdf or ())
+    exact, apart = link_shapes(robot, disabled)
+    own = [_Shape(*shape) for shape in exact]
     carried, world = [], []
     for obstacle in free.obstacles:
         position, rotation = obstacle.pose() if not obstacle.moves else (np.zeros(3), np.eye(3))
@@ -150,28 +145,9 @@ def _pairs(robot: Robot, free: CollisionFree) -> tuple[list[_Shape], list[tuple[
             for i, shape in enumerate(own):
                 if shape.label not in beside and all(frozenset((shape.label, name)) in apart for name in beside):
                     among.append((k, i))
-        pairs += _sometimes_apart(robot, shapes, among)
+        own_and_carried = [ExactShape(*shape[:4]) for shape in shapes]
+        pairs += sometimes_apart(robot, own_and_carried, among)
     return shapes, pairs
-
-
-def _sometimes_apart(robot: Robot, shapes: Sequence[_Shape], among: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return the pairs of links that do not touch in every sampled configuration."""
-    touching = {frozenset((shapes[i].label, shapes[j].label)) for i, j in among}
-    data, request = robot.model.createData(), coal.CollisionRequest()
-    for q in sampled_configurations(robot):
-        if not touching:
-            break
-        places = _places(robot, data, shapes, q, 0.0)
-        now = {
-            frozenset((shapes[i].label, shapes[j].label))
-            for i, j in among
-            if frozenset((shapes[i].label, shapes[j].label)) in touching
-            and coal.collide(
-                shapes[i].geometry, places[i], shapes[j].geometry, places[j], request, coal.CollisionResult()
-            )
-        }
-        touching &= now
-    return [(i, j) for i, j in among if frozenset((shapes[i].label, shapes[j].label)) not in touching]
 
 
 def _places(robot: Robot, data: pin.Data, shapes: Sequence[_Shape], q: Array, t: float) -> list[Any]:

@@ -1,0 +1,37 @@
+"""A warning before planning: an arm that passes through itself at an end of a phase."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from robotraj.problem.constraints.collision_free import CollisionFree
+from robotraj.problem.problem import Problem
+from robotraj.robot.collision.exact_shapes import touching_links
+
+
+def warn_of_self_collision(problem: Problem) -> None:
+    """Warn of fixed ends at which links of an arm touch, in phases where no ``CollisionFree`` keeps links apart.
+
+    Warns
+    -----
+    UserWarning
+        Names the links and the end.
+    """
+    for phase in problem.phases:
+        robot = phase.robot
+        kept = any(isinstance(each, CollisionFree) and each.self_collision for each in phase.constraints)
+        if robot is None or robot.root != "fixed" or kept:
+            continue
+        for end, bounds in (("start", phase.start_bounds), ("end", phase.end_bounds)):
+            q = bounds.lower[: robot.nq]
+            if not np.array_equal(q, bounds.upper[: robot.nq]):
+                continue
+            touching = touching_links(robot, np.asarray(q))
+            if touching:
+                warnings.warn(
+                    f"Phase {phase.name!r}: at the {end} {', '.join(touching)} touch; add rt.CollisionFree() to keep "
+                    f"links apart, or choose another {end}.",
+                    stacklevel=3,
+                )

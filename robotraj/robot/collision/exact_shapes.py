@@ -1,0 +1,83 @@
+"""The exact collision shapes of a robot's links, by coal, and which pairs of links touch."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import Any, NamedTuple
+
+import coal
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
+from robotraj.robot.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+
+class ExactShape(NamedTuple):
+    """A shape that a joint carries.
+
+    Attributes
+    ----------
+    label : str
+        Its link.
+    geometry : coal.CollisionGeometry
+    joint : int
+        Pinocchio's joint, 0 for the world.
+    placement : pinocchio.SE3
+        In the frame of the joint.
+    """
+
+    label: str
+    geometry: Any
+    joint: int
+    placement: pin.SE3
+
+
+def link_shapes(
+    robot: Robot, disabled: Collection[tuple[str, str]] = ()
+) -> tuple[list[ExactShape], set[frozenset[str]]]:
+    """Return the shapes of the robot, and the pairs of links that are neither joined nor disabled."""
+    own = [
+        ExactShape(robot.model.frames[s.parentFrame].name, s.geometry, int(s.parentJoint), s.placement)
+        for s in robot.collision_model.geometryObjects
+    ]
+    links = list(dict.fromkeys(shape.label for shape in own))
+    return own, {frozenset(pair) for pair in candidate_pairs(robot, links, disabled)}
+
+
+def sometimes_apart(robot: Robot, shapes: Sequence[ExactShape], among: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the pairs of shapes whose links do not touch in every sampled configuration."""
+    touching = {frozenset((shapes[i].label, shapes[j].label)) for i, j in among}
+    data = robot.model.createData()
+    for q in sampled_configurations(robot):
+        if not touching:
+            break
+        places = _places(robot, data, shapes, q)
+        open_ = [(i, j) for i, j in among if frozenset((shapes[i].label, shapes[j].label)) in touching]
+        touching &= {frozenset((shapes[i].label, shapes[j].label)) for i, j in open_ if _touch(shapes, places, i, j)}
+    return [(i, j) for i, j in among if frozenset((shapes[i].label, shapes[j].label)) not in touching]
+
+
+def touching_links(robot: Robot, q: Array) -> list[str]:
+    """Return the pairs of links whose shapes touch at a configuration (nq,) and not in all others."""
+    own, apart = link_shapes(robot)
+    among = [(i, j) for i in range(len(own)) for j in range(i) if frozenset((own[i].label, own[j].label)) in apart]
+    places = _places(robot, robot.model.createData(), own, q)
+    touching = [(i, j) for i, j in among if _touch(own, places, i, j)]
+    kept = sometimes_apart(robot, own, touching) if touching else []
+    return list(dict.fromkeys(f"{own[i].label} and {own[j].label}" for i, j in kept))
+
+
+def _places(robot: Robot, data: pin.Data, shapes: Sequence[ExactShape], q: Array) -> list[Any]:
+    pin.forwardKinematics(robot.model, data, q)
+    placed = (data.oMi[shape.joint] * shape.placement for shape in shapes)
+    return [coal.Transform3s(place.rotation, place.translation) for place in placed]
+
+
+def _touch(shapes: Sequence[ExactShape], places: Sequence[Any], i: int, j: int) -> bool:
+    found = coal.CollisionResult()
+    request = coal.CollisionRequest()
+    return bool(coal.collide(shapes[i].geometry, places[i], shapes[j].geometry, places[j], request, found))
