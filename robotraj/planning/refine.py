@@ -36,6 +36,8 @@ ALIKE = 2.0
 """Largest ratio of the errors of these meshes."""
 ROOM = 0.1
 """Largest relative change of the length of a moving interval from one mesh to the next."""
+GROWTH = 1.1
+"""Ratio of the numbers of points over two meshes below which the next one grows by as much at once."""
 ROUND_OFF = 1e-13
 """Error below which a mesh is not refined."""
 SMALL = 1e-2
@@ -123,6 +125,11 @@ def adapt(
             # While the objective still changes, smaller errors than the tolerance are needed.
             goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
             finer = _next(solution, assessments, refinement, tolerance, goal)
+            crawls = len(steps) > 2 and steps[-1].points < GROWTH * steps[-3].points
+            while crawls and not _has_grown(meshes, finer) and goal > 1e-3 * tolerance:
+                # Meshes that gain an interval or two hardly change: errors stay as they are for mesh after mesh.
+                goal *= 0.3
+                finer = _next(solution, assessments, refinement, tolerance, goal)
             if worst <= tolerance and not settled and not _is_finer(meshes, finer):
                 closer = _next(solution, assessments, refinement, tolerance, max(0.1 * worst, ROUND_OFF))
                 if not _is_finer(meshes, closer):
@@ -161,6 +168,12 @@ def _is_finer(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:
     pairs = [(a, b) for a, b in zip(before, after, strict=True) if not isinstance(a, MovingMesh)]
     more = [_points(b) - _points(a) for a, b in pairs]
     return not more or (min(more) >= 0 and max(more) > 0)
+
+
+def _has_grown(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:
+    """Whether meshes have ``GROWTH`` times as many points; true where all knots move."""
+    pairs = [(a, b) for a, b in zip(before, after, strict=True) if not isinstance(a, MovingMesh)]
+    return sum(_points(b) for _, b in pairs) >= GROWTH * sum(_points(a) for a, _ in pairs)
 
 
 def _points(mesh: Mesh) -> int:

@@ -1,0 +1,27 @@
+"""Meshes of a tolerance that hardly grow are made to, so that the number of meshes does not end a plan."""
+
+import robotraj as rt
+from robotraj._util.values import dataclass
+from robotraj.solvers.status import Status
+from robotraj.transcription.refinement.strategy import Assessment, Refinement
+
+
+@dataclass(frozen=True)
+class Cautious(Refinement):
+    """One interval more for the tolerance itself, twice as many for a smaller goal."""
+
+    tolerance: float
+
+    def refine(self, mesh: rt.Mesh, assessment: Assessment, tolerance: float) -> rt.Mesh:
+        """Return the next mesh."""
+        count = mesh.count + 1 if tolerance >= self.tolerance else 2 * mesh.count
+        return rt.Mesh(count, mesh.schemes[0])
+
+
+def test_a_refinement_that_adds_an_interval_at_a_time_is_asked_for_more():
+    swing = rt.Phase(rt.load("pendulum"), 2.0, rt.State(q=0, v=0), rt.State(q=2.0, v=0), None)
+    coarse = rt.Mesh(60, rt.schemes.Trapezoidal())
+    solution = rt.plan(swing, coarse, tolerance=1e-6, refinement=Cautious(1e-6), check=False)
+    assert solution.status is Status.SOLVED
+    points = [step.points for step in solution.refinement]
+    assert all(after >= 1.1 * before for before, after in zip(points, points[3:], strict=False)) and len(points) > 3
