@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Kept = list[dict[tuple[int, int], float]]
 ROUNDS = 10
 """Solves with further or raised rows on one mesh."""
-ROUGH = 5e-3
+ROUGH = 2e-2
 """What may be short on a first mesh, which only finds the course of the motion [m]."""
 MORE = 1.2
 """Distances are raised this many times what was short: the motion moves along, and with it what is short."""
