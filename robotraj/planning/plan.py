@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -14,12 +15,14 @@ from robotraj._util.forks import unforked
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
+from robotraj.planning.diagnosis.ends import unheld_ends
 from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.progress import Deadline, watching
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import on_a_coarse_mesh, solve, unsolved
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.solution.conflict import Conflict
 from robotraj.solution.proof import Goals
 from robotraj.solution.records import ContinuationRecord
 from robotraj.solution.settings import Restarts, Settings
@@ -188,8 +191,10 @@ def plan(
             interrupted = None
         if isinstance(show, Deadline):
             show.begin()
+        unheld: tuple[Conflict, ...] = ()
         try:
-            careful = _careful(problem, settings)
+            unheld = unheld_ends(problem)
+            careful = _careful(settings) if unheld else settings
             solution = interrupted or _impossible(problem, guess, settings) or find(problem, guess, careful, show)
             if not solution.success:
                 from robotraj.planning.diagnosis.explain import explained
@@ -205,6 +210,8 @@ def plan(
     if isinstance(show, Deadline) and show.reached:
         solution = _out_of_time(solution, show.seconds)
     solution = replace(solution, continuation=records, settings=settings)
+    if solution.success and unheld:
+        warnings.warn(f"The motion passes an end that the motors cannot hold: {unheld[0]}.", stacklevel=2)
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)
         verb = "was" if len(problem.phases) == 1 else "were"
@@ -240,13 +247,11 @@ def _impossible(problem: Problem, guess: InitialGuess | Solution | None, setting
     return unsolved(problem, guess, settings, conflicts) if conflicts else None
 
 
-def _careful(problem: Problem, settings: Settings) -> Settings:
-    """Return settings whose solver gives up early where the motors cannot hold an end; a solver that is given stays."""
+def _careful(settings: Settings) -> Settings:
+    """Return settings whose solver stops early, for ends that the motors cannot hold; a solver that is given stays."""
     if settings.reasons.get("solver") == GIVEN:
         return settings
-    from robotraj.planning.diagnosis.ends import unheld_ends
-
-    return replace(settings, solver=settings.solver.hopefully()) if unheld_ends(problem) else settings
+    return replace(settings, solver=settings.solver.hopefully())
 
 
 def _out_of_time(solution: Solution, seconds: float) -> Solution:

@@ -68,3 +68,13 @@ def test_feet_carry_a_robot_within_their_friction() -> None:
     weak = unheld_ends(stand(0.1))
     assert weak and all(entry.name.startswith("effort limit") for entry in weak)
     assert not unheld_ends(stand(1.01 * max(entry.needed for entry in weak)))
+
+
+def test_a_plan_that_brakes_into_a_pose_beyond_its_motors_warns_of_it() -> None:
+    """A pendulum that rises reaches a pose at rest without the torque that holds it there."""
+    robot = rt.load("pendulum")
+    limits = robot.limits.with_(effort=0.8)
+    ends = rt.State(q=0.0), rt.State(q=1.2, v=0)
+    phase = rt.Phase(robot, (0.3, 2.0), *ends, rt.Effort(), limits=limits)
+    with pytest.warns(UserWarning, match="cannot hold: effort limit, pivot"):
+        assert rt.plan(phase, rt.Mesh(20)).success
