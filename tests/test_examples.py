@@ -1,7 +1,12 @@
-"""Every example runs from an empty directory, and the derivatives of every problem it solves are right."""
+"""Every example runs from an empty directory, its derivatives are right, and its optima are those of optima.json.
+
+``ROBOTRAJ_WRITE_OPTIMA=1 pytest tests/test_examples.py`` writes the table again, after a change that moves an optimum.
+"""
 
 from __future__ import annotations
 
+import json
+import os
 import runpy
 from pathlib import Path
 
@@ -11,6 +16,9 @@ import pytest
 import robotraj as rt
 from robotraj.planning import solve as solving
 
+OPTIMA = Path(__file__).with_name("optima.json")
+SETTLED = 2e-3
+"""Relative difference of optima: the default call settles an objective to 1e-3."""
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("[0-9]*.py"))
 
 
@@ -63,9 +71,23 @@ def test_an_example_runs_and_its_derivatives_agree_with_finite_differences(
         seen.append((problem, mesh))
         return real(problem, mesh, *more)  # type: ignore[arg-type]
 
+    objectives: list[float] = []
+    plan = rt.plan
+
+    def planned(*arguments: object, **options: object) -> rt.Solution:
+        solution = plan(*arguments, **options)  # type: ignore[arg-type]
+        objectives.append(solution.objective)
+        return solution
+
     monkeypatch.setattr(solving, "transcribe", recorded)
+    monkeypatch.setattr(rt, "plan", planned)
     runpy.run_path(str(example), run_name="__main__")
     assert seen
+    known = json.loads(OPTIMA.read_text()) if OPTIMA.exists() else {}
+    if os.environ.get("ROBOTRAJ_WRITE_OPTIMA"):
+        known[example.stem] = objectives
+        OPTIMA.write_text(json.dumps(dict(sorted(known.items())), indent=1) + "\n")
+    np.testing.assert_allclose(objectives, known[example.stem], rtol=SETTLED, atol=1e-6)
     for problem, mesh in {id(problem): (problem, mesh) for problem, mesh in seen}.values():
         assert_derivatives(small(problem, mesh))
 

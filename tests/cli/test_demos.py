@@ -10,7 +10,16 @@ import pytest
 import robotraj as rt
 from robotraj.cli.demos.table import DEFAULT, DEMOS, demo_named
 
-SLOW = {"five_link_stairs", "solo12_trot", "solo12_jump", "bolt_walking", "talos_walking", "multistart"}
+SLOW = {
+    "bolt_walking",
+    "five_link_stairs",
+    "humanoid_stands_up",
+    "multistart",
+    "solo12_jump",
+    "solo12_trot",
+    "talos_walking",
+    "two_arms",
+}
 NOT_PROVED = {"hopper"}  # an impact lasts one interval
 
 

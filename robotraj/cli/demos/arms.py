@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
 
 from robotraj.cli.demos.demo import Demo
 from robotraj.dynamics.design.length import LinkLength
 from robotraj.dynamics.design.mass import BodyMass
+from robotraj.dynamics.obstacles.shapes import Box
 from robotraj.guess.keyframes import Keyframes
 from robotraj.problem.constraints.base import AtEnd, AtStart
 from robotraj.problem.constraints.bounds import between
 from robotraj.problem.constraints.clearance import GroundClearance
+from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.constraints.frame_pose import FramePosition
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.objectives.duration import Duration
@@ -18,6 +21,7 @@ from robotraj.problem.objectives.effort import Effort
 from robotraj.problem.objectives.expressions import Lagrange
 from robotraj.problem.phase import Phase
 from robotraj.problem.state import State
+from robotraj.robot.join import join
 from robotraj.robot.load import load
 from robotraj.transcription.interval_limits.methods import BernsteinBounds
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
@@ -103,3 +107,34 @@ def tool_on_a_line() -> Demo:
     about = [State(q=[pan, -1.2, 1.6, -2.0, -1.57, 0.0]) for pan in (0.3, -0.8)]
     everywhere = BernsteinBounds(controls=True)
     return Demo(draw, (Mesh(40),), Keyframes([0, 1], about), options={"interval_limits": everywhere})
+
+
+def around_a_box() -> Demo:
+    """Pass a post in minimum time, proved between the points."""
+    post = Box((0.1, 0.1, 0.3), position=(0.52, 0.07, 0.47), name="post")
+    around = Phase(
+        load("ur5"),
+        duration=(0.2, 5.0),
+        start=State(q=[-1.1, -1.8, 1.6, -1.2, -1.57, 0.0], v=0),
+        end=State(q=[1.1, -0.8, 0.6, -0.6, -0.6, 1.2], v=0),
+        objective=Duration(),
+        constraints=[CollisionFree([post], margin=0.01, self_collision=False)],
+        name="around a post",
+    )
+    return Demo(around)
+
+
+def two_arms() -> Demo:
+    """Two arms face each other and swap sides without touching."""
+    arm, ahead = load("ur5"), np.array([0.0, -1.2, 1.4, -1.7, -1.57, 0.0])
+    aside = np.array([1.2, 0.0, 0.0, 0.0, 0.0, 0.0])
+    swap = Phase(
+        join({"left": arm, "right": arm}, at={"right": ((0.9, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))}),
+        duration=(0.2, 10.0),
+        start=State(q=np.append(ahead + aside, ahead - aside), v=0),
+        end=State(q=np.append(ahead - aside, ahead + aside), v=0),
+        objective=Duration(),
+        constraints=[CollisionFree()],
+        name="swap sides",
+    )
+    return Demo(swap)

@@ -24,7 +24,7 @@ class Demo:
     ----------
     problem : Phase or Problem
     meshes : tuple of Mesh or of lists of Mesh
-        Solved one after the other, each from the solution before.
+        Solved one after the other, each from the solution before; without any, the default call.
     guess : InitialGuess or None
         Of the first mesh; None for the default.
     tolerance : float or None
@@ -40,7 +40,7 @@ class Demo:
     """
 
     problem: Phase | Problem
-    meshes: tuple[Mesh | list[Mesh], ...]
+    meshes: tuple[Mesh | list[Mesh], ...] = ()
     guess: InitialGuess | None = None
     tolerance: float | None = None
     periods: int = 1
@@ -53,6 +53,6 @@ class Demo:
         if self.starts:
             return multistart(self.problem, starts=self.starts, seed=0, mesh=self.meshes[-1], **self.options).best
         known: InitialGuess | Solution | None = self.guess
-        for mesh in self.meshes:
+        for mesh in self.meshes or (None,):
             known = solution = plan(self.problem, mesh, known, tolerance=self.tolerance, **self.options)
         return solution

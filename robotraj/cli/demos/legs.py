@@ -19,6 +19,8 @@ from robotraj.gait import gait_objective, jump, stand, trot, walk
 from robotraj.problem.links.periodic import Periodic
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.expressions import Lagrange
+from robotraj.problem.phase import Phase
+from robotraj.problem.state import State
 from robotraj.robot.load import load
 from robotraj.robot.robot import Robot
 from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
@@ -71,3 +73,20 @@ def talos_walking() -> Demo:
     # The inertias of its legs are not each other's mirror images: both steps are planned.
     steps = walk(robot, **on, **pace, objective=cost, repeat=Periodic())
     return Demo(steps, ([Mesh(n, LobattoIIIA(4)) for n in (5, 7, 5, 7)],), periods=3)
+
+
+def humanoid_stands_up() -> Demo:
+    """Stand up with 29 joints, arms included, from the built-in guess."""
+    robot, feet = load("g1", root="floating"), ("left_ankle_roll_link", "right_ankle_roll_link")
+    sole = partial(FlatFoot, length=0.15, width=0.05, offset=(0.03, 0, -0.03))
+    crouched, upright = (stand(robot, feet, sole, height=height) for height in (0.55, 0.64))
+    rise = Phase(
+        robot,
+        duration=1.2,
+        start=State(q=crouched, v=0),
+        end=State(q=upright, v=0),
+        objective=gait_objective(robot, upright),
+        contacts=[sole(foot) for foot in feet],
+        name="stand up",
+    )
+    return Demo(rise)

@@ -135,6 +135,9 @@ DEMOS: dict[str, DemoEntry] = {
             "18_tool_on_a_line",
         ),
         DemoEntry("moving_goal", "arms", "A ur5 follows a goal of its joints that moves.", "19_moving_goal"),
+        DemoEntry("around_a_box", "arms", "A ur5 passes a post in minimum time.", "20_around_a_box"),
+        DemoEntry("humanoid_stands_up", "legs", "A g1 with arms stands up.", "21_whole_body"),
+        DemoEntry("two_arms", "arms", "Two ur5 swap sides without touching each other.", "22_two_arms"),
     )
 }
 
