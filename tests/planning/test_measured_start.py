@@ -1,0 +1,18 @@
+"""A start as sensors give it may lie outside a position limit by round-off."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+
+@pytest.mark.filterwarnings("ignore:.*touch; add rt.CollisionFree")
+def test_a_start_a_little_outside_a_limit_is_planned_from() -> None:
+    robot = rt.load("ur5")
+    start = np.array([-1.1, -1.8, float(robot.limits.position_upper[2]) + 3e-7, -1.2, -1.57, 0.0])
+    ends = rt.State(q=start, v=0), rt.State(q=[1.1, -0.8, 0.6, -0.6, -0.6, 1.2], v=0)
+    solution = rt.plan(rt.Phase(robot, (0.2, 5.0), *ends, rt.Duration()))
+    assert solution.proof is not None and solution.proof.motion_holds
+    np.testing.assert_allclose(solution.at(0.0).q, start, atol=1e-9)
