@@ -21,7 +21,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.records import MeshStep, added_times
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import Progress
+from robotraj.solvers.base import Progress, Solver
 from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.interval_violations import variable_violations
 from robotraj.transcription.interval_limits.margins import LimitedInterval, Margins
@@ -72,9 +72,6 @@ class _Refining:
         """The beginning that led to a solution, where the guess did not."""
         self.sticking = needs_softening(problem)
         """Whether joints stick and slide to save effort."""
-        # Limits of rates are active nearly everywhere in least time, and change sides from mesh to mesh.
-        self.altered = self.sticking or any(phase.rows.rates for phase in problem.phases)
-        """Whether the motion on the next mesh may differ as if its problem were another one."""
         self.measures: Measured | None = None
         """Of the best solution so far."""
 
@@ -138,8 +135,7 @@ class _Refining:
         settings = replace(self.settings, restarts=Restarts(0), interval_limits=limits)
         found: Solution | None = None
         for factor in SPEEDS:
-            solver = settings.solver.from_nearby(altered=True) if found else settings.solver
-            own = replace(settings, mesh=meshes, solver=solver.at_most(PATIENCE))
+            own = replace(settings, mesh=meshes, solver=settings.solver.at_most(PATIENCE))
             try:
                 softer = self._solve(softened(self.problem, factor), found or guess, own, {})
             except KeyboardInterrupt:
@@ -162,9 +158,8 @@ class _Refining:
         """
         settings = replace(self.settings, mesh=meshes)
         if nearby:
-            # Joints that stick and slide change places from mesh to mesh, as if the problem were another one.
-            settings = replace(settings, solver=settings.solver.from_nearby(altered=self.altered))
-        if self.best is not None and self.best.proof is not None and self.best.proof.motion_holds:
+            settings = replace(settings, solver=self._warm)
+        if self.measures is not None and self.measures.before is not None and self.measures.proof.motion_holds:
             # The motion is known by now, and only its objective is left to settle.
             settings = replace(settings, solver=settings.solver.at_most(PATIENCE), restarts=Restarts(0))
         if first:
@@ -175,8 +170,7 @@ class _Refining:
             settings = replace(settings, restarts=Restarts(0))
         kept: Kept = []
         found = self._solve(self.problem, start, settings, {}, kept)
-        nearer = settings.solver.from_nearby(altered=self.altered)
-        again_settings = replace(settings, solver=nearer, restarts=Restarts(0))
+        again_settings = replace(settings, solver=self._warm, restarts=Restarts(0))
         margins: dict[LimitedInterval, float] = {}
         for _ in range(MOST_MARGINS):
             if not found.success or not found.control_interval_violations:
@@ -190,6 +184,16 @@ class _Refining:
                 break
             found = again
         return found
+
+    @property
+    def _warm(self) -> Solver:
+        """The solver of a solve that starts from a solution on another mesh."""
+        solver = self.settings.solver
+        if self.sticking:
+            # Joints that stick and slide change places from mesh to mesh.
+            return solver
+        # Limits of rates are active nearly everywhere in least time, and change sides from mesh to mesh.
+        return solver.from_nearby(altered=any(phase.rows.rates for phase in self.problem.phases))
 
     def _solve(
         self,
