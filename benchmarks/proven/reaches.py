@@ -150,10 +150,19 @@ def main() -> None:
     parser.add_argument("--only", type=int, nargs="*", default=[], help="numbers of reaches")
     parser.add_argument("--log", type=Path)
     parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument(
+        "--read", type=Path, nargs="+", help="write the table of these logs; later lines replace earlier"
+    )
     given = parser.parse_args()
     if given.child:
         return child(given.robots[0], given.count, given.seed, given.only)
     rows = [HEAD, "|---|---|" + "---:|" * 11]
+    if given.read:
+        lines = [json.loads(line) for log in given.read for line in log.read_text().splitlines()]
+        known = {(each["robot"], each["number"]): each for each in lines}
+        for name in dict.fromkeys(each["robot"] for each in lines):
+            rows += lines_of(name, [each for (robot, _), each in sorted(known.items()) if robot == name])
+        return write(rows, given.seed)
     for name in given.robots:
         command = [sys.executable, __file__, name, "--child", "--count", str(given.count), "--seed", str(given.seed)]
         if given.only:
@@ -169,12 +178,17 @@ def main() -> None:
         rows += lines_of(name, found)
         print("\n".join(rows[-2:]), flush=True)
     if given.robots == list(ROBOTS) and not given.only:
-        title = "# Random reaches of arms"
-        head = (
-            f"Written by `python benchmarks/proven/reaches.py`: default calls, processor seconds, "
-            f"{given.count} reaches of each robot from seed {given.seed}."
-        )
-        TABLE.write_text("\n".join([title, "", head, "", *rows, ""]))
+        write(rows, given.seed)
+
+
+def write(rows: list[str], seed: int) -> None:
+    """Write the table."""
+    head = (
+        "Written by `python benchmarks/proven/reaches.py`: default calls, processor seconds in one process a robot, "
+        f"reaches drawn from seed {seed}. That file describes the columns."
+    )
+    TABLE.write_text("\n".join(["# Random reaches of arms", "", head, "", *rows, ""]))
+    print("\n".join(rows))
 
 
 if __name__ == "__main__":
