@@ -7,7 +7,7 @@ namespace robotraj::interior_point {
 
 namespace {
 
-constexpr double kGain = 0.9;               // kappa_resto
+constexpr double kGain = 0.5;               // kappa_resto; the paper has 0.9, which circles on the acrobot
 constexpr double kLargestMultiplier = 1e3;  // beyond which multipliers of bounds begin anew
 constexpr double kInfeasible = 1e2;         // times the tolerance
 
