@@ -233,18 +233,9 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
     make = module.native_program
     monkeypatch.setattr(module, "native_program", lambda *given: Stalls(make(*given)))
     monkeypatch.setattr(module, "of_program", lambda *given: 1.0)
-    few, more = (
-        rt.plan(
-            EVERY["arm"](),
-            MESH,
-            # Of a guess of one's own no variations are tried.
-            rt.guess.StraightLine(),
-            solver=rt.InteriorPoint(max_iterations=n, fallback=None),
-            check=False,
-            progress=False,
-        )
-        for n in (7, 10)
-    )
+    problem = EVERY["arm"]()
+    nlp = rt.transcription.transcribe(problem if isinstance(problem, rt.Problem) else rt.Problem([problem]), MESH)
+    few, more = (rt.InteriorPoint(max_iterations=n, fallback=None).solve(nlp) for n in (7, 10))
     assert few.iterations == 7 and few.status is rt.solvers.Status.STALLED
     assert more.iterations == 10 and more.status is rt.solvers.Status.ITERATION_LIMIT
     assert asked == [7, 10, 3]
