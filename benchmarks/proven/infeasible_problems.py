@@ -152,6 +152,9 @@ def weak_legs() -> rt.Phase:
     return rt.Phase(robot, 0.5, rest, rest, rt.Effort(), contacts=contacts, limits=limits, name="stand")
 
 
+FOLDER = tempfile.TemporaryDirectory()
+"""Where URDFs are written; it is removed when the process ends."""
+
 URDF = """<robot name="arm">
   <link name="base"/>
   <link name="upper"><inertial><origin xyz="0 0 0.25"/><mass value="{upper}"/>
@@ -168,11 +171,9 @@ LOWER = """<inertial><origin xyz="0 0 0.2"/><mass value="1"/>
 
 def own_arm(**numbers: object) -> rt.Phase:
     """Move an arm whose URDF is written above."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "arm.urdf"
-        path.write_text(URDF.format(**({"upper": 1.0, "i": 0.01, "lower": LOWER, "effort": 40} | numbers)))
-        robot = rt.load(path)
-    return rt.Phase(robot, 1.0, rt.State(q=0, v=0), rt.State(q=[1, 0.5], v=0), rt.Effort())
+    path = Path(FOLDER.name) / "arm.urdf"
+    path.write_text(URDF.format(**({"upper": 1.0, "i": 0.01, "lower": LOWER, "effort": 40} | numbers)))
+    return rt.Phase(rt.load(path), 1.0, rt.State(q=0, v=0), rt.State(q=[1, 0.5], v=0), rt.Effort())
 
 
 def speed_at_rest(point: object) -> ca.SX:

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 
+from robotraj._util.errors import InputError
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.problem import Problem
 from robotraj.robot.collision.exact_shapes import touching_links
@@ -28,7 +29,11 @@ def warn_of_self_collision(problem: Problem) -> None:
             q = bounds.lower[: robot.nq]
             if not np.array_equal(q, bounds.upper[: robot.nq]):
                 continue
-            touching = touching_links(robot, np.asarray(q))
+            try:
+                touching = touching_links(robot, np.asarray(q))
+            except InputError:
+                # The URDF or a mesh is gone since the robot was loaded: a plan does not need them.
+                return
             if touching:
                 warnings.warn(
                     f"Phase {phase.name!r}: at the {end} {', '.join(touching)} touch; add rt.CollisionFree() to keep "
