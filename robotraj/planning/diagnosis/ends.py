@@ -136,7 +136,7 @@ def _friction_rows(phase: Phase, forces: Sequence[str]) -> Array:
                 row = np.zeros(len(forces))
                 row[forces.index(name)], row[forces.index(normal)] = sign, -float(getattr(contact, "friction", np.inf))
                 rows.append(row)
-    return np.array(rows).reshape(-1, len(forces))
+    return np.array(rows).reshape(len(rows), len(forces))
 
 
 def _held_easily(load: Array, by_torques: Array, by_forces: Array, allowed: Array, least: Array) -> bool:
