@@ -8,8 +8,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from robotraj._util.errors import InputError, NoSolutionFound
 from robotraj._util.forks import unforked
 from robotraj.guess.base import InitialGuess
@@ -19,7 +17,7 @@ from robotraj.planning.diagnosis.ends import unheld_ends
 from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.progress import Deadline, watching
 from robotraj.planning.settings import GIVEN, resolve
-from robotraj.planning.solve import on_a_coarse_mesh, solve, unsolved
+from robotraj.planning.solve import on_a_coarse_mesh, solve
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
@@ -195,7 +193,7 @@ def plan(
         try:
             unheld = unheld_ends(problem)
             careful = _careful(settings) if unheld else settings
-            solution = interrupted or _impossible(problem, guess, settings) or find(problem, guess, careful, show)
+            solution = interrupted or find(problem, guess, careful, show)
             if not solution.success:
                 from robotraj.planning.diagnosis.explain import explained
 
@@ -230,21 +228,6 @@ def _method(settings: Settings) -> Callable[..., Solution]:
 
         return adapt
     return solve
-
-
-def _impossible(problem: Problem, guess: InitialGuess | Solution | None, settings: Settings) -> Solution | None:
-    """Return a failed solution where the ends of several phases exclude each other; None where nothing is known.
-
-    Motions with a given end are checked. Motions that repeat and single phases are checked after a failed solve, which
-    takes no longer than the check.
-    """
-    last = problem.phases[-1].end_bounds
-    if len(problem.phases) == 1 or isinstance(guess, Solution) or not np.any(last.lower == last.upper):
-        return None
-    from robotraj.planning.diagnosis.postures import unreached_ends
-
-    conflicts = unreached_ends(problem)
-    return unsolved(problem, guess, settings, conflicts) if conflicts else None
 
 
 def _careful(settings: Settings) -> Settings:

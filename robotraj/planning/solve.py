@@ -11,7 +11,6 @@ import numpy as np
 
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
-from robotraj.native.engines.base import VirtualMachine
 from robotraj.native.engines.native import Native
 from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
@@ -20,7 +19,6 @@ from robotraj.planning.progress import Deadline
 from robotraj.planning.proving.clearing import ROUGH, ROUNDS, Clearing, Kept
 from robotraj.planning.warm_start import earlier_multipliers, earlier_program, earlier_rows, lengthened
 from robotraj.problem.problem import Problem
-from robotraj.solution.conflict import Conflict
 from robotraj.solution.records import added_times
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
@@ -152,18 +150,6 @@ def solve(
         # Ctrl-C between two solves: the last solution is kept.
         return replace(solution, status=Status.INTERRUPTED, added_rows=tuple(added))
     return replace(solution, added_rows=tuple(added), interval_violations=left, control_interval_violations=controls)
-
-
-def unsolved(
-    problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, conflicts: tuple[Conflict, ...]
-) -> Solution:
-    """Return the guess as a failed solution of a problem that was not worth solving."""
-    began = time.perf_counter()
-    nlp = transcribe(problem, settings.mesh, as_guess(guess), VirtualMachine(), settings.interval_limits)
-    nothing = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
-    message = "not solved: no configurations at the ends of the phases meet the rows"
-    outcome = Outcome(Status.INFEASIBLE, message, nlp.guess, nothing, 0)
-    return replace(checked_solution(nlp, outcome, {"build": time.perf_counter() - began}), conflicts=conflicts)
 
 
 def on_a_coarse_mesh(
