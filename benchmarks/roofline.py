@@ -84,7 +84,7 @@ def iterations(solver: rt.InteriorPoint, nlp: rt.transcription.Nlp, runs: int) -
     program = native_program(reduction.program, nlp.engine, threads=1)
     start, lower, upper = reduction.start(nlp.guess), reduction.program.lower, reduction.program.upper
     scale = of_program(program, start, reduction.program, solver.initial_barrier, nlp)
-    options = solver._options(FACTORS[0], solver.max_iterations, None, reduction)
+    options = solver._options(solver.initial_barrier, FACTORS[0], solver.max_iterations, reduction)
     for _ in range(runs):
         began = time.process_time()
         found = program.solve(start, lower, upper, options, objective_scale=scale)

@@ -138,7 +138,8 @@ def _rows_of(ends: _Ends) -> Iterator[_EndRow]:
     """Yield the rows of one phase: limits, what the user gave, contacts, mean speeds."""
     phase, size = ends.phase, _size(ends.phase)
     table, states = phase.rows, [state.name for state in phase.body.states]
-    inner = ca.vertcat(ca.SX(0, 1), *table.point.z.values(), *table.point.u.values())
+    # A kinematic plan has the same symbols among its algebraic variables and its controls.
+    inner = ca.vertcat(ca.SX(0, 1), *ca.symvar(ca.vertcat(*table.point.z.values(), *table.point.u.values())))
     groups = (table.path, table.at(Where.START), table.at(Where.END))
     read = [row for group in groups for row in group if not ca.depends_on(table.expressions((row,))[0], inner)]
     sides = (

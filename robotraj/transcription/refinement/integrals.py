@@ -2,9 +2,10 @@
 
 A scheme sums the integrand q of an integral constraint at its nodes, h sum_j b_j q(t_j). Its error on an interval,
 
-    error = |h sum_j b_j q(t_j) - integral q dt| / (1 + |bound|),
+    error = K |h sum_j b_j q(t_j) - integral q dt| / (1 + |bound|),
 
-has the integral by Gauss's rule along the polynomials of the states and controls. It is not part of the residual of
+has the integral by Gauss's rule along the polynomials of the states and controls. The number of intervals K makes the
+largest error a bound on that of the whole integral. It is not part of the residual of
 the dynamics: a control that oscillates from node to node may satisfy the sum but not the constraint.
 """
 
@@ -30,7 +31,7 @@ MORE = 8
 
 
 def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme]) -> Array:
-    """Return the largest error of an integral constraint on every interval, relative to 1 + |bound|, (K,).
+    """Return the largest error of an integral constraint on every interval, K times relative to 1 + |bound|, (K,).
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence
     bounds = [row.greatest_bound for row in rows]
     left = np.zeros((len(errors), len(rows)))
     np.add.at(left, np.concatenate(owner), np.concatenate(weights)[:, None] * values)
-    return np.asarray(np.max(np.abs(left) / (1.0 + np.array(bounds)), axis=1))
+    return np.asarray(len(errors) * np.max(np.abs(left) / (1.0 + np.array(bounds)), axis=1))
 
 
 def _integrands(phase: Phase, trajectory: PhaseTrajectory, places: Sequence[Array]) -> Array:

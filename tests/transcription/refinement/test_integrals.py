@@ -42,7 +42,7 @@ def test_the_error_is_what_the_quadrature_leaves(scheme: rt.schemes.Collocation)
         own = (b - a) * scheme.objective_weights @ np.sqrt(1 + u(a + (b - a) * scheme.nodes, k)[:, 0] ** 2)
         whole = quad(lambda t, k=k: np.sqrt(1 + u(np.array([t]), k)[0, 0] ** 2), a, b, epsabs=1e-12)[0]
         # The finer rule is one of polynomials too.
-        assert errors[k] == pytest.approx(abs(own - whole) / (1 + LENGTH), rel=0.1, abs=1e-9)
+        assert errors[k] / len(errors) == pytest.approx(abs(own - whole) / (1 + LENGTH), rel=0.1, abs=1e-9)
     assert interval_errors(part.phase, part.trajectory).max() < 1e-9 < errors.max()
     np.testing.assert_array_equal(errors_of(part.phase, part.trajectory, part.mesh).max(), solution.error)
 

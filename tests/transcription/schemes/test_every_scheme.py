@@ -124,8 +124,15 @@ NOT_MEANT = {
     "single shooting, linear": "a continuous control cannot switch",
 }
 """Why a scheme has None for a case: there it stays well above what the others reach."""
-FROM_NEARBY = ("Hermite-Simpson, compressed", "single shooting, constant", "single shooting, linear")
-"""Nonlinear in few unknowns: these start from a coarse solution."""
+FROM_NEARBY = (
+    "Hermite-Simpson, compressed",
+    "single shooting, constant",
+    "single shooting, linear",
+    "global Lobatto",
+    "global Radau",
+    "global Gauss",
+)
+"""Nonlinear in few unknowns, or one polynomial with several optima: these start from a coarse solution."""
 
 
 @cache
