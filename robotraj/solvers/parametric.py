@@ -91,13 +91,19 @@ class Numbers:
         return replace(nlp, variables=variables, guess=guess, layouts=(layout,), blocks=blocks)
 
     def with_constants(self, nlp: Nlp, block: Block, values: Array) -> Block:
-        """Return a block with other fixed scalars, which are the last constants of its point function."""
-        fixed = [i for i, scalar in enumerate(phase_scalars(nlp.layouts[0])) if scalar.column is None]
-        if not self.scalars or len(block.constants) < len(fixed):
+        """Return a block with other fixed scalars, which are the last constants of its point function.
+
+        A block with other constants, such as those of supporting planes, keeps them.
+        """
+        known = [(i, scalar.value) for i, scalar in enumerate(phase_scalars(nlp.layouts[0])) if scalar.column is None]
+        if not self.scalars or len(block.constants) < len(known):
             return block
-        constants = block.constants.copy()
+        fixed = np.array([value for _, value in known])
+        if not np.array_equal(block.constants[-len(known) :], np.tile(fixed[:, None], (1, block.constants.shape[1]))):
+            return block
+        constants, places = block.constants.copy(), [i for i, _ in known]
         for place, value in zip(self.scalars, values[self.columns.size :], strict=True):
-            constants[fixed.index(place) - len(fixed)] = value
+            constants[places.index(place) - len(places)] = value
         return replace(block, constants=constants)
 
 

@@ -14,6 +14,7 @@ from robotraj.native.build import load_native
 from robotraj.planning.plan import plan
 from robotraj.planning.replanning.replan import Replan
 from robotraj.planning.replanning.step_numbers import StepNumbers
+from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.solution.phase_solution import PhaseSolution
@@ -92,6 +93,11 @@ class Replanner:
         phases = problem.phases if isinstance(problem, Problem) else (problem,)
         if len(phases) != 1:
             raise InputError(f"A Replanner plans one phase, but the problem has {len(phases)}.")
+        if any(isinstance(each, CollisionFree) for each in phases[0].constraints):
+            raise InputError(
+                "A Replanner keeps its rows from step to step, but CollisionFree chooses pairs of shapes for every "
+                "motion: keep frames away from obstacles by rt.PathConstraint."
+            )
         if deadline is not None and not deadline > 0.0:
             raise InputError(f"Replanner(deadline) must be above 0 s, got {deadline!r}.")
         if solver is not None and not isinstance(solver, InteriorPoint):

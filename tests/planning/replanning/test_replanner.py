@@ -102,6 +102,8 @@ def test_bad_input(reach, ur5):
         rt.Replanner(rt.Problem([reach, reach.with_(start=None)], links=[rt.Continuity(0, 1)]))
     with pytest.raises(rt.InputError, match="fixed start"):
         rt.Replanner(reach.with_(start=rt.State(q=START)), mesh=rt.Mesh(10))
+    with pytest.raises(rt.InputError, match="CollisionFree"):
+        rt.Replanner(reach.with_(constraints=[rt.CollisionFree()]))
     with pytest.raises(rt.InputError, match="deadline"):
         rt.Replanner(reach, deadline=0.0)
     with pytest.raises(rt.InputError, match="rt.InteriorPoint"):
