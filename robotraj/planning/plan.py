@@ -175,7 +175,8 @@ def plan(
         above_zero("time_limit", time_limit, "s")
     find = with_candidates(_method(settings)) if has_candidates(problem) else _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
-    if any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases):
+    fixed = any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases)
+    if fixed and settings.goals is not None:
         from robotraj.planning.diagnosis.self_collision import warn_of_self_collision
 
         warn_of_self_collision(problem)
