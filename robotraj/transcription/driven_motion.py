@@ -1,7 +1,7 @@
 """Contact forces and torques along a planned motion, between its collocation points too.
 
 Collocation gives polynomials q(t), v(t) and a(t). Motors can give any torques between the points, and contacts any
-forces. Along the motion they are therefore those that the equations of motion ask for,
+forces. Along the motion they are therefore those that the equations of motion require,
 
     f = f_p + J_r'^+ (r_r - J_r' f_p),    tau = B' (RNEA(q, v, a) + d(v) - J' f),
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import interpolate
 
 import robotraj as rt
 from robotraj.planning import as_path
@@ -69,7 +70,6 @@ def test_limits_of_jerk_and_torque_rate_hold_along_the_path(arm, retimed):
 
 
 def test_splines_of_scipy_are_taken_as_they_are(arm):
-    interpolate = pytest.importorskip("scipy.interpolate")
     s = np.linspace(0.0, 1.0, 4)
     cubic, bspline = interpolate.CubicSpline(s, WAY), interpolate.make_interp_spline(s, WAY, k=3)
     at = np.linspace(0.0, 1.0, 57)

@@ -136,7 +136,7 @@ class SphereTree {
     for (std::size_t k = 0; k < counts.size(); ++k) {
       const std::size_t next = at + counts.data()[k] * n;
       if (counts.data()[k] < 1 || next > coefficients.size())
-        throw std::invalid_argument("there are fewer coefficients than their counts say");
+        throw std::invalid_argument("the counts add up to more coefficients than there are");
       motion.prove(static_cast<int>(k), coefficients.data() + at, static_cast<int>(counts.data()[k]));
       at = next;
     }

@@ -114,7 +114,7 @@ def _beyond_limits(part: PhaseSolution, index: int) -> Array:
 
 
 def _coarser(before: Measured | None, count: int) -> Measured | None:
-    """Return the last measures on a mesh so much coarser that the change of the objective tells what is left of it.
+    """Return the last measures on a mesh so much coarser that the change of the objective bounds what is left of it.
 
     Where no mesh is, those of the coarsest.
     """

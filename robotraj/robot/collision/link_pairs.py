@@ -1,7 +1,7 @@
 """Pairs of links that are checked against each other.
 
 Not checked are pairs that an SRDF disables, links that a joint joins, links that do not move relative to each other,
-and links whose shapes touch in every configuration. Links that stand closer than spheres can tell are left to the
+and links whose shapes touch in every configuration. Links that are closer than spheres resolve are left to the
 exact shapes of the witness: spheres around the forearm and the wrist of an arm overlap in half of its configurations,
 where the shapes touch in few.
 """

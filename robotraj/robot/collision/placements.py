@@ -41,7 +41,7 @@ class JointTree:
     first: tuple[int, ...]
 
     def is_moved_by(self) -> npt.NDArray[np.bool_]:
-        """Return which joints move each joint: entry (i, j) says whether j is i or carries it."""
+        """Return which joints move each joint: entry (i, j) is whether j is i or carries it."""
         count = len(self.parents)
         moved = np.eye(count, dtype=bool)
         for i in range(1, count):
