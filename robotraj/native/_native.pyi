@@ -727,7 +727,7 @@ class SlackVectors:
         """Evaluate the three equations of the step [s, z_l, z_u], rows - s - D_e lam, the greatest of the former."""
 
 class Options:
-    """Options of a solve, by name; what is not named keeps its default. See ``interior_point/options.hpp``.
+    """Options of a solve, by name; what is not named keeps its default. See ``interior_point/problem/options.hpp``.
 
     Raises
     ------

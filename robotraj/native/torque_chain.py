@@ -7,8 +7,8 @@
     D = R chi_v,    H = d^2(l' r)/dx^2,    l = psi_r' m,    g = R' l
 
 psi's derivatives are those of m' psi; the derivatives of the addends s_k (``shared_terms``) are added. psi and chi are
-small CasADi graphs; R and H are analytical (``src/rigid_kernel.hpp``), so the graph of the inverse dynamics is never
-built. Where every entry of x is an entry of v, the usual case, chi only renumbers columns.
+small CasADi graphs; R and H are analytical (``src/rigid_body/rigid_kernel.hpp``), so the graph of the inverse dynamics
+is never built. Where every entry of x is an entry of v, the usual case, chi only renumbers columns.
 """
 
 from __future__ import annotations

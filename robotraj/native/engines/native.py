@@ -23,9 +23,9 @@ class Native(Engine):
 
     CasADi's graphs are evaluated at eight, four or two points at a time in the vector registers of the processor
     (AVX-512, AVX2 or SSE2, detected when the module is loaded). A robot's inverse dynamics, their Jacobian and the
-    Hessian of :math:`\lambda'\tau` are evaluated by analytical formulas (``native/src/rigid_kernel.hpp``); the cost
-    grows with the number of pairs of joints on a common branch. The chain rule combines both. CasADi's virtual
-    machine evaluates functions that are no scalar graph (shooting) or call other functions (interpolants).
+    Hessian of :math:`\lambda'\tau` are evaluated by analytical formulas (``native/src/rigid_body/rigid_kernel.hpp``).
+    The cost grows with the number of pairs of joints on a common branch. The chain rule combines both. CasADi's
+    virtual machine evaluates functions that are no scalar graph (shooting) or call other functions (interpolants).
 
     The dynamics are a graph where a joint is neither revolute, prismatic nor a free-flyer at the root, and where the
     model has unknown parameters (``rt.design.Design``).

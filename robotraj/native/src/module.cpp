@@ -1,5 +1,5 @@
 // The Python face of the native solver: point functions and the stagewise program with its solver.
-#include "bindings.hpp"
+#include "bindings/bindings.hpp"
 
 #include <casadi/config.h>
 #include <pinocchio/config.hpp>

@@ -5,7 +5,7 @@
 
 #include "check.hpp"
 #include "ldl/factors.hpp"
-#include "thread_pool.hpp"
+#include "parallel/thread_pool.hpp"
 
 namespace robotraj::tests {
 

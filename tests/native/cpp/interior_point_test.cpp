@@ -6,8 +6,8 @@
 
 #include "check.hpp"
 #include "interior_point/filter.hpp"
-#include "interior_point/newton.hpp"
 #include "interior_point/start.hpp"
+#include "interior_point/step/newton.hpp"
 
 namespace robotraj::tests {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "barrier.hpp"
-#include "convergence.hpp"
+#include "interior_point/problem/convergence.hpp"
 #include "line_search.hpp"
 #include "run.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "convergence.hpp"
+#include "interior_point/problem/convergence.hpp"
 
 namespace robotraj::interior_point {
 

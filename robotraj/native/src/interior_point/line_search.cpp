@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "convergence.hpp"
+#include "interior_point/problem/convergence.hpp"
 
 namespace robotraj::interior_point {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "algorithm.hpp"
-#include "feasibility.hpp"
+#include "interior_point/problem/feasibility.hpp"
 
 namespace robotraj::interior_point {
 

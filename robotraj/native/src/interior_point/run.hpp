@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "direction.hpp"
-#include "options.hpp"
+#include "interior_point/problem/options.hpp"
+#include "interior_point/step/direction.hpp"
 
 namespace robotraj::interior_point {
 

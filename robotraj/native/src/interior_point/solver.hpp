@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "algorithm.hpp"
-#include "options.hpp"
+#include "interior_point/problem/options.hpp"
 #include "restoration.hpp"
 
 namespace robotraj::interior_point {

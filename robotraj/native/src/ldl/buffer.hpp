@@ -5,7 +5,7 @@
 #include <cstring>
 #include <memory>
 
-#include "../pack.hpp"
+#include "parallel/pack.hpp"
 
 namespace robotraj::native::ldl {
 

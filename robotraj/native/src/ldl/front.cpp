@@ -1,6 +1,6 @@
 #include "front.hpp"
 
-#include "../packed.hpp"
+#include "kernels/packed.hpp"
 
 namespace robotraj::native::ldl {
 

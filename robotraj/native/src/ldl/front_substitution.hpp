@@ -1,8 +1,8 @@
 // What children add to a front, and substitutions with the columns of L that it leaves, for one kind of processor.
 #pragma once
 
-#include "../lanes.hpp"
 #include "front.hpp"
+#include "parallel/lanes.hpp"
 
 namespace robotraj::native::ldl {
 namespace {

@@ -1,8 +1,8 @@
 // What pivots take from the rest of a front: C -= L W' on the lower triangle, for one kind of processor.
 #pragma once
 
-#include "../lanes.hpp"
 #include "front.hpp"
+#include "parallel/lanes.hpp"
 
 namespace robotraj::native::ldl {
 namespace {

@@ -1,0 +1,89 @@
+// Stage functions and their derivatives, from Python.
+#include "tape/stage_graph.hpp"
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "patterns.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+
+namespace nb = nanobind;
+
+namespace robotraj::native {
+
+namespace {
+
+auto slopes_of(const StageGraph& graph, std::optional<std::size_t> output) {
+  StageGraph::Slopes found = output ? graph.slopes(*output) : graph.slopes();
+  return std::tuple(std::move(found.tape), to_arrays(found.by_v), to_arrays(found.by_r));
+}
+
+auto curvature_of(const StageGraph& graph) {
+  StageGraph::Curvature found = graph.curvature();
+  return std::tuple(std::move(found.tape), to_arrays(found.vv), to_arrays(found.rv), to_arrays(found.rr));
+}
+
+auto chain_of(const StageGraph& graph) {
+  StageGraph::Arguments found = graph.chain();
+  return std::tuple(std::move(found.tape), std::move(found.curved), to_arrays(found.by_v), to_arrays(found.curvature));
+}
+
+std::optional<IndexResult> places_of(const StageGraph& graph) {
+  std::optional<std::vector<std::int64_t>> found = graph.places();
+  return found ? std::optional(to_numpy(std::move(*found))) : std::nullopt;
+}
+
+IndexResult curved_of(const StageGraph& graph) {
+  const std::vector<bool> curved = graph.curved();
+  std::vector<std::int64_t> which;
+  for (std::size_t i = 0; i < curved.size(); ++i)
+    if (curved[i]) which.push_back(i);
+  return to_numpy(std::move(which));
+}
+
+}  // namespace
+
+void bind_stage_graph(nb::module_& m) {
+  nb::class_<LinearPart>(m, "LinearPart")
+      .def("pattern", [](const LinearPart& part) { return to_arrays(part.pattern()); })
+      .def(
+          "at",
+          [](const LinearPart& part, const Doubles& constants, std::size_t count) {
+            return to_numpy(part.at(checked(constants, part.constants() * count, "constants"), count));
+          },
+          nb::arg("constants"), nb::arg("count"));
+
+  nb::class_<StageGraph>(m, "StageGraph")
+      .def(
+          "__init__",
+          [](StageGraph* self, std::uintptr_t v, std::uintptr_t c, std::uintptr_t r, std::uintptr_t y,
+             std::uintptr_t x) {
+            const auto at = [](std::uintptr_t address) { return *reinterpret_cast<const casadi::SX*>(address); };
+            new (self) StageGraph(at(v), at(c), at(r), at(y), at(x));
+          },
+          nb::arg("v"), nb::arg("c"), nb::arg("r"), nb::arg("y"), nb::arg("x"))
+      .def_prop_ro("inputs", &StageGraph::inputs)
+      .def_prop_ro("constants", &StageGraph::constants)
+      .def_prop_ro("torques", &StageGraph::torques)
+      .def_prop_ro("outputs", &StageGraph::outputs)
+      .def_prop_ro("arguments", &StageGraph::arguments)
+      .def("values", &StageGraph::values)
+      .def("output", &StageGraph::output, nb::arg("which"))
+      .def("slopes", &slopes_of, nb::arg("output") = nb::none())
+      .def("gradient", &StageGraph::gradient, nb::arg("which"))
+      .def("curvature", &curvature_of)
+      .def("places", &places_of)
+      .def("chain", &chain_of)
+      .def("curved", &curved_of)
+      .def("constant_slopes", [](const StageGraph& graph) { return to_numpy(graph.constant_slopes()); })
+      .def(
+          "linear",
+          [](const StageGraph& graph, const Indices& outputs) {
+            return graph.linear(std::vector<std::int64_t>(outputs.data(), outputs.data() + outputs.size()));
+          },
+          nb::arg("outputs"));
+}
+
+}  // namespace robotraj::native

@@ -1,0 +1,138 @@
+// Tapes, trees and the blocks made of them, from Python.
+#include "point_functions/tape_block.hpp"
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "patterns.hpp"
+
+#include <casadi/core/function.hpp>
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+namespace nb = nanobind;
+
+namespace robotraj::native {
+
+namespace {
+
+std::vector<std::int32_t> to_vector(const Indices& indices) {
+  return std::vector<std::int32_t>(indices.data(), indices.data() + indices.size());
+}
+
+/// `numbers` has a row of 28 for every joint: direction, rotation, translation, mass, centre, inertia.
+void make_tree(RigidTree* self, const Indices& parents, const Indices& turns, const Doubles& numbers,
+               const Doubles& armature, const Doubles& gravity, bool flies) {
+  constexpr std::size_t width = 28;
+  const std::size_t count = parents.size();
+  checked(turns, count, "turns");
+  checked(numbers, width * count, "numbers");
+  checked(armature, count, "armature");
+  checked(gravity, 3, "gravity");
+  std::vector<Link> links;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int64_t parent = parents.data()[i];
+    if (parent < -1 || parent >= static_cast<std::int64_t>(i))
+      throw std::invalid_argument("a joint comes before its parent");
+    const double* row = numbers.data() + width * i;
+    links.push_back({static_cast<std::int32_t>(parent), turns.data()[i] != 0, row, row + 3, row + 12, row[15], row + 16,
+                     row + 19, armature.data()[i]});
+  }
+  new (self) RigidTree(links, gravity.data(), flies);
+}
+
+Recipe recipe_of(const Tape& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
+                 std::size_t results, const Indices& out, const Indices& left, const Indices& right,
+                 const std::vector<Call>& calls) {
+  Recipe recipe{tape, jacobian, hessian, made, result, results, {}, calls};
+  checked(left, out.size(), "left");
+  checked(right, out.size(), "right");
+  for (std::size_t i = 0; i < out.size(); ++i)
+    recipe.products.push_back({static_cast<std::int32_t>(out.data()[i]), static_cast<std::int32_t>(left.data()[i]),
+                               static_cast<std::int32_t>(right.data()[i])});
+  return recipe;
+}
+
+std::shared_ptr<TapeBlock> block_of(std::size_t count, std::size_t inputs, std::size_t constants, const Recipe& values,
+                                    const Recipe& jacobian, const Recipe* hessian, const Recipe* cost,
+                                    const Recipe* gradient, std::ptrdiff_t costed, const Torques* torques,
+                                    const std::string& processor) {
+  const PointSizes sizes{
+      count, inputs, constants, values.results, jacobian.results, hessian ? hessian->results : 0, cost ? costed : -1};
+  const auto or_none = [](const Recipe* recipe) { return recipe ? *recipe : Recipe{}; };
+  return std::make_shared<TapeBlock>(sizes,
+                                     Recipes{values, jacobian, or_none(cost), or_none(gradient), or_none(hessian)},
+                                     torques ? std::optional<Torques>(*torques) : std::nullopt, kernels_of(processor));
+}
+
+}  // namespace
+
+void bind_tape_block(nb::module_& m) {
+  m.def("processors", [] {
+    std::vector<std::string> names;
+    for (const Kernels* each : kernels()) names.emplace_back(each->processor);
+    return names;
+  });
+
+  nb::exception<NotATape>(m, "NotATape", PyExc_ValueError);
+
+  nb::class_<RigidTree>(m, "RigidTree")
+      .def("__init__", &make_tree, nb::arg("parents"), nb::arg("turns"), nb::arg("numbers"), nb::arg("armature"),
+           nb::arg("gravity"), nb::arg("flies"))
+      .def_prop_ro("positions", [](const RigidTree& robot) { return robot.tree.positions(); })
+      .def_prop_ro("rates", [](const RigidTree& robot) { return robot.tree.rates(); })
+      .def("jacobian_pattern", [](const RigidTree& robot) { return to_arrays(jacobian_pattern(robot.tree)); })
+      .def("hessian_pattern", [](const RigidTree& robot) { return to_arrays(hessian_pattern(robot.tree)); });
+
+  nb::class_<Tape>(m, "Tape")
+      .def(
+          "__init__",
+          [](Tape* self, std::uintptr_t address) {
+            new (self) Tape(*reinterpret_cast<const casadi::Function*>(address));
+          },
+          nb::arg("address"))
+      .def_prop_ro("outputs", &Tape::outputs);
+
+  nb::class_<Torques>(m, "Torques")
+      .def(
+          "__init__",
+          [](Torques* self, const RigidTree& robot, const Indices& places) {
+            new (self) Torques{robot, to_vector(places), {}, {}};
+          },
+          nb::arg("robot"), nb::arg("places"))
+      .def(
+          "__init__",
+          [](Torques* self, const RigidTree& robot, const Tape& arguments, const Tape& curvature) {
+            new (self) Torques{robot, {}, arguments, curvature};
+          },
+          nb::arg("robot"), nb::arg("arguments"), nb::arg("curvature"));
+
+  nb::class_<Call>(m, "Call").def(
+      "__init__",
+      [](Call* self, std::shared_ptr<Tape> tape, const Indices& inputs, const Indices& multipliers) {
+        new (self) Call{std::move(tape), to_vector(inputs), to_vector(multipliers)};
+      },
+      nb::arg("tape"), nb::arg("inputs"), nb::arg("multipliers"));
+
+  nb::class_<Recipe>(m, "Recipe")
+      .def(
+          "__init__",
+          [](Recipe* self, const Tape& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
+             std::size_t results, const Indices& out, const Indices& left, const Indices& right,
+             const std::vector<Call>& calls) {
+            new (self) Recipe(recipe_of(tape, jacobian, hessian, made, result, results, out, left, right, calls));
+          },
+          nb::arg("tape"), nb::arg("jacobian"), nb::arg("hessian"), nb::arg("made"), nb::arg("result"),
+          nb::arg("results"), nb::arg("out"), nb::arg("left"), nb::arg("right"), nb::arg("calls") = nb::list());
+
+  nb::class_<TapeBlock, PointBlock>(m, "TapeBlock")
+      .def(nb::new_(&block_of), nb::arg("count"), nb::arg("inputs"), nb::arg("constants"), nb::arg("values"),
+           nb::arg("jacobian"), nb::arg("hessian") = nb::none(), nb::arg("cost") = nb::none(),
+           nb::arg("gradient") = nb::none(), nb::arg("costed") = -1, nb::arg("torques") = nb::none(),
+           nb::arg("processor") = "");
+}
+
+}  // namespace robotraj::native

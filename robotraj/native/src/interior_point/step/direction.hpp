@@ -1,0 +1,44 @@
+// The search direction: Newton's step with the inertia of the system corrected.
+#pragma once
+
+#include "interior_point/problem/options.hpp"
+#include "newton.hpp"
+
+namespace robotraj::interior_point {
+
+/// Damps the Hessian by delta_w and the rows by delta_c, as far as needed for a descent direction:
+///
+///     delta_w = 0, else kappa_w^- times the last one, then times kappa_w^+ while the reduced Hessian is not positive;
+///     delta_c = delta_c_bar mu^(1/4) where rows depend on each other.
+///
+/// Where rows still depend on each other under delta_c, delta_w takes over; beyond its largest value the step fails.
+/// Source: the paper, algorithm IC.
+class Direction {
+ public:
+  Direction(Problem& problem, const Options& options);
+
+  Newton newton;
+
+  void reset() { last_ = 0.0; }
+  /// The step of the barrier problem of `mu` in `step`; false where there is none.
+  bool find(Iterate& iterate, double mu, const Vectors& step);
+  /// The same with other residuals of the rows, by the factors of the last `find`: second-order corrections.
+  bool correct(Iterate& iterate, const double* rows, const Vectors& step);
+  /// The same with another barrier parameter.
+  bool aim(Iterate& iterate, double mu, const Vectors& step);
+
+  double seconds = 0.0;  ///< spent on linear algebra
+
+ private:
+  Side side(Iterate& iterate, double mu, const double* rows);
+  double larger(double delta_w) const;
+
+  Problem& problem_;
+  const Options& options_;
+  const VectorKernels& run_;
+  Packs memory_;
+  double *s_, *lower_, *upper_, *damping_;  // parts of the side that are the barrier's
+  double last_ = 0.0, mu_ = 0.0;
+};
+
+}  // namespace robotraj::interior_point

@@ -1,0 +1,67 @@
+// Newton's system of a program without stages, factorised as one sparse symmetric matrix.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "ldl/factors.hpp"
+#include "newton_system.hpp"
+#include "program/program.hpp"
+
+namespace robotraj::native {
+
+/// Entries in the program's order: rows of the Jacobian one after the other, the upper triangle of the Hessian.
+class SparseMatrices final : public NewtonMatrices {
+ public:
+  /// Of a layout of one stage without states.
+  SparseMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian)
+      : NewtonMatrices(layout), jacobian_(jacobian), hessian_(hessian) {}
+
+  const Pattern& jacobian() const { return jacobian_; }
+  const Pattern& hessian() const { return hessian_; }
+  std::vector<std::int32_t> jacobian_places() const override;
+  std::vector<std::int32_t> hessian_places() const override;
+  StageValues empty_jacobian() const override { return StageValues(jacobian_.size(), 0.0); }
+  StageValues empty_hessian() const override { return StageValues(hessian_.size(), 0.0); }
+  void transposed_times(const StageValues& values, const double* lam, double alpha, const double* y,
+                        double* out) const override;
+  std::unique_ptr<NewtonSolver> solver() const override;
+
+ private:
+  const Pattern &jacobian_, &hessian_;
+};
+
+/// L D L' of
+///
+///     [ H + D_x + A_b' D_b^-1 A_b    A_e'   A_i' ]
+///     [ A_e                         -D_e         ]
+///     [ A_i                                 -D_s ]
+///
+/// where inequalities A_b of one entry, bounds of unknowns above all, are eliminated on the diagonal. The reduced
+/// Hessian is positive definite where the matrix has as many negative eigenvalues as rows.
+/// Source: Waechter and Biegler, Mathematical Programming 106 (2006), section 3.1.
+class SparseSolver final : public NewtonSolver {
+ public:
+  explicit SparseSolver(const SparseMatrices& matrices);
+
+  Pivots factorise_and_solve(const StageValues& jacobian, const StageValues& hessian, const NewtonSystem& system,
+                             Along* along) override;
+  void solve(const StageValues& jacobian, const NewtonSystem& system) override;
+  double residual(const StageValues& jacobian, const StageValues& hessian, const NewtonSystem& system,
+                  std::size_t begin, std::size_t end, StageResidual left) override;
+
+ private:
+  /// An inequality with at most one entry.
+  struct Bound {
+    int row, column, entry;  ///< number among the inequalities; column and entry -1 where there is none
+  };
+
+  const SparseMatrices& matrices_;
+  std::vector<Bound> bounds_;
+  std::vector<int> kept_;                                          ///< inequalities that are rows of the matrix
+  std::vector<std::int32_t> diagonal_, of_jacobian_, of_hessian_;  ///< places of entries in the matrix, -1 for none
+  Numbers values_, right_;
+  std::unique_ptr<ldl::Factors> factors_;
+};
+
+}  // namespace robotraj::native

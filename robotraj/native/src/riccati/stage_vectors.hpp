@@ -1,0 +1,129 @@
+// Products of a stage's matrices with vectors, for one kind of processor.
+//
+// Vectors of a stage are in memory of their own here, padded with zeros to a multiple of kBlock.
+#pragma once
+
+#include "parallel/lanes.hpp"
+#include "stage_system.hpp"
+
+namespace robotraj::native {
+namespace {
+
+ROBOTRAJ_INLINE Pack load(const double* x) { return *reinterpret_cast<const Loose*>(x); }
+ROBOTRAJ_INLINE void store(double* x, Pack value) { *reinterpret_cast<Loose*>(x) = value; }
+
+/// The sum of a pack's numbers, halves added to halves.
+ROBOTRAJ_INLINE double across(Pack v) {
+#if ROBOTRAJ_LANES == 8
+  const Bits half{4, 5, 6, 7, 0, 1, 2, 3}, quarter{2, 3, 0, 1, 4, 5, 6, 7};
+  v += __builtin_shuffle(v, half);
+  v += __builtin_shuffle(v, quarter);
+#elif ROBOTRAJ_LANES == 4
+  const Bits half{2, 3, 0, 1};
+  v += __builtin_shuffle(v, half);
+#endif
+  return v[0] + v[1];
+}
+
+ROBOTRAJ_INLINE void clear(double* x, int n) {
+  for (int i = 0; i < n; ++i) x[i] = 0.0;
+}
+
+ROBOTRAJ_INLINE void copy(const double* from, int n, double* to) {
+  for (int i = 0; i < n; ++i) to[i] = from[i];
+}
+
+/// Copies n numbers and fills up with zeros.
+ROBOTRAJ_INLINE void copy_padded(const double* from, int n, double* to) {
+  copy(from, n, to);
+  for (int i = n; i < padded(n); ++i) to[i] = 0.0;
+}
+
+/// out = x / y, n numbers.
+ROBOTRAJ_INLINE void divide_by(const double* x, const double* y, int n, double* out) {
+  int i = 0;
+  for (; i + kStep <= n; i += kStep) store(out + i, load(x + i) / load(y + i));
+  for (; i < n; ++i) out[i] = x[i] / y[i];
+}
+
+/// y += a x, from `first`, a multiple of kBlock, to `ld`.
+ROBOTRAJ_INLINE void add(int first, int ld, double a, const double* x, double* y) {
+  for (int i = first; i < ld; i += kStep) store(y + i, load(y + i) + a * load(x + i));
+}
+
+ROBOTRAJ_INLINE double dot(int first, int ld, const double* x, const double* y) {
+  Pack sum{};
+  for (int i = first; i < ld; i += kStep) sum += load(x + i) * load(y + i);
+  return across(sum);
+}
+
+/// out = rows times z, z padded to ld.
+ROBOTRAJ_INLINE void times(const RowsView& rows, int ld, const double* z, double* out) {
+  const double* value = rows.values;
+  for (int r = 0; r < rows.wide_count; ++r, value += ld) out[rows.wide[r]] = dot(0, ld, value, z);
+  for (int r = 0; r < rows.thin_count; ++r) {
+    double sum = 0.0;
+    for (int e = rows.starts[r]; e < rows.starts[r + 1]; ++e) sum += value[e] * z[rows.columns[e]];
+    out[rows.thin[r]] = sum;
+  }
+}
+
+/// z += rows' y.
+ROBOTRAJ_INLINE void add_transposed(const RowsView& rows, int ld, const double* y, double* z) {
+  const double* value = rows.values;
+  for (int r = 0; r < rows.wide_count; ++r, value += ld) add(0, ld, y[rows.wide[r]], value, z);
+  for (int r = 0; r < rows.thin_count; ++r) {
+    const double factor = y[rows.thin[r]];
+    for (int e = rows.starts[r]; e < rows.starts[r + 1]; ++e) z[rows.columns[e]] += factor * value[e];
+  }
+}
+
+/// y += A x, A symmetric in a trapezoid of n columns; x is padded with zeros, and A too.
+ROBOTRAJ_INLINE void add_symmetric(const double* a, int n, const double* x, double* y) {
+  const int ld = padded(n);
+  for (int j = 0; j < n; ++j) {
+    const double* column = a + column_of(j, ld);
+    const Pack factor = Pack{} + x[j];
+    Pack sum{};
+    for (int i = j / kBlock * kBlock; i < ld; i += kStep) {
+      const Pack value = load(column + i);
+      sum += value * load(x + i);
+      store(y + i, load(y + i) + factor * value);
+    }
+    // The diagonal is in both the column and the row.
+    y[j] += across(sum) - column[j] * x[j];
+  }
+}
+
+// --- what the table of kernels holds
+
+/// out += A x for a symmetric trapezoid; `memory` has 2 padded(n) numbers.
+void hessian_times(const double* a, int n, const double* x, double* out, double* memory) {
+  double *in = memory, *sum = memory + padded(n);
+  copy_padded(x, n, in);
+  clear(sum, padded(n));
+  add_symmetric(a, n, in, sum);
+  for (int i = 0; i < n; ++i) out[i] += sum[i];
+}
+
+/// out += rows times x, `count` rows on n columns; `memory` has padded(n) + count numbers.
+void rows_times(const RowsView& rows, int count, int n, const double* x, double* out, double* memory) {
+  double *in = memory, *sum = memory + padded(n);
+  copy_padded(x, n, in);
+  times(rows, padded(n), in, sum);
+  for (int i = 0; i < count; ++i) out[i] += sum[i];
+}
+
+/// out += the three Jacobians of a stage, transposed, times their multipliers; `memory` has padded(n) numbers.
+void transposed_times(const StageView& stage, const double* dynamics, const double* equalities,
+                      const double* inequalities, double* out, double* memory) {
+  const int n = stage.nu + stage.nx, ld = padded(n);
+  clear(memory, ld);
+  add_transposed(stage.dynamics, ld, dynamics, memory);
+  add_transposed(stage.equalities, ld, equalities, memory);
+  add_transposed(stage.inequalities, ld, inequalities, memory);
+  for (int i = 0; i < n; ++i) out[i] += memory[i];
+}
+
+}  // namespace
+}  // namespace robotraj::native

@@ -1,0 +1,81 @@
+// A sparse matrix as it is multiplied by, over and over: what repeats from interval to interval is written once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "parallel/thread_pool.hpp"
+#include "repeated_rows.hpp"
+#include "sparse.hpp"
+#include "stacked.hpp"
+
+namespace robotraj::native {
+
+struct Kernels;
+
+/// y = base + A x for one sparse A.
+///
+/// Equal intervals make equal blocks of rows, each reading x a fixed distance further on. One of them stays in a cache
+/// near the processor, where the whole matrix of a long mesh has to come from memory each time, and is multiplied by for
+/// as many intervals at once as the processor has lanes. In a block, rows of equally many entries follow each other.
+/// Every row is summed as it stands, base first.
+///
+/// Results may have places of their own: row i goes to y[places[i]], to nowhere where that is negative. A base that
+/// stays the same may be kept with the rows, once where they repeat. A combination that only adds leaves out the rows
+/// without entries.
+class Combination {
+ public:
+  Combination() : Combination(Csr()) {}
+  explicit Combination(const Csr& matrix, const std::int32_t* places = nullptr, const double* kept_base = nullptr)
+      : Combination(Stacked(matrix), places, kept_base) {}
+  /// For the fastest processor that this one runs or, with a name, for that one: see kernels_of.
+  explicit Combination(const Stacked& matrix, const std::int32_t* places = nullptr, const double* kept_base = nullptr,
+                       const std::string& processor = "", bool adds = false);
+  /// For calls of `apply` whose base is y.
+  static Combination adding(const Stacked& matrix, const std::int32_t* places = nullptr) {
+    return Combination(matrix, places, nullptr, "", true);
+  }
+
+  /// y = base + A x, rows shared by the pool; base may be null, for what is kept or zeros, and y, to add to it.
+  void apply(const double* x, const double* base, double* y, ThreadPool& pool) const;
+
+  /// How many entries are kept.
+  std::size_t entries() const { return values_.size(); }
+
+ private:
+  /// `repeats` blocks, `period` rows apart, that read x `shift` numbers apart and write y `step` numbers apart.
+  struct Run {
+    std::size_t row = 0, period = 0, repeats = 0;
+    std::ptrdiff_t shift = 0, step = 0;
+    // Of its first block, in the arrays below.
+    std::size_t first_group = 0, groups = 0, first_row = 0, rows = 0, first_entry = 0;
+    std::size_t first_read = 0, reads = 0, first_order = 0;  // where it repeats
+  };
+  /// Repeats [begin, end) of a run: a piece of work for a thread.
+  struct Piece {
+    std::size_t run, begin, end;
+  };
+
+  struct Rows;
+  void divide(const Rows& matrix, std::size_t begin, std::size_t end);
+  void take(const Rows& matrix, std::size_t repeats, std::ptrdiff_t shift);
+  void add(const Rows& matrix, const Run& run);
+  void number_reads(Run& run);
+  void order_rows(Run& run);
+  void once(const Run& run, const double* x, const double* base, double* y) const;
+  void repeated(const Run& run, std::size_t begin, std::size_t end, const double* x, const double* base,
+                double* y) const;
+
+  const Kernels* kernels_;
+  // Of the first block of each run. Columns are those of x where it does not repeat, else numbers of what it reads.
+  std::vector<std::int32_t> rows_, places_, columns_, reads_, order_;
+  std::vector<double> values_, kept_base_;  // the latter as rows_, or empty
+  std::vector<RowGroup> groups_;
+  std::vector<Run> runs_;
+  std::vector<Piece> pieces_;
+  std::size_t work_ = 0;  // entries, and one for each row
+};
+
+}  // namespace robotraj::native
