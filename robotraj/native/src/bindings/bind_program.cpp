@@ -4,7 +4,6 @@
 #include "interior_point/solver.hpp"
 
 #include <nanobind/stl/array.h>
-#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
@@ -128,54 +127,7 @@ Result copy(const Numbers& values) { return to_numpy(values); }
 
 }  // namespace
 
-/// Calls `use` with the name and the member of every option.
-template <typename Use>
-static void each_option(Use&& use) {
-  use("tolerance", &Options::tolerance);
-  use("acceptable_tolerance", &Options::acceptable_tolerance);
-  use("acceptable_iterations", &Options::acceptable_iterations);
-  use("violation_tolerance", &Options::violation_tolerance);
-  use("max_iterations", &Options::max_iterations);
-  use("processor_limit", &Options::processor_limit);
-  use("initial_barrier", &Options::initial_barrier);
-  use("barrier_factor", &Options::barrier_factor);
-  use("barrier_decrease", &Options::barrier_decrease);
-  use("barrier_power", &Options::barrier_power);
-  use("adaptive_barrier", &Options::adaptive_barrier);
-  use("bound_relaxation", &Options::bound_relaxation);
-  use("bound_push", &Options::bound_push);
-  use("bound_fraction", &Options::bound_fraction);
-  use("elimination_tolerance", &Options::elimination_tolerance);
-  use("pivot_tolerance", &Options::pivot_tolerance);
-  use("first_correction", &Options::first_correction);
-  use("row_correction", &Options::row_correction);
-  use("least_row_correction", &Options::least_row_correction);
-}
-
-/// Options by their names; what is not named keeps its default.
-static void set_options(Options* self, const nb::kwargs& given) {
-  new (self) Options();
-  for (const auto& [key, value] : given) {
-    const auto name = nb::cast<std::string>(key);
-    std::string known;
-    bool found = false;
-    each_option([&, &value = value](const char* each, auto member) {
-      known += std::string(" ") + each;
-      if (name != each) return;
-      if (!nb::try_cast(value, self->*member)) throw std::invalid_argument("option '" + name + "' is no number");
-      found = true;
-    });
-    if (!found) throw std::invalid_argument("there is no option '" + name + "'; there are" + known);
-  }
-}
-
-static void bind_options(nb::module_& m) {
-  auto options = nb::class_<Options>(m, "Options").def("__init__", set_options);
-  each_option([&](const char* name, auto member) { options.def_rw(name, member); });
-}
-
 void bind_program(nb::module_& m) {
-  bind_options(m);
   nb::class_<Term>(m, "Term").def(
       "__init__",
       [](Term* self, std::shared_ptr<PointBlock> block, const Csr& gather, const Doubles& gather_offset,
@@ -190,30 +142,6 @@ void bind_program(nb::module_& m) {
       nb::arg("block"), nb::arg("gather"), nb::arg("gather_offset"), nb::arg("constants"),
       nb::arg("scatter") = nb::none(), nb::arg("weights") = nb::none(), nb::arg("gradient") = nb::none(),
       nb::arg("jacobian") = nb::none(), nb::arg("hessian") = nb::none());
-
-  nb::class_<Outcome>(m, "Outcome")
-      .def_prop_ro(
-          "y", [](const Outcome& o) { return copy(o.y); }, nb::rv_policy::move)
-      .def_prop_ro(
-          "lam", [](const Outcome& o) { return copy(o.lam); }, nb::rv_policy::move)
-      .def_prop_ro(
-          "lower_duals", [](const Outcome& o) { return copy(o.lower_duals); }, nb::rv_policy::move)
-      .def_prop_ro(
-          "upper_duals", [](const Outcome& o) { return copy(o.upper_duals); }, nb::rv_policy::move)
-      .def_ro("status", &Outcome::status)
-      .def_ro("message", &Outcome::message)
-      .def_ro("iterations", &Outcome::iterations)
-      .def_ro("objective", &Outcome::objective)
-      .def_ro("violation", &Outcome::violation)
-      .def_ro("mu", &Outcome::mu)
-      .def_prop_ro("times",
-                   [](const Outcome& o) {
-                     return std::map<std::string, double>{{"functions", o.functions},
-                                                          {"combinations", o.combinations},
-                                                          {"linear algebra", o.linear_algebra},
-                                                          {"total", o.total}};
-                   })
-      .def_ro("trace", &Outcome::trace);
 
   nb::class_<Solved>(m, "Program")
       .def(

@@ -15,6 +15,7 @@ void bind_collision(nanobind::module_& m);
 void bind_ldl(nanobind::module_& m);
 void bind_stage_system(nanobind::module_& m);
 void bind_vectors(nanobind::module_& m);
+void bind_solver(nanobind::module_& m);
 void bind_program(nanobind::module_& m);
 
 }  // namespace robotraj::native

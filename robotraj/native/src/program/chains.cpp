@@ -4,72 +4,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "product_rows.hpp"
+
 namespace robotraj::native {
 
 namespace {
-
-/// One product of the chain rule: factor times nonzero `source`, at the local number `at` of its entry.
-struct Product {
-  std::int32_t at;
-  std::int32_t source;
-  double factor;
-};
-
-/// Compressed rows written one group of rows after the other.
-class Rows {
- public:
-  explicit Rows(std::size_t columns) : columns_(columns) {}
-
-  /// Appends `many` rows made of products in any order; those of one row and source are added up.
-  void append(const std::vector<Product>& products, std::size_t many) {
-    next_.assign(many + 1, 0);
-    for (const Product& product : products) ++next_[product.at + 1];
-    for (std::size_t row = 0; row < many; ++row) next_[row + 1] += next_[row];
-    sorted_.resize(products.size());
-    begin_.assign(next_.begin(), next_.end());
-    for (const Product& product : products) sorted_[begin_[product.at]++] = product;
-    const auto by_source = [](const Product& a, const Product& b) { return a.source < b.source; };
-    for (std::size_t row = 0; row < many; ++row) {
-      const auto first = sorted_.begin() + next_[row], last = sorted_.begin() + next_[row + 1];
-      if (!std::is_sorted(first, last, by_source)) std::stable_sort(first, last, by_source);
-    }
-    append_sorted(sorted_, many);
-  }
-
-  /// The same for products that ascend by row and source.
-  void append_sorted(const std::vector<Product>& products, std::size_t many) {
-    // Room for all, given back at the end.
-    const std::size_t before = indices_.size();
-    indices_.resize(before + products.size());
-    data_.resize(before + products.size());
-    std::int32_t* index = indices_.data() + before;
-    double* value = data_.data() + before;
-    auto product = products.begin();
-    for (std::size_t row = 0; row < many; ++row) {
-      std::int32_t known = -1;
-      for (; product != products.end() && static_cast<std::size_t>(product->at) == row; ++product) {
-        if (product->source == known) {
-          *(value - 1) += product->factor;
-        } else {
-          known = *index++ = product->source;
-          *value++ = product->factor;
-        }
-      }
-      starts_.push_back(static_cast<std::int32_t>(index - indices_.data()));
-    }
-    indices_.resize(static_cast<std::size_t>(starts_.back()));
-    data_.resize(indices_.size());
-  }
-
-  Csr matrix() { return Csr(columns_, std::move(starts_), std::move(indices_), std::move(data_)); }
-
- private:
-  std::size_t columns_;
-  std::vector<std::int32_t> starts_{0}, indices_;
-  std::vector<double> data_;
-  std::vector<std::int32_t> next_, begin_;
-  std::vector<Product> sorted_;
-};
 
 [[noreturn]] void refuse(std::int64_t column) {
   throw std::invalid_argument("column " + std::to_string(column) + " is read outside its stage");
@@ -114,11 +53,11 @@ Combined<Csr> jacobian_chain(const Csr& linear, const std::vector<const Chain*>&
   if (runs.rows.size() != linear.rows()) throw std::invalid_argument("every row needs its stage");
   std::vector<std::vector<std::vector<std::size_t>>> outputs;
   for (const Chain* chain : chains) outputs.push_back(by_output(*chain));
-  std::vector<Rows> parts;
+  std::vector<ProductRows> parts;
   for (const Chain* chain : chains) parts.emplace_back(chain->jacobian.size() * chain->count);
   Pattern pattern;
   Numbers constant;
-  std::vector<std::vector<Product>> products(chains.size());
+  std::vector<std::vector<ChainProduct>> products(chains.size());
   std::vector<char> present;
   std::vector<std::int32_t> number;
   const Csr& x = slots.expressions;
@@ -162,12 +101,12 @@ Combined<Csr> jacobian_chain(const Csr& linear, const std::vector<const Chain*>&
     for (auto i = linear.starts()[row]; i < linear.starts()[row + 1]; ++i)
       constant[begin + number[linear.indices()[i] - first]] += linear.data()[i];
     for (std::size_t b = 0; b < chains.size(); ++b) {
-      for (Product& product : products[b]) product.at = number[product.at];
+      for (ChainProduct& product : products[b]) product.at = number[product.at];
       parts[b].append(products[b], many);
     }
   }
   Combined<Csr> combined{std::move(pattern), std::move(constant), {}};
-  for (Rows& part : parts) combined.parts.push_back(part.matrix());
+  for (ProductRows& part : parts) combined.parts.push_back(part.matrix());
   return combined;
 }
 
@@ -249,7 +188,7 @@ Combined<Stacked> hessian_chain(const std::vector<const Chain*>& chains, const R
   std::vector<Reading> known(chains.size()), own(chains.size());
   std::vector<std::vector<Step>> steps(chains.size());
   std::vector<std::pair<std::int32_t, std::int32_t>> entries;
-  std::vector<Product> products;
+  std::vector<ChainProduct> products;
   for (std::size_t stage = 0; stage < stages; ++stage) {
     const std::int64_t first = runs.starts[stage];
     const auto width = static_cast<std::size_t>(runs.starts[stage + 1] - first);
@@ -295,7 +234,7 @@ Combined<Stacked> hessian_chain(const std::vector<const Chain*>& chains, const R
         products.push_back(
             {step.at, static_cast<std::int32_t>(place * nonzeros) + step.nonzero, step.twice ? 2.0 * factor : factor});
       }
-      Rows rows(nonzeros * chain.count);
+      ProductRows rows(nonzeros * chain.count);
       rows.append_sorted(products, entries.size());
       parts[b].append(rows.matrix());
     }

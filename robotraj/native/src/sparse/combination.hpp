@@ -45,6 +45,9 @@ class Combination {
   std::size_t entries() const { return values_.size(); }
 
  private:
+  /// Entries that are worth handing to another thread, some 20 us of work.
+  static constexpr std::size_t kPiece = 1u << 15;
+
   /// `repeats` blocks, `period` rows apart, that read x `shift` numbers apart and write y `step` numbers apart.
   struct Run {
     std::size_t row = 0, period = 0, repeats = 0;
