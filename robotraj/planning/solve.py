@@ -16,7 +16,8 @@ from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
 from robotraj.planning.progress import Deadline
-from robotraj.planning.proving.clearing import ROUGH, ROUNDS, Clearing, Kept
+from robotraj.planning.proving.clearing import ROUGH, ROUNDS, Clearing
+from robotraj.planning.proving.lowered_limits import LoweredLimits
 from robotraj.planning.warm_start import earlier_multipliers, earlier_program, earlier_rows, lengthened
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
@@ -28,14 +29,11 @@ from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.status import Status
 from robotraj.transcription.collocation.unwrap_angles import unwrapped
 from robotraj.transcription.interval_limits.added_rows import rows_to_add, with_added_rows
-from robotraj.transcription.interval_limits.interval_violations import (
-    IntervalViolation,
-    state_violations,
-    variable_violations,
-)
-from robotraj.transcription.interval_limits.margins import Margins, with_margins
+from robotraj.transcription.interval_limits.interval_violations import IntervalViolation, state_violations
+from robotraj.transcription.interval_limits.margins import with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.reuse import continued_at
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.transcribe import transcribe
@@ -52,8 +50,7 @@ def solve(
     settings: Settings,
     progress: Progress | None = None,
     hold: Callable[[Solution], bool] | None = None,
-    margins: Margins | None = None,
-    kept: Kept | None = None,
+    lower: bool = False,
 ) -> Solution:
     """Solve a problem on a mesh and check the answer outside the solver.
 
@@ -72,11 +69,9 @@ def solve(
     progress : callable, optional
         Called once an iteration; a ``Deadline`` also before the solve.
     hold : callable, optional
-        Whether a first solution is worth adding rows to; by default every one is.
-    margins : mapping, optional
-        By how much limits are lower on some intervals.
-    kept : list, optional
-        Distances that earlier solves on the mesh raised, which this one adds to; see ``Clearing``.
+        Whether a first solution is worth rounds; by default every one is. Without, distances may be ``ROUGH``.
+    lower : bool
+        Whether limits of controls that the motion exceeds between the points are lowered there (``margins``).
     """
     if isinstance(progress, Deadline):
         progress.before_solve()
@@ -87,11 +82,10 @@ def solve(
         problem, mesh, as_guess(guess), engine, interval_limits
     )
     added, same = earlier_rows(problem, mesh, guess) if interval_limits.rounds else ([], False)
-    nlp = with_margins(nlp, margins or {})
     plain = nlp
     if added:
         nlp = with_added_rows(nlp, added, nlp.guess)
-    clearing = Clearing(nlp, as_guess(guess), [] if kept is None else kept, 0.0 if interval_limits.rounds else ROUGH)
+    clearing, margins = Clearing(nlp, as_guess(guess)), LoweredLimits()
     unkept, nlp = nlp, clearing.rows(nlp)
     multipliers = earlier_multipliers(guess, nlp, True) if added and same else earlier_multipliers(guess, plain, False)
     if (clearing or (added and not same)) and multipliers is not None:
@@ -103,7 +97,7 @@ def solve(
             def once_more(asked: Problem, start: InitialGuess | Solution | None) -> Solution:
                 # Rows are added to solutions of the problem itself: others are guesses.
                 worth = hold if asked is problem else _never
-                return solve(asked, start, replace(settings, restarts=Restarts(0)), progress, worth)
+                return solve(asked, start, replace(settings, restarts=Restarts(0)), progress, worth, lower)
 
             from robotraj.planning.restarts import restarted
 
@@ -114,10 +108,15 @@ def solve(
         found = _state_violations(solution, interval_limits.tolerance)
         moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
         clearing.measure(solution)
-        rounds = interval_limits.rounds if hold is None or hold(solution) else 0
-        for number in range(max(rounds, ROUNDS if clearing else 0)):
+        margins.measure(solution)
+        held = hold is None or hold(solution)
+        rounds = interval_limits.rounds if held else 0
+        allowed = 0.0 if rounds else ROUGH
+        for number in range(max(rounds, ROUNDS if clearing or lower else 0)):
             new = rows_to_add(nlp, found, added) if number < rounds else []
-            if not (new or not clearing.proved) or not solution.success:
+            exceeded = lower and held and bool(margins.found)
+            settled = bool(interval_limits.rounds) or clearing.settled
+            if not (new or exceeded or not clearing.proved(allowed) or not settled) or not solution.success:
                 break
             began = time.perf_counter()
             if moving:
@@ -125,12 +124,13 @@ def solve(
                 unkept = transcribe(problem, mesh, as_guess(solution), engine, interval_limits)
                 unkept = with_added_rows(unkept, [*added, *new], unkept.guess)
             else:
-                unkept = with_added_rows(unkept, new, w) if new else replace(unkept, guess=w)
-            nlp = clearing.rows(unkept)
-            if clearing:
-                again, w = _solve(nlp, solution, None, solver.from_nearby(), progress, began)
-            else:
-                again, w = _solve(nlp, solution, earlier_multipliers(solution, nlp, True), solver, progress, began)
+                unkept = with_added_rows(unkept, new, w) if new else continued_at(unkept, w)
+            if exceeded:
+                margins.lower()
+            nlp = clearing.rows(with_margins(unkept, margins.amounts))
+            warm = solver.from_nearby() if clearing else solver
+            known = None if clearing else earlier_multipliers(solution, nlp, True)
+            again, w = _solve(nlp, solution, known, warm, progress, began)
             times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
             failed = not again.success and again.status is not Status.INTERRUPTED
             solution = replace(solution if failed else again, times=times, iterations=iterations)
@@ -139,12 +139,8 @@ def solve(
             added += new
             found = _state_violations(solution, interval_limits.tolerance)
             clearing.measure(solution)
-        of_variables = [
-            violation
-            for i, part in enumerate(solution.phases)
-            for violation in variable_violations(part.phase, i, part.trajectory, part.inputs)
-        ]
-        left, controls = (between_points(problem, group) for group in (found, of_variables))
+            margins.measure(solution)
+        left, controls = (between_points(problem, group) for group in (found, margins.found))
         left = (*clearing.violations(solution), *left)
     except KeyboardInterrupt:
         # Ctrl-C between two solves: the last solution is kept.

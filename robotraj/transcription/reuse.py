@@ -75,8 +75,12 @@ def transcribed_again(
 
 def started_at(nlp: Nlp, guess: InitialGuess) -> Nlp:
     """Return the NLP with another start; blocks, scales and functions are those of ``nlp``."""
-    start = start_of(nlp.problem, nlp.layouts, nlp.link_columns, nlp.variables, guess)
-    return _with_functions(replace(nlp, guess=start), nlp)
+    return continued_at(nlp, start_of(nlp.problem, nlp.layouts, nlp.link_columns, nlp.variables, guess))
+
+
+def continued_at(nlp: Nlp, w: Array) -> Nlp:
+    """Return the NLP with the start w (n_w,) in physical units; blocks, scales and functions are those of ``nlp``."""
+    return _with_functions(replace(nlp, guess=w), nlp)
 
 
 def _with_functions(again: Nlp, nlp: Nlp) -> Nlp:

@@ -19,13 +19,14 @@ if TYPE_CHECKING:
     from robotraj.transcription.clearance.proof import Shortfalls
     from robotraj.transcription.clearance.supporting_planes import Array, Motion
 
-Kept = list[dict[tuple[int, int], float]]
 ROUNDS = 10
 """Solves with further or raised rows on one mesh."""
 ROUGH = 2e-2
 """What may be short on a first mesh, which only finds the course of the motion [m]."""
 MORE = 1.2
 """Distances are raised this many times what was short: the motion moves along, and with it what is short."""
+GAIN = 3e-3
+"""What the planes of a further motion may gain on a first mesh, as a share of the objective."""
 LEAST = 2e-5
 """Least amount by which a distance is raised [m]."""
 MOST = 0.02
@@ -46,14 +47,9 @@ class Clearing:
         Before its first solve.
     guess : InitialGuess or None
         Of the problem; the default guess without one.
-    kept : list of dict
-        What earlier solves on the mesh kept apart: by how much the distance of (interval, pair) is raised [m]. It is
-        empty before the first one; this object fills it.
-    allowed : float
-        What may be short of a distance [m].
     """
 
-    def __init__(self, nlp: Nlp, guess: InitialGuess | None, kept: Kept, allowed: float = 0.0) -> None:
+    def __init__(self, nlp: Nlp, guess: InitialGuess | None) -> None:
         self._every: list[Clearances] = []
         if any(each.avoids_collisions for phase in nlp.problem.phases for each in phase.constraints):
             from robotraj.transcription.clearance.clearance_rows import clearances
@@ -63,10 +59,9 @@ class Clearing:
         if self._every:
             start = (guess or default_guess(nlp.problem)).prepared(nlp.problem)
             self._motions = [_guessed(start, nlp.problem.phases[own.phase], own) for own in self._every]
-        self._kept, self._allowed = kept, allowed
-        if not kept:
-            kept += [{} for _ in self._every]
+        self._kept: list[dict[tuple[int, int], float]] = [{} for _ in self._every]
         self._found: list[tuple[Clearances, Shortfalls]] = []
+        self._objectives: list[float] = []
 
     def __bool__(self) -> bool:
         """Whether a phase has a ``CollisionFree``."""
@@ -87,6 +82,7 @@ class Clearing:
         """Prove the distances along a solution; what is short has rows next, or raised ones."""
         if not self._every:
             return
+        self._objectives.append(solution.objective)
         from robotraj.transcription.clearance.proof import shortfalls
 
         self._found = [(own, shortfalls(own.pairs, solution.phases[own.phase].trajectory.x)) for own in self._every]
@@ -98,10 +94,15 @@ class Clearing:
             if solution.success and found.least > own.pairs.margin - DEEP:
                 self._motions[i] = _solved(solution, own)
 
+    def proved(self, allowed: float) -> bool:
+        """Whether all distances of the solution that was measured are proved, but for what is allowed [m]."""
+        return all(bool(np.all(found.distances >= own.pairs.margin - allowed)) for own, found in self._found)
+
     @property
-    def proved(self) -> bool:
-        """Whether all distances of the solution that was measured are proved, but for what is allowed."""
-        return all(bool(np.all(found.distances >= own.pairs.margin - self._allowed)) for own, found in self._found)
+    def settled(self) -> bool:
+        """Whether the planes of the last motion gained too little to be found on this mesh first."""
+        last = self._objectives[-2:]
+        return not self._every or (len(last) == 2 and last[0] - last[1] <= GAIN * abs(last[1]))
 
     def violations(self, solution: Solution) -> Iterator[Violation]:
         """Yield the pairs whose distance is not proved, each with its worst time."""

@@ -7,12 +7,12 @@ motion exceeds between the points are lowered there by the excess, on the same m
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.explain import are_sure
 from robotraj.planning.progress import Deadline
-from robotraj.planning.proving.clearing import Kept
 from robotraj.planning.proving.measures import Measured, measured
 from robotraj.planning.proving.soft_friction import SPEEDS, needs_softening, softened
 from robotraj.planning.restarts import WHENCE
@@ -23,8 +23,6 @@ from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
 from robotraj.solvers.status import Status
-from robotraj.transcription.interval_limits.interval_violations import variable_violations
-from robotraj.transcription.interval_limits.margins import LimitedInterval, Margins
 from robotraj.transcription.refinement.equidistribution import Equidistribute, evenly_finer
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -32,16 +30,12 @@ MOST_MESHES = 4
 """Meshes tried before a plan is given back as it is."""
 PATIENCE = 150
 """Iterations of a solve that may improve an objective, or the start of another solve, and nothing else."""
-MOST_MARGINS = 8
-"""Times that limits are lowered on one mesh."""
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
 """Ends of a solve after which no other mesh is tried."""
 SECOND = 1.5
 """Growth from a first mesh that could not be solved to the second one."""
 STUCK = 0.7
 """Share of the error of one mesh that is left on the next, beyond which the plan is given back as it is."""
-MORE = 1.1
-"""Margins are this many times the excess: what they change moves the motion, and its excess with it."""
 
 
 def prove(
@@ -74,6 +68,8 @@ class _Refining:
         """Whether joints stick and slide to save effort."""
         self.measures: Measured | None = None
         """Of the best solution so far."""
+        self.held = False
+        """Whether the motion on the present mesh is held between its points."""
 
     def plan(self, guess: InitialGuess | Solution | None) -> Solution:
         """Solve on one mesh after the other."""
@@ -83,9 +79,11 @@ class _Refining:
         if soft is not None:
             guess, meshes = soft, tuple(part.mesh for part in soft.phases)
         last: Solution | None = None
+        best_held = False
         for number in range(MOST_MESHES):
             first = number == 0
             try:
+                self.held = number == MOST_MESHES - 1
                 last = self._on(meshes, self.best or guess, first, nearby=soft is not None or not first)
             except KeyboardInterrupt:
                 if last is None:
@@ -94,7 +92,8 @@ class _Refining:
             if last.status is Status.INTERRUPTED:
                 return self._concluded(replace(self.best or last, status=Status.INTERRUPTED))
             if last.success:
-                self.best = last = self._measured(last)
+                self.best = last = self._measured(last, self.measures)
+                best_held = self.held
             elif not first or last.status in LIMITS_OF_THE_USER or are_sure(last.conflicts):
                 break
             if not first and last.proof is not None and last.proof.holds:
@@ -106,7 +105,27 @@ class _Refining:
                 break
             meshes = finer
         assert last is not None
+        if self.best is not None and not best_held and not _is_motion(self.best):
+            self._hold_best()
         return self._concluded(self.best or last)
+
+    def _hold_best(self) -> None:
+        """Hold the best motion between its points, where its mesh was to be followed by one that was not solved."""
+        assert self.best is not None and self.measures is not None
+        before, self.held = self.measures.before, True
+        try:
+            found = self._on(tuple(part.mesh for part in self.best.phases), self.best, first=False, nearby=True)
+        except KeyboardInterrupt:
+            return
+        if found.success:
+            self.steps.pop()
+            self.best = self._measured(found, before)
+
+    def _is_settled(self, solution: Solution) -> bool:
+        """Whether the mesh of a solution is fine enough, so that its motion is worth holding between its points."""
+        seen = measured(solution, self.measures, self.goals)
+        self.held = seen.proof.error <= self.goals.error and seen.growth <= 1.0
+        return self.held
 
     def _stuck(self) -> bool:
         """Whether the error exceeds its goal and hardly fell on the last mesh, so that the next would not do."""
@@ -137,7 +156,7 @@ class _Refining:
         for factor in SPEEDS:
             own = replace(settings, mesh=meshes, solver=settings.solver.at_most(PATIENCE))
             try:
-                softer = self._solve(softened(self.problem, factor), found or guess, own, {})
+                softer = self._solve(softened(self.problem, factor), found or guess, own)
             except KeyboardInterrupt:
                 if not isinstance(self.progress, Deadline):
                     raise
@@ -154,7 +173,8 @@ class _Refining:
     ) -> Solution:
         """Solve on meshes; where torques exceed their limits between the points, lower the limits there.
 
-        The first meshes only find a start: a failure there is met on the next, and so is what exceeds limits.
+        The first meshes only find a start: a failure there is met on the next, and so is what exceeds limits. Where the
+        objective needs a finer mesh, so is that, unless the motion is to be held.
         """
         settings = replace(self.settings, mesh=meshes)
         if nearby:
@@ -164,26 +184,11 @@ class _Refining:
             settings = replace(settings, solver=settings.solver.at_most(PATIENCE), restarts=Restarts(0))
         if first:
             plain = replace(settings.interval_limits, rounds=0)
-            return self._solve(self.problem, start, replace(settings, interval_limits=plain), {})
+            return self._solve(self.problem, start, replace(settings, interval_limits=plain))
         if self.best is None:
             # Other guesses were tried on the first mesh.
             settings = replace(settings, restarts=Restarts(0))
-        kept: Kept = []
-        found = self._solve(self.problem, start, settings, {}, kept)
-        again_settings = replace(settings, solver=self._warm, restarts=Restarts(0))
-        margins: dict[LimitedInterval, float] = {}
-        for _ in range(MOST_MARGINS):
-            if not found.success or not found.control_interval_violations:
-                break
-            for i, part in enumerate(found.phases):
-                for violation in variable_violations(part.phase, i, part.trajectory, part.inputs):
-                    place = LimitedInterval(i, violation.interval, violation.row.number)
-                    margins[place] = margins.get(place, 0.0) + MORE * violation.amount
-            again = self._solve(self.problem, found, again_settings, margins, kept)
-            if not again.success:
-                break
-            found = again
-        return found
+        return self._solve(self.problem, start, settings, lower=True, hold=None if self.held else self._is_settled)
 
     @property
     def _warm(self) -> Solver:
@@ -200,19 +205,19 @@ class _Refining:
         problem: Problem,
         start: InitialGuess | Solution | None,
         settings: Settings,
-        margins: Margins,
-        kept: Kept | None = None,
+        lower: bool = False,
+        hold: Callable[[Solution], bool] | None = None,
     ) -> Solution:
-        found = solve(problem, start, settings, self.progress, margins=margins, kept=kept)
+        found = solve(problem, start, settings, self.progress, hold, lower)
         self.times = added_times(self.times, found.times)
         self.iterations += found.iterations
         _, _, whence = found.message.partition(WHENCE)
         self.whence = whence or self.whence
         return found
 
-    def _measured(self, solution: Solution) -> Solution:
-        """Measure between the points, and what a finer mesh may gain."""
-        self.measures = measured(solution, self.measures, self.goals)
+    def _measured(self, solution: Solution, before: Measured | None) -> Solution:
+        """Measure between the points, and what a finer mesh than those ``before`` may gain."""
+        self.measures = measured(solution, before, self.goals)
         proof, parts = self.measures.proof, solution.phases
         points = sum(len(part.points) for part in parts)
         intervals = sum(part.mesh.count for part in parts)
@@ -223,7 +228,7 @@ class _Refining:
     def _concluded(self, solution: Solution) -> Solution:
         """Say how the whole plan ended: a motion beyond its limits is no success, an early optimum is one."""
         status = solution.status
-        if status is Status.SOLVED and (solution.proof is None or not solution.proof.motion_holds):
+        if status is Status.SOLVED and not _is_motion(solution):
             status = Status.NOT_PROVED
         message = solution.message
         if self.whence and WHENCE not in message:
@@ -236,3 +241,8 @@ class _Refining:
             times=self.times,
             iterations=self.iterations,
         )
+
+
+def _is_motion(solution: Solution) -> bool:
+    """Whether a solution is a motion within its limits."""
+    return solution.proof is not None and solution.proof.motion_holds

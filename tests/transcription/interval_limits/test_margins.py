@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import robotraj as rt
-from robotraj.planning.settings import resolve
-from robotraj.planning.solve import solve
+from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.margins import LimitedInterval, with_margins
 from robotraj.transcription.transcribe import transcribe
 
@@ -27,11 +26,9 @@ def test_a_control_keeps_a_margin_on_its_interval_alone() -> None:
     phase = pushed()
     place = next(LimitedInterval(0, 2, row.number) for row in phase.rows if row.variable == "u")
     limits = rt.interval_limits.BernsteinBounds(controls=True)
-    given = {"mesh": rt.Mesh(8), "solver": rt.Ipopt(), "interval_limits": limits}
-    problem = rt.Problem([phase])
-    solution = solve(problem, None, resolve(problem, given), margins={place: 0.25})
-    (part,) = solution.phases
-    inside = part.trajectory.u.inside(np.linspace(0, 1, 21))[:, :, 0]
+    nlp = with_margins(transcribe(rt.Problem([phase]), rt.Mesh(8), interval_limits=limits), {place: 0.25})
+    (trajectory,) = extract(nlp, rt.Ipopt().solve(nlp).w)
+    inside = trajectory.u.inside(np.linspace(0, 1, 21))[:, :, 0]
     assert np.max(np.abs(inside[2])) <= 0.75 + 1e-6
     assert np.max(np.abs(inside[0])) > 0.99
 
