@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
     from robotraj.symbolic import SymbolicModel
 
+LONGEST_STRETCH = 0.5
+"""Bound on the change of a quaternion's length in one correction; a change of sign needs 2."""
+
 RATE_UNITS = {"rad": ("rad/s", "rad/s^2", "N m"), "m": ("m/s", "m/s^2", "N")}
 
 
@@ -173,7 +176,11 @@ class RigidBody(OneLine):
         return ca.vertcat(ca.SX(0, 1), *quaternion, *hold(self.contacts, point))
 
     def correction(self, point: RobotPoint, c: ca.SX) -> ca.SX:
-        """Return W c: along the quaternion, and along the directions of ``holding.correct`` for contacts."""
+        """Return W c: along the quaternion, and along the directions of ``holding.correct`` for contacts.
+
+        The quaternion changes by s(c) times itself, s(c) = c / sqrt(1 + (c / L)^2), with L = ``LONGEST_STRETCH``. As
+        |s| < L, no correction carries a quaternion through zero to its negative, which would count as a full turn.
+        """
         first = int(self._has_quaternion)
         if point.contact_terms and not pinned(self.robot, self.contacts):
             corrected = sum((each.corrected for each in point.contact_terms.values()), ca.SX.zeros(len(self.states)))
@@ -182,7 +189,7 @@ class RigidBody(OneLine):
             places, rates = c[first : first + count], c[first + count :]
             corrected = self.along(point, *(correct(self.contacts, point, part) for part in (places, rates)))
         if self._has_quaternion:
-            corrected[3:7] += point.q[3:7] * c[0]
+            corrected[3:7] += point.q[3:7] * c[0] / ca.sqrt(1.0 + (c[0] / LONGEST_STRETCH) ** 2)
         return corrected
 
     def along(self, point: RobotPoint, moved: ca.SX, sped: ca.SX) -> ca.SX:

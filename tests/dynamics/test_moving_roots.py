@@ -186,6 +186,19 @@ def test_a_somersault_is_planned_by_the_negative_quaternion():
     assert np.linalg.norm(turned) == pytest.approx(2 * np.pi, rel=1e-2)
 
 
+@pytest.mark.parametrize("scheme", [rt.HermiteSimpson(), rt.schemes.LobattoIIIA(4), rt.schemes.RadauIIA(2)])
+def test_a_quaternion_does_not_cross_zero_to_its_negative(scheme):
+    # At 1 rad/s no full turn fits into half a second; a quaternion that shrank between two points would count as one.
+    robot = rt.load("hopper", root="floating", limits=ENERGETIC)
+    end = {"root_qx": 0, "root_qy": 0, "root_qz": 0, "root_qw": -1}
+    slow = {f"v.root_w{axis}": rt.between(-1.0, 1.0) for axis in "xyz"}
+    start = rt.State(q=robot.configuration({"root_z": 1.0}))
+    phase = rt.Phase(robot, 0.5, start=start, end=rt.State(q=end), objective=rt.Effort(), states=slow)
+    plan = rt.plan(phase, rt.Mesh(6, scheme), check=False)
+    assert plan.status is rt.solvers.Status.INFEASIBLE
+    assert plan.conflicts[0].name.startswith("state bound, root_w")
+
+
 def test_costates_of_a_quaternion_are_refused_by_name(plan):
     if plan.phases[0].robot.root == "planar":
         assert rt.indirect.costates(plan).at(0.1).x["v.root_x"] == pytest.approx(0.0, abs=1.0)
