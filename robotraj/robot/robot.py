@@ -97,6 +97,15 @@ class Robot:
             object.__setattr__(self, name, values)
         if not self.friction_speed > 0:
             raise InputError(f"friction_speed is {self.friction_speed}; it must be a positive speed [rad/s, m/s].")
+        nq, nv = self.model.nq, self.model.nv
+        given = {"damping": (self.damping, nv), "friction": (self.friction, nv), "neutral": (self.neutral, nq)}
+        for name, (values, size) in given.items():
+            if values.shape != (size,):
+                raise InputError(f"{name} of robot {brief(self.name)} has the shape {values.shape}, not ({size},).")
+        if len(self.limits.joints) != nv:
+            raise InputError(f"Robot {brief(self.name)} has limits of {len(self.limits.joints)} joints, not of {nv}.")
+        if len(set(self.actuated)) != len(self.actuated) or not set(self.actuated) <= set(self.velocity_names):
+            raise InputError(f"actuated of robot {brief(self.name)} repeats a joint, or names one that it has not.")
 
     def __repr__(self) -> str:
         joints = self.nv - self.limits.free

@@ -266,3 +266,29 @@ def test_a_command_and_a_folder_are_neither_kept_nor_set(saved: Path, tmp_path: 
         path = changed(saved, tmp_path / f"{k}.npz", change)
         with pytest.warns(UserWarning, match="settings of the plan could not be read"):
             assert rt.load_solution(path).settings is None
+
+
+def test_a_path_where_pairs_of_links_belong_is_not_read(saved: Path, tmp_path: Path) -> None:
+    avoid = {"name": "x", "value": {"$class": "CollisionFree", "fields": {"obstacles": {"$tuple": []}, "srdf": "/x"}}}
+    path = changed(saved, tmp_path / "hostile.npz", put("problem/phases/0/constraints", [avoid]))
+    with pytest.raises(rt.InputError, match="srdf of CollisionFree is a path"):
+        rt.load_solution(path)
+
+
+def test_no_urdf_is_read_for_the_points_of_collision_shapes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    low = rt.GroundClearance([rt.constraints.CollisionShapes("cart")], -9.0)
+    phase = rt.Phase(rt.load("cartpole"), 1.0, rt.State(q=0, v=0), rt.State(q=0, v=0), constraints=[rt.AtStart(low)])
+    path = rt.plan(phase, mesh=rt.Mesh(3)).save(tmp_path / "low.npz")
+    monkeypatch.setattr("robotraj.robot.loading.geometry.read_xml", None)
+    loaded = rt.load_solution(path).problem.phases[0]
+    assert loaded.constraints == phase.constraints
+    assert [row.name for row in loaded.rows] == [row.name for row in phase.rows]
+
+
+def test_a_file_does_not_make_paths_trusted(tmp_path: Path) -> None:
+    urdf = tmp_path / "own.urdf"
+    urdf.write_text(rt.load("pendulum").geometry.urdf.read_text())
+    for robot, trusted in ((rt.load(urdf, trust_paths=True), False), (rt.load("pendulum"), True)):
+        phase = rt.Phase(robot, 1.0, rt.State(q=0, v=0), rt.State(q=0.1, v=0), rt.Effort())
+        path = rt.plan(phase, mesh=rt.Mesh(3)).save(tmp_path / "plan.npz")
+        assert rt.load_solution(path).problem.phases[0].robot.geometry.trust_paths is trusted

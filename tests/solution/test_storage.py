@@ -427,7 +427,7 @@ def test_the_suffix_is_added_once_and_plain_numpy_reads_the_file(
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.npz", "v1.2.npz"]
     with np.load("a.npz", allow_pickle=False) as archive:
         about = json.loads(str(archive["about"]))
-        assert about["format"] == "robotraj solution" and about["version"] == 3 and "robotraj" in about
+        assert about["format"] == "robotraj solution" and about["version"] == 4 and "robotraj" in about
         assert archive["phases.0.trajectory.x.breaks"].shape == (11,)
     with pytest.warns(UserWarning):
         assert rt.load_solution("a").duration == block.duration
@@ -466,7 +466,7 @@ def test_files_that_are_not_ours_are_refused(block: rt.Solution, tmp_path: Path)
 def test_another_version_is_refused_and_named(block: rt.Solution, tmp_path: Path) -> None:
     about = np.array(json.dumps({"format": "robotraj solution", "version": 99, "robotraj": "7.0"}))
     path = rewritten(block.save(tmp_path / "good"), tmp_path / "new.npz", about=about)
-    with pytest.raises(rt.InputError, match=r"version 99.*robotraj 7\.0.*reads version 3"):
+    with pytest.raises(rt.InputError, match=r"version 99.*robotraj 7\.0.*reads version 4"):
         rt.load_solution(path)
 
 

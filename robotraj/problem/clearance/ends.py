@@ -12,6 +12,7 @@ from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.problem.constraints.base import Constraint, Row, Where
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.feasibility import Ends
+from robotraj.robot.loading.geometry import ShapesUnread
 from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -39,12 +40,18 @@ def clearance_summary(constraints: Sequence[Constraint], robot: Robot | None) ->
 def check_ends(phase: str, constraints: Sequence[Constraint], robot: Robot, ends: Ends) -> None:
     """Refuse ends at which the robot is nearer to an obstacle at rest, or to itself, than the margin.
 
+    Nothing is checked while a saved file is loaded, which reads no shapes.
+
     Raises
     ------
     InputError
         Names the worst pair, its link, its obstacle and the distance.
     """
-    for pairs in clearances_of(constraints, robot):
+    try:
+        avoided = clearances_of(constraints, robot)
+    except ShapesUnread:
+        return
+    for pairs in avoided:
         for end, q in _fixed(robot, ends):
             distances = pairs.distances(q[None], np.zeros(1))[0]
             distances[: pairs.against][[pairs.obstacles[o].moves for o in pairs.second[: pairs.against]]] = np.inf

@@ -128,6 +128,10 @@ class Constraint(OneLine, ABC):
         """
         return dynamics
 
+    def as_data(self, robot: Robot | None) -> Constraint:
+        """Return the constraint with what it reads from other files, for a file that is read alone."""
+        return self
+
 
 @dataclass(frozen=True)
 class AtStart(Constraint):
@@ -146,6 +150,10 @@ class AtStart(Constraint):
         """Add the variables of the constraint."""
         return self.constraint.augment(dynamics)
 
+    def as_data(self, robot: Robot | None) -> Constraint:
+        """Return the same end of what the constraint returns."""
+        return AtStart(self.constraint.as_data(robot))
+
 
 @dataclass(frozen=True)
 class AtEnd(Constraint):
@@ -163,6 +171,10 @@ class AtEnd(Constraint):
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """Add the variables of the constraint."""
         return self.constraint.augment(dynamics)
+
+    def as_data(self, robot: Robot | None) -> Constraint:
+        """Return the same end of what the constraint returns."""
+        return AtEnd(self.constraint.as_data(robot))
 
 
 def _require_constraint(value: object, who: str) -> None:

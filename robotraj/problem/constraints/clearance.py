@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -14,13 +14,14 @@ from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of, symbols_of
-from robotraj.problem.constraints.clearance_geometry import PlacesLike, spots_of
+from robotraj.problem.constraints.clearance_geometry import PlacesLike, spots_of, with_known_points
 from robotraj.problem.constraints.heights import HeightLike, RequiredHeight, required_height
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
     from robotraj.dynamics.point import RobotPoint
     from robotraj.problem.scalars import Scalar
+    from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)
@@ -79,3 +80,7 @@ class GroundClearance(Constraint):
             Row(name, "m", 0.0, np.inf, label) for label, of_spot in zip(labels, names, strict=True) for name in of_spot
         )
         return BoundConstraint("ground clearance", rows, expression)
+
+    def as_data(self, robot: Robot | None) -> Constraint:
+        """Return the constraint with the points of its CollisionShapes."""
+        return self if robot is None else replace(self, frames=with_known_points(self.frames, robot))

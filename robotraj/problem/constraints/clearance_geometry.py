@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, TypeAlias, TypeGuard, cast
 
 import numpy as np
@@ -90,9 +91,12 @@ class CollisionShapes(OneLine):
     ----------
     links : str or sequence of str
         Links (frames) whose shapes are meant; none means every link that moves.
+    known : tuple of ClearancePoint
+        Their points, where a saved file holds them; the URDF is not read then.
     """
 
     links: str | Sequence[str] = ()
+    known: tuple[ClearancePoint, ...] = field(default=(), compare=False, repr=False)
 
     def spots(self, robot: Robot) -> list[ClearancePoint]:
         """Read the shapes.
@@ -102,6 +106,8 @@ class CollisionShapes(OneLine):
         InputError
             The robot has no shapes, a link carries none or does not move, or a shape is of another kind.
         """
+        if self.known:
+            return list(self.known)
         wanted = (self.links,) if isinstance(self.links, str) else tuple(self.links)
         for link in wanted:
             robot.frame(link)
@@ -183,6 +189,15 @@ def spots_of(what: PlacesLike, robot: Robot) -> list[ClearancePoint]:
             f"rt.constraints.CollisionShapes('link')."
         )
     return [spot for entry in cast("Sequence[PlacesLike]", what) for spot in spots_of(entry, robot)]
+
+
+def with_known_points(what: PlacesLike, robot: Robot) -> PlacesLike:
+    """Return places whose CollisionShapes hold their points."""
+    if isinstance(what, CollisionShapes):
+        return replace(what, known=tuple(what.spots(robot)))
+    if isinstance(what, str) or _is_point(what) or not isinstance(what, Sequence):
+        return what
+    return [with_known_points(entry, robot) for entry in cast("Sequence[PlacesLike]", what)]
 
 
 def _is_point(what: object) -> TypeGuard[tuple[str, Vector]]:

@@ -9,6 +9,8 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Protocol
 from xml.etree import ElementTree
@@ -18,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.loading.packages import find_mesh, is_inside, search_folders
@@ -33,6 +36,23 @@ OUTSIDE = (
     "trust_paths=True."
 )
 UNREADABLE = "not readable and skipped: {}. Export them again as STL, OBJ or COLLADA."
+
+
+_closed: ContextVar[bool] = ContextVar("closed", default=False)
+
+
+class ShapesUnread(InputError):
+    """Shapes are not read from their files here."""
+
+
+@contextmanager
+def unread_shapes() -> Iterator[None]:
+    """Read no URDF and no mesh inside, but raise ``ShapesUnread``: a stranger may have named the files."""
+    token = _closed.set(True)
+    try:
+        yield
+    finally:
+        _closed.reset(token)
 
 
 class Geometry(Protocol):
@@ -61,7 +81,15 @@ class UrdfGeometry(OneLine):
     trust_paths: bool = False
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
-        """Return the shapes of one kind; meshes that cannot be read are skipped with a warning."""
+        """Return the shapes of one kind; meshes that cannot be read are skipped with a warning.
+
+        Raises
+        ------
+        ShapesUnread
+            Inside ``unread_shapes``.
+        """
+        if _closed.get():
+            raise ShapesUnread(f"the shapes in {str(self.urdf)!r} are not read while a file is loaded")
         root = read_xml(self.urdf)
         folders = search_folders(self.urdf, self.package_dirs, self.trust_paths)
         faults: dict[str, list[str]] = {}

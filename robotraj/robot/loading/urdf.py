@@ -12,6 +12,9 @@ from robotraj._util.errors import InputError
 MAX_BYTES = 10_000_000
 """Size of the largest file that is read: fifty times that of a humanoid's URDF."""
 
+MAX_TEXT = 4_000
+"""Length of the longest attribute: the longest path of a file."""
+
 
 def read_xml(path: Path) -> ElementTree.Element:
     """Return the root element of a URDF file, whose contents are not checked.
@@ -19,7 +22,7 @@ def read_xml(path: Path) -> ElementTree.Element:
     Raises
     ------
     InputError
-        The file is missing, a folder, no XML, or XML of another kind (SDF, MJCF, xacro).
+        The file is missing, a folder, no XML, XML of another kind (SDF, MJCF, xacro), or has endless attributes.
     """
     if not path.is_file():
         raise InputError(f"There is no URDF file {str(path)!r}; give the path of an existing file.")
@@ -32,6 +35,13 @@ def read_xml(path: Path) -> ElementTree.Element:
         root = ElementTree.parse(path).getroot()
     except (ElementTree.ParseError, LookupError, ValueError) as error:
         raise InputError(f"{str(path)!r} is no well-formed XML: {error}.") from error
+    for element in root.iter():
+        for key, text in element.attrib.items():
+            if len(text) > MAX_TEXT:
+                raise InputError(
+                    f"{str(path)!r}: the attribute {key[:80]!r} of <{element.tag[:80]}> has {len(text)} characters; at "
+                    f"most {MAX_TEXT} can be read."
+                )
     if root.tag != "robot":
         raise InputError(f"{str(path)!r} is no URDF: its root is <{root.tag}>, not <robot>. Convert it to URDF first.")
     if path.suffix == ".xacro" or any("ros.org/wiki/xacro" in element.tag for element in root.iter()):

@@ -33,8 +33,11 @@ from robotraj.solution.storage.entries import read_entries
 from robotraj.solution.storage.problems import OtherProblem, check_fit, pack_problem, unpack_problem
 
 FORMAT = "robotraj solution"
-VERSION = 3
+VERSION = 4
 """Raised whenever older versions could not read the file rightly."""
+
+MESSAGE = 2000
+"""Largest number of characters of what is told of a damage."""
 
 ADVICE = "give the path of a file that solution.save(path) wrote."
 
@@ -133,7 +136,9 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
         raise
     except REFUSALS as error:
         kind = "" if isinstance(error, InputError) else f"{type(error).__name__} "
-        raise InputError(f"{str(source)!r} is damaged: {kind}{error}. Save the solution again.") from error
+        # A name in the file may be as long as the file.
+        told = f"{kind}{error}"[:MESSAGE]
+        raise InputError(f"{str(source)!r} is damaged: {told}. Save the solution again.") from error
 
 
 def _phase(problem: Problem, number: int, given: object) -> PhaseSolution:

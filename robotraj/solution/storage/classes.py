@@ -43,7 +43,7 @@ from robotraj.native.engines.native import Native
 from robotraj.problem.constraints.base import AtEnd, AtStart
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.constraints.clearance import GroundClearance
-from robotraj.problem.constraints.clearance_geometry import CollisionShapes
+from robotraj.problem.constraints.clearance_geometry import ClearancePoint, CollisionShapes
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.constraints.differential_drive import DifferentialDrive
 from robotraj.problem.constraints.follow_path import FollowPath
@@ -116,9 +116,9 @@ CLASSES: Mapping[str, type] = {
     kind.__name__: kind
     for kind in (
         # problems
-        State, Between, Limits, AtEnd, AtStart, GroundClearance, CollisionShapes, FollowPath, FramePose,
-        FramePosition, SwingApex, FrameAxis, MotorPower, SpeedTorqueCurve, PayloadScenarios, CarriedBody, OneOf,
-        PoseRegion, FrameAcceleration, FrameSpeed, CircularPath, LinearPath, JointCentering, Manipulability,
+        State, Between, Limits, AtEnd, AtStart, GroundClearance, ClearancePoint, CollisionShapes, FollowPath,
+        FramePose, FramePosition, SwingApex, FrameAxis, MotorPower, SpeedTorqueCurve, PayloadScenarios, CarriedBody,
+        OneOf, PoseRegion, FrameAcceleration, FrameSpeed, CircularPath, LinearPath, JointCentering, Manipulability,
         DifferentialDrive, IntegralConstraint, JointAcceleration, JointEffort, JointPosition, JointVelocity,
         PathConstraint, JointJerk, JointTorqueRate, VariableBounds, Continuity, Jump, EqualDuration, Linkage,
         SameParameter, Mirror, Periodic, Liftoff, Touchdown, Sum, Duration, Effort, Lagrange, Mayer, ForceRate,
@@ -206,6 +206,8 @@ def complaint(kind: type, given: Mapping[str, object]) -> str | None:
     if kind is Ipopt and not all(isinstance(value, int | float) for value in dict(given.get("options", {})).values()):  # type: ignore[call-overload]
         # A text may name a file that IPOPT writes, or a library that it loads.
         return "options of Ipopt are numbers in files"
+    if kind is CollisionFree and isinstance(given.get("srdf"), str | Path):
+        return "srdf of CollisionFree is a path, not the pairs that files hold"
     return None
 
 

@@ -17,6 +17,7 @@ from robotraj.dynamics.variable import Variable
 from robotraj.problem.objectives.base import Objective, Sum
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.robot.loading.geometry import unread_shapes
 from robotraj.robot.robot import Robot
 from robotraj.solution.storage.classes import complaint
 from robotraj.solution.storage.codec import Damaged, NotPlainData, Packer, Unpacker
@@ -137,7 +138,11 @@ def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left
         },
         "fields": plain,
         "constraints": _pack_each(
-            phase.constraints, packer, f"{path}.constraints", f"constraint {{}} {whose}", left_out
+            [constraint.as_data(phase.robot) for constraint in phase.constraints],
+            packer,
+            f"{path}.constraints",
+            f"constraint {{}} {whose}",
+            left_out,
         ),
         "objective": _pack_each(terms, packer, f"{path}.objective", f"objective {{}} {whose}", left_out),
     }
@@ -167,7 +172,8 @@ def _unpack_phase(
     wrong = complaint(Phase, given)
     if wrong is not None:
         raise Damaged(f"{place}: {wrong}")
-    return Phase(**given)
+    with unread_shapes():
+        return Phase(**given)
 
 
 def _system(name: str, variables: Mapping[str, Any], place: str) -> System:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from robotraj._util.errors import UnknownName
-from robotraj.robot.known_robots.catalogue import find
+from robotraj.robot.known_robots.catalogue import catalogue, find
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.robot import Robot
 from robotraj.solution.storage.codec import NotPlainData, Packer
@@ -23,12 +23,18 @@ def pack_robot(robot: Robot, packer: Packer, path: str) -> tuple[Any, list[str]]
 
 
 def with_shapes(robot: Robot) -> Robot:
-    """Find a robot's shapes again: in the URDF they were read from, else in the catalogue's of its name."""
+    """Find a robot's shapes again: in the URDF they were read from, else in the catalogue's of its name.
+
+    Meshes outside the folders of a URDF are trusted where it belongs to the catalogue, whatever the file claims.
+    """
     geometry = robot.geometry
-    if not isinstance(geometry, UrdfGeometry) or geometry.urdf.is_file():
+    if not isinstance(geometry, UrdfGeometry):
         return robot
+    trusted = geometry.urdf in {entry.urdf for entry in catalogue()}
+    if geometry.urdf.is_file():
+        return replace(robot, geometry=replace(geometry, trust_paths=trusted))
     try:
-        return replace(robot, geometry=UrdfGeometry(find(robot.name).urdf, geometry.package_dirs))
+        return replace(robot, geometry=UrdfGeometry(find(robot.name).urdf, geometry.package_dirs, trust_paths=True))
     except UnknownName:
         warnings.warn(
             f"The URDF of {robot.name!r} is gone ({geometry.urdf}): its shapes are missing, nothing else.",

@@ -94,10 +94,9 @@ class ReferenceMotion:
         """Number of motors."""
         return len(self.robot.actuated)
 
-    @property
-    def effort(self) -> Array:
-        """Effort limits of the motors (nu,) [N m, N], infinite where there is none."""
-        limits = limits_of(self.phases[0])
+    def effort(self, phase: int) -> Array:
+        """Effort limits of the motors in a phase (nu,) [N m, N], infinite where there is none."""
+        limits = limits_of(self.phases[phase])
         if limits is None:
             return np.full(self.nu, np.inf)
         found = np.asarray(self.robot.actuation, dtype=float).T @ np.nan_to_num(limits.effort, posinf=0.0)

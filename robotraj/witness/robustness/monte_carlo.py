@@ -122,7 +122,7 @@ def monte_carlo(
     """Simulate a plan in MuJoCo many times under tau = tau_plan - K(t) e, with random disturbances.
 
     The controller reads positions and velocities with noise at its rate, answers after the delay with the torque of
-    ``solution.gains``, clipped at the limits of effort, and holds it for a period.
+    ``solution.gains``, clipped at the phase's limits of effort, and holds it for a period.
 
     Parameters
     ----------
@@ -190,10 +190,10 @@ class _Loop:
         gains = solution.gains
         self.gains = np.array([gains.at(float(t)) for t in self.times])
         self.actuation = np.asarray(robot.actuation, dtype=float)
-        limits = [limits_of(part) for part in parts]
         chosen = [robot.velocity_names.index(joint) for joint in robot.actuated]
-        known = limits[0]
-        self.effort = np.full(len(chosen), np.inf) if known is None else known.effort[chosen]
+        limits = [limits_of(part) for part in parts]
+        efforts = [np.full(len(chosen), np.inf) if known is None else known.effort[chosen] for known in limits]
+        self.effort = np.array(efforts)[owner]
 
     def run(self, mujoco: Any, plant: MujocoRobot, drawn: Disturbances, rng: np.random.Generator) -> Array:
         """Return the largest deviation at every time, (m,)."""
@@ -219,7 +219,7 @@ class _Loop:
             error = np.concatenate(
                 [q - self.q[k] + drawn.position_noise * noise[0], v - self.v[k] + drawn.velocity_noise * noise[1]]
             )
-            waiting.append(np.clip(self.tau[k] - self.gains[k] @ error, -self.effort, self.effort))
+            waiting.append(np.clip(self.tau[k] - self.gains[k] @ error, -self.effort[k], self.effort[k]))
             data.qfrc_applied[:] = where.force(q, self.actuation @ waiting.pop(0))
             data.xfrc_applied[body, :3] = force if begin <= t < begin + PUSH_TIME else 0.0
             for _ in range(SUBSTEPS):

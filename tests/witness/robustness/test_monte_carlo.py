@@ -71,6 +71,19 @@ def test_friction_acts():
     assert not np.array_equal(calm.deviations, rough.deviations)
 
 
+def test_torques_are_clipped_by_the_limits_of_their_phase():
+    """The first phase rests under a small limit; the second one lifts, and once was clipped by the first one's limit."""
+    pendulum = rt.load("pendulum")
+    weak, strong = (pendulum.limits.with_(effort=effort) for effort in (0.5, 20.0))
+    rest = rt.Phase(pendulum, 0.2, rt.State(q=0, v=0), rt.State(q=0, v=0), rt.Effort(), limits=weak, name="rest")
+    lift = rt.Phase(pendulum, 1.0, None, rt.State(q=np.pi / 2, v=0), rt.Effort(), limits=strong, name="lift")
+    plan = rt.plan(rt.Problem([rest, lift], [rt.Continuity(0, 1)]), mesh=rt.Mesh(20))
+    assert np.abs(plan.phases[1].at(plan.phases[1].knots).tau).max() > 2.0
+    assert rt.witness.monte_carlo(plan, runs=1, disturbances=CALM).worst[0] < 0.02
+    report = rt.witness.second_opinion(plan)
+    assert report.saturated == 0.0 and report.failure is None
+
+
 def test_a_large_disturbance_is_not_held(swing):
     hit = rt.witness.Disturbances(position=1.0)
     found = rt.witness.monte_carlo(swing, runs=4, disturbances=hit, bound=0.05)

@@ -1,0 +1,43 @@
+"""Fuzz for hours: `python tests/fuzz --hours 1`. Seeds that fail are printed, and become tests of their own."""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from pathlib import Path
+
+from guard import Guard
+from saved_files import good_files, hostile_file
+from urdfs import hostile_urdf
+
+FIRST = 100_000
+"""First seed; the tests take those from 0 on."""
+
+
+def main() -> None:
+    """Attack until the time is over."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--hours", type=float, default=1.0)
+    parser.add_argument("--first", type=int, default=FIRST, help="first seed")
+    given = parser.parse_args()
+    end, seed, wrong = time.monotonic() + 3600.0 * given.hours, given.first, 0
+    with tempfile.TemporaryDirectory() as folder, Guard() as guard:
+        good = good_files(Path(folder))
+        while time.monotonic() < end:
+            for kind, suffix, data in (
+                ("saved", "npz", hostile_file(seed, good)),
+                ("urdf", "urdf", hostile_urdf(seed)),
+            ):
+                path = Path(folder) / f"hostile.{suffix}"
+                path.write_bytes(data)
+                verdict = guard.attempt(kind, str(path))
+                if not verdict.right:
+                    wrong += 1
+                    print(f"{kind} {seed}: {verdict.kind} {verdict.text[:500]}", flush=True)
+            seed += 1
+    print(f"{seed - given.first} seeds from {given.first} on, {wrong} failures")
+
+
+if __name__ == "__main__":
+    main()

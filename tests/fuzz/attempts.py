@@ -1,0 +1,100 @@
+"""The child process of ``guard.py``: loads what strangers sent and tells how that ended, one JSON line an attempt."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+import warnings
+
+WRITES = {
+    "os.mkdir",
+    "os.rename",
+    "os.remove",
+    "os.rmdir",
+    "os.chmod",
+    "os.chown",
+    "os.link",
+    "os.symlink",
+    "os.truncate",
+    "os.system",
+    "os.exec",
+    "os.fork",
+    "os.posix_spawn",
+    "subprocess.Popen",
+    "socket.connect",
+    "pickle.find_class",
+}
+"""Audit events that no loading raises; see the table of audit events of Python's library."""
+
+CREATE = os.O_WRONLY | os.O_RDWR | os.O_CREAT
+
+seen: list[str] = []
+
+
+def watch(event: str, arguments: tuple[object, ...]) -> None:
+    """Keep every event that writes, runs or connects."""
+    if event in WRITES or (event == "open" and isinstance(arguments[2], int) and arguments[2] & CREATE):
+        seen.append(f"{event} {str(arguments[:1])[:200]}")
+
+
+def load_saved(path: str) -> None:
+    """Load a solution, and read what a user would."""
+    import numpy as np
+
+    import robotraj as rt
+
+    solution = rt.load_solution(path)
+    _ = repr(solution), str(solution), solution.violations(top=3)
+    solution.at(np.linspace(0.0, solution.duration, 5))
+
+
+def load_urdf(path: str) -> None:
+    """Load a robot, print it, read its shapes and bind it to a phase."""
+    import robotraj as rt
+
+    robot = rt.load(path)
+    _ = str(robot), robot.limits.complaints(robot.actuated), robot.visual_model, robot.collision_model
+    if robot.nu:
+        str(rt.Phase(robot, 1.0, objective=rt.Effort()))
+
+
+def main() -> None:
+    """Answer every line of the standard input."""
+    answers = os.fdopen(os.dup(1), "w")
+    # Parsers print their complaints: they must not reach the answers.
+    os.dup2(2, 1)
+    warnings.simplefilter("ignore")
+    import robotraj as rt
+
+    known = {"saved": load_saved, "urdf": load_urdf}
+    known_paths = {"saved": rt.load_solution, "urdf": rt.load}
+    for name in known:
+        # Modules that are imported late write nothing either, but they are read from elsewhere.
+        with contextlib.suppress(rt.InputError):
+            known_paths[name](os.path.join(os.sep, "nowhere", name + ".urdf"))
+    sys.addaudithook(watch)
+    print("ready", file=answers, flush=True)
+    for line in sys.stdin:
+        kind, path = json.loads(line)
+        seen.clear()
+        answer, text = "loaded", ""
+        try:
+            known[kind](path)
+        except rt.InputError as error:
+            answer, text = "refused", str(error)
+            if not text.strip() or len(text) > 20_000:
+                answer = "raw"
+        except BaseException as error:
+            import traceback
+
+            where = traceback.extract_tb(error.__traceback__)[-1]
+            answer, text = "raw", f"{type(error).__name__}: {str(error)[:300]} ({where.filename}:{where.lineno})"
+        if seen:
+            answer, text = "wrote", "; ".join(seen[:5])
+        print(json.dumps([answer, text]), file=answers, flush=True)
+
+
+if __name__ == "__main__":
+    main()
