@@ -72,7 +72,7 @@ def test_friction_acts():
 
 
 def test_torques_are_clipped_by_the_limits_of_their_phase():
-    """The first phase rests under a small limit; the second one lifts, and once was clipped by the first one's limit."""
+    """The first phase rests under a small limit, which once clipped the second one, that lifts."""
     pendulum = rt.load("pendulum")
     weak, strong = (pendulum.limits.with_(effort=effort) for effort in (0.5, 20.0))
     rest = rt.Phase(pendulum, 0.2, rt.State(q=0, v=0), rt.State(q=0, v=0), rt.Effort(), limits=weak, name="rest")
