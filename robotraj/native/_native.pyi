@@ -631,7 +631,8 @@ class SymmetricFactors:
     """L D L' of a sparse symmetric indefinite matrix, which factorises Newton systems without stages.
 
     Multifrontal (Duff and Reid 1983), in an order of approximate minimum degree, with pivots of one or two rows that
-    keep multipliers below 1 / threshold; rows are scaled first.
+    keep multipliers below 1 / threshold; rows are scaled first. Where many pivots are delayed, the third factorisation
+    begins with the order of the second one's pivots.
 
     Parameters
     ----------

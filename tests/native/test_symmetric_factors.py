@@ -133,6 +133,18 @@ def test_constraints_wait_for_their_variables() -> None:
     assert check(matrix, "") > 0
 
 
+def test_an_order_that_delays_many_pivots_is_replaced() -> None:
+    """The third factorisation begins with the order of the second one's pivots; inertia and solution stay."""
+    matrix = saddle_point(150, 100, 0.03, seed=3)
+    made, values = factors(matrix)
+    found = [made.factorise(values) for _ in range(3)]
+    assert found[0] == found[1]
+    assert found[2][:2] == found[0][:2] == (np.sum(np.linalg.eigvalsh(matrix) < 0), 0)
+    assert found[2][2] < 0.2 * found[0][2]
+    b = np.random.default_rng(0).standard_normal(250)
+    np.testing.assert_allclose(matrix @ made.solve(b), b, atol=1e-9)
+
+
 def test_dependent_constraints_are_zero_pivots() -> None:
     matrix = saddle_point(12, 5, 0.5, seed=2)
     twice = np.zeros((18, 18))

@@ -7,6 +7,9 @@
 namespace robotraj::native::ldl {
 namespace {
 
+/// Share of the rows that wait before another order pays.
+constexpr double kWaiting = 0.05;
+
 /// A power of two near 1 / sqrt(x): scaling by it changes no digit.
 double inverse_root(double x) {
   int exponent;
@@ -57,7 +60,20 @@ void Factors::scale(const double* values) {
   each([&](int e, int row, int column) { scaled_[e] = values[e] * scale_[column] * scale_[row]; });
 }
 
+std::vector<int> Factors::order_of_pivots() const {
+  std::vector<int> order;
+  order.reserve(tree_.order.size());
+  for (const Part& part : parts_)
+    for (int k = 0; k < part.pivots; ++k) order.push_back(tree_.order[order_[part.order + k]]);
+  return order;
+}
+
 Inertia Factors::factorise(const double* values, double threshold, double small) {
+  if (++factorised_ == 3 && delayed_ > kWaiting * pattern_.n) {
+    tree_ = make_tree(pattern_, order_of_pivots());
+    parts_.assign(tree_.nodes.size(), {});
+    make_room();
+  }
   scale(values);
   entries_ = orders_ = diagonals_ = stacked_ = 0;
   Inertia all;
@@ -67,6 +83,7 @@ Inertia Factors::factorise(const double* values, double threshold, double small)
     all.zero += found.zero;
     all.delayed += found.delayed;
   }
+  delayed_ = all.delayed;
   return all;
 }
 

@@ -19,6 +19,9 @@ struct Inertia {
 /// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983), on a matrix whose rows
 /// are scaled by the root of the largest number of each, one round of Ruiz (RAL-TR-2001-034): an NLP is scaled already.
 ///
+/// The first order knows nothing of zeros on the diagonal. Where many candidates wait for another front, the third
+/// factorisation begins with the order in which the second one's pivots left.
+///
 /// Memory of one factorisation serves the next.
 class Factors {
  public:
@@ -41,6 +44,7 @@ class Factors {
   };
   void scale(const double* values);
   void make_room();
+  std::vector<int> order_of_pivots() const;
   Inertia eliminate(std::size_t node, double threshold, double small);
   void keep(const Front& front, int pivots, Part& part);
 
@@ -49,6 +53,7 @@ class Factors {
   Tree tree_;
   std::vector<double> scale_, scaled_;
   std::vector<Part> parts_;
+  int factorised_ = 0, delayed_ = 0;
   std::size_t entries_ = 0, orders_ = 0, diagonals_ = 0, stacked_ = 0;
   Buffer factor_, front_, stack_, vector_;
   std::vector<double> diagonal_, off_, all_;

@@ -135,8 +135,8 @@ std::vector<int> groups_of(const Columns& columns) {
 }
 
 /// Numbers the groups, children right before their parents, and fills nodes but for their entries.
-void add_nodes(const Columns& columns, const std::vector<int>& least, Tree& tree) {
-  const int n = static_cast<int>(least.size());
+void add_nodes(const Columns& columns, const std::vector<int>& chosen, Tree& tree) {
+  const int n = static_cast<int>(chosen.size());
   const std::vector<int> home = groups_of(columns);
   std::vector<int> eldest(n, -1), sibling(n, -1), last(n, -1), before(n, -1), stack, sequence;
   for (int k = 0; k < n; ++k) {
@@ -168,7 +168,7 @@ void add_nodes(const Columns& columns, const std::vector<int>& least, Tree& tree
     tree.nodes.push_back({static_cast<int>(first), static_cast<int>(tree.order.size() - first), -1, {}, {}, {}});
   }
   for (int i = 0; i < n; ++i) place[tree.order[i]] = i;
-  for (int& column : tree.order) column = least[column];
+  for (int& column : tree.order) column = chosen[column];
   for (const int k : sequence) {
     Node& node = tree.nodes[number[k]];
     // The last column of a group has the group's rows below.
@@ -220,11 +220,11 @@ void add_places(const Pattern& pattern, Tree& tree) {
 
 }  // namespace
 
-Tree make_tree(const Pattern& pattern) {
+Tree make_tree(const Pattern& pattern, const std::vector<int>& order) {
   const Lists neighbours = neighbours_of(pattern);
-  const std::vector<int> least = minimum_degree(neighbours);
+  const std::vector<int> chosen = order.empty() ? minimum_degree(neighbours) : order;
   Tree tree;
-  add_nodes(columns_of(neighbours, least), least, tree);
+  add_nodes(columns_of(neighbours, chosen), chosen, tree);
   add_places(pattern, tree);
   return tree;
 }

@@ -34,8 +34,8 @@ struct Tree {
   int largest = 0;    ///< rows of the largest front, without delays
 };
 
-/// Orders by approximate minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Analysis 17 (1996), Eigen's) and
-/// merges nodes where a larger front costs less than two.
-Tree make_tree(const Pattern& pattern);
+/// Merges nodes where a larger front costs less than two. Rows leave in about the given order or, where it is empty, by
+/// approximate minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Analysis 17 (1996), Eigen's).
+Tree make_tree(const Pattern& pattern, const std::vector<int>& order = {});
 
 }  // namespace robotraj::native::ldl
