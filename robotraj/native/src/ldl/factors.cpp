@@ -31,33 +31,30 @@ void Factors::make_room() {
   std::size_t factor = 0, stacked = 0, stack = 0, front = 0;
   for (const Node& node : tree_.nodes) {
     const std::size_t below = node.below.size(), ld = padded_rows(node.columns + static_cast<int>(below));
-    front = std::max(front, ld * (node.columns + below + kPanel + 3));
+    front = std::max(front, ld * (below + kPanel + 3));
     factor += ld * node.columns;
     for (const int child : node.children) stacked -= parts_[child].entries;
     stacked += parts_[&node - tree_.nodes.data()].entries = padded_rows(static_cast<int>(below)) * below;
     stack = std::max(stack, stacked);
   }
   // Delays make fronts larger.
-  front_.reserve(front + front / 2);
-  factor_.reserve(factor + factor / 2);
+  factor_.reserve(factor + factor / 2 + 2 * front);
   stack_.reserve(2 * stack);
 }
 
 void Factors::scale(const double* values) {
   const int n = pattern_.n;
   scale_.assign(n, 0.0);
-  scaled_.resize(pattern_.rows.size());
-  const auto each = [this, n](auto&& visit) {
-    for (int column = 0; column < n; ++column)
-      for (int e = pattern_.starts[column]; e < pattern_.starts[column + 1]; ++e) visit(e, pattern_.rows[e], column);
-  };
-  each([&](int e, int row, int column) {
-    const double size = std::abs(values[e]);
-    scale_[row] = std::max(scale_[row], size);
-    scale_[column] = std::max(scale_[column], size);
-  });
+  for (int column = 0; column < n; ++column) {
+    double largest = scale_[column];
+    for (int e = pattern_.starts[column]; e < pattern_.starts[column + 1]; ++e) {
+      const double size = std::abs(values[e]);
+      scale_[pattern_.rows[e]] = std::max(scale_[pattern_.rows[e]], size);
+      largest = std::max(largest, size);
+    }
+    scale_[column] = largest;
+  }
   for (double& largest : scale_) largest = largest > 0 ? inverse_root(largest) : 1.0;
-  each([&](int e, int row, int column) { scaled_[e] = values[e] * scale_[column] * scale_[row]; });
 }
 
 std::vector<int> Factors::order_of_pivots() const {
@@ -78,7 +75,7 @@ Inertia Factors::factorise(const double* values, double threshold, double small)
   entries_ = orders_ = diagonals_ = stacked_ = 0;
   Inertia all;
   for (std::size_t node = 0; node < tree_.nodes.size(); ++node) {
-    const Inertia found = eliminate(node, threshold, small);
+    const Inertia found = eliminate(node, values, threshold, small);
     all.negative += found.negative;
     all.zero += found.zero;
     all.delayed += found.delayed;
@@ -87,7 +84,7 @@ Inertia Factors::factorise(const double* values, double threshold, double small)
   return all;
 }
 
-Inertia Factors::eliminate(std::size_t index, double threshold, double small) {
+Inertia Factors::eliminate(std::size_t index, const double* values, double threshold, double small) {
   const Node& node = tree_.nodes[index];
   int late = 0;
   for (const int child : node.children) late += parts_[child].delayed;
@@ -96,8 +93,9 @@ Inertia Factors::eliminate(std::size_t index, double threshold, double small) {
   front.candidates = late + node.columns;
   front.ld = padded_rows(front.rows);
   const std::size_t ld = front.ld, rows = front.rows;
-  front_.reserve(ld * (rows + kPanel + 3));
-  front.entries = front_.data();
+  // Columns of L stay where they are; the next front overwrites the others.
+  factor_.reserve(entries_ + ld * (rows + kPanel + 3), entries_);
+  front.entries = factor_.data() + entries_;
   front.memory = front.entries + ld * rows;
   for (std::size_t j = 0; j < rows; ++j) {
     const std::size_t from = j / kRowBlock * kRowBlock;
@@ -115,9 +113,12 @@ Inertia Factors::eliminate(std::size_t index, double threshold, double small) {
   int* rest = front.order + late;
   for (int c = 0; c < node.columns; ++c) rest[c] = node.first + c;
   std::copy(node.below.begin(), node.below.end(), rest + node.columns);
+  local_scale_.resize(std::max(local_scale_.size(), rows));
+  for (std::size_t i = 0; i < rows - late; ++i) local_scale_[i] = scale_[tree_.order[rest[i]]];
   for (int e = tree_.place_starts[index]; e < tree_.place_starts[index + 1]; ++e) {
     const Place& place = tree_.places[e];
-    front.entries[(late + place.column) * ld + late + place.row] += scaled_[place.entry];
+    front.entries[(late + place.column) * ld + late + place.row] +=
+        values[place.entry] * local_scale_[place.column] * local_scale_[place.row];
   }
   // Children left their blocks one on the other.
   std::size_t end = stacked_;
@@ -148,14 +149,9 @@ Inertia Factors::eliminate(std::size_t index, double threshold, double small) {
 void Factors::keep(const Front& front, int pivots, Part& part) {
   const std::size_t ld = front.ld;
   part = {pivots, front.ld, front.candidates - pivots, entries_, orders_, diagonals_};
-  factor_.reserve(entries_ + ld * pivots, entries_);
-  for (int k = 0; k < pivots; ++k) {
-    // Zeros to the diagonal: the substitutions work on whole packs.
-    const std::size_t from = static_cast<std::size_t>(k) / kRowBlock * kRowBlock, column = k * ld;
-    double* to = factor_.data() + entries_ + column;
-    for (std::size_t i = from; i <= static_cast<std::size_t>(k); ++i) to[i] = 0.0;
-    std::memcpy(to + k + 1, front.entries + column + k + 1, (ld - k - 1) * sizeof(double));
-  }
+  // Zeros to the diagonal: the substitutions work on whole packs.
+  for (int k = 0; k < pivots; ++k)
+    for (int i = k / kRowBlock * kRowBlock; i <= k; ++i) front.entries[k * ld + i] = 0.0;
   entries_ += ld * pivots;
   orders_ += front.rows;
   diagonals_ += pivots;

@@ -45,18 +45,18 @@ class Factors {
   void scale(const double* values);
   void make_room();
   std::vector<int> order_of_pivots() const;
-  Inertia eliminate(std::size_t node, double threshold, double small);
+  Inertia eliminate(std::size_t node, const double* values, double threshold, double small);
   void keep(const Front& front, int pivots, Part& part);
 
   Pattern pattern_;
   const FrontKernels& kernels_;
   Tree tree_;
-  std::vector<double> scale_, scaled_;
+  std::vector<double> scale_;
   std::vector<Part> parts_;
   int factorised_ = 0, delayed_ = 0;
   std::size_t entries_ = 0, orders_ = 0, diagonals_ = 0, stacked_ = 0;
-  Buffer factor_, front_, stack_, vector_;
-  std::vector<double> diagonal_, off_, all_;
+  Buffer factor_, stack_, vector_;
+  std::vector<double> diagonal_, off_, all_, local_scale_;
   std::vector<int> order_, places_;
 };
 
