@@ -128,10 +128,11 @@ class ScalarTable:
         self.count += shape[0] * shape[1]
         return np.arange(first, self.count).reshape(shape)
 
-    def impose(self, phase: int, rows: Sequence[Row], fractions: Array) -> Indices:
-        """Add rows of a phase with their bounds at every fraction; return indices (len(fractions), len(rows))."""
+    def impose(self, phase: int, rows: Sequence[Row], fractions: Array, room: Array | None = None) -> Indices:
+        """Add rows of a phase at every fraction, with ``room`` beyond bounds; return indices, all (fractions, rows)."""
         lower, upper = (np.array([getattr(row, side) for row in rows]) for side in ("lower", "upper"))
-        return self.add([Entry.of(phase, row) for row in rows], fractions, lower, upper)
+        beyond = 0.0 if room is None else room
+        return self.add([Entry.of(phase, row) for row in rows], fractions, lower - beyond, upper + beyond)
 
     def numbers(self, entries: Sequence[Entry]) -> Indices:
         """Return the numbers of entries."""

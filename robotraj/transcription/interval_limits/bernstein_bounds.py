@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, integrals
 from robotraj.problem.constraints.base import Where
+from robotraj.problem.feasibility import SLACK
 from robotraj.problem.rows import PhaseRow
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
@@ -60,7 +61,10 @@ def impose_on_states(
         for run in layout.runs:
             weights = state_weights(tuple(run.scheme.nodes.tolist()))
             fractions = (np.arange(len(weights)) + 1) / (len(weights) + 1)
-            at = _add(rows, index, chosen, run, fractions)
+            room = np.zeros((len(run.which), len(fractions), len(chosen)))
+            for ends, interval in ((phase.start_bounds, 0), (phase.end_bounds, len(layout.knots) - 2)):
+                room[run.which == interval] += _room(chosen, ends.lower[component], ends.upper[component])
+            at = _add(rows, index, chosen, run, fractions, room)
             linear.spread(at, run.left[:, None, component], 1.0)
             scatter.spread(
                 at[..., None],
@@ -189,10 +193,20 @@ def _held(
         yield list(rows), np.array(indices)
 
 
-def _add(rows: ScalarTable, index: int, chosen: Sequence[PhaseRow], run: Run, fractions: Array) -> Indices:
-    """Add rows at fractions of every interval of a run, (intervals, fractions, rows)."""
+def _room(chosen: Sequence[PhaseRow], lower: Array, upper: Array) -> Array:
+    """Return by how much limits (n,) give way beside an end that is fixed at them, or beyond them by round-off."""
+    nearest = [min(value - row.lower, row.upper - value) for row, value in zip(chosen, lower, strict=True)]
+    sizes = np.array([SLACK * max(1.0, row.greatest_bound) for row in chosen])
+    return np.where((lower == upper) & (np.array(nearest) <= sizes), 2.0 * sizes, 0.0)
+
+
+def _add(
+    rows: ScalarTable, index: int, chosen: Sequence[PhaseRow], run: Run, fractions: Array, room: Array | None = None
+) -> Indices:
+    """Add rows at fractions of every interval of a run, with ``room`` beyond bounds, (intervals, fractions, rows)."""
     at = run.start[:, None] + run.length[:, None] * fractions
-    return rows.impose(index, chosen, at.ravel()).reshape(*at.shape, len(chosen))
+    beyond = None if room is None else room.reshape(-1, len(chosen))
+    return rows.impose(index, chosen, at.ravel(), beyond).reshape(*at.shape, len(chosen))
 
 
 def _algebraic_pieces(run: Run) -> Iterator[tuple[Array, float, float, Indices]]:
