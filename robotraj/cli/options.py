@@ -53,6 +53,10 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object 
 TimeLimitOption = Annotated[
     float, typer.Option("--time-limit", min=0.001, help="Processor seconds after which the plan stops.")
 ]
+MemoryLimitOption = Annotated[
+    float | None,
+    typer.Option("--memory-limit", min=1.0, help="Resident memory [MB] of the process after which the plan stops."),
+]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE.npz", help="A file that solution.save wrote.")]
 RobotArgument = Annotated[
     str,

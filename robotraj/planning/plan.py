@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from robotraj._util.errors import InputError, NoSolutionFound
 from robotraj._util.forks import unforked
+from robotraj._util.time_left import limited
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.diagnosis.ends import unheld_ends
 from robotraj.planning.many.candidates import has_candidates, with_candidates
-from robotraj.planning.progress import Deadline, watching
+from robotraj.planning.progress import Limits, watching
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import on_a_coarse_mesh, solve
 from robotraj.problem.phase import Phase
@@ -52,6 +56,7 @@ def plan(
     goals: Goals | None = None,
     settings: Settings | None = None,
     time_limit: float | None = None,
+    memory_limit: float | None = None,
     check: bool = True,
     progress: bool | None = None,
 ) -> Solution:
@@ -98,9 +103,14 @@ def plan(
         ``solution.settings`` of an earlier plan, which decide every setting. With the same problem, guess and
         continuation the plan is repeated bit for bit. Other options replace single settings.
     time_limit : float, optional
-        Processor time [s] of the whole plan: building, solves on all meshes, restarts and diagnosis. The best
-        solution so far is returned; its status is ``Status.TIME_LIMIT`` unless it is a proved motion. Building one
-        program is not interrupted.
+        Processor time [s] of the whole plan: building, its compilers, solves on all meshes, restarts and diagnosis.
+        The best solution so far is returned; its status is ``Status.TIME_LIMIT`` unless it is a proved motion. At the
+        limit compilers are stopped and the functions that they lack are interpreted. Building one program is not
+        interrupted otherwise, and the first solve always reaches an iterate.
+    memory_limit : float, optional
+        Resident memory of the whole process [MB]. A mesh whose blocks alone would exceed it is refused before it is
+        built. Else the memory is read between solves and at each iteration, and the plan ends with
+        ``Status.MEMORY_LIMIT``. What one factorisation takes between two readings is not bounded.
     check : bool
         Raise an error where no solution was found; otherwise return the last iterate with its status.
     progress : bool, optional
@@ -173,6 +183,8 @@ def plan(
     settings = resolve(problem, given, settings)
     if time_limit is not None:
         above_zero("time_limit", time_limit, "s")
+    if memory_limit is not None:
+        above_zero("memory_limit", memory_limit, "MB")
     find = with_candidates(_method(settings)) if has_candidates(problem) else _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
     fixed = any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases)
@@ -180,15 +192,17 @@ def plan(
         from robotraj.planning.diagnosis.self_collision import warn_of_self_collision
 
         warn_of_self_collision(problem)
-    with watching(settings.solver, progress) as shown:
-        show = shown if time_limit is None else Deadline(time_limit, shown)
+    with watching(settings.solver, progress) as shown, ExitStack() as waiting:
+        given_limits = time_limit is not None or memory_limit is not None
+        show = Limits(time_limit or np.inf, memory_limit or np.inf, shown) if given_limits else shown
+        waiting.enter_context(limited((lambda: show.left) if isinstance(show, Limits) else None))
         if continuation:
             from robotraj.planning.continuation import run_steps
 
             guess, records, interrupted = run_steps(problem, continuation, guess, settings, show)
         else:
             interrupted = None
-        if isinstance(show, Deadline):
+        if isinstance(show, Limits):
             show.begin()
         unheld: tuple[Conflict, ...] = ()
         try:
@@ -206,8 +220,8 @@ def plan(
             if found is None:
                 raise
             solution = found
-    if isinstance(show, Deadline) and show.reached:
-        solution = _out_of_time(solution, show.seconds)
+    if isinstance(show, Limits) and show.reached is not None:
+        solution = _stopped(solution, show)
     solution = replace(solution, continuation=records, settings=settings)
     if solution.success and unheld:
         warnings.warn(f"The motion passes an end that the motors cannot hold: {unheld[0]}.", stacklevel=2)
@@ -238,9 +252,8 @@ def _careful(settings: Settings) -> Settings:
     return replace(settings, solver=settings.solver.hopefully())
 
 
-def _out_of_time(solution: Solution, seconds: float) -> Solution:
-    """Return a solution with the status of a plan stopped by its time limit: solved where its motion is proved."""
+def _stopped(solution: Solution, limits: Limits) -> Solution:
+    """Return a solution with the status of a plan stopped by a limit: solved where its motion is proved."""
     proved = solution.proof is not None and solution.proof.motion_holds
-    status = Status.SOLVED if proved else Status.TIME_LIMIT
-    message = f"{solution.message}; the time limit of {seconds:g} s was reached"
-    return replace(solution, status=status, message=message)
+    status = Status.SOLVED if proved or limits.reached is None else limits.reached
+    return replace(solution, status=status, message=f"{solution.message}; {limits.told}")

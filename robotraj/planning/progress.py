@@ -1,13 +1,20 @@
-"""Callbacks of solvers: progress in one line of a terminal, and the time limit of a whole plan."""
+"""Callbacks of solvers: progress in one line of a terminal, and the limits of time and memory of a whole plan."""
 
 from __future__ import annotations
 
 import sys
-import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj._util.time_left import used_time
+from robotraj.planning.memory import least_memory, resident
+from robotraj.problem.problem import Problem
 from robotraj.solvers.base import Iteration, Progress, Solver
+from robotraj.solvers.status import Status
+from robotraj.transcription.schemes.mesh import Mesh
 
 
 @contextmanager
@@ -32,36 +39,55 @@ def watching(solver: Solver, show: bool | None) -> Iterator[Progress | None]:
         yield update
 
 
-class TimeLimitReached(KeyboardInterrupt):
-    """Raised at the time limit. It ends a plan as Ctrl-C does: what was found so far is kept."""
+class LimitReached(KeyboardInterrupt):
+    """Raised at a limit. It ends a plan as Ctrl-C does: what was found so far is kept."""
 
 
-class Deadline:
-    """A progress callback that stops a plan at its time limit.
+class Limits:
+    """A progress callback that stops a plan at its limits of time and memory.
 
-    The clock is read at every iteration of a solver and before every solve but the first one after ``begin``, so that
-    there is always an iterate to return. Building one program is not interrupted.
+    Both are read at every iteration of a solver, and before every solve but the first one after ``begin``, so that
+    there is always an iterate to return. Building one program is interrupted only while it waits for a compiler.
 
     Parameters
     ----------
     seconds : float
-        Processor time [s] from now on, of all threads of this process.
+        Processor time [s] from now on, of all threads of this process and of the compilers it starts; may be infinite.
+    megabytes : float
+        Resident memory of this process [MB]; may be infinite.
     show : callable or None
         A further callback.
+
+    Attributes
+    ----------
+    reached : Status or None
+        The limit that ended the plan.
     """
 
-    def __init__(self, seconds: float, show: Progress | None) -> None:
-        self._end, self._show = time.process_time() + seconds, show
+    def __init__(self, seconds: float, megabytes: float, show: Progress | None) -> None:
+        self._end, self._show = used_time() + seconds, show
         self._begun = False
-        self.seconds = seconds
-        self.reached = False
+        self.seconds, self.megabytes = seconds, megabytes
+        self.reached: Status | None = None
+
+    @property
+    def left(self) -> float:
+        """Time that is left [s]."""
+        return self._end - used_time()
+
+    @property
+    def told(self) -> str:
+        """The limit that was reached, for messages."""
+        if self.reached is Status.MEMORY_LIMIT:
+            return f"the memory limit of {self.megabytes:g} MB was reached"
+        return f"the time limit of {self.seconds:g} s was reached"
 
     def __call__(self, iteration: Iteration) -> None:
-        """Show an iteration and read the clock.
+        """Show an iteration, and read the clock and the memory.
 
         Raises
         ------
-        TimeLimitReached
+        LimitReached
         """
         if self._show is not None:
             self._show(iteration)
@@ -71,18 +97,34 @@ class Deadline:
         """Let the next solve begin in any case: without it there would be no iterate to return."""
         self._begun = False
 
-    def before_solve(self) -> None:
-        """Read the clock, unless it is the first solve.
+    def before_solve(self, problem: Problem, mesh: Mesh | Sequence[Mesh]) -> None:
+        """Read the clock, unless it is the first solve, and estimate the memory of the program that is to be built.
 
         Raises
         ------
-        TimeLimitReached
+        LimitReached
+        InputError
+            The first program takes more memory than is left.
         """
         if self._begun:
             self._read()
+        if np.isfinite(self.megabytes):
+            least, held = least_memory(problem, mesh), resident()
+            if least + held > self.megabytes:
+                if self._begun:
+                    self._stop(Status.MEMORY_LIMIT)
+                raise InputError(
+                    f"memory_limit is {self.megabytes:g} MB, of which the process holds {held:.0f} MB; this mesh takes "
+                    f"at least another {least:.1f} MB. Give fewer intervals or a larger limit."
+                )
         self._begun = True
 
     def _read(self) -> None:
-        if time.process_time() > self._end:
-            self.reached = True
-            raise TimeLimitReached(f"The time limit of {self.seconds:g} s was reached.")
+        if used_time() > self._end:
+            self._stop(Status.TIME_LIMIT)
+        if np.isfinite(self.megabytes) and resident() > self.megabytes:
+            self._stop(Status.MEMORY_LIMIT)
+
+    def _stop(self, status: Status) -> None:
+        self.reached = status
+        raise LimitReached(self.told[0].upper() + self.told[1:] + ".")

@@ -15,6 +15,7 @@ class Status(Enum):
     INFEASIBLE = "infeasible"
     ITERATION_LIMIT = "iteration limit"
     TIME_LIMIT = "time limit"
+    MEMORY_LIMIT = "memory limit"
     INTERRUPTED = "interrupted"
     STALLED = "stalled"
     DIVERGED = "diverged"
@@ -39,6 +40,7 @@ _REMEDIES = {
     "rows it names, or start from another guess.",
     Status.ITERATION_LIMIT: "Raise the solver's max_iterations, or continue from here with guess=solution.",
     Status.TIME_LIMIT: "Raise time_limit, or continue from here with guess=solution.",
+    Status.MEMORY_LIMIT: "Raise memory_limit, or plan on fewer intervals.",
     Status.INTERRUPTED: "Continue from here with guess=solution.",
     Status.STALLED: "No further progress was possible. Start from another guess or a coarser mesh, or bound what "
     "runs off.",

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.progress import Deadline, TimeLimitReached
+from robotraj.planning.memory import resident
+from robotraj.planning.progress import LimitReached, Limits
 from robotraj.solvers.base import Iteration
 
 
@@ -47,22 +49,22 @@ def test_other_beginnings_are_part_of_the_plan() -> None:
 
 def test_a_motion_that_was_proved_in_time_is_a_success(monkeypatch: pytest.MonkeyPatch) -> None:
     goals = rt.solution.Goals(objective=1e-9)
-    read = Deadline._read
+    read = Limits._read
 
-    def late(self: Deadline) -> None:
+    def late(self: Limits) -> None:
         """Let the clock run out once two meshes are solved."""
         self.solves = getattr(self, "solves", 0)
         if self.solves >= 3:
             self._end = -np.inf
         read(self)
 
-    def counted(self: Deadline) -> None:
+    def counted(self: Limits, *program: object) -> None:
         self.solves = getattr(self, "solves", 0) + 1
-        before(self)
+        before(self, *program)
 
-    before = Deadline.before_solve
-    monkeypatch.setattr(Deadline, "_read", late)
-    monkeypatch.setattr(Deadline, "before_solve", counted)
+    before = Limits.before_solve
+    monkeypatch.setattr(Limits, "_read", late)
+    monkeypatch.setattr(Limits, "before_solve", counted)
     solution = rt.plan(cartpole(), goals=goals, time_limit=1e3)
     assert solution.success and solution.proof is not None
     assert solution.proof.motion_holds and not solution.proof.holds
@@ -75,18 +77,59 @@ def test_ample_time_changes_nothing() -> None:
 
 def test_the_clock_is_read_at_every_iteration() -> None:
     seen: list[Iteration] = []
-    deadline = Deadline(1e-9, seen.append)
-    deadline.before_solve()
-    with pytest.raises(TimeLimitReached, match="1e-09 s"):
+    deadline = Limits(1e-9, np.inf, seen.append)
+    deadline.before_solve(rt.Problem([cartpole()]), rt.Mesh(2))
+    with pytest.raises(LimitReached, match="1e-09 s"):
         deadline(Iteration(0, 0.0, 0.0))
-    with pytest.raises(TimeLimitReached):
-        deadline.before_solve()
+    with pytest.raises(LimitReached):
+        deadline.before_solve(rt.Problem([cartpole()]), rt.Mesh(2))
     assert len(seen) == 1 and deadline.reached
     deadline.begin()
-    deadline.before_solve()
+    deadline.before_solve(rt.Problem([cartpole()]), rt.Mesh(2))
 
 
 @pytest.mark.parametrize("limit", [0.0, -1.0, "60"])
 def test_a_limit_must_be_seconds_above_zero(limit: object) -> None:
     with pytest.raises(rt.InputError, match="time_limit must be above 0 s"):
         rt.plan(cartpole(), time_limit=limit)  # type: ignore[arg-type]
+
+
+def test_compilers_are_part_of_the_plan_and_stop_at_its_limit(tmp_path: Path) -> None:
+    """A compiler that never ends, with a child of its own, leaves neither of them behind."""
+    fake = tmp_path / "slow-cc"
+    fake.write_text('#!/bin/sh\n[ "$1" = -v ] && exit 0\nsleep 61.803 & wait\n')
+    fake.chmod(0o755)
+    engine = rt.engines.Compiled(compiler=str(fake), cache=tmp_path / "cache", least=1)
+    began = time.monotonic()
+    solution = rt.plan(cartpole(), mesh=rt.Mesh(20), engine=engine, time_limit=1.0, check=False)
+    assert time.monotonic() - began < 10.0
+    assert np.isfinite(solution.at(1.0).q).all()
+    commands = [path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline") if path.exists()]
+    assert not any(b"61.803" in command for command in commands)
+
+
+def test_a_plan_stops_at_its_memory_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    held = iter([100.0, 100.0, *[300.0] * 100])
+    monkeypatch.setattr("robotraj.planning.progress.resident", lambda: next(held))
+    solution = rt.plan(cartpole(), memory_limit=200.0, check=False)
+    assert solution.status is rt.solvers.Status.MEMORY_LIMIT and not solution.success
+    assert solution.message.endswith("the memory limit of 200 MB was reached")
+    assert "memory_limit" in solution.status.remedy
+    assert np.isfinite(solution.at(1.0).q).all()
+
+
+def test_a_mesh_that_takes_too_much_memory_is_refused_before_it_is_built() -> None:
+    began = time.process_time()
+    with pytest.raises(rt.InputError, match=r"memory_limit is .* MB, of which .* takes at least another"):
+        rt.plan(cartpole(), mesh=rt.Mesh(100_000), memory_limit=resident() + 50.0)
+    assert time.process_time() - began < 1.0
+
+
+def test_ample_memory_changes_nothing() -> None:
+    assert rt.plan(cartpole(), memory_limit=1e6).objective == rt.plan(cartpole()).objective
+
+
+@pytest.mark.parametrize("limit", [0.0, -1.0, np.nan, "big"])
+def test_a_memory_limit_is_a_positive_number(limit: object) -> None:
+    with pytest.raises(rt.InputError, match="memory_limit"):
+        rt.plan(cartpole(), memory_limit=limit)

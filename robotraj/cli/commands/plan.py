@@ -8,7 +8,15 @@ import typer
 
 from robotraj._util.errors import NoSolutionFound
 from robotraj.cli.minimise import Minimise
-from robotraj.cli.options import HtmlOption, JsonOption, PlotOption, RobotArgument, SaveOption, TimeLimitOption
+from robotraj.cli.options import (
+    HtmlOption,
+    JsonOption,
+    MemoryLimitOption,
+    PlotOption,
+    RobotArgument,
+    SaveOption,
+    TimeLimitOption,
+)
 from robotraj.cli.terminal import say, say_json
 
 
@@ -50,6 +58,7 @@ def plan_motion(
         bool, typer.Option("--compiled", help="Evaluate by compiled C, from the cache or compiled first.")
     ] = False,
     time_limit: TimeLimitOption = 60.0,
+    memory_limit: MemoryLimitOption = None,
     html: HtmlOption = None,
     save: SaveOption = None,
     plot: PlotOption = None,
@@ -91,7 +100,9 @@ def plan_motion(
     engine = Compiled() if compiled else None
     files = Files(html, save, plot)
     try:
-        solution = plan(phase, mesh, tolerance=tolerance, engine=engine, time_limit=time_limit)
+        solution = plan(
+            phase, mesh, tolerance=tolerance, engine=engine, time_limit=time_limit, memory_limit=memory_limit
+        )
     except NoSolutionFound as error:
         written = files.write(error.solution)
         if as_json:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import os
+import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import cache as once
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -14,13 +15,14 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 
 from robotraj._util.errors import InputError, RobotrajError
+from robotraj._util.time_left import time_left
 from robotraj._util.values import dataclass
 from robotraj.native.engines import background, source
 from robotraj.native.engines.base import Engine, Mapped, StageMapped, VirtualMachine
 from robotraj.native.engines.blocks import StageFunctions, casadi_block
 from robotraj.native.engines.blocks import wanted as wanted_of
 from robotraj.native.engines.cache import Cache, default_folder
-from robotraj.native.engines.compiler import Compiler, find_compiler, points_at_once
+from robotraj.native.engines.compiler import Compiler, OutOfTime, find_compiler, points_at_once
 from robotraj.native.engines.source import write_source
 
 if TYPE_CHECKING:
@@ -103,7 +105,9 @@ class Compiled(Engine):
         if missing and self.wait:
             with cache.locked(list(missing)):
                 missing = {key: function for key, function in missing.items() if cache.find(key) is None}
-                build(missing, cache, compiler, self.processes)
+                # At a time limit the virtual machine evaluates what has not been compiled.
+                with suppress(OutOfTime):
+                    build(missing, cache, compiler, self.processes)
         elif missing and cache.writable:
             background.start(missing, cache, compiler, self.processes)
         found = {i: cache.find(key) for i, key in keys.items()}
@@ -168,11 +172,11 @@ def build(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, p
         pool = ThreadPoolExecutor(processes)
         # After an error or Ctrl-C no further compilation starts.
         stack.callback(pool.shutdown, wait=True, cancel_futures=True)
-        waiting = []
+        waiting, until = [], time.monotonic() + time_left()
         for key, function in functions.items():
             folder = place / key
             folder.mkdir()
-            waiting.append((key, compiler.start(write_source(function, points_at_once()), folder, pool)))
+            waiting.append((key, compiler.start(write_source(function, points_at_once()), folder, pool, until)))
         for key, finish in waiting:
             cache.store(key, finish())
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import platform
 import shutil
+import signal
 import subprocess
+import time
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from functools import cache
@@ -25,6 +28,10 @@ FLAGS = ("-std=gnu11", "-O1", "-march=native", "-ffp-contract=off", "-fPIC", "-f
 
 class CompilationFailed(RobotrajError):
     """The C compiler refused generated code, or could not be started."""
+
+
+class OutOfTime(RobotrajError):
+    """The time limit of the plan ended a compilation."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +53,18 @@ class Compiler:
         """Return the compiler, its flags and the processor as text; libraries are shared where it is equal."""
         return "\n".join([self.version, *FLAGS, platform.machine(), processor()])
 
-    def start(self, source: Source, folder: Path, pool: Executor) -> Callable[[], Path]:
+    def start(self, source: Source, folder: Path, pool: Executor, until: float = math.inf) -> Callable[[], Path]:
         """Compile the files of a library on the pool; return a function that waits for them and links.
+
+        Parameters
+        ----------
+        until : float
+            Value of ``time.monotonic()`` at which the compiler is stopped.
 
         Raises
         ------
+        OutOfTime
+            Raised by the returned function.
         CompilationFailed
             Raised by the returned function, with the compiler's output.
         """
@@ -58,24 +72,40 @@ class Compiler:
         for i, text in enumerate(source.files):
             written, made = folder / f"{i}.c", folder / f"{i}.o"
             written.write_text(text)
-            objects.append((made, pool.submit(self._run, *FLAGS, "-c", str(written), "-o", str(made))))
+            objects.append((made, pool.submit(self._run, until, *FLAGS, "-c", str(written), "-o", str(made))))
 
         def finish() -> Path:
             for _, future in objects:
                 future.result()
             library = folder / "library.so"
-            self._run("-shared", "-o", str(library), *(str(made) for made, _ in objects), "-lm")
+            self._run(until, "-shared", "-o", str(library), *(str(made) for made, _ in objects), "-lm")
             return library
 
         return finish
 
-    def _run(self, *arguments: str) -> None:
+    def _run(self, until: float, *arguments: str) -> None:
+        left = until - time.monotonic()
+        if left <= 0.0:
+            raise OutOfTime(f"{self.command} was not started: the time limit is over.")
         try:
-            done = subprocess.run([self.command, *arguments], capture_output=True, text=True, check=False)
+            # A compiler of its own group can be stopped with the processes that it has started.
+            done = subprocess.Popen(
+                [self.command, *arguments],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+                start_new_session=math.isfinite(until),
+            )
         except OSError as error:
             raise CompilationFailed(f"{self.command} could not be started: {error}.") from error
+        try:
+            _, told = done.communicate(timeout=left if math.isfinite(left) else None)
+        except subprocess.TimeoutExpired as error:
+            os.killpg(done.pid, signal.SIGKILL)
+            done.communicate()
+            raise OutOfTime(f"{self.command} was stopped at the time limit.") from error
         if done.returncode:
-            words = "\n".join(done.stderr.splitlines()[:10])
+            words = "\n".join(told.splitlines()[:10])
             raise CompilationFailed(
                 f"{self.command} failed with code {done.returncode}; engine=rt.engines.VirtualMachine() needs "
                 f"no compiler.\n" + words

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.explain import are_sure
-from robotraj.planning.progress import Deadline
+from robotraj.planning.progress import Limits
 from robotraj.planning.proving.measures import Measured, measured
 from robotraj.planning.proving.soft_friction import SPEEDS, needs_softening, softened
 from robotraj.planning.restarts import WHENCE
@@ -30,7 +30,7 @@ MOST_MESHES = 4
 """Meshes tried before a plan is given back as it is."""
 PATIENCE = 150
 """Iterations of a solve that may improve an objective, or the start of another solve, and nothing else."""
-LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT)
+LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Ends of a solve after which no other mesh is tried."""
 SECOND = 1.5
 """Growth from a first mesh that could not be solved to the second one."""
@@ -158,13 +158,13 @@ class _Refining:
             try:
                 softer = self._solve(softened(self.problem, factor), found or guess, own)
             except KeyboardInterrupt:
-                if not isinstance(self.progress, Deadline):
+                if not isinstance(self.progress, Limits):
                     raise
                 break
             if softer.success:
                 meshes = meshes if found else tuple(evenly_finer(mesh, self._second) for mesh in meshes)
                 found = softer
-        if isinstance(self.progress, Deadline):
+        if isinstance(self.progress, Limits):
             self.progress.begin()
         return found
 

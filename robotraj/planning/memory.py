@@ -1,0 +1,36 @@
+"""Memory of a plan: what the process holds, and what a problem on a mesh takes at the least."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+
+from robotraj.problem.problem import Problem
+from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.schemes.shooting import SingleShooting
+
+NUMBER = 8
+"""Size of a number [bytes]."""
+MATRICES = 2
+"""Dense blocks of a point that every solver holds at least: its derivatives and a factor of them."""
+MB = 1e6
+
+
+def resident() -> float:
+    """Return the resident memory of this process [MB]."""
+    with open("/proc/self/statm", encoding="ascii") as file:
+        pages = int(file.read().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / MB
+
+
+def least_memory(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
+    """Return a lower bound of the memory [MB] of the blocks of all intervals; solvers take several times as much."""
+    meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
+    total = 0.0
+    for phase, own in zip(problem.phases, meshes, strict=True):
+        states, others = len(phase.dae.states), len(phase.dae.algebraic) + len(phase.dae.controls)
+        if any(isinstance(scheme, SingleShooting) for scheme in own.schemes):
+            total += float(own.count * others) ** 2
+        else:
+            total += own.count * float(states + others) ** 2
+    return MATRICES * NUMBER * total / MB
