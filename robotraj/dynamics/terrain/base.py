@@ -80,6 +80,13 @@ class Ground(OneLine, ABC):
         """World x and y [m] that a drawing must sample, such as the edges of steps."""
         return (), ()
 
+    def noses(self) -> tuple[Sequence[float], Sequence[float]]:
+        """World x and y [m] of straight ridges, on which a sole may rest between its corners; none by default.
+
+        Clearances of soles and shapes are held there, and at even places of their edges where a ground has none.
+        """
+        return (), ()
+
     def grid(self, xlim: tuple[float, float], ylim: tuple[float, float], n: int) -> tuple[Array, Array, Array]:
         """Sample a patch for drawing.
 

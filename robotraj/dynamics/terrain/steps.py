@@ -12,6 +12,9 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.variable import Scalar
 
+NOSE = (0.0, 0.15, 0.3)
+"""Places of a ramp at which soles keep clear of it, in parts of its width behind the edge."""
+
 
 @dataclass(frozen=True)
 class Steps(Ground):
@@ -88,6 +91,15 @@ class Steps(Ground):
     def bends(self) -> tuple[Sequence[float], Sequence[float]]:
         """Return eleven places along each ramp."""
         return [float(x) for riser in self.risers for x in np.linspace(*riser, 11)], ()
+
+    def noses(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Return places on the upper part of each ramp, where it is convex, up to its edge."""
+        rises = zip(self.risers, _pairs(self.heights), strict=True)
+        return [
+            high - part * self.width if above >= below else low + part * self.width
+            for (low, high), (below, above) in rises
+            for part in NOSE
+        ], ()
 
     def footing(self, x: Scalar, y: Scalar, reach: tuple[Scalar, Scalar] = (0.0, 0.0)) -> list[Scalar]:
         """One row [m] per riser: ((x - c)^2 - b^2) / (2 b) >= 0, with c the middle of its ramp, b = width/2 + reach.

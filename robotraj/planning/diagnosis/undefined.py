@@ -59,7 +59,9 @@ def _along(part: PhaseSolution, order: int) -> str:
     phase = part.phase
     times = np.unique(np.append(part.points, part.knots))
     sample = part.at(times)
-    columns = [np.reshape(list(named.values()), (-1, len(times))) for named in (sample.x, sample.z, sample.u)]
+    dae = phase.dae
+    groups = ((sample.x, dae.states), (sample.z, dae.algebraic), (sample.u, dae.controls))
+    columns = [np.reshape([named[v.name] for v in kind], (-1, len(times))) for named, kind in groups]
     p = np.array([part.parameters[name] for name in phase.parameter_names])
     if not np.all(np.isfinite(p)):
         return ""

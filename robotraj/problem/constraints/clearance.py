@@ -13,6 +13,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
+from robotraj.problem.clearance.sole_edges import edge_places
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of, symbols_of
 from robotraj.problem.constraints.clearance_geometry import PlacesLike, spots_of, with_known_points
 from robotraj.problem.constraints.heights import HeightLike, RequiredHeight, required_height
@@ -28,7 +29,8 @@ if TYPE_CHECKING:
 class GroundClearance(Constraint):
     """Vertical clearance of places on the robot: z_p(q) - h(x_p, y_p) >= height.
 
-    Held at every collocation point, and looked for between them.
+    Held at every collocation point, and looked for between them. Over uneven ground a constant height is held along the
+    edges between points of one frame or shape too: at the ``noses`` of the ground, else at even places.
 
     Parameters
     ----------
@@ -68,8 +70,14 @@ class GroundClearance(Constraint):
             return [(spot.gap(point, place, ground), place) for spot, place in zip(spots, places, strict=True)]
 
         if not isinstance(height, RequiredHeight):
+            edges = edge_places(spots, ground)
+            labels += [edge.label for edge in edges]
             rows = tuple(Row("ground clearance", "m", height, np.inf, label) for label in labels)
-            return BoundConstraint("ground clearance", rows, lambda point: [gap for gap, _ in gaps(point)])
+
+            def clear(point: RobotPoint) -> list[Scalar]:
+                return [*(gap for gap, _ in gaps(point)), *(edge.gap(point, ground) for edge in edges)]
+
+            return BoundConstraint("ground clearance", rows, clear)
 
         def expression(point: RobotPoint) -> list[Scalar]:
             return [gap - h for gap, place in gaps(point) for h in height.heights(point, place).values()]

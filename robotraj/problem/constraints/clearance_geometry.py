@@ -42,6 +42,8 @@ class ClearancePoint(OneLine):
         0 for a point [m].
     axis : (3,) or None
         Unit axis of a disc in the frame; None for a ball.
+    shape : str
+        Name of the collision shape that it belongs to; empty for points that the user fixed in a frame.
     """
 
     frame: str
@@ -49,6 +51,7 @@ class ClearancePoint(OneLine):
     offset: Vector = (0.0, 0.0, 0.0)
     radius: float = 0.0
     axis: Vector | None = None
+    shape: str = ""
 
     def position(self, point: FramePoint) -> list[Scalar]:
         """Centre in the world [m]."""
@@ -136,7 +139,7 @@ def _spots(robot: Robot, link: str, shape: pin.GeometryObject) -> list[Clearance
     def at(local: ArrayLike, label: str, radius: float = 0.0, disc: bool = False) -> ClearancePoint:
         centre = placement.act(np.asarray(local, dtype=float))
         return ClearancePoint(
-            link, f"{shape.name} {label}".strip(), _vector(centre), radius, _vector(axis) if disc else None
+            link, f"{shape.name} {label}".strip(), _vector(centre), radius, _vector(axis) if disc else None, shape.name
         )
 
     if kind == "Sphere":

@@ -6,7 +6,6 @@ checked: the straight edge of a step enters a flat sole through its rim.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from itertools import combinations
 from typing import NamedTuple, cast
@@ -27,7 +26,7 @@ from robotraj.witness.checks.watch import Watch
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import interval_samples
 
-PLACES = np.linspace(0.0, 1.0, 11)[1:-1]
+PLACES = np.linspace(0.0, 1.0, 41)[1:-1]
 """Points of a segment that are checked, without its ends, which are rows of the constraint."""
 
 
@@ -66,20 +65,13 @@ def _segments_of(planned: PhaseSolutionLike, bound: BoundConstraint) -> list[_Se
     for spot in spots_of(source.frames, realised(planned)):
         # The lowest point of a disc is none of a segment's.
         if spot.axis is None:
-            bodies.setdefault((spot.frame, _shape_of(spot)), []).append(spot)
+            bodies.setdefault((spot.frame, spot.shape), []).append(spot)
     return [
         _Segment(first, second, ground, Watch(Row("ground clearance", "m", float(source.height), np.inf, label)))
         for body in bodies.values()
         for first, second in combinations(body, 2)
         for label in [f"{first.label} to {second.label}"]
     ]
-
-
-def _shape_of(spot: ClearancePoint) -> str:
-    """Return the name of the collision shape of a point, empty for points that the user fixed in a frame."""
-    if spot.label.startswith(spot.frame):
-        return ""
-    return re.sub(r" (corner \d+|lower end|upper end)$", "", spot.label)
 
 
 def _least_gap(segment: _Segment, points: Sequence[Point]) -> Array:
