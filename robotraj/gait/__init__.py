@@ -12,6 +12,8 @@ from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
 from robotraj.gait.posture import gait_objective
 from robotraj.gait.standing import stand
 from robotraj.gait.stepping.footholds import steps
+from robotraj.gait.stepping.joining import start, stop
+from robotraj.gait.stepping.over_steps import gap, stairs
 from robotraj.gait.stepping.rest_to_rest import sidestep, start_stop, turn
 from robotraj.gait.upright import Upright
 from robotraj.gait.walks import run, trot, walk
@@ -23,6 +25,7 @@ __all__ = [
     "Upright",
     "crawl",
     "feet_of",
+    "gap",
     "gait_objective",
     "jump",
     "limb_ends",
@@ -30,9 +33,12 @@ __all__ = [
     "run",
     "sequence",
     "sidestep",
+    "stairs",
     "stand",
+    "start",
     "start_stop",
     "steps",
+    "stop",
     "trot",
     "turn",
     "walk",

@@ -23,7 +23,7 @@ from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import TOUCH, GaitTerms, Support, sequence
 from robotraj.gait.repetition import on_ground
 from robotraj.gait.upright import Upright
-from robotraj.guess.legs.stance import BalancedStance, standing
+from robotraj.guess.legs.stance import BalancedStance, height_above, standing
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.heights import RequiredHeight
 from robotraj.problem.objectives.base import Objective
@@ -119,7 +119,11 @@ def steps(
     phases = list(problem.phases)
     for i, k in swings:
         if clearance is not None:
-            rows = [_clearance(contacts[f], places[k], places[k + 1], clearance, ground) for f in footholds[k]]
+            rows = [
+                row
+                for f in footholds[k]
+                for row in _clearances(contacts[f], places[k], places[k + 1], clearance, ground)
+            ]
             phases[i] = replace(phases[i], constraints=[*phases[i].constraints, *rows])
         # The end of the motion fixes the last foothold of every foot; those before it are fixed where the feet land.
         later = {foot for step in footholds[k + 1 :] for foot in step}
@@ -153,20 +157,25 @@ class FootholdArc(RequiredHeight):
         return {"ground clearance": -TOUCH, "swing apex": 4.0 * (self.apex + TOUCH) * s * (1.0 - s) - TOUCH}
 
 
-def _clearance(
+def _clearances(
     contact: BoundContact,
     before: Mapping[str, float],
     after: Mapping[str, float],
     apex: float,
     ground: Ground | GroundFunction,
-) -> GroundClearance:
-    """Return the clearance of a foot that swings between footholds; in place, it stays above the ground."""
+) -> list[GroundClearance]:
+    """Return the clearance of a foot that swings between footholds; in place, it stays above the ground.
+
+    The corners of a sole stay above the ground too.
+    """
     names = [f"{contact.name}.{axis}" for axis in "xy" if f"{contact.name}.{axis}" in before]
     start, end = (tuple(side[name] for name in names) for side in (before, after))
     offset = getattr(contact.contact, "offset", None)
     spot = contact.frame if offset is None or not np.any(offset) else (contact.frame, tuple(offset))
     moves = np.linalg.norm(np.subtract(end, start)) > TOUCH
-    return GroundClearance(spot, FootholdArc(apex, start, end) if apex > 0.0 and moves else -TOUCH, ground)
+    rows = [GroundClearance(spot, FootholdArc(apex, start, end) if apex > 0.0 and moves else -TOUCH, ground)]
+    corners = contact.outline()
+    return [*rows, GroundClearance(corners, -TOUCH, ground)] if len(corners) > 1 else rows
 
 
 def _names(foot: str, anchors: Mapping[str, float]) -> list[str]:
@@ -192,6 +201,7 @@ def _standing_on(
     )
     shift = np.zeros(3)
     shift[: len(axes)] = new.mean(axis=0) - old.mean(axis=0)
+    shift[2] = height_above(stance, before, com) - height_above(stance, after, com)
     angle = 0.0
     near = np.array(first)
     if robot.root == "floating":
@@ -204,7 +214,7 @@ def _standing_on(
         near[:3] = turned @ (first[:3] - middle) + middle + shift
         com = turned @ (com - middle) + middle + shift
     else:
-        near[0] += shift[0]
+        near[:2] += shift[[0, 2]]
         com = com + shift
         com[1] = np.nan
     # The joints keep their standing posture; the root is placed above the new footholds.

@@ -44,7 +44,7 @@ def start_stop(robot: Robot, *, step_length: float, count: int = 4, **options: A
     length = number(step_length, "rt.gait.start_stop(step_length)")
     if not isinstance(count, int) or count < 2:
         raise InputError(f"rt.gait.start_stop(count) is {count!r}; give at least 2 steps.")
-    groups, home = _groups(robot, options)
+    groups, home = alternating(robot, options)
     # A foot lands half a step before the root's final displacement of the step.
     reached = [length * (k + 1) for k in range(count - 1)]
     reached.append(reached[-1])
@@ -74,7 +74,7 @@ def sidestep(robot: Robot, *, distance: float, count: int = 2, **options: Any) -
     """
     way = number(distance, "rt.gait.sidestep(distance)")
     _check_space(robot, count, "sidestep")
-    groups, home = _groups(robot, options)
+    groups, home = alternating(robot, options)
     if len(home) == 2 and (home[groups[0][0]][1] - home[groups[1][0]][1]) * way < 0:
         groups = groups[::-1]
     places = [{f: _moved(home[f], 0.0, way * (k // 2 + 1)) for f in groups[k % 2]} for k in range(count)]
@@ -107,7 +107,7 @@ def turn(robot: Robot, *, angle: float, count: int = 2, **options: Any) -> Probl
             f"rt.gait.turn(angle) is {whole:g} rad; give less than half a turn, and plan longer ones in parts."
         )
     _check_space(robot, count, "turn")
-    groups, home = _groups(robot, options)
+    groups, home = alternating(robot, options)
     centre = np.mean([place[:2] for place in home.values()], axis=0)
     places = []
     for k in range(count):
@@ -118,7 +118,7 @@ def turn(robot: Robot, *, angle: float, count: int = 2, **options: Any) -> Probl
     return steps(robot, places, **options)
 
 
-def _groups(robot: Robot, options: Mapping[str, Any]) -> tuple[list[tuple[str, ...]], dict[str, Array]]:
+def alternating(robot: Robot, options: Mapping[str, Any]) -> tuple[list[tuple[str, ...]], dict[str, Array]]:
     """Return the feet that swing in odd and even steps, and the positions (3,) of all in the standing configuration."""
     names = feet_of(robot, options.get("feet"))
     kind = on_ground(options.get("contact", PointContact), options.get("ground", LEVEL))

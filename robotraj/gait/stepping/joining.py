@@ -1,0 +1,210 @@
+"""From rest into a planned gait, and from it to rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import Contact
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.gait.checks import number
+from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
+from robotraj.gait.standing import stand
+from robotraj.gait.upright import Upright
+from robotraj.problem.links.periodic import Mirror, Periodic
+from robotraj.problem.links.touchdown import Touchdown
+from robotraj.problem.objectives.base import Objective
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.problem.state import State
+
+Array = NDArray[np.float64]
+
+
+class PlannedPhase(Protocol):
+    """The planned motion of a phase."""
+
+    @property
+    def phase(self) -> Phase:
+        """The phase that was planned."""
+
+    @property
+    def duration(self) -> float:
+        """Its duration [s]."""
+
+
+class PlannedGait(Protocol):
+    """A plan of a repeating gait, such as a solution of ``rt.gait.walk``."""
+
+    @property
+    def problem(self) -> Problem:
+        """Its phases and links."""
+
+    @property
+    def phases(self) -> Sequence[PlannedPhase]:
+        """The motion of each phase."""
+
+    @property
+    def duration(self) -> float:
+        """Of one period [s]."""
+
+    def at(self, t: float) -> Any:
+        """Evaluate at a time [s]."""
+
+
+def start(
+    gait: PlannedGait,
+    *,
+    count: int = 2,
+    shift: float = 0.3,
+    clearance: float | None = 0.0,
+    objective: Objective | None = None,
+    upright: Upright | None = None,
+) -> Problem:
+    """Return a motion from rest into a planned gait: ``count`` of its periods, the first one shorter.
+
+    The robot starts in the configuration of ``rt.gait.stand`` and ends in the state from which the gait begins, before
+    the impact if its feet land there. Standing feet and durations are those of the gait.
+
+    Parameters
+    ----------
+    gait : Solution
+        Of ``rt.gait.walk``, ``run``, ``trot`` or ``crawl`` on level ground.
+    count : int
+        Number of periods; of a mirrored gait, of steps.
+    shift : float
+        Duration on all feet at rest [s].
+    clearance, objective, upright
+        As for ``rt.gait.walk``; the objective is that of the gait by default.
+
+    Raises
+    ------
+    InputError
+        The motion does not repeat, its ground is not level, or a count or duration that is not positive.
+    """
+    cycle = _cycle(gait, count, shift, "start")
+    supports = [Support(cycle.feet, shift, "stand")]
+    for k in range(count):
+        supports += cycle.period(k - count)
+    away = State(q=cycle.resting((0.5 - count) * cycle.length), v=0.0)
+    q, v = cycle.entry
+    return sequence(cycle.robot, supports, cycle.terms(clearance, objective, upright), None, away, State(q=q, v=v))
+
+
+def stop(
+    gait: PlannedGait,
+    *,
+    count: int = 2,
+    shift: float = 0.3,
+    clearance: float | None = 0.0,
+    objective: Objective | None = None,
+    upright: Upright | None = None,
+) -> Problem:
+    """Return a motion from a planned gait to rest: ``count`` of its periods, the last one shorter.
+
+    The robot starts in the first state of the gait and ends at rest in the configuration of ``rt.gait.stand``.
+    Parameters and errors are those of ``start``.
+    """
+    cycle = _cycle(gait, count, shift, "stop")
+    supports = [support for k in range(count) for support in cycle.period(k)]
+    supports.append(Support(cycle.feet, shift, "stop"))
+    first = gait.at(0.0)
+    # The first state stands on the first footholds; where they are follows from it.
+    begin = State(q=first.q, v=first.v)
+    home = State(q=cycle.resting((count - 0.5) * cycle.length), v=0.0)
+    return sequence(cycle.robot, supports, cycle.terms(clearance, objective, upright), None, begin, home)
+
+
+@dataclass(frozen=True, eq=False)
+class _Cycle:
+    """A gait's phases, and how they repeat."""
+
+    gait: PlannedGait
+    repeat: Mirror | Periodic
+
+    @property
+    def robot(self) -> Any:
+        return self.gait.phases[0].phase.robot
+
+    @property
+    def partners(self) -> Mapping[str, str]:
+        """Frames that change places from one period to the next."""
+        if not isinstance(self.repeat, Mirror):
+            return {}
+        return {**self.repeat.partners, **{b: a for a, b in self.repeat.partners.items()}}
+
+    @property
+    def contact(self) -> Contact:
+        """The contact of a foot, to copy to the others."""
+        return next(contact for part in self.gait.phases for contact in part.phase.contacts)
+
+    @property
+    def feet(self) -> tuple[str, ...]:
+        """Frames of all feet."""
+        held = [contact.frame for part in self.gait.phases for contact in part.phase.bound_contacts]
+        return tuple(dict.fromkeys(name for foot in held for name in (foot, self.partners.get(foot, foot))))
+
+    @property
+    def length(self) -> float:
+        """Displacement along x in a period [m]."""
+        return float(self.gait.at(self.gait.duration).q[0] - self.gait.at(0.0).q[0])
+
+    def period(self, number: int) -> list[Support]:
+        """Return the phases of a period, counted from the planned one."""
+        swapped = self.partners if number % 2 else {}
+        written = []
+        for part in self.gait.phases:
+            feet = tuple(swapped.get(c.frame, c.frame) for c in part.phase.bound_contacts)
+            written.append(Support(feet, part.duration, f"{part.phase.name}, period {number}"))
+        return written
+
+    @property
+    def entry(self) -> tuple[Array, Array]:
+        """State (nq,), (nv,) from which the closing link leads to the first state: the image of the last one."""
+        robot, phase = self.robot, self.gait.phases[-1].phase
+        first, last = self.gait.at(0.0), self.gait.at(self.gait.duration)
+        names = [state.name for state in phase.body.states][: robot.nq + robot.nv]
+        values = dict(zip(names, [*last.q, *last.v], strict=True))
+        seen = self.repeat.of(phase, names, type(self.repeat).__name__)
+        speeds = [sign * values[name] for name, sign in seen.sources[robot.nq :]]
+        return np.array(first.q), np.array(speeds)
+
+    def resting(self, x: float) -> dict[str, float]:
+        """Return the standing configuration with the root moved along x, by name; a root's y is left free."""
+        q = stand(self.robot, self.feet, self.contact)
+        q[0] += x
+        return {n: float(v) for n, v in zip(self.robot.position_names, q, strict=True) if n != "root_y"}
+
+    def terms(self, clearance: float | None, objective: Objective | None, upright: Upright | None) -> GaitTerms:
+        """Return the options of all phases."""
+        own = self.gait.phases[0].phase.objective if objective is None else objective
+        return GaitTerms(self.contact, clearance, own, upright, _ground(self.contact))
+
+
+def _cycle(gait: PlannedGait, count: object, shift: object, who: str) -> _Cycle:
+    if not isinstance(count, int) or count < 1:
+        raise InputError(f"rt.gait.{who}(count) is {count!r}; give at least 1 period.")
+    if not number(shift, f"rt.gait.{who}(shift)", "s") > 0.0:
+        raise InputError(f"rt.gait.{who}(shift) is {shift!r}; give a positive duration [s].")
+    problem = getattr(gait, "problem", None)
+    if not isinstance(problem, Problem):
+        raise InputError(f"rt.gait.{who} needs the solution of a gait, as of rt.gait.walk; got {type(gait).__name__}.")
+    links = [link.repeat if isinstance(link, Touchdown) else link for link in problem.links]
+    repeats = [link for link in links if isinstance(link, Mirror | Periodic)]
+    if not repeats or problem.phases[0].robot is None:
+        raise InputError(f"The motion given to rt.gait.{who} does not repeat; plan it with rt.gait.walk or the like.")
+    cycle = _Cycle(gait, repeats[0])
+    if not isinstance(_ground(cycle.contact), Flat):
+        raise InputError(f"rt.gait.{who} needs a gait on level ground.")
+    return cycle
+
+
+def _ground(contact: Contact) -> Ground | GroundFunction:
+    return getattr(contact, "ground", Flat())

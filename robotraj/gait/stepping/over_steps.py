@@ -1,0 +1,152 @@
+"""Walks from rest to rest over stairs and gaps: regular footholds, moved off the edges."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.steps import Steps
+from robotraj.gait.checks import number
+from robotraj.gait.feet import foot_contact
+from robotraj.gait.repetition import on_ground
+from robotraj.gait.stepping.footholds import LEVEL, Step, steps
+from robotraj.gait.stepping.rest_to_rest import alternating
+from robotraj.problem.problem import Problem
+from robotraj.robot.robot import Robot
+
+SAFE = 0.03
+"""Default distance of a foot from an edge [m]."""
+
+
+def stairs(
+    robot: Robot,
+    *,
+    start: float,
+    run: float,
+    rise: float,
+    count: int,
+    step_length: float | None = None,
+    margin: float = SAFE,
+    **options: Any,
+) -> Problem:
+    """Return a climb of equal stairs along x, from rest at the bottom to rest at the top; down with a negative rise.
+
+    Bipeds move one foot a step, quadrupeds the diagonal pairs of feet in turn. Footholds lie ``step_length`` apart, and
+    those near an edge are moved onto the nearest tread. The ground of the motion is ``rt.terrain.Steps.stairs``.
+
+    Parameters
+    ----------
+    robot : Robot
+    start : float
+        World x of the first edge [m].
+    run, rise : float
+        Depth and height of a stair [m].
+    count : int
+        Number of stairs.
+    step_length : float, optional
+        Displacement of the root in a step [m]; by default ``run``.
+    margin : float
+        Least distance of feet from edges [m].
+    **options
+        Of ``rt.gait.steps``, without ground.
+
+    Raises
+    ------
+    InputError
+        No stairs, treads that are too short for a foot, neither two nor four feet; the errors of ``steps``.
+    """
+    if not isinstance(count, int) or count < 1:
+        raise InputError(f"rt.gait.stairs(count) is {count!r}; give at least 1 stair.")
+    ground = Steps.stairs(start, run, rise, count)
+    treads = [(low, high) for low, high, _ in ground.treads]
+    return _over(robot, ground, treads, run if step_length is None else step_length, margin, "stairs", options)
+
+
+def gap(
+    robot: Robot, *, start: float, width: float, step_length: float, margin: float = SAFE, **options: Any
+) -> Problem:
+    """Return a walk on level ground across a gap along x, from rest to rest; no foot stands in the gap.
+
+    Footholds lie ``step_length`` apart, and those in the gap are moved to its nearer side. Swinging feet stay above the
+    level of the ground.
+
+    Parameters
+    ----------
+    robot : Robot
+    start, width : float
+        World x of the first edge, and distance of the edges [m].
+    step_length : float
+        Displacement of the root in a step [m].
+    margin : float
+        Least distance of feet from edges [m].
+    **options
+        Of ``rt.gait.steps``, without ground.
+
+    Raises
+    ------
+    InputError
+        A width or a step that is not positive, neither two nor four feet; the errors of ``steps``.
+    """
+    if not number(width, "rt.gait.gap(width)") > 0.0:
+        raise InputError(f"rt.gait.gap(width) is {width!r}; give a positive length [m].")
+    first = number(start, "rt.gait.gap(start)")
+    sides = [(-np.inf, first), (first + width, np.inf)]
+    return _over(robot, LEVEL, sides, step_length, margin, "gap", options)
+
+
+def _over(
+    robot: Robot,
+    ground: Ground,
+    treads: Sequence[tuple[float, float]],
+    step_length: float,
+    margin: float,
+    who: str,
+    options: Mapping[str, Any],
+) -> Problem:
+    """Return steps from rest until all feet stand on the last tread; treads are intervals of world x [m]."""
+    length = number(step_length, f"rt.gait.{who}(step_length)")
+    if not length > 0.0:
+        raise InputError(f"rt.gait.{who}(step_length) is {step_length!r}; give a positive length [m].")
+    if "ground" in options:
+        raise InputError(f"rt.gait.{who} makes its own ground; leave ground= out, or use rt.gait.steps.")
+    options = {**options, "ground": ground}
+    groups, home = alternating(robot, options)
+    kind = on_ground(options.get("contact", PointContact), ground)
+    reach = {foot: _reach(foot_contact(kind, foot).bound_to(robot)) for foot in home}
+    shortest = min(high - low for low, high in treads)
+    if shortest < max(sum(each) for each in reach.values()) + 2.0 * margin:
+        raise InputError(
+            f"rt.gait.{who}: the shortest level tread is {shortest:.3g} m, too short for a foot and its margin of "
+            f"{margin:g} m. Decrease margin= or the size of the foot."
+        )
+
+    def landing(foot: str, x: float) -> float:
+        """Return the place nearest to x where the whole foot lies on a tread."""
+        back, front = reach[foot]
+        inside = [float(np.clip(x, low + margin + back, high - margin - front)) for low, high in treads]
+        return min(inside, key=lambda place: abs(place - x))
+
+    rear = min(home[foot][0] - margin - reach[foot][0] for foot in home)
+    count = max(int(np.ceil((treads[-1][0] - rear) / length - 1e-9)), 1)
+    places = {foot: float(spot[0]) for foot, spot in home.items()}
+    written: list[Step] = []
+    for k in range(count + 1):
+        moved = {f: landing(f, float(home[f][0]) + length * min(k + 1, count)) for f in groups[k % 2]}
+        step = {f: (x, float(home[f][1])) for f, x in moved.items() if abs(x - places[f]) > 1e-9}
+        places |= moved
+        if step:
+            written.append(step)
+    return steps(robot, written, **options)
+
+
+def _reach(contact: BoundContact) -> tuple[float, float]:
+    """Return how far a foot reaches behind and before its foothold along x [m]."""
+    along = np.array([offset for _, offset in contact.outline()])
+    sole = along - along.mean(axis=0)
+    return (0.0, 0.0) if len(sole) < 2 else (float(-sole[:, 0].min()), float(sole[:, 0].max()))

@@ -1,0 +1,51 @@
+"""From rest into a walk and back: the ends are states of the walk, so that the motions follow one another."""
+
+from __future__ import annotations
+
+from functools import partial
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+FOOT = partial(rt.PointContact, friction=0.8)
+MESH = rt.Mesh(6, rt.schemes.LobattoIIIA(4))
+
+
+@pytest.fixture(scope="module")
+def walk(biped: rt.Robot) -> rt.Solution:
+    return rt.plan(rt.gait.walk(biped, step_length=0.4, duration=0.6, contact=FOOT, clearance=0.02), MESH)
+
+
+def test_a_biped_starts_from_rest_into_its_walk(walk: rt.Solution) -> None:
+    start = rt.plan(rt.gait.start(walk, count=2), MESH)
+    np.testing.assert_allclose(start.at(0.0).v, 0.0, atol=1e-8)
+    np.testing.assert_allclose(start.at(start.duration).q, walk.at(0.0).q, atol=1e-6)
+    # The impact of the walk's own link leads from the last state to the walk's first one.
+    before, mirrored = start.at(start.duration).v, walk.at(walk.duration).v
+    np.testing.assert_allclose(np.sort(np.abs(before)), np.sort(np.abs(mirrored)), atol=1e-6)
+    feet = [{contact.frame for contact in phase.bound_contacts} for phase in start.problem.phases]
+    assert feet[0] == {"left_foot", "right_foot"} and feet[1] == {"left_foot"} and feet[2] == {"right_foot"}
+
+
+def test_a_biped_stops_from_its_walk(walk: rt.Solution) -> None:
+    stop = rt.plan(rt.gait.stop(walk, count=2), MESH)
+    np.testing.assert_allclose(stop.at(0.0).q, walk.at(0.0).q, atol=1e-6)
+    np.testing.assert_allclose(stop.at(0.0).v, walk.at(0.0).v, atol=1e-6)
+    np.testing.assert_allclose(stop.at(stop.duration).v, 0.0, atol=1e-8)
+    home = rt.gait.stand(walk.phases[0].phase.robot, None, FOOT)
+    assert stop.at(stop.duration).q[0] == pytest.approx(home[0] + 1.5 * 0.4, abs=1e-6)
+
+
+def test_what_does_not_repeat_is_refused(walk: rt.Solution, biped: rt.Robot) -> None:
+    with pytest.raises(rt.InputError, match="needs the solution of a gait"):
+        rt.gait.start(rt.gait.walk(biped, step_length=0.4, duration=0.6))  # type: ignore[arg-type]
+    once = SimpleNamespace(problem=rt.Problem(walk.problem.phases, []), phases=walk.phases, duration=1.0, at=walk.at)
+    with pytest.raises(rt.InputError, match="does not repeat"):
+        rt.gait.start(once)
+    with pytest.raises(rt.InputError, match="at least 1 period"):
+        rt.gait.stop(walk, count=0)
+    with pytest.raises(rt.InputError, match="positive duration"):
+        rt.gait.stop(walk, shift=0.0)
