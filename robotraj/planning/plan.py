@@ -156,7 +156,8 @@ def plan(
                      tolerance, solver by stages                  BernsteinBounds(controls=True, states=False)
                      robots, solver by stages                     BernsteinBounds()
                      otherwise                                    ConstraintGeneration()
-    refinement       goals, a motor at every joint                Equidistribute(second=3.0)
+    refinement       goals, a motor at every joint, dry friction  Equidistribute(second=3.0, finest=640)
+                     goals, a motor at every joint                Equidistribute(second=3.0)
                      goals                                        Equidistribute()
                      tolerance                                    SplitOrRaise()
                      otherwise                                    None

@@ -128,6 +128,14 @@ RULES: tuple[Rule, ...] = (
         "rows are imposed only where a solution violates them, so the optimum stays",
     ),
     _rule(
+        "refinement",
+        when.PROVED,
+        when.EXACT,
+        when.STICKING,
+        Equidistribute(second=3.0, finest=640),
+        "many knots are needed where joints stick and slide",
+    ),
+    _rule(
         "refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective has not converged yet"
     ),
     _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme predicts the mesh"),

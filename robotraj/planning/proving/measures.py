@@ -16,6 +16,7 @@ from robotraj.transcription.refinement.assess import errors_of
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.refinement.path_violations import broken_rows
 from robotraj.transcription.refinement.strategy import Assessment, Refinement
+from robotraj.transcription.refinement.unresolved_controls import unresolved
 from robotraj.transcription.schemes.mesh import Mesh
 
 Array = NDArray[np.float64]
@@ -48,6 +49,8 @@ class Measured:
     errors, broken : tuple of ndarray
         For each phase, of every interval (K,): the larger of its relative error and of the error of its part of the
         objective's integral, scaled to the same goal; relative violation of path rows.
+    coarse: float
+        What the controls' highest degree contributes to the objective, relative; 0 where it is not measured.
     """
 
     proof: Proof
@@ -56,6 +59,7 @@ class Measured:
     before: Measured | None
     errors: tuple[Array, ...]
     broken: tuple[Array, ...]
+    coarse: float
 
     def next_meshes(self, parts: Sequence[PhaseSolution], refinement: Refinement, growth: float) -> tuple[Mesh, ...]:
         """Refine the mesh of every phase so that the goals should hold, by at least ``growth``."""
@@ -74,25 +78,47 @@ class Measured:
             return 1.0
         if not np.isfinite(left):
             return LEAST_GROWTH
+        if self.coarse:
+            # Intervals are added where the controls bend, and only as many elsewhere as a comparison needs.
+            return CLEARLY
         return float(np.clip(SAFETY * left ** (1.0 / ORDER), LEAST_GROWTH, MOST_GROWTH))
 
 
-def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measured:
-    """Measure a solution between its collocation points, and its objective against that of meshes before."""
+def measured(solution: Solution, before: Measured | None, goals: Goals, bending: bool = False) -> Measured:
+    """Measure a solution between its collocation points, and its objective against that of meshes before.
+
+    Parameters
+    ----------
+    solution : Solution
+    before : Measured or None
+    goals : Goals
+    bending : bool
+        Whether controls bend sharply in a few intervals, as torques do where joints stick and slide. The next mesh then
+        has its intervals where their highest degree contributes to the objective.
+    """
     parts = solution.phases
     count = max(part.mesh.count for part in parts)
     left = [quadrature_errors(p.phase, p.trajectory, p.mesh.schemes, p.inputs) for p in parts]
     true = solution.objective - float(sum(errors.sum() for errors in left))
     size = max(abs(true), SMALL)
+    bends = tuple(
+        unresolved(p.phase, p.trajectory, p.mesh.schemes, p.inputs) if bending else np.zeros(p.mesh.count)
+        for p in parts
+    )
+    coarse = float(sum(each.sum() for each in bends)) / size
     unsettled = np.inf
-    coarser = _coarser(before, count)
+    coarser = before if bending else _coarser(before, count)
     if coarser is not None:
         gained = abs(coarser.objective - true) / size
-        unsettled = gained / ((count / coarser.intervals) ** ORDER - 1.0)
+        finer = max((count / coarser.intervals) ** ORDER, coarser.coarse / coarse if coarse else 0.0)
+        unsettled = gained / (finer - 1.0)
     errors = tuple(errors_of(p.phase, p.trajectory, p.mesh) for p in parts)
-    # An interval's share of what the objective's integral may err by counts as much as its error may.
+    # An interval's share of what the objective may err by counts as much as its error may.
     share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
-    needs = tuple(np.maximum(own, share * np.abs(of_objective)) for own, of_objective in zip(errors, left, strict=True))
+    needs = tuple(
+        np.maximum(own, share * np.maximum(np.abs(of_objective), of_bends))
+        for own, of_objective, of_bends in zip(errors, left, bends, strict=True)
+    )
     broken = tuple(
         np.maximum(broken_rows(p.phase, p.trajectory, p.inputs), _beyond_limits(p, i)) for i, p in enumerate(parts)
     )
@@ -102,7 +128,7 @@ def measured(solution: Solution, before: Measured | None, goals: Goals) -> Measu
     excess += [float(rows.max()) for rows in broken]
     quadrature = abs(solution.objective - true) / size
     proof = Proof(max(float(e.max()) for e in errors), max(0.0, *excess), quadrature, unsettled, goals, shortfall)
-    return Measured(proof, true, count, before, needs, broken)
+    return Measured(proof, true, count, before, needs, broken, coarse)
 
 
 def _beyond_limits(part: PhaseSolution, index: int) -> Array:

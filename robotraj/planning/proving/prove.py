@@ -28,8 +28,12 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 MOST_MESHES = 4
 """Meshes tried before a plan is given back as it is."""
-PATIENCE = 150
+MOST_STICKING = 8
+"""The same for joints that stick and slide: each mesh has its knots closer to where they do."""
+PATIENCE, PATIENCE_STICKING = 150, 300
 """Iterations of a solve that may improve an objective, or the start of another solve, and nothing else."""
+SOFTER = 1.25
+"""Least growth from the mesh of one friction to that of the next, less soft one."""
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Ends of a solve after which no other mesh is tried."""
 SECOND = 1.5
@@ -77,13 +81,14 @@ class _Refining:
         meshes = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
         soft = self._with_soft_friction(guess, meshes)
         if soft is not None:
-            guess, meshes = soft, tuple(part.mesh for part in soft.phases)
+            guess, meshes = soft, self._bent(soft)
         last: Solution | None = None
         best_held = False
-        for number in range(MOST_MESHES):
+        most = MOST_STICKING if self.sticking else MOST_MESHES
+        for number in range(most):
             first = number == 0
             try:
-                self.held = number == MOST_MESHES - 1
+                self.held = number == most - 1
                 last = self._on(meshes, self.best or guess, first, nearby=soft is not None or not first)
             except KeyboardInterrupt:
                 if last is None:
@@ -123,7 +128,7 @@ class _Refining:
 
     def _is_settled(self, solution: Solution) -> bool:
         """Whether the mesh of a solution is fine enough, so that its motion is worth holding between its points."""
-        seen = measured(solution, self.measures, self.goals)
+        seen = measured(solution, self.measures, self.goals, bending=self.sticking)
         self.held = seen.proof.error <= self.goals.error and seen.growth <= 1.0
         return self.held
 
@@ -162,11 +167,17 @@ class _Refining:
                     raise
                 break
             if softer.success:
-                meshes = meshes if found else tuple(evenly_finer(mesh, self._second) for mesh in meshes)
                 found = softer
+                meshes = self._bent(found)
         if isinstance(self.progress, Limits):
             self.progress.begin()
         return found
+
+    def _bent(self, soft: Solution) -> tuple[Mesh, ...]:
+        """Return meshes that are finer where torques bend: with less soft friction they bend more sharply there."""
+        refinement = self.settings.refinement
+        assert refinement is not None
+        return measured(soft, None, self.goals, bending=True).next_meshes(soft.phases, refinement, SOFTER)
 
     def _on(
         self, meshes: tuple[Mesh, ...], start: InitialGuess | Solution | None, first: bool, nearby: bool
@@ -181,7 +192,8 @@ class _Refining:
             settings = replace(settings, solver=self._warm)
         if self.measures is not None and self.measures.before is not None and self.measures.proof.motion_holds:
             # The motion is known by now, and only its objective is left to settle.
-            settings = replace(settings, solver=settings.solver.at_most(PATIENCE), restarts=Restarts(0))
+            patience = PATIENCE_STICKING if self.sticking else PATIENCE
+            settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
         if first:
             plain = replace(settings.interval_limits, rounds=0)
             return self._solve(self.problem, start, replace(settings, interval_limits=plain))
@@ -217,7 +229,7 @@ class _Refining:
 
     def _measured(self, solution: Solution, before: Measured | None) -> Solution:
         """Measure between the points, and what a finer mesh than those ``before`` may gain."""
-        self.measures = measured(solution, before, self.goals)
+        self.measures = measured(solution, before, self.goals, bending=self.sticking)
         proof, parts = self.measures.proof, solution.phases
         points = sum(len(part.points) for part in parts)
         intervals = sum(part.mesh.count for part in parts)

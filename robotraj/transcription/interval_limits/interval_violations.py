@@ -1,8 +1,9 @@
 """Rows that a solution violates between its collocation points.
 
 Limits are imposed at collocation points, and between these a polynomial may exceed them. Every row is read at dense
-places of every interval; a parabola through three neighbouring places locates a peak between them. Three groups of rows
-differ in what they read and in how much is allowed:
+places of every interval; a parabola through three neighbouring places locates a peak between them. Where a row bends
+sharply, as torques do where dry friction changes its sign, closer places are read first. Three groups of rows differ in
+what they read and in how much is allowed:
 
 - rows of the state: the polynomials of the state;
 - bounds of controls, accelerations and other algebraic variables: the variable itself, and path rows that read them;
@@ -35,6 +36,8 @@ PLACES = np.linspace(0.0, 1.0, 49)
 at either end."""
 INNER_PLACES = (np.arange(48) + 0.5) / 48
 """Places for rows of controls, which may jump at the ends."""
+CLOSER = np.linspace(-1.0, 1.0, 33)
+"""Places around a sharp bend, in steps of ``PLACES``."""
 STEP = 1e-3
 """Step of the differences of torques, relative to the length of the interval."""
 ONE_SIDED = np.clip(PLACES, STEP, 1.0 - STEP)
@@ -296,13 +299,16 @@ def _violations(
         peak = here - 0.25 * (before - after) * aside
         high = (bend < 0) & (np.abs(aside) <= 1) & (peak > np.maximum(amount, allowed))
     k, r = np.nonzero(high)
+    tau = places[inner[k, r]] + aside[k, r] * (places[1] - places[0])
+    sharp = _sharp_bends(seen, places, allowed)
+    k, r, tau = (np.concatenate(both) for both in zip((k, r, tau), sharp, strict=True))
     if k.size:
-        tau = places[inner[k, r]] + aside[k, r] * (places[1] - places[0])
         exact = reader.at(starts[k] + lengths[k] * tau, k)[np.arange(k.size), r]
-        exact = np.maximum(lower[r] - exact, exact - upper[r])
-        better = exact > amount[k, r]
-        k, r = k[better], r[better]
-        amount[k, r], place[k, r] = exact[better], tau[better]
+        over = np.maximum(lower[r] - exact, exact - upper[r])
+        for i in np.argsort(over, kind="stable").tolist():
+            if over[i] > amount[k[i], r[i]]:
+                amount[k[i], r[i]], place[k[i], r[i]] = over[i], tau[i]
+                above[k[i], r[i]] = exact[i] > upper[r[i]]
     # A knot is counted once, as the start of the interval on its right.
     amount[:-1][place[:-1] == 1.0] = -np.inf
     times = starts[:, None] + lengths[:, None] * place
@@ -311,3 +317,21 @@ def _violations(
         tau, time, by = (float(each[interval, row]) for each in (place, times, amount))
         found.append(IntervalViolation(phase, interval, rows[row], tau, time, by, bool(above[interval, row])))
     return found
+
+
+def _sharp_bends(seen: Array, places: Array, allowed: Array) -> tuple[Indices, Indices, Array]:
+    """Return closer places (interval, row, tau) around those where a row near its bound bends by more than is allowed.
+
+    Parameters
+    ----------
+    seen : ndarray (K, m, rows)
+        Excess over the bounds at the places (m,).
+    places, allowed : ndarray
+    """
+    with np.errstate(invalid="ignore"):
+        bend = np.abs(seen[:, :-2] - 2.0 * seen[:, 1:-1] + seen[:, 2:])
+        near = (bend > allowed) & (seen[:, 1:-1] + bend > allowed)
+    k, i, r = (np.repeat(each, len(CLOSER)) for each in np.nonzero(near))
+    middle = places[i + 1]
+    steps = np.tile(CLOSER, len(k) // len(CLOSER)) * (places[1] - places[0])
+    return k, r, np.clip(middle + steps, places[0], places[-1])

@@ -48,7 +48,7 @@ def quadrature_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequen
         Along the motion, for its integral; at the nodes the collocated polynomials have them.
     """
     errors = np.zeros(len(schemes))
-    rate = _rate(phase)
+    rate = rate_of(phase)
     if rate is None:
         return errors
     breaks = trajectory.x.breaks
@@ -77,7 +77,7 @@ def quadrature_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequen
 _RATES: WeakKeyDictionary[Phase, ca.Function | None] = WeakKeyDictionary()
 
 
-def _rate(phase: Phase) -> ca.Function | None:
+def rate_of(phase: Phase) -> ca.Function | None:
     """Return the integrand of the objective, a function of (t, x, z, u, p); None without an integral."""
     if phase not in _RATES:
         _RATES[phase] = _new_rate(phase)

@@ -142,3 +142,12 @@ def test_intervals_of_a_first_mesh_are_shared_out_by_durations() -> None:
     meshes = SharedOut(4, 2, rt.schemes.LobattoIIIA(4)).of(problem)
     assert [mesh.count for mesh in meshes] == [2, 4, 3, 4, 2]
     assert all(mesh.schemes[0] == rt.schemes.LobattoIIIA(4) for mesh in meshes)
+
+
+def test_torques_hold_where_dry_friction_changes_its_sign_within_an_interval() -> None:
+    """The torque of joint 4 peaks 0.03 ms after the start, where its friction saturates."""
+    robot = rt.load("z1", locked={"jointGripper": 0.0})
+    start, end = rt.State(q=[0, 1.0, -1.0, 0.2, 0, 0], v=0), rt.State(q=[1.2, 1.8, -1.6, -0.6, 0.8, 0.9], v=0)
+    solution = rt.plan(rt.Phase(robot, (0.1, 20), start, end, rt.Duration()))
+    torques = solution.at(np.linspace(0.0, 3e-4, 301)).tau
+    assert np.max(np.abs(torques) / robot.limits.effort) < 1.001

@@ -83,3 +83,24 @@ def test_rows_of_controls_are_read_along_all_polynomials() -> None:
     assert found[0].time == pytest.approx(2.0, abs=1e-9)
     assert found[0].amount == pytest.approx(0.25, abs=1e-9)
     assert not state_violations(phase, 0, motion, 0.0)
+
+
+def test_peaks_of_bends_sharper_than_the_places_are_found() -> None:
+    """x = 1.05 tanh(tau / w) - 3 tau, w a tenth of the distance of two places, peaks between the first two."""
+    sharp = 0.1 / 48
+
+    class Bend:
+        breaks = np.array([0.0, 1.0])
+
+        def __call__(self, t: Any, interval: Any = None) -> Any:
+            return (1.05 * np.tanh(np.asarray(t) / sharp) - 3.0 * np.asarray(t))[:, None]
+
+        def inside(self, tau: Any) -> Any:
+            return self(tau)[None]
+
+    phase = block(states={"x": rt.between(-9, 1)})
+    motion = PhaseTrajectory(0.0, 1.0, Bend(), None, None, Bend.breaks, {})  # type: ignore[arg-type]
+    (found,) = state_violations(phase, 0, motion, 0.01)
+    peak = sharp * np.arctanh(np.sqrt(1 - 3.0 * sharp / 1.05))
+    assert found.tau == pytest.approx(peak, abs=0.1 / 48)
+    assert found.amount == pytest.approx(1.05 * np.tanh(peak / sharp) - 3.0 * peak - 1, rel=2e-2)
