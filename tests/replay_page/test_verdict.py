@@ -46,6 +46,8 @@ def test_figures_stand_beside_their_goals(solution: rt.Solution) -> None:
     assert (shown["excess over limits"].value, shown["excess over limits"].goal) == (0.2, 1e-3)
     assert shown["excess over limits"].colour == "unproved" and shown["error of the motion"].colour == "good"
     assert all(figure.colour != "good" for figure in figures(solution)), "nothing was proved on a given mesh"
+    error = next(figure for figure in figures(solution) if figure.name == "error between knots")
+    assert error.value == pytest.approx(solution.error, rel=1e-5), "the error of a given mesh is shown, without a goal"
 
 
 def test_violations_name_the_curve_and_the_worst_of_each_row(solution: rt.Solution) -> None:

@@ -1,9 +1,10 @@
 """Limits that conflict with each other: the problem with relaxed rows, at the least total relaxation.
 
 Each inequality l <= c(point) <= u of a phase becomes l - w s <= c <= u + w s with a slack s >= 0 of the row and a scale
-w in its unit, and the sum of the slacks is minimised. Dynamics, ends of the state, contacts and links stay exact. The
-least sum leaves most slacks at zero; a second, reweighted solve reduces their number further. Where limits of speeds,
-accelerations, torques or controls must give, a longer duration may do instead: the least one is found with exact rows.
+w in its unit, and the sum of the slacks is minimised. The slack of an integral is spread over the phase's duration.
+Dynamics, ends of the state, contacts and links stay exact. The least sum leaves most slacks at zero; a second,
+reweighted solve reduces their number further. Where limits of speeds, accelerations, torques or controls must give, a
+longer duration may do instead: the least one is found with exact rows.
 Source: Candes, Wakin and Boyd, Enhancing sparsity by reweighted l1 minimization, J. Fourier Anal. Appl. 14 (2008);
 Gill, Murray and Saunders, SNOPT, SIAM Review 47 (2005), for the elastic mode.
 """
@@ -48,17 +49,23 @@ AT_AN_END = 5.0
 """Weight of slacks of rows at one end: what a motion is for gives after the limits."""
 
 
-KEPT = (Where.INTEGRAL, Where.RATE)
+KEPT = (Where.RATE,)
 """Kinds of rows that are not relaxed."""
 
 
 @dataclass(frozen=True)
 class _RelaxedRow:
-    """One row to relax: the table that evaluates it, and the parameter that is its slack."""
+    """One row to relax: the table that evaluates it, the parameter that is its slack, an integral's duration [s]."""
 
     table: RowTable
     row: PhaseRow
     name: str
+    duration: float = 1.0
+
+    @property
+    def rate(self) -> float:
+        """What a slack adds to the expression of the row: its unit, of an integral by the longest duration."""
+        return self.scale / self.duration
 
     @property
     def scale(self) -> float:
@@ -89,7 +96,7 @@ class _RelaxedConstraint(Constraint):
 
         def expression(point: Point) -> list[ca.SX]:
             values = table.values(rows, point)
-            slacks = [entry.scale * point.p[entry.name] for entry in self.entries]
+            slacks = [entry.rate * point.p[entry.name] for entry in self.entries]
             return [values[i] + sign * slacks[i] for i, sign, _ in sides]
 
         bound = self._bound
@@ -187,7 +194,12 @@ def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, l
         for constraint in phase.constraints:
             dae = constraint.augment(dae)
         table = replace(phase.rows, dae=dae, constraints=tuple(given))
-        entries = [_RelaxedRow(table, row, f"slack.{i}.{row.number}") for row in table if row.where not in KEPT]
+        longest = next((bound for bound in phase.duration_bounds[::-1] if 0.0 < bound < np.inf), 1.0)
+        entries = [
+            _RelaxedRow(table, row, f"slack.{i}.{row.number}", longest if row.where is Where.INTEGRAL else 1.0)
+            for row in table
+            if row.where not in KEPT
+        ]
         of_each = groupby(entries, lambda entry: entry.row.constraint)
         wrapped: list[Constraint] = [_RelaxedConstraint(tuple(group)) for _, group in of_each]
         wrapped += [bound.source for bound in given if bound.where in KEPT and bound.source is not None]
@@ -232,6 +244,9 @@ def _conflict(found: Solution, index: int, entry: _RelaxedRow, slack: float) -> 
     )
     x, z, u = (curve(times) for curve in (part.trajectory.x, part.trajectory.z, part.trajectory.u))
     values = entry.table.sample((entry.row,), times, x, z, u, p)[:, 0]
+    if entry.row.where is Where.INTEGRAL:
+        slack *= part.duration / entry.duration
+        times, values = times[-1:], np.array([np.trapezoid(values, times)])
     low, high = entry.row.lower - values, values - entry.row.upper
     worst = int(np.argmax(np.maximum(low, high)))
     upper = bool(high[worst] >= low[worst])
