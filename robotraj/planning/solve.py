@@ -107,7 +107,7 @@ def solve(
                 return solution
         found = _state_violations(solution, interval_limits.tolerance)
         moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
-        clearing.measure(solution)
+        clearing.measure(solution, clearing.binds(nlp, w))
         margins.measure(solution)
         held = hold is None or hold(solution)
         rounds = interval_limits.rounds if held else 0
@@ -127,9 +127,13 @@ def solve(
                 unkept = with_added_rows(unkept, new, w) if new else continued_at(unkept, w)
             if exceeded:
                 margins.lower()
-            nlp = clearing.rows(with_margins(unkept, margins.amounts))
+            # The program is made anew where distances have further rows or other planes, not where bounds change.
+            remade = bool(clearing) and (bool(new) or not clearing.proved(allowed) or not settled)
+            base = unkept if remade or new or not clearing else continued_at(nlp, w)
+            nlp = with_margins(base, margins.amounts)
+            nlp = clearing.rows(nlp) if remade else nlp
             warm = solver.from_nearby() if clearing else solver
-            known = None if clearing else earlier_multipliers(solution, nlp, True)
+            known = None if remade else earlier_multipliers(solution, nlp, True)
             again, w = _solve(nlp, solution, known, warm, progress, began)
             times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
             failed = not again.success and again.status is not Status.INTERRUPTED
@@ -138,7 +142,7 @@ def solve(
                 break
             added += new
             found = _state_violations(solution, interval_limits.tolerance)
-            clearing.measure(solution)
+            clearing.measure(solution, clearing.binds(nlp, w))
             margins.measure(solution)
         left, controls = (between_points(problem, group) for group in (found, margins.found))
         left = (*clearing.violations(solution), *left)

@@ -27,6 +27,8 @@ MORE = 1.2
 """Distances are raised this many times what was short: the motion moves along, and with it what is short."""
 GAIN = 3e-3
 """What the planes of a further motion may gain on a first mesh, as a share of the objective."""
+ACTIVE = 1e-4
+"""Distance above its bound up to which a row is active [m]."""
 LEAST = 2e-5
 """Least amount by which a distance is raised [m]."""
 MOST = 0.02
@@ -62,6 +64,7 @@ class Clearing:
         self._kept: list[dict[tuple[int, int], float]] = [{} for _ in self._every]
         self._found: list[tuple[Clearances, Shortfalls]] = []
         self._objectives: list[float] = []
+        self._count = 0
 
     def __bool__(self) -> bool:
         """Whether a phase has a ``CollisionFree``."""
@@ -76,13 +79,29 @@ class Clearing:
         for own, motion, kept in zip(self._every, self._motions, self._kept, strict=True):
             for interval, pair in near_pairs(own, nlp.layouts[own.phase], motion).tolist():
                 kept.setdefault((interval, pair), 0.0)
-        return with_clearance_rows(nlp, self._every, self._kept, self._motions)
+        kept = with_clearance_rows(nlp, self._every, self._kept, self._motions)
+        self._count = len(kept.rows) - len(nlp.rows)
+        return kept
 
-    def measure(self, solution: Solution) -> None:
-        """Prove the distances along a solution; what is short has rows next, or raised ones."""
+    def binds(self, nlp: Nlp, w: Array) -> bool:
+        """Whether a row on a distance is active at w (n_w,)."""
+        if not nlp.keeps_clear:
+            return False
+        left = (nlp.values(w) - nlp.rows.lower)[-self._count :]
+        return bool(np.any(left < ACTIVE))
+
+    def measure(self, solution: Solution, bound: bool) -> None:
+        """Prove the distances along a solution; what is short has rows next, or raised ones.
+
+        Parameters
+        ----------
+        solution : Solution
+        bound : bool
+            Whether rows on distances are active, so that other planes may gain something.
+        """
         if not self._every:
             return
-        self._objectives.append(solution.objective)
+        self._objectives.append(solution.objective if bound else -np.inf)
         from robotraj.transcription.clearance.proof import shortfalls
 
         self._found = [(own, shortfalls(own.pairs, solution.phases[own.phase].trajectory.x)) for own in self._every]
@@ -102,7 +121,9 @@ class Clearing:
     def settled(self) -> bool:
         """Whether the planes of the last motion gained too little to be found on this mesh first."""
         last = self._objectives[-2:]
-        return not self._every or (len(last) == 2 and last[0] - last[1] <= GAIN * abs(last[1]))
+        if not self._every or last[-1] == -np.inf:
+            return True
+        return len(last) == 2 and last[0] - last[1] <= GAIN * abs(last[1])
 
     def violations(self, solution: Solution) -> Iterator[Violation]:
         """Yield the pairs whose distance is not proved, each with its worst time."""
