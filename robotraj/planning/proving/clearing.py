@@ -15,7 +15,7 @@ from robotraj.solution.violation import Violation
 from robotraj.transcription.nlp import Nlp
 
 if TYPE_CHECKING:
-    from robotraj.transcription.clearance.clearance_rows import Clearances
+    from robotraj.transcription.clearance.clearance_rows import Clearances, Raised
     from robotraj.transcription.clearance.proof import Shortfalls
     from robotraj.transcription.clearance.supporting_planes import Array, Motion
 
@@ -61,10 +61,16 @@ class Clearing:
         if self._every:
             start = (guess or default_guess(nlp.problem)).prepared(nlp.problem)
             self._motions = [_guessed(start, nlp.problem.phases[own.phase], own) for own in self._every]
-        self._kept: list[dict[tuple[int, int], float]] = [{} for _ in self._every]
+        self._kept: list[dict[tuple[int, int], Raised]] = [{} for _ in self._every]
+        self._round = 0
         self._found: list[tuple[Clearances, Shortfalls]] = []
         self._objectives: list[float] = []
         self._count = 0
+
+    @property
+    def numbered(self) -> bool:
+        """Whether rows keep their numbers from round to round."""
+        return len(self._every) < 2
 
     def __bool__(self) -> bool:
         """Whether a phase has a ``CollisionFree``."""
@@ -74,11 +80,12 @@ class Clearing:
         """Add rows on the pairs that are near along the known motion, or were."""
         if not self._every:
             return nlp
-        from robotraj.transcription.clearance.clearance_rows import near_pairs, with_clearance_rows
+        from robotraj.transcription.clearance.clearance_rows import Raised, near_pairs, with_clearance_rows
 
         for own, motion, kept in zip(self._every, self._motions, self._kept, strict=True):
             for interval, pair in near_pairs(own, nlp.layouts[own.phase], motion).tolist():
-                kept.setdefault((interval, pair), 0.0)
+                kept.setdefault((interval, pair), Raised(0.0, self._round))
+        self._round += 1
         kept = with_clearance_rows(nlp, self._every, self._kept, self._motions)
         self._count = len(kept.rows) - len(nlp.rows)
         return kept
@@ -102,6 +109,7 @@ class Clearing:
         if not self._every:
             return
         self._objectives.append(solution.objective if bound else -np.inf)
+        from robotraj.transcription.clearance.clearance_rows import Raised
         from robotraj.transcription.clearance.proof import shortfalls
 
         self._found = [(own, shortfalls(own.pairs, solution.phases[own.phase].trajectory.x)) for own in self._every]
@@ -109,7 +117,8 @@ class Clearing:
             for interval, pair, distance in zip(found.intervals, found.pairs, found.distances, strict=True):
                 place = int(interval), int(pair)
                 amount = min(max(MORE * (own.pairs.margin - float(distance)), LEAST), MOST)
-                self._kept[i][place] = self._kept[i][place] + amount if place in self._kept[i] else 0.0
+                known = self._kept[i].get(place)
+                self._kept[i][place] = Raised(known.amount + amount, known.since) if known else Raised(0.0, self._round)
             if solution.success and found.least > own.pairs.margin - DEEP:
                 self._motions[i] = _solved(solution, own)
 

@@ -107,13 +107,21 @@ def _least(own: Clearances, layout: PhaseLayout, motion: Motion) -> tuple[Array,
     return np.take_along_axis(at, where, axis=1), np.take_along_axis(distances, where[:, None], axis=1)[:, 0]
 
 
-Raised = Mapping[tuple[int, int], float]
-"""By how much the distance of (interval, pair) is raised beyond its slack [m]."""
+class Raised(NamedTuple):
+    """What a pair keeps on an interval beyond its slack [m], and the round that its rows came in.
+
+    Rows of earlier rounds come first, so that they keep their numbers from round to round.
+    """
+
+    amount: float
+    since: int
 
 
-def with_clearance_rows(
-    nlp: Nlp, every: Sequence[Clearances], kept: Sequence[Raised], motions: Sequence[Motion]
-) -> Nlp:
+Kept = Mapping[tuple[int, int], Raised]
+"""The (interval, pair) with rows, those of earlier rounds first."""
+
+
+def with_clearance_rows(nlp: Nlp, every: Sequence[Clearances], kept: Sequence[Kept], motions: Sequence[Motion]) -> Nlp:
     """Add rows to an NLP without any, which come last; rows on states that are fixed are left out.
 
     Parameters
@@ -134,10 +142,10 @@ def with_clearance_rows(
         places = state_places(layout)
         fractions, _ = _least(own, layout, motion)
         groups: dict[object, list[_Row]] = {}
-        for (interval, pair), amount in raised.items():
+        for (interval, pair), (amount, since) in raised.items():
             for place in range(int(places.first[interval]), int(places.last[interval]) + 1):
                 row = _Row(place, pair, float(fractions[interval, pair]), amount)
-                groups.setdefault(key_of(own.pairs, pair), []).append(row)
+                groups.setdefault((since, key_of(own.pairs, pair)), []).append(row)
         for group in groups.values():
             blocks += _block(nlp, own, layout, places, group, motion, table)
     if not blocks:
