@@ -133,7 +133,9 @@ def solve(
             nlp = with_margins(base, margins.amounts)
             nlp = clearing.rows(nlp) if remade else nlp
             warm = solver.from_nearby() if clearing else solver
-            known = earlier_multipliers(solution, nlp, True) if clearing.numbered else None
+            # Rows that are added between the points come before those on distances, which they number anew.
+            alike = not clearing or (clearing.numbered and not new and not moving)
+            known = earlier_multipliers(solution, nlp, True) if alike else None
             again, w = _solve(nlp, solution, known, warm, progress, began)
             times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
             failed = not again.success and again.status is not Status.INTERRUPTED

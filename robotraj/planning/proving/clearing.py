@@ -86,9 +86,9 @@ class Clearing:
             for interval, pair in near_pairs(own, nlp.layouts[own.phase], motion).tolist():
                 kept.setdefault((interval, pair), Raised(0.0, self._round))
         self._round += 1
-        kept = with_clearance_rows(nlp, self._every, self._kept, self._motions)
-        self._count = len(kept.rows) - len(nlp.rows)
-        return kept
+        longer = with_clearance_rows(nlp, self._every, self._kept, self._motions)
+        self._count = len(longer.rows) - len(nlp.rows)
+        return longer
 
     def binds(self, nlp: Nlp, w: Array) -> bool:
         """Whether a row on a distance is active at w (n_w,)."""
