@@ -47,9 +47,9 @@ def gauss(count: int) -> tuple[Array, Array]:
     legendre = np.append(np.zeros(count), 1.0)
     rate = np.zeros(count)
     rate[count - 1 :: -2] = 2 * np.arange(count - 1, -1, -2) + 1
-    slope = _legendre_sum(points, rate)
-    points = points - _legendre_sum(points, legendre) / slope
-    below = _legendre_sum(points, legendre[1:])
+    slope = legendre_sum(points, rate)
+    points = points - legendre_sum(points, legendre) / slope
+    below = legendre_sum(points, legendre[1:])
     weights = 1.0 / (below / np.abs(below).max() * (slope / np.abs(slope).max()))
     points, weights = (points - points[::-1]) / 2.0, (weights + weights[::-1]) / 2.0
     weights *= 2.0 / weights.sum()
@@ -58,7 +58,7 @@ def gauss(count: int) -> tuple[Array, Array]:
     return points, weights
 
 
-def _legendre_sum(x: Array, c: Array) -> Array:
+def legendre_sum(x: Array, c: Array) -> Array:
     """Sum of c_k P_k(x), by Clenshaw's recurrence."""
     if len(c) == 1:
         return np.full_like(x, c[0])

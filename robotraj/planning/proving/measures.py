@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +70,14 @@ class Measured:
             for part, errors, broken in seen
         )
 
+    def with_violations(self, solution: Solution) -> Measured:
+        """Return the measures with the excess over limits that a solution of the same motion lists."""
+        between = (*solution.interval_violations, *solution.control_interval_violations)
+        excess = [violation.relative for violation in between if violation.name != "clearance"]
+        shortfall = max((violation.amount for violation in between if violation.name == "clearance"), default=0.0)
+        excess += [float(rows.max()) for rows in self.broken]
+        return replace(self, proof=replace(self.proof, excess=max(0.0, *excess), shortfall=shortfall))
+
     @property
     def growth(self) -> float:
         """Factor by which the number of intervals must grow for the objective to settle; 1 where it has settled."""
@@ -122,13 +131,9 @@ def measured(solution: Solution, before: Measured | None, goals: Goals, bending:
     broken = tuple(
         np.maximum(broken_rows(p.phase, p.trajectory, p.inputs), _beyond_limits(p, i)) for i, p in enumerate(parts)
     )
-    between = (*solution.interval_violations, *solution.control_interval_violations)
-    excess = [violation.relative for violation in between if violation.name != "clearance"]
-    shortfall = max((violation.amount for violation in between if violation.name == "clearance"), default=0.0)
-    excess += [float(rows.max()) for rows in broken]
     quadrature = abs(solution.objective - true) / size
-    proof = Proof(max(float(e.max()) for e in errors), max(0.0, *excess), quadrature, unsettled, goals, shortfall)
-    return Measured(proof, true, count, before, needs, broken, coarse)
+    proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals)
+    return Measured(proof, true, count, before, needs, broken, coarse).with_violations(solution)
 
 
 def _beyond_limits(part: PhaseSolution, index: int) -> Array:

@@ -72,6 +72,8 @@ class _Refining:
         """Whether joints stick and slide to save effort."""
         self.measures: Measured | None = None
         """Of the best solution so far."""
+        self.seen: tuple[object, Measured] | None = None
+        """Phases of the last solution that was measured before its motion was held, and these measures."""
         self.held = False
         """Whether the motion on the present mesh is held between its points."""
 
@@ -128,7 +130,8 @@ class _Refining:
 
     def _is_settled(self, solution: Solution) -> bool:
         """Whether the mesh of a solution is fine enough, so that its motion is worth holding between its points."""
-        seen = measured(solution, self.measures, self.goals, bending=self.sticking)
+        self.seen = solution.phases, measured(solution, self.measures, self.goals, bending=self.sticking)
+        seen = self.seen[1]
         self.held = seen.proof.error <= self.goals.error and seen.growth <= 1.0
         return self.held
 
@@ -229,7 +232,11 @@ class _Refining:
 
     def _measured(self, solution: Solution, before: Measured | None) -> Solution:
         """Measure between the points, and what a finer mesh than those ``before`` may gain."""
-        self.measures = measured(solution, before, self.goals, bending=self.sticking)
+        if self.seen is not None and self.seen[0] is solution.phases and self.seen[1].before is before:
+            self.measures = self.seen[1].with_violations(solution)
+        else:
+            self.measures = measured(solution, before, self.goals, bending=self.sticking)
+        self.seen = None
         proof, parts = self.measures.proof, solution.phases
         points = sum(len(part.points) for part in parts)
         intervals = sum(part.mesh.count for part in parts)

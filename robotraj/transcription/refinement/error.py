@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.polynomials import gauss
 from robotraj.transcription.driven_motion import Inputs, MotionEquations, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 
@@ -68,7 +69,7 @@ def state_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | Non
     times: list[Array] = []
     weights: list[Array] = []
     for k, count in enumerate(counts):
-        points, w = np.polynomial.legendre.leggauss(count)
+        points, w = gauss(count)
         length = breaks[k + 1] - breaks[k]
         times.append(breaks[k] + 0.5 * length * (points + 1.0))
         weights.append(0.5 * length * w)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.polynomials import gauss
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
@@ -49,9 +50,9 @@ def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence
         return errors
     places, weights, owner = [], [], []
     for k, scheme in enumerate(collocated):
-        fine, gauss = np.polynomial.legendre.leggauss(len(scheme.nodes) + MORE)
+        fine, shares = gauss(len(scheme.nodes) + MORE)
         places.append(np.concatenate([scheme.nodes, 0.5 * (fine + 1.0)]))
-        weights.append((breaks[k + 1] - breaks[k]) * np.concatenate([scheme.objective_weights, -0.5 * gauss]))
+        weights.append((breaks[k + 1] - breaks[k]) * np.concatenate([scheme.objective_weights, -0.5 * shares]))
         owner.append(np.full(len(places[-1]), k))
     values = _integrands(phase, trajectory, places)
     bounds = [row.greatest_bound for row in rows]

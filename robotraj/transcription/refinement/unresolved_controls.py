@@ -13,10 +13,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import Legendre
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import gauss
+from robotraj._util.polynomials import gauss, legendre_sum
 from robotraj.transcription.refinement.objective_quadrature import MORE, rate_of
 from robotraj.transcription.schemes.collocation import Collocation
 
@@ -45,7 +44,7 @@ def unresolved(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Sche
         degree = len(scheme.control_sites) - 1
         points, weights = gauss(len(scheme.nodes) + MORE)
         places = 0.5 * (points + 1.0)
-        highest = Legendre.basis(degree)(points)
+        highest = legendre_sum(points, np.append(np.zeros(degree), 1.0))
         x = trajectory.x.inside(places)[which]
         z, u = (each[which] for each in inputs.inside(places))
         top = np.einsum("m,kmj->kj", (degree + 0.5) * weights * highest, u)[:, None] * highest[:, None]

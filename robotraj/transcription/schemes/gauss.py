@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.polynomials import gauss
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Collocation
 
@@ -21,7 +22,7 @@ Array = NDArray[np.float64]
 @lru_cache(maxsize=64)
 def legendre_gauss(points: int) -> Array:
     """Legendre-Gauss nodes on (0, 1): the roots of P_s."""
-    nodes = 0.5 * (np.polynomial.legendre.leggauss(points)[0] + 1.0)
+    nodes = 0.5 * (gauss(points)[0] + 1.0)
     nodes.setflags(write=False)
     return nodes
 
