@@ -19,7 +19,7 @@ from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.diagnosis.ends import unheld_ends
 from robotraj.planning.many.candidates import has_candidates, with_candidates
-from robotraj.planning.progress import Limits, watching
+from robotraj.planning.progress import PlanLimits, watching
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import on_a_coarse_mesh, solve
 from robotraj.problem.phase import Phase
@@ -35,6 +35,7 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.strategy import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.schemes.shooting import Shooting
 
 if TYPE_CHECKING:
     from robotraj.planning.continuation import ContinuationStep
@@ -186,6 +187,11 @@ def plan(
         above_zero("time_limit", time_limit, "s")
     if memory_limit is not None:
         above_zero("memory_limit", memory_limit, "MB")
+    given_mesh = settings.mesh if isinstance(settings.mesh, Mesh) else settings.mesh[0]
+    if isinstance(given_mesh.schemes[0], Shooting):
+        from robotraj.planning.diagnosis.long_shooting import warn_of_long_shooting
+
+        warn_of_long_shooting(problem, settings.mesh)
     find = with_candidates(_method(settings)) if has_candidates(problem) else _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
     fixed = any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases)
@@ -195,15 +201,15 @@ def plan(
         warn_of_self_collision(problem)
     with watching(settings.solver, progress) as shown, ExitStack() as waiting:
         given_limits = time_limit is not None or memory_limit is not None
-        show = Limits(time_limit or np.inf, memory_limit or np.inf, shown) if given_limits else shown
-        waiting.enter_context(limited((lambda: show.left) if isinstance(show, Limits) else None))
+        show = PlanLimits(time_limit or np.inf, memory_limit or np.inf, shown) if given_limits else shown
+        waiting.enter_context(limited((lambda: show.left) if isinstance(show, PlanLimits) else None))
         if continuation:
             from robotraj.planning.continuation import run_steps
 
             guess, records, interrupted = run_steps(problem, continuation, guess, settings, show)
         else:
             interrupted = None
-        if isinstance(show, Limits):
+        if isinstance(show, PlanLimits):
             show.begin()
         unheld: tuple[Conflict, ...] = ()
         try:
@@ -221,7 +227,7 @@ def plan(
             if found is None:
                 raise
             solution = found
-    if isinstance(show, Limits) and show.reached is not None:
+    if isinstance(show, PlanLimits) and show.reached is not None:
         solution = _stopped(solution, show)
     solution = replace(solution, continuation=records, settings=settings)
     if solution.success and unheld:
@@ -253,7 +259,7 @@ def _careful(settings: Settings) -> Settings:
     return replace(settings, solver=settings.solver.hopefully())
 
 
-def _stopped(solution: Solution, limits: Limits) -> Solution:
+def _stopped(solution: Solution, limits: PlanLimits) -> Solution:
     """Return a solution with the status of a plan stopped by a limit: solved where its motion is proved."""
     proved = solution.proof is not None and solution.proof.motion_holds
     status = Status.SOLVED if proved or limits.reached is None else limits.reached

@@ -10,7 +10,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.time_left import used_time
-from robotraj.planning.memory import least_memory, resident
+from robotraj.planning.diagnosis.memory import least_memory, resident
 from robotraj.problem.problem import Problem
 from robotraj.solvers.base import Iteration, Progress, Solver
 from robotraj.solvers.status import Status
@@ -43,7 +43,7 @@ class LimitReached(KeyboardInterrupt):
     """Raised at a limit. It ends a plan as Ctrl-C does: what was found so far is kept."""
 
 
-class Limits:
+class PlanLimits:
     """A progress callback that stops a plan at its limits of time and memory.
 
     Both are read at every iteration of a solver, and before every solve but the first one after ``begin``, so that

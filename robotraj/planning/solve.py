@@ -15,7 +15,7 @@ from robotraj.native.engines.native import Native
 from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
-from robotraj.planning.progress import Limits
+from robotraj.planning.progress import PlanLimits
 from robotraj.planning.proving.clearing import ROUGH, ROUNDS, Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
 from robotraj.planning.warm_start import earlier_multipliers, earlier_program, earlier_rows, lengthened
@@ -67,13 +67,13 @@ def solve(
     guess : InitialGuess, Solution or None
     settings : Settings
     progress : callable, optional
-        Called once an iteration; a ``Limits`` also before the solve.
+        Called once an iteration; a ``PlanLimits`` also before the solve.
     hold : callable, optional
         Whether a first solution is worth rounds; by default every one is. Without, distances may be ``ROUGH``.
     lower : bool
         Whether limits of controls that the motion exceeds between the points are lowered there (``margins``).
     """
-    if isinstance(progress, Limits):
+    if isinstance(progress, PlanLimits):
         progress.before_solve(problem, settings.mesh)
     began = time.perf_counter()
     mesh, solver, engine = settings.mesh, settings.solver, settings.engine

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.memory import resident
-from robotraj.planning.progress import LimitReached, Limits
+from robotraj.planning.diagnosis.memory import resident
+from robotraj.planning.progress import LimitReached, PlanLimits
 from robotraj.solvers.base import Iteration
 
 
@@ -49,22 +49,22 @@ def test_other_beginnings_are_part_of_the_plan() -> None:
 
 def test_a_motion_that_was_proved_in_time_is_a_success(monkeypatch: pytest.MonkeyPatch) -> None:
     goals = rt.solution.Goals(objective=1e-9)
-    read = Limits._read
+    read = PlanLimits._read
 
-    def late(self: Limits) -> None:
+    def late(self: PlanLimits) -> None:
         """Let the clock run out once two meshes are solved."""
         self.solves = getattr(self, "solves", 0)
         if self.solves >= 3:
             self._end = -np.inf
         read(self)
 
-    def counted(self: Limits, *program: object) -> None:
+    def counted(self: PlanLimits, *program: object) -> None:
         self.solves = getattr(self, "solves", 0) + 1
         before(self, *program)
 
-    before = Limits.before_solve
-    monkeypatch.setattr(Limits, "_read", late)
-    monkeypatch.setattr(Limits, "before_solve", counted)
+    before = PlanLimits.before_solve
+    monkeypatch.setattr(PlanLimits, "_read", late)
+    monkeypatch.setattr(PlanLimits, "before_solve", counted)
     solution = rt.plan(cartpole(), goals=goals, time_limit=1e3)
     assert solution.success and solution.proof is not None
     assert solution.proof.motion_holds and not solution.proof.holds
@@ -77,7 +77,7 @@ def test_ample_time_changes_nothing() -> None:
 
 def test_the_clock_is_read_at_every_iteration() -> None:
     seen: list[Iteration] = []
-    deadline = Limits(1e-9, np.inf, seen.append)
+    deadline = PlanLimits(1e-9, np.inf, seen.append)
     deadline.before_solve(rt.Problem([cartpole()]), rt.Mesh(2))
     with pytest.raises(LimitReached, match="1e-09 s"):
         deadline(Iteration(0, 0.0, 0.0))

@@ -22,7 +22,7 @@ from robotraj.native.engines.base import Engine, Mapped, StageMapped, VirtualMac
 from robotraj.native.engines.blocks import StageFunctions, casadi_block
 from robotraj.native.engines.blocks import wanted as wanted_of
 from robotraj.native.engines.cache import Cache, default_folder
-from robotraj.native.engines.compiler import Compiler, OutOfTime, find_compiler, points_at_once
+from robotraj.native.engines.compiler import CompilationStopped, Compiler, find_compiler, points_at_once
 from robotraj.native.engines.source import write_source
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ class Compiled(Engine):
             with cache.locked(list(missing)):
                 missing = {key: function for key, function in missing.items() if cache.find(key) is None}
                 # At a time limit the virtual machine evaluates what has not been compiled.
-                with suppress(OutOfTime):
+                with suppress(CompilationStopped):
                     build(missing, cache, compiler, self.processes)
         elif missing and cache.writable:
             background.start(missing, cache, compiler, self.processes)

@@ -30,7 +30,7 @@ class CompilationFailed(RobotrajError):
     """The C compiler refused generated code, or could not be started."""
 
 
-class OutOfTime(RobotrajError):
+class CompilationStopped(RobotrajError):
     """The time limit of the plan ended a compilation."""
 
 
@@ -63,7 +63,7 @@ class Compiler:
 
         Raises
         ------
-        OutOfTime
+        CompilationStopped
             Raised by the returned function.
         CompilationFailed
             Raised by the returned function, with the compiler's output.
@@ -86,7 +86,7 @@ class Compiler:
     def _run(self, until: float, *arguments: str) -> None:
         left = until - time.monotonic()
         if left <= 0.0:
-            raise OutOfTime(f"{self.command} was not started: the time limit is over.")
+            raise CompilationStopped(f"{self.command} was not started: the time limit is over.")
         try:
             # A compiler of its own group can be stopped with the processes that it has started.
             done = subprocess.Popen(
@@ -103,7 +103,7 @@ class Compiler:
         except subprocess.TimeoutExpired as error:
             os.killpg(done.pid, signal.SIGKILL)
             done.communicate()
-            raise OutOfTime(f"{self.command} was stopped at the time limit.") from error
+            raise CompilationStopped(f"{self.command} was stopped at the time limit.") from error
         if done.returncode:
             words = "\n".join(told.splitlines()[:10])
             raise CompilationFailed(

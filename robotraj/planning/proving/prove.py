@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.explain import are_sure
-from robotraj.planning.progress import Limits
+from robotraj.planning.progress import PlanLimits
 from robotraj.planning.proving.measures import Measured, measured
 from robotraj.planning.proving.soft_friction import SPEEDS, needs_softening, softened
 from robotraj.planning.restarts import WHENCE
@@ -166,13 +166,13 @@ class _Refining:
             try:
                 softer = self._solve(softened(self.problem, factor), found or guess, own)
             except KeyboardInterrupt:
-                if not isinstance(self.progress, Limits):
+                if not isinstance(self.progress, PlanLimits):
                     raise
                 break
             if softer.success:
                 found = softer
                 meshes = self._bent(found)
-        if isinstance(self.progress, Limits):
+        if isinstance(self.progress, PlanLimits):
             self.progress.begin()
         return found
 

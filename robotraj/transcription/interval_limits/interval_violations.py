@@ -44,6 +44,8 @@ ONE_SIDED = np.clip(PLACES, STEP, 1.0 - STEP)
 """Places for rates, which jump at the knots."""
 SHARE = 1e-2
 """Share of its limit by which a control may exceed it between collocation points before that is reported."""
+ROUNDING = 1e-9
+"""Relative difference of equal values on both sides of a knot."""
 EXACT_SHARE = 1e-3
 """The same for torques of exact motions, which are known at any time."""
 
@@ -309,8 +311,10 @@ def _violations(
             if over[i] > amount[k[i], r[i]]:
                 amount[k[i], r[i]], place[k[i], r[i]] = over[i], tau[i]
                 above[k[i], r[i]] = exact[i] > upper[r[i]]
-    # A knot is counted once, as the start of the interval on its right.
-    amount[:-1][place[:-1] == 1.0] = -np.inf
+    # A knot is counted once, in the interval on its right. That has a worst place of its own, except where it is the
+    # next knot; and curves that jump at a knot may be within their limits there.
+    shared = (place[:-1] == 1.0) & (place[1:] < 1.0) & (seen[1:, 0] >= amount[:-1] * (1.0 - ROUNDING))
+    amount[:-1][shared] = -np.inf
     times = starts[:, None] + lengths[:, None] * place
     found = []
     for interval, row in np.argwhere(amount > allowed).tolist():

@@ -74,6 +74,17 @@ def test_controls_may_exceed_their_limit_by_a_share(height: float, listed: bool)
     assert bool(variable_violations(phase, 0, parabolas(FLAT, [[0, height, 0], [0, 0, 0]]))) is listed
 
 
+def test_controls_that_jump_over_both_limits_at_a_knot_are_listed() -> None:
+    """Both ends of every interval are worst alike; each was once left to the interval on its right."""
+    phase = block(controls={"u": rt.between(-1, 1)})
+    teeth = variable_violations(phase, 0, parabolas(FLAT, [[-2, 0, 2.001], [-2, 0, 2.001]]))
+    assert [(each.interval, each.tau) for each in teeth] == [(0, 1.0), (1, 1.0)]
+    alone = variable_violations(phase, 0, parabolas(FLAT, [[0, 1, 2], [0, 0, 0]]))
+    assert [(each.interval, each.tau) for each in alone] == [(0, 1.0)]
+    shared = variable_violations(phase, 0, parabolas(FLAT, [[0, 1, 2], [2, 1, 0]]))
+    assert [(each.interval, each.tau) for each in shared] == [(1, 0.0)]
+
+
 def test_rows_of_controls_are_read_along_all_polynomials() -> None:
     """x u = (1 - 4 (tau - 1/2)^2)^2 peaks with 1 at the middle of the second interval."""
     phase = block(constraints=[rt.PathConstraint(lambda point: point.x["x"] * point.u["u"], upper=0.75, name="power")])
