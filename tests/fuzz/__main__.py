@@ -5,9 +5,12 @@ from __future__ import annotations
 import argparse
 import tempfile
 import time
+import warnings
 from pathlib import Path
 
+import judge
 from guard import Guard
+from problems import random_case
 from saved_files import good_files, hostile_file
 from urdfs import hostile_urdf
 
@@ -21,7 +24,7 @@ def main() -> None:
     parser.add_argument("--hours", type=float, default=1.0)
     parser.add_argument("--first", type=int, default=FIRST, help="first seed")
     given = parser.parse_args()
-    end, seed, wrong = time.monotonic() + 3600.0 * given.hours, given.first, 0
+    end, seed, wrong, unsolved = time.monotonic() + 3600.0 * given.hours, given.first, 0, 0
     with tempfile.TemporaryDirectory() as folder, Guard() as guard:
         good = good_files(Path(folder))
         while time.monotonic() < end:
@@ -35,8 +38,15 @@ def main() -> None:
                 if not verdict.right:
                     wrong += 1
                     print(f"{kind} {seed}: {verdict.kind} {verdict.text[:500]}", flush=True)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                end_of = judge.verdict(*judge.planned(random_case(seed)))
+            unsolved += end_of == "unsolved"
+            if end_of not in ("solved", "unsolved"):
+                wrong += 1
+                print(f"problem {seed}: {end_of}", flush=True)
             seed += 1
-    print(f"{seed - given.first} seeds from {given.first} on, {wrong} failures")
+    print(f"{seed - given.first} seeds from {given.first} on, {wrong} failures, {unsolved} problems unsolved")
 
 
 if __name__ == "__main__":
