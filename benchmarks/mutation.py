@@ -1,0 +1,132 @@
+"""Mutation score by room, from a seeded sample: `python benchmarks/mutation.py [--each 10] [ROOM...]`.
+
+A mutant is a copy of the package with one operator or constant changed in one function. It is killed if a test of its
+room fails. Each file is written into a copy of the package that stands before the real one on the path.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+ROOMS = {
+    "transcription/schemes": "tests/transcription/schemes",
+    "transcription/collocation": "tests/transcription/collocation tests/transcription/schemes",
+    "transcription/interval_limits": "tests/transcription/interval_limits",
+    "transcription/refinement": "tests/transcription/refinement",
+    "witness/simulation": "tests/witness/simulation",
+    "witness/checks": "tests/witness/checks tests/witness/test_validation.py",
+    "witness/robustness": "tests/witness/robustness",
+}
+"""Folders of the package, and the tests that are run for them."""
+SEED = 22
+PATIENCE = 120.0
+"""Longest time of the tests of a mutant [s]; a mutant that hangs is killed."""
+
+SWAPS: dict[type, type] = {
+    ast.Add: ast.Sub,
+    ast.Sub: ast.Add,
+    ast.Mult: ast.Div,
+    ast.Div: ast.Mult,
+    ast.Lt: ast.GtE,
+    ast.LtE: ast.Gt,
+    ast.Gt: ast.LtE,
+    ast.GtE: ast.Lt,
+    ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq,
+    ast.And: ast.Or,
+    ast.Or: ast.And,
+}
+
+
+def places(tree: ast.AST) -> list[ast.AST]:
+    """Nodes inside functions that can be changed."""
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    return list(dict.fromkeys(node for function in functions for node in ast.walk(function) if _can_change(node)))
+
+
+def _can_change(node: ast.AST) -> bool:
+    if isinstance(node, ast.Constant):
+        return type(node.value) in (int, float)
+    if isinstance(node, ast.Compare):
+        return type(node.ops[0]) in SWAPS
+    return isinstance(node, ast.BinOp | ast.BoolOp) and type(node.op) in SWAPS
+
+
+def change(node: ast.AST) -> str:
+    """Change a node; return what was done."""
+    line = getattr(node, "lineno", 0)
+    if isinstance(node, ast.Constant):
+        before, node.value = node.value, node.value + 1
+        return f"{line}: {before} becomes {node.value}"
+    if isinstance(node, ast.Compare):
+        before, node.ops[0] = type(node.ops[0]), SWAPS[type(node.ops[0])]()
+        return f"{line}: {before.__name__} becomes {type(node.ops[0]).__name__}"
+    before, node.op = type(node.op), SWAPS[type(node.op)]()
+    return f"{line}: {before.__name__} becomes {type(node.op).__name__}"
+
+
+def mutants(room: str, count: int) -> list[tuple[Path, int]]:
+    """Return a seeded sample of files and numbers of their places."""
+    every = [
+        (path, number)
+        for path in sorted((ROOT / "robotraj" / room).glob("*.py"))
+        for number in range(len(places(ast.parse(path.read_text()))))
+    ]
+    return random.Random(f"{SEED} {room}").sample(every, min(count, len(every)))
+
+
+def is_killed(copy: Path, tests: str) -> bool:
+    """Whether the tests of a room fail with the copied package."""
+    environment = {**os.environ, "PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "pytest", "-q", "-x", "-m", "not slow", "-c", str(ROOT / "pyproject.toml"),
+             *(str(ROOT / test) for test in tests.split())],
+            cwd=copy, env=environment, capture_output=True, timeout=PATIENCE, check=False,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return True
+    return done.returncode != 0
+
+
+def main() -> None:
+    """Print a row for each room, and its survivors below the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("rooms", nargs="*", default=list(ROOMS))
+    parser.add_argument("--each", type=int, default=10)
+    given = parser.parse_args()
+    survivors = []
+    print("| room | mutants | killed | score |\n|---|---|---|---|", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copytree(ROOT / "robotraj", Path(folder) / "robotraj", ignore=shutil.ignore_patterns("__pycache__"))
+        if (ROOT / "robots").is_dir():
+            os.symlink(ROOT / "robots", Path(folder) / "robots")
+        for room in given.rooms:
+            if is_killed(Path(folder), ROOMS[room]):
+                raise SystemExit(f"{room}: its tests fail without a change")
+            killed, sample = 0, mutants(room, given.each)
+            for path, number in sample:
+                target = Path(folder) / path.relative_to(ROOT)
+                tree = ast.parse(path.read_text())
+                done = change(places(tree)[number])
+                target.write_text(ast.unparse(tree))
+                if is_killed(Path(folder), ROOMS[room]):
+                    killed += 1
+                else:
+                    survivors.append(f"- {path.relative_to(ROOT)}:{done}")
+                target.write_text(path.read_text())
+            print(f"| {room} | {len(sample)} | {killed} | {100 * killed / len(sample):.0f} % |", flush=True)
+    print("\n".join(["", "Survivors:", "", *survivors]))
+
+
+if __name__ == "__main__":
+    main()
