@@ -122,11 +122,7 @@ class Elimination {
   /// Eliminates the next candidate, alone or with another; false if neither can go.
   bool pivot(double threshold) {
     const int k = done_;
-    // Constraints without another candidate wait: their rows need not all be read.
-    const int inner = (f_.candidates + kStep - 1) / kStep * kStep;
-    column(k, k, inner, one_);
-    if (!(largest(one_, k, f_.candidates) > rule_.small)) return false;
-    column(k, inner, ld_, one_);
+    column(k, k, ld_, one_);
     const double a = one_[k], most = largest(one_, k + 1, ld_);
     const bool alone = magnitude(a) > rule_.small && magnitude(a) >= threshold * most;
     if (alone && magnitude(a) >= kGood * most) return take_one();
