@@ -15,6 +15,7 @@ of s'' along a path).
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -68,7 +69,7 @@ class Trapezoid:
         peak = min(fastest, np.sqrt(slope + 0.5 * (first**2 + last**2)))
         return cls(float(first), float(peak), float(last), slope)
 
-    @property
+    @cached_property
     def times(self) -> Array:
         """Times of the start, the end of the rise, the start of the fall and the end, (4,) [s]."""
         rise, fall = (self.peak - self.first) / self.slope, (self.peak - self.last) / self.slope

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -72,12 +73,18 @@ class GeometricPath(InitialGuess):
             return straight if self.rank == 0 else Perturbed(self.line, self.rank).of(phase, index)
         path = paths[min(self.rank, len(paths) - 1)]
         duration = float(np.clip(path.duration, *phase.duration_bounds))
+
+        @lru_cache(maxsize=4)
+        def motion(fractions: bytes) -> tuple[Array, Array, Array]:
+            """Compute the three curves at once: they are read one after the other."""
+            return path.motion(np.frombuffer(fractions))
+
         return joint_motion(
             phase,
             duration,
-            lambda s: path.motion(s)[0],
-            lambda s: path.motion(s)[1] / duration,
-            lambda s: path.motion(s)[2] / duration**2,
+            lambda s: motion(np.asarray(s, dtype=float).tobytes())[0],
+            lambda s: motion(np.asarray(s, dtype=float).tobytes())[1] / duration,
+            lambda s: motion(np.asarray(s, dtype=float).tobytes())[2] / duration**2,
             default_parameters(phase),
         )
 

@@ -8,6 +8,8 @@ largest speeds that the accelerations can reach (Bobrow, Dubowsky and Gibson, IJ
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,7 +41,7 @@ class TimedPath:
     corners: Array
     laws: tuple[Trapezoid, ...]
 
-    @property
+    @cached_property
     def ends(self) -> Array:
         """Times at which the lines end, from 0, (m + 1,) [s]."""
         return np.concatenate([[0.0], np.cumsum([law.duration for law in self.laws])])
