@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import coal
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.planning.proving.lowered_limits import LoweredLimits
+from robotraj.solvers import interior_point
 
 START, GOAL = (-1.1, -1.8, 1.6, -1.2, -1.57, 0), (1.1, -0.8, 0.6, -0.6, -0.6, 1.2)
 
@@ -45,6 +49,22 @@ def test_a_ur5_passes_a_box_in_its_way(margin: float) -> None:
     assert solution.proof.holds and solution.proof.shortfall == 0.0
     assert coal_clearance(robot, solution, box) >= margin
     assert solution.duration >= blocked.duration - 1e-4
+
+
+def test_a_round_that_only_lowers_limits_solves_the_same_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    counts = {"formulate": 0, "_run": 0, "lower": 0}
+    for owner, name in ((interior_point, "formulate"), (rt.InteriorPoint, "_run"), (LoweredLimits, "lower")):
+        given = getattr(owner, name)
+
+        def counted(*args: object, name: str = name, given: Callable[..., object] = given) -> object:
+            counts[name] += 1
+            return given(*args)
+
+        monkeypatch.setattr(owner, name, counted)
+    solution = rt.plan(reach(rt.obstacles.Box((0.1, 0.1, 0.3), (0.52, 0.07, 0.47))))
+    assert solution.proof.holds
+    assert counts["lower"] >= 1
+    assert counts["formulate"] <= counts["_run"] - counts["lower"]
 
 
 def test_a_box_that_moves_in_time_is_avoided_when_it_is_there() -> None:
