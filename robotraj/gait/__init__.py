@@ -7,14 +7,15 @@ from robotraj.gait.crawls import crawl
 from robotraj.gait.feet import feet_of, limb_ends
 from robotraj.gait.flight import Flight
 from robotraj.gait.jumps import jump
-from robotraj.gait.mirroring import mirror
-from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
+from robotraj.gait.mirroring.mirror import mirror
+from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.posture import gait_objective
 from robotraj.gait.standing import stand
 from robotraj.gait.stepping.footholds import steps
 from robotraj.gait.stepping.joining import start, stop
 from robotraj.gait.stepping.over_steps import gap, stairs
 from robotraj.gait.stepping.rest_to_rest import sidestep, start_stop, turn
+from robotraj.gait.supports import GaitTerms, Support
 from robotraj.gait.upright import Upright
 from robotraj.gait.walks import run, trot, walk
 

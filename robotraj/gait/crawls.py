@@ -13,9 +13,10 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
 from robotraj.gait.checks import TimeSpan, fraction
 from robotraj.gait.feet import FootKind
-from robotraj.gait.phase_sequence import GaitTerms, Support, split_duration
+from robotraj.gait.mirroring.sides import other_side
+from robotraj.gait.phase_sequence import split_duration
 from robotraj.gait.repetition import checked_feet, repeating, step_timing
-from robotraj.gait.sides import other_side
+from robotraj.gait.supports import GaitTerms, Support
 from robotraj.gait.upright import Upright
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.objectives.base import Objective

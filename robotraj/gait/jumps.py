@@ -15,10 +15,12 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.gait.checks import check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
-from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
+from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.repetition import on_ground
+from robotraj.gait.supports import GaitTerms, Support
 from robotraj.gait.upright import Upright
-from robotraj.guess.legs.stance import BalancedStance, standing
+from robotraj.guess.legs.stance import BalancedStance
+from robotraj.guess.legs.standing_posture import standing
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem

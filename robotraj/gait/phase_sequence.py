@@ -1,8 +1,7 @@
-"""Problems from schedules of feet: phases, their links, and the clearance of swinging feet."""
+"""Problems from schedules of feet: phases and their links."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, cast
@@ -10,77 +9,25 @@ from typing import Any, cast
 import numpy as np
 
 from robotraj._util.errors import InputError
-from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.point_contact import PointContact
-from robotraj.dynamics.point import RobotPoint
-from robotraj.dynamics.terrain.base import Ground
-from robotraj.dynamics.terrain.flat import Flat
-from robotraj.dynamics.terrain.function import GroundFunction, as_ground
-from robotraj.dynamics.variable import Scalar
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.checks import TimeSpan, check_options, number
-from robotraj.gait.feet import FootKind, foot_contact
+from robotraj.gait.feet import foot_contact
 from robotraj.gait.flight import Flight
 from robotraj.gait.posture import gait_objective
-from robotraj.gait.upright import Upright
-from robotraj.guess.legs.stance import BalancedStance, standing
+from robotraj.gait.supports import GaitTerms, Support
+from robotraj.gait.swing_clearance import partners_of, swing_clearance
+from robotraj.guess.legs.stance import BalancedStance
+from robotraj.guess.legs.standing_posture import standing
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.bounds import Between, between
-from robotraj.problem.constraints.clearance import GroundClearance
-from robotraj.problem.constraints.heights import RequiredHeight
 from robotraj.problem.links.base import Link
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.links.touchdown import Liftoff, Touchdown
-from robotraj.problem.objectives.base import Objective
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
-
-TOUCH = 1e-4
-"""Depth below the ground [m] that clearance allows, so that it is not redundant at liftoff and touchdown."""
-
-
-@dataclass(frozen=True)
-class Support:
-    """One phase of a gait: its standing feet and its duration.
-
-    Attributes
-    ----------
-    feet : tuple of str
-        Frames of the standing feet; none in flight.
-    duration : float or (float, float)
-        Fixed or bounded [s].
-    name : str
-    """
-
-    feet: tuple[str, ...]
-    duration: float | Sequence[float] | Between
-    name: str
-
-
-@dataclass(frozen=True)
-class GaitTerms:
-    """Options that all phases of a gait share.
-
-    Attributes
-    ----------
-    contact : Contact or callable
-        Of every foot: ``rt.PointContact``, a contact to copy to the other feet, or a function of a frame.
-    clearance : float or None
-        Height of swinging feet halfway between their footholds [m]; 0 keeps them above the ground, None adds no row.
-    objective : Objective or None
-        Of every phase; ``gait_objective(robot, standing)`` by default.
-    upright : Upright or None
-    ground : Ground or callable
-        For clearance; contacts have their own ground.
-    """
-
-    contact: FootKind = PointContact
-    clearance: float | None = 0.0
-    objective: Objective | None = None
-    upright: Upright | None = None
-    ground: Ground | GroundFunction = Flat()
 
 
 def sequence(
@@ -131,7 +78,7 @@ def sequence(
         raise InputError(f"clearance= is {terms.clearance!r}; give metres from 0 on, or None for no such row.")
     ground = as_ground(terms.ground)
     feet = tuple(dict.fromkeys(foot for support in supports for foot in support.feet))
-    partners = _partners(repeat)
+    partners = partners_of(repeat)
     every = tuple(dict.fromkeys((*feet, *(partners.get(foot, foot) for foot in feet))))
     contacts = {foot: foot_contact(terms.contact, foot) for foot in every}
     posture = standing(BalancedStance(robot, tuple(contact.bound_to(robot) for contact in contacts.values())))
@@ -139,7 +86,7 @@ def sequence(
     phases: list[Phase] = []
     for i, support in enumerate(supports):
         swinging = [foot for foot in every if foot not in support.feet]
-        rows: list[Constraint] = _swing(robot, support, swinging, terms, ground, repeat, passes)
+        rows: list[Constraint] = swing_clearance(robot, support, swinging, terms, ground, repeat, passes)
         states = {}
         if terms.upright is not None:
             states = terms.upright.states(robot)
@@ -166,12 +113,6 @@ def sequence(
         last = tuple(partners.get(foot, foot) for foot in supports[-1].feet)
         links.append(_closing(len(phases) - 1, last, supports[0].feet, repeat))
     return Problem(phases, links)
-
-
-def _partners(repeat: Mirror | Periodic | None) -> dict[str, str]:
-    if not isinstance(repeat, Mirror):
-        return {}
-    return {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
 
 
 def _link(i: int, before: Sequence[str], after: Sequence[str]) -> Link:
@@ -203,87 +144,6 @@ def _origin(robot: Robot, repeat: Mirror | Periodic | None) -> State:
     return State(q={"root_x": 0.0, "root_y": 0.0, "root_qz": 0.0})
 
 
-def _swing(
-    robot: Robot,
-    support: Support,
-    swinging: Sequence[str],
-    terms: GaitTerms,
-    ground: Ground,
-    repeat: Mirror | Periodic | None,
-    passes: Mapping[str, str] | None,
-) -> list[Constraint]:
-    """Return the clearance of swinging feet.
-
-    In a mirrored gait a foot swings past its standing partner: from one displacement behind the partner's foothold
-    to one before it. The same holds in each half of a complete stride. Other feet are kept above the ground, with a
-    warning if the clearance is positive. All corners of a sole are kept above the ground.
-    """
-    if terms.clearance is None or not swinging:
-        return []
-    partners = _partners(repeat) if passes is None else passes
-    gain = repeat.displacement.get("q.root_x") if repeat is not None else None
-    if passes is not None and isinstance(gain, int | float):
-        gain = 0.5 * gain
-    rows: list[Constraint] = []
-    level: list[tuple[str, tuple[float, ...]]] = []
-    low: list[str] = []
-    for foot in swinging:
-        other, corners = partners.get(foot, foot), foot_contact(terms.contact, foot).bound_to(robot).outline()
-        if terms.clearance > 0.0 and other in support.feet and isinstance(gain, int | float) and gain != 0.0:
-            place, step = f"{foot_contact(terms.contact, other).label}.x", float(gain)
-            rows.append(GroundClearance(_contact_point(terms, foot), SwingArc(terms.clearance, place, step), ground))
-            level += corners if len(corners) > 1 else []
-        else:
-            level += corners
-            low.append(foot)
-    if low and support.feet and terms.clearance > 0.0:
-        warnings.warn(
-            f"clearance={terms.clearance:g} is not held by {', '.join(low)} in {support.name!r}: they are only kept "
-            "above the ground. The height needs a standing partner that the foot passes, and a step of known length. "
-            "Add rt.GroundClearance(foot, rt.constraints.SwingApex(...)) for these feet.",
-            stacklevel=3,
-        )
-    spots = [(frame, offset) if any(offset) else frame for frame, offset in level]
-    return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows
-
-
-def _contact_point(terms: GaitTerms, foot: str) -> str | tuple[str, tuple[float, ...]]:
-    """Return the contact point of a foot: its frame, or its frame and offset."""
-    offset = getattr(foot_contact(terms.contact, foot), "offset", None)
-    return foot if offset is None or not np.any(offset) else (foot, tuple(offset))
-
-
-@dataclass(frozen=True)
-class SwingArc(RequiredHeight):
-    """Height [m] of a swing foot, h = 4 (apex + d) s (1 - s) - d with d = 0.1 mm, s its progress between footholds.
-
-    Halfway, h is the apex; the foot never comes below -d. s runs from 0 to 1 between one step behind and one step
-    before the partner's foothold. Without d, the contacts at both ends would make the inequality active at its only
-    feasible value, where multipliers are not unique.
-
-    Attributes
-    ----------
-    apex : float
-        [m].
-    anchor : str
-        Parameter of the phase: world x of the partner's foothold.
-    step : float
-        Displacement of a step along x [m].
-    """
-
-    apex: float
-    anchor: str
-    step: float
-
-    def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
-        """Return the least heights at ``position``."""
-        progress = 0.5 + 0.5 * (position[0] - point.p[self.anchor]) / self.step
-        return {
-            "ground clearance": -TOUCH,
-            "swing apex": 4.0 * (self.apex + TOUCH) * progress * (1.0 - progress) - TOUCH,
-        }
-
-
 def split_duration(duration: TimeSpan, parts: Sequence[float]) -> list[float | Sequence[float]]:
     """Return parts of a duration [s], fixed or bounded, in proportion; None in a pair is an open side."""
     if isinstance(duration, Between):
@@ -296,6 +156,3 @@ def split_duration(duration: TimeSpan, parts: Sequence[float]) -> list[float | S
     )
     every = [whole * part / sum(parts) for part in parts]
     return [tuple(float(v) for v in value) if value.shape else float(value) for value in every]
-
-
-__all__ = ["GaitTerms", "Support", "SwingArc", "sequence", "split_duration"]

@@ -16,9 +16,10 @@ from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.dynamics.variable import Scalar
 from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
-from robotraj.gait.mirror_inertia import IMBALANCE, imbalance
-from robotraj.gait.mirroring import mirror_by_geometry
-from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
+from robotraj.gait.mirroring.imbalance import IMBALANCE, imbalance
+from robotraj.gait.mirroring.mirror import mirror_by_geometry
+from robotraj.gait.phase_sequence import sequence
+from robotraj.gait.supports import GaitTerms, Support
 from robotraj.problem.links.base import Ends
 from robotraj.problem.links.linkage import Linkage
 from robotraj.problem.links.periodic import Mirror, Periodic

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
-from robotraj.guess.legs.stance import BalancedStance, height_above, standing
+from robotraj.guess.legs.stance import BalancedStance
+from robotraj.guess.legs.standing_posture import height_above, standing
 from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]

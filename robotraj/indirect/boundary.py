@@ -33,8 +33,8 @@ from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.links.base import BoundLink, Link
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.phase import Phase
+from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.problem import Problem
-from robotraj.problem.rows import PhaseRow
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from robotraj.indirect.costate_trajectory import PhaseCostates
 from robotraj.indirect.polished import Polished
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.problem.phase import Phase
-from robotraj.problem.rows import PhaseRow
+from robotraj.problem.phase_row import PhaseRow
 
 Array = NDArray[np.float64]
 

@@ -24,7 +24,7 @@ from robotraj.indirect.checks import ACTIVE_DISTANCE, ThroughoutRows
 from robotraj.indirect.costate_trajectory import PhaseCostates, costates
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.indirect.report import ConditionsReport, NecessaryCondition
-from robotraj.problem.rows import Kind
+from robotraj.problem.phase_row import Kind
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable

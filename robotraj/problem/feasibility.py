@@ -13,7 +13,8 @@ from robotraj.dynamics.placeholder_dynamics import MissingEquations
 from robotraj.dynamics.system import System
 from robotraj.problem.constraints.base import Row, Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
-from robotraj.problem.rows import Kind, PhaseRow, RowTable
+from robotraj.problem.phase_row import Kind, PhaseRow
+from robotraj.problem.rows import RowTable
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.inertia import weightless_joints
 from robotraj.robot.robot import Robot

@@ -24,7 +24,7 @@ from robotraj.problem.feasibility import Ends, check_equations, check_limits, ch
 from robotraj.problem.footing_checks import check_contacts
 from robotraj.problem.least_durations import check_durations
 from robotraj.problem.objectives.base import EndCost, Integral, Objective
-from robotraj.problem.phase_fields import as_constraints, as_contacts, as_mapping, bind_contacts
+from robotraj.problem.phase_fields import as_constraints, as_contacts, as_mapping, bind_contacts, check_kinds
 from robotraj.problem.printing import PhaseTable, duration_text, parameter_rows, phase_table
 from robotraj.problem.rows import RowTable
 from robotraj.problem.state import State
@@ -93,13 +93,7 @@ class Phase(OneLine):
     name: str = "phase"
 
     def __post_init__(self) -> None:
-        if not isinstance(self.subject, Robot | System):
-            raise InputError(
-                f"A phase moves a robot of rt.load(...) or an rt.System; got {type(self.subject).__name__}."
-            )
-        for which in ("start", "end"):
-            if not isinstance(getattr(self, which), State | None):
-                raise InputError(f"The {which} of phase {self.name!r} must be an rt.State or None.")
+        check_kinds(self.name, self.subject, self.start, self.end, self.objective)
         object.__setattr__(self, "duration", own(self.duration))
         for which in ("parameters", "design", "states", "controls", "algebraic"):
             object.__setattr__(self, which, as_mapping(self.name, which, getattr(self, which)))
@@ -112,8 +106,6 @@ class Phase(OneLine):
                 f"limits= of phase {self.name!r} must be None or Limits of the robot, such as "
                 f"robot.limits.with_(velocity=2.0); Systems use states= and controls=."
             )
-        if self.objective is not None and not isinstance(self.objective, Objective):
-            raise InputError(f"The objective of phase {self.name!r} must be an objective such as rt.Effort().")
         if self.bound_design is not None:
             self.bound_design.check(self.parameter_names, self.parameter_bounds.lower)
         try:

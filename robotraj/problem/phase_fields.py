@@ -9,10 +9,30 @@ from typing import TypeVar
 from robotraj._util.errors import InputError
 from robotraj._util.values import own
 from robotraj.dynamics.contacts.base import BoundContact, Contact
+from robotraj.dynamics.system import System
 from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.objectives.base import Objective
+from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
 
 T = TypeVar("T")
+
+
+def check_kinds(phase: str, subject: object, start: object, end: object, objective: object) -> None:
+    """Check what moves, both ends and the objective.
+
+    Raises
+    ------
+    InputError
+        The subject is neither a robot nor a System, an end is no State, or the objective is no objective.
+    """
+    if not isinstance(subject, Robot | System):
+        raise InputError(f"A phase moves a robot of rt.load(...) or an rt.System; got {type(subject).__name__}.")
+    for which, given in (("start", start), ("end", end)):
+        if not isinstance(given, State | None):
+            raise InputError(f"The {which} of phase {phase!r} must be an rt.State or None.")
+    if objective is not None and not isinstance(objective, Objective):
+        raise InputError(f"The objective of phase {phase!r} must be an objective such as rt.Effort().")
 
 
 def as_mapping(phase: str, which: str, given: object) -> object:

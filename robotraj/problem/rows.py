@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
-from enum import Enum
 from functools import cached_property
 
 import casadi as ca
@@ -22,64 +21,10 @@ from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Variable
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
+from robotraj.problem.phase_row import Kind, PhaseRow, kind_of
 
 Array = NDArray[np.float64]
-
-
-class Kind(Enum):
-    """What a row is to the transcription.
-
-    BOUND bounds one variable of the dynamics. PATH bounds an expression at the collocation points. INTEGRAL bounds an
-    integral over the phase. END bounds an expression at the start or at the end. RATE bounds the time derivative of one
-    variable.
-    """
-
-    BOUND = "bound"
-    PATH = "path"
-    INTEGRAL = "integral"
-    END = "end"
-    RATE = "rate"
-
-
-@dataclass(frozen=True)
-class PhaseRow(Row):
-    """A row of a phase.
-
-    Attributes
-    ----------
-    kind : Kind
-    where : Where
-        When it holds.
-    constraint : int
-        Number of its constraint in ``RowTable.constraints``.
-    entry : int
-        Number of the row in its constraint.
-    number : int
-        Number of the row in ``RowTable.rows``.
-    """
-
-    kind: Kind = Kind.PATH
-    where: Where = Where.THROUGHOUT
-    constraint: int = 0
-    entry: int = 0
-    number: int = 0
-
-    @property
-    def is_equality(self) -> bool:
-        """Whether both bounds are the same number."""
-        return self.lower == self.upper
-
-    @property
-    def greatest_bound(self) -> float:
-        """Largest absolute value of the finite bounds, in ``unit``; 0 without any."""
-        return max((abs(bound) for bound in (self.lower, self.upper) if np.isfinite(bound)), default=0.0)
-
-    @property
-    def size(self) -> float:
-        """Amount of a relative violation of 1: half the range of two bounds, else max(1, abs(bound)), in ``unit``."""
-        width = self.upper - self.lower
-        return 0.5 * width if 0.0 < width < np.inf else max(1.0, self.greatest_bound)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +61,7 @@ class RowTable(OneLine):
         for c, constraint in enumerate(self.constraints):
             for i, r in enumerate(constraint.rows):
                 row = (r.name, r.unit, r.lower, r.upper, r.joint, r.variable)
-                found.append(PhaseRow(*row, _kind(r, constraint.where), constraint.where, c, i, len(found)))
+                found.append(PhaseRow(*row, kind_of(r, constraint.where), constraint.where, c, i, len(found)))
         return tuple(found)
 
     @cached_property
@@ -297,13 +242,3 @@ class RowTable(OneLine):
 def evaluated(constraint: BoundConstraint, point: Point) -> list[ca.SX]:
     """Evaluate the expression of a constraint on a point of symbols, as a list of scalars."""
     return as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
-
-
-def _kind(row: Row, where: Where) -> Kind:
-    if where is Where.RATE:
-        return Kind.RATE
-    if row.variable is not None:
-        return Kind.BOUND
-    if where is Where.INTEGRAL:
-        return Kind.INTEGRAL
-    return Kind.END if where in (Where.START, Where.END) else Kind.PATH

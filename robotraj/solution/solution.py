@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.display import drawn
 from robotraj._util.errors import InputError
-from robotraj._util.printing import ENTRIES, OneLine, brief, wrapped
+from robotraj._util.printing import ENTRIES, OneLine, brief
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from robotraj.solvers.base import Multipliers
 
 Array = NDArray[np.float64]
-
-CHANGE_LIMITS = "Change one of these limits or the motion that conflicts with it."
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,12 +255,12 @@ class Solution(OneLine):
     def cause(self) -> str:
         """Why no solution was found: the first limit that must give, else the worst violated row, else the message."""
         if self.conflicts:
-            return self._in_phase(self.conflicts[0])
+            return self.in_phase(self.conflicts[0])
         if self.status is Status.INVALID_NUMBER or not self.violation_list:
             return self.message
-        return f"{self.status.value}, {self._in_phase(self.violation_list[0])}"
+        return f"{self.status.value}, {self.in_phase(self.violation_list[0])}"
 
-    def _in_phase(self, entry: Conflict | Violation) -> str:
+    def in_phase(self, entry: Conflict | Violation) -> str:
         """Write an entry, with its phase where there are several."""
         return f"{entry} (phase {entry.phase!r})" if len(self.phases) > 1 else str(entry)
 
@@ -280,40 +278,6 @@ class Solution(OneLine):
         return drawn(self)
 
     def __str__(self) -> str:
-        lines = [
-            f"{self.status.value}: objective {self.objective:.8g}, duration {self.duration:.6g} s, "
-            f"{self.iterations} iterations, {self.seconds:.3g} s"
-        ]
-        lines += [
-            f"  {stage.name}: {stage.status.value}, objective {stage.objective:.8g}, "
-            f"{stage.iterations} iterations, {stage.seconds:.3g} s"
-            for stage in self.continuation
-        ]
-        lines += [
-            f"  mesh {i}: {step.intervals} intervals, {step.points} points, error {step.error:.2e}, "
-            f"objective {step.objective:.10g}, {step.iterations} iterations, {step.seconds:.3g} s"
-            for i, step in enumerate(self.refinement, 1)
-        ]
-        if self.proof is not None:
-            lines.append(str(self.proof))
-        elif not self.refinement and (error := self.error) is not None:
-            lines.append(
-                f"error between knots {error:.1e}; nothing was proved (plan with tolerance=, or without mesh=)"
-            )
-        if self.interval_violations:
-            lines.append(f"between collocation points: {self.interval_violations[0]}; a finer mesh would help")
-        if self.control_interval_violations:
-            worst = self.control_interval_violations[0]
-            lines.append(
-                f"between collocation points: {worst}; "
-                f"interval_limits=rt.interval_limits.BernsteinBounds(controls=True) would hold it"
-            )
-        if not self.success:
-            lines += [f"what must give: {self._in_phase(conflict)}" for conflict in self.conflicts[:5]]
-            lines += [f"solver: {self.message}"]
-            lines += [f"  {self._in_phase(violation)}" for violation in self.violations(5)]
-            lines += [f"try: {CHANGE_LIMITS if self.conflicts else self.status.remedy}"]
-        # A line is indented by its rank; what does not fit goes on below, indented further.
-        return "\n".join(
-            part for line in lines for part in wrapped(line.lstrip(), line[: len(line) - len(line.lstrip())])
-        )
+        from robotraj.solution.summary import summary
+
+        return summary(self)

@@ -28,7 +28,7 @@ from robotraj.solvers.formulation import multipliers as original_multipliers
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program, refresh
-from robotraj.solvers.status import Status
+from robotraj.solvers.status import STATUSES, Status
 
 if TYPE_CHECKING:
     from robotraj.native import Options
@@ -42,18 +42,6 @@ WARM_SHARE = 1e-2
 A solution of a neighbouring problem is as far from the central path of its barrier as it violates the rows."""
 NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
 """First barrier parameters of a solve that starts from the solution on another mesh, and of another problem."""
-STATUSES = {
-    "solved": Status.SOLVED,
-    "acceptable": Status.SOLVED,
-    "invalid number": Status.INVALID_NUMBER,
-    "iteration limit": Status.ITERATION_LIMIT,
-    "infeasible": Status.INFEASIBLE,
-    "line search failed": Status.STALLED,
-    "step failed": Status.STALLED,
-    "time limit": Status.TIME_LIMIT,
-    "interrupted": Status.INTERRUPTED,
-    "stopped": Status.INTERRUPTED,
-}
 FACTORS = (100.0, 10.0)
 """Accuracy to which the problem of one barrier is solved before the barrier falls, in multiples of the barrier.
 

@@ -51,3 +51,17 @@ _REMEDIES = {
     "duration.",
     Status.SOLVER_ERROR: "The solver failed for a reason of its own; see the message.",
 }
+
+STATUSES = {
+    "solved": Status.SOLVED,
+    "acceptable": Status.SOLVED,
+    "invalid number": Status.INVALID_NUMBER,
+    "iteration limit": Status.ITERATION_LIMIT,
+    "infeasible": Status.INFEASIBLE,
+    "line search failed": Status.STALLED,
+    "step failed": Status.STALLED,
+    "time limit": Status.TIME_LIMIT,
+    "interrupted": Status.INTERRUPTED,
+    "stopped": Status.INTERRUPTED,
+}
+"""Status of each outcome of the method in C++, by its name."""

@@ -9,9 +9,9 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.gait.mirror_inertia import imbalance
-from robotraj.gait.mirroring import REFLECTION, mirror
-from robotraj.gait.sides import other_side
+from robotraj.gait.mirroring.imbalance import imbalance
+from robotraj.gait.mirroring.mirror import REFLECTION, mirror
+from robotraj.gait.mirroring.sides import other_side
 
 FEET = {
     "five_link": ("left_foot", "right_foot"),

@@ -12,7 +12,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.problem.constraints.base import Where, symbols_of
-from robotraj.problem.rows import Kind, PhaseRow
+from robotraj.problem.phase_row import Kind, PhaseRow
 
 
 def block(**options: Any) -> rt.Phase:

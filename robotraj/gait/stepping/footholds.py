@@ -20,10 +20,13 @@ from robotraj.dynamics.terrain.function import GroundFunction
 from robotraj.dynamics.variable import Scalar
 from robotraj.gait.checks import check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
-from robotraj.gait.phase_sequence import TOUCH, GaitTerms, Support, sequence
+from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.repetition import on_ground
+from robotraj.gait.supports import GaitTerms, Support
+from robotraj.gait.swing_clearance import TOUCH
 from robotraj.gait.upright import Upright
-from robotraj.guess.legs.stance import BalancedStance, height_above, standing
+from robotraj.guess.legs.stance import BalancedStance
+from robotraj.guess.legs.standing_posture import height_above, standing
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.heights import RequiredHeight
 from robotraj.problem.objectives.base import Objective

@@ -14,7 +14,8 @@ from robotraj.gait.checks import number
 from robotraj.gait.feet import feet_of, foot_contact
 from robotraj.gait.repetition import on_ground
 from robotraj.gait.stepping.footholds import LEVEL, steps
-from robotraj.guess.legs.stance import BalancedStance, standing
+from robotraj.guess.legs.stance import BalancedStance
+from robotraj.guess.legs.standing_posture import standing
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.guess.legs.pendulum import Pendulum, heights
 from robotraj.guess.legs.schedule import Schedule, StanceTime
-from robotraj.guess.legs.stance import BalancedStance, standing
+from robotraj.guess.legs.stance import BalancedStance
+from robotraj.guess.legs.standing_posture import standing
 from robotraj.guess.legs.swing import Swing, swings
 from robotraj.robot.root import QUATERNION
 

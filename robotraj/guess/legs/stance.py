@@ -1,4 +1,4 @@
-"""Standing configurations: inverse kinematics of feet, centre of mass and an upright root."""
+"""Inverse kinematics of a robot on its feet: footholds, centre of mass and an upright root."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.holding import anchors
 from robotraj.dynamics.rigid_body import InverseDynamics
 from robotraj.problem.constraints.base import symbols_of
-from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import rate_matrix
 
 if TYPE_CHECKING:
@@ -30,14 +29,6 @@ STEPS = 60
 """Largest number of damped steps."""
 TOLERANCE = 1e-10
 """Norm of the feet's error [m, rad] at which Newton's method stops."""
-REPEATS = 5
-"""Repetitions with the posture moved to the last answer, for a given height."""
-BEND = 0.6
-"""Angle by which a joint at a bound is bent inwards [rad]."""
-NEAR_HEIGHT = 1e-3
-"""Distance of the centre of mass from a given height beyond which other bends are tried [m]."""
-ONE_SIDED = 0.1
-"""Share of a joint's range: a joint that is nearer to a bound bends to the other side, as knees do."""
 ROOT_FREEDOMS = {"fixed": 0, "planar": 3, "floating": 6}
 
 
@@ -147,11 +138,11 @@ class BalancedStance:
             Reference of joints and root.
         """
         robot, raised = self.robot, self.lifted(lifts)
-        q, damping = self._inside(near), 1e-6
+        q, damping = self.inside(near), 1e-6
         error, slope = self._errors(q, feet, np.asarray(com, dtype=float), raised, posture)
         for _ in range(STEPS):
             step = self._step(q, slope, error, damping)
-            trial = self._inside(pin.integrate(robot.model, q, step))
+            trial = self.inside(pin.integrate(robot.model, q, step))
             after, next_slope = self._errors(trial, feet, np.asarray(com, dtype=float), raised, posture)
             gain = error @ error - after @ after
             if gain > 0:
@@ -171,7 +162,7 @@ class BalancedStance:
             size = np.linalg.norm(rows - raised)
             if size < TOLERANCE:
                 break
-            trial = self._inside(pin.integrate(self.robot.model, q, self._step(q, slope, rows - raised, 1e-12)))
+            trial = self.inside(pin.integrate(self.robot.model, q, self._step(q, slope, rows - raised, 1e-12)))
             after, next_slope = self.places(trial, feet)
             if np.linalg.norm(after - raised) >= size:
                 break
@@ -180,7 +171,7 @@ class BalancedStance:
 
     def _step(self, q: Array, slope: Array, error: Array, damping: float) -> Array:
         """Return the Levenberg-Marquardt step; joints at bounds that it would leave are held."""
-        lower, upper = self._bounds
+        lower, upper = self.bounds
         n = ROOT_FREEDOMS[self.robot.root]
         joints, descent = q[len(q) - len(lower) :], -(slope.T @ error)[n:]
         free = np.ones(self.robot.nv, dtype=bool)
@@ -205,101 +196,14 @@ class BalancedStance:
         return error, np.vstack([FOOT * slope, MASS * jacobian[known], np.diag(weights)[kept]])
 
     @cached_property
-    def _bounds(self) -> tuple[Array, Array]:
-        """Return the bounds of the joints."""
+    def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper bounds of the joints, without those of the root [rad, m]."""
         n = ROOT_FREEDOMS[self.robot.root]
         return self.robot.limits.position_lower[n:], self.robot.limits.position_upper[n:]
 
-    def _inside(self, q: Array) -> Array:
-        lower, upper = self._bounds
+    def inside(self, q: Array) -> Array:
+        """Return the configuration with every joint clipped to its bounds."""
+        lower, upper = self.bounds
         q = np.array(q)
         q[len(q) - len(lower) :] = np.clip(q[len(q) - len(lower) :], lower, upper)
         return q
-
-
-def upright(robot: Robot, q: Array) -> Array:
-    """Return a configuration with a level root that heads along world x."""
-    q = np.array(q)
-    if robot.root == "floating":
-        q[QUATERNION] = (0.0, 0.0, 0.0, 1.0)
-    elif robot.root == "planar":
-        q[2] = 0.0
-    return q
-
-
-def standing(stance: BalancedStance, height: float | None = None) -> Array:
-    """Return the configuration (nq,) with all feet on the ground, bent knees and the centre of mass above the feet.
-
-    The feet keep their horizontal positions of the neutral configuration. If its legs are straight, joints at their
-    bounds are bent inwards and the centre of mass is lowered by a twentieth of its height, as far as the legs allow.
-
-    Parameters
-    ----------
-    stance : BalancedStance
-    height : float, optional
-        Of the centre of mass above the feet [m].
-    """
-    robot = stance.robot
-    q = upright(robot, robot.neutral)
-    feet = stance.locate(q)
-    n = ROOT_FREEDOMS[robot.root]
-    model, data = robot.model, robot.model.createData()
-    if n:
-        # The root first moves vertically until the feet are on the ground on average.
-        rows, _ = stance.places(q, feet)
-        up = [j for j, row in enumerate(r for c in stance.contacts for r in c.holds) if row.name.endswith(".z")]
-        q[1 if robot.root == "planar" else 2] -= float(np.mean(rows[up]))
-    com = pin.centerOfMass(model, data, q)
-    _, slope = stance.places(q, feet)
-    up = [j for j, row in enumerate(r for c in stance.contacts for r in c.holds) if row.name.endswith(".z")]
-    straight = bool(np.max(np.abs(slope[up][:, n:]), initial=0.0) < 1e-2 * abs(com[2]))
-    lower, upper = stance._bounds
-    start = np.array(q)
-    anchors_by_axis = (
-        [feet[a.name] for c in stance.contacts for a in c.anchors if a.name == f"{c.name}.{axis}"] for axis in "xy"
-    )
-    middle = [float(np.mean(values or [0.0])) for values in anchors_by_axis]
-    ground = float(com[2] - height_above(stance, feet, com))
-    target = height if height is not None else (0.95 if straight else 1.0) * (com[2] - ground)
-    if straight:
-        start = _bent(stance, start, 0.05)
-    com = np.array([*middle, ground + target])
-    found = stance.reach(start, feet, com, {}, start if straight else q)
-    if height is None:
-        return found
-    found = _at_height(stance, found, feet, com)
-    if abs(_com_height(stance, found) - com[2]) > NEAR_HEIGHT:
-        # The nearest bend of a knee may be the one that its limit ends.
-        start = _bent(stance, q, ONE_SIDED * (upper - lower))
-        other = _at_height(stance, stance.reach(start, feet, com, {}, start), feet, com)
-        found = min(found, other, key=lambda each: abs(_com_height(stance, each) - com[2]))
-    return found
-
-
-def _at_height(stance: BalancedStance, q: Array, feet: Mapping[str, float], com: Array) -> Array:
-    """Return a configuration that reaches the centre of mass: it has priority over the posture, which follows."""
-    for _ in range(REPEATS):
-        q = stance.reach(q, feet, com, {}, upright(stance.robot, q))
-    return q
-
-
-def _bent(stance: BalancedStance, q: Array, near: Array | float) -> Array:
-    """Bend joints inwards that are within ``near`` of one bound."""
-    lower, upper = stance._bounds
-    q = np.array(q)
-    joints = q[len(q) - len(lower) :]
-    joints += np.where(joints - lower < near, BEND, np.where(upper - joints < near, -BEND, 0.0))
-    return stance._inside(q)
-
-
-def _com_height(stance: BalancedStance, q: Array) -> float:
-    return float(pin.centerOfMass(stance.robot.model, stance.data, q)[2])
-
-
-def height_above(stance: BalancedStance, feet: Mapping[str, float], com: Array) -> float:
-    """Return the height of the centre of mass above the mean of the feet [m]."""
-    heights = []
-    for contact in stance.contacts:
-        ground = contact.contact.ground  # type: ignore[attr-defined]
-        heights.append(float(ground.height(feet.get(f"{contact.name}.x", 0.0), feet.get(f"{contact.name}.y", 0.0))))
-    return float(com[2] - np.mean(heights))

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from robotraj.guess.reaching.open_end import OpenEnd
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.links.continuity import Continuity
-from robotraj.problem.rows import Kind
+from robotraj.problem.phase_row import Kind
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
+    from robotraj.problem.phase_row import PhaseRow
     from robotraj.problem.problem import Problem
-    from robotraj.problem.rows import PhaseRow
 
 Array = NDArray[np.float64]
 Node = Sequence[tuple["Phase", Where]]

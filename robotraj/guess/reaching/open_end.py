@@ -21,7 +21,7 @@ from robotraj.guess.ends import default_parameters
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-    from robotraj.problem.rows import PhaseRow
+    from robotraj.problem.phase_row import PhaseRow
 
 Array = NDArray[np.float64]
 

@@ -31,8 +31,9 @@ from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.expressions import Mayer
 from robotraj.problem.phase import Phase
+from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.problem import Problem
-from robotraj.problem.rows import Kind, PhaseRow, RowTable
+from robotraj.problem.rows import RowTable
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status

@@ -19,14 +19,20 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.values import dataclass
-from robotraj.dynamics.point import Point
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
-from robotraj.problem.constraints.base import Where
-from robotraj.problem.links.base import Ends
+from robotraj.planning.diagnosis.end_rows import (
+    ENDS,
+    HELD,
+    SHORTEST,
+    EndRow,
+    ends_of_phases,
+    position_count,
+    reads_only,
+    rows_at_ends,
+    rows_of_links,
+)
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.robot.limits import Limits
 from robotraj.robot.root import QUATERNION
 from robotraj.solution.conflict import Conflict
 
@@ -38,59 +44,14 @@ STARTS, STARTS_MOVING = 12, 3
 """Seeded starts for robots with a fixed root and systems, and for those with a moving root."""
 ITERATIONS = 150
 """Of the solver, from one start."""
-SHORTEST = 1e-3
-"""Least duration of a phase [s], which keeps mean speeds finite."""
 NEARNESS = 1e-6
 """Weight of the squared distance from the start, which makes the minimum unique."""
-ENDS, HELD, GIVEN = 20.0, 5.0, 1.0
-"""Weights of slacks: states that the user gave at an end; contacts, links and frames at an end; limits."""
 SMALL = 1e-2
 """Slacks relative to the scale of their row that the reweighted sum counts fully."""
 BINDING = 2e-2
 """Multipliers relative to the largest one above which a row takes part in a conflict."""
 NAMED = 3
 """Rows named as the other side of a conflict."""
-
-
-@dataclass(frozen=True, eq=False)
-class _EndRow:
-    """A row of the relaxed problem: value, bounds, and how it is named."""
-
-    value: ca.SX
-    lower: float
-    upper: float
-    phase: str
-    name: str
-    unit: str
-    time: ca.SX
-    weight: float
-    physical: bool = False
-
-    @property
-    def scale(self) -> float:
-        """Unit of the slack: the larger finite bound, else 1, in ``unit``."""
-        return max((abs(b) for b in (self.lower, self.upper) if np.isfinite(b) and b), default=1.0)
-
-
-@dataclass(frozen=True, eq=False)
-class _Ends:
-    """Symbols of the two ends of a phase, and the points of them."""
-
-    phase: Phase
-    first: ca.SX
-    last: ca.SX
-    begun: ca.SX
-    duration: ca.SX
-    parameters: ca.SX
-    start: Point
-    end: Point
-
-    @property
-    def unknowns(self) -> list[ca.SX]:
-        """Positions at both ends, time of the start, duration and parameters."""
-        size = _size(self.phase)
-        known = self.begun if self.begun.is_symbolic() else ca.SX(0, 1)
-        return [self.first[:size], self.last[:size], known, self.duration, self.parameters]
 
 
 def unreached_ends(problem: Problem) -> tuple[Conflict, ...]:
@@ -105,119 +66,18 @@ def unreached_ends(problem: Problem) -> tuple[Conflict, ...]:
     tuple of Conflict
         Empty where such configurations were found, and where the ends are fixed and nothing else reads them.
     """
-    ends = _all_ends(problem.phases)
-    rows = [row for each in ends for row in _rows_of(each)]
-    links = list(_rows_of_links(problem, ends))
+    ends = ends_of_phases(problem.phases)
+    rows = [row for each in ends for row in rows_at_ends(each)]
+    links = list(rows_of_links(problem, ends))
     if not links and not any(row.weight == HELD or not row.physical for row in rows):
         return ()
     unknown = ca.vertcat(*(symbol for each in ends for symbol in each.unknowns))
-    rows = [row for row in (*rows, *links) if _reads_only(row.value, unknown)]
+    rows = [row for row in (*rows, *links) if reads_only(row.value, unknown)]
     rows = [row for row in rows if ca.depends_on(row.value, unknown)]
     return _least_slacks(problem, rows, unknown) if rows else ()
 
 
-def _size(phase: Phase) -> int:
-    """Return how many states are positions; all states of a System."""
-    return phase.robot.nq if phase.robot is not None else len(phase.body.states)
-
-
-def _all_ends(phases: Sequence[Phase]) -> list[_Ends]:
-    found = []
-    for i, phase in enumerate(phases):
-        begun = ca.SX.sym(f"t{i}") if i else ca.SX(0)
-        body, names = phase.body, phase.parameter_names
-        first, last = (ca.SX.sym(f"{which}{i}", len(body.states)) for which in ("first", "last"))
-        duration, p = ca.SX.sym(f"T{i}"), ca.SX.sym(f"p{i}", len(names))
-        start = body.point(begun, first, None, None, p, names)
-        end = body.point(begun + duration, last, None, None, p, names)
-        found.append(_Ends(phase, first, last, begun, duration, p, start, end))
-    return found
-
-
-def _rows_of(ends: _Ends) -> Iterator[_EndRow]:
-    """Yield the rows of one phase: limits, what the user gave, contacts, mean speeds."""
-    phase, size = ends.phase, _size(ends.phase)
-    table, states = phase.rows, [state.name for state in phase.body.states]
-    # A kinematic plan has the same symbols among its algebraic variables and its controls.
-    inner = ca.vertcat(ca.SX(0, 1), *ca.symvar(ca.vertcat(*table.point.z.values(), *table.point.u.values())))
-    groups = (table.path, table.at(Where.START), table.at(Where.END))
-    read = [row for group in groups for row in group if not ca.depends_on(table.expressions((row,))[0], inner)]
-    sides = (
-        (Where.START, ends.start, ends.first, ends.begun, phase.start_bounds),
-        (Where.END, ends.end, ends.last, ends.begun + ends.duration, phase.end_bounds),
-    )
-    for where, point, x, t, given in sides:
-        for row in table.bounds:
-            if row.variable in states[:size] and row.where in (Where.THROUGHOUT, where):
-                value = x[states.index(str(row.variable))]
-                yield _EndRow(value, row.lower, row.upper, phase.name, row.label, row.unit, t, GIVEN, True)
-        for variable, value, low, high in zip(phase.body.states[:size], ca.vertsplit(x[:size]), *given, strict=False):
-            label = f"{where.value} {variable.quantity}, {variable.label}"
-            yield _EndRow(value, low, high, phase.name, label, variable.unit, t, ENDS, True)
-        here = [row for row in read if row.where in (Where.THROUGHOUT, where)]
-        values = _values(ends, here, x, t)
-        for row, value in zip(here, values, strict=True):
-            weight = GIVEN if row.where is Where.THROUGHOUT else HELD
-            yield _EndRow(value, row.lower, row.upper, phase.name, row.label, row.unit, t, weight)
-        held = phase.body.invariant(point) if phase.body.invariants else ca.SX(0, 1)
-        for variable, value in zip(phase.body.invariants, ca.vertsplit(held), strict=True):
-            label = f"{variable.quantity}, {variable.label}"
-            yield _EndRow(value, 0.0, 0.0, phase.name, label, variable.unit, t, HELD)
-    middle = ends.begun + 0.5 * ends.duration
-    for name, value, low, high in zip(
-        phase.parameter_names, ca.vertsplit(ends.parameters), *phase.parameter_bounds, strict=True
-    ):
-        yield _EndRow(value, low, high, phase.name, f"parameter {name}", "", middle, GIVEN, True)
-    least, longest = phase.duration_bounds
-    yield _EndRow(ends.duration, max(least, SHORTEST), longest, phase.name, "duration", "s", ends.duration, GIVEN, True)
-    yield from _mean_speeds(ends)
-
-
-def _values(ends: _Ends, rows: Sequence[object], x: ca.SX, t: ca.SX) -> list[ca.SX]:
-    """Return the expressions of rows of the state at one end."""
-    table = ends.phase.rows
-    if not rows:
-        return []
-    column = ca.vertcat(*table.expressions(tuple(rows)))  # type: ignore[arg-type]
-    symbols = table.symbols
-    extra = symbols[1].numel() - x.numel()
-    state = ca.vertcat(x, ca.SX.sym("added", extra)) if extra else x
-    return list(
-        ca.vertsplit(ca.substitute([column], [symbols[0], symbols[1], symbols[4]], [t, state, ends.parameters])[0])
-    )
-
-
-def _mean_speeds(ends: _Ends) -> Iterator[_EndRow]:
-    """Yield (q_1 - q_0) / T within the speed limits, for joints with one position."""
-    phase, robot = ends.phase, ends.phase.robot
-    if robot is None or not isinstance(phase.limits, Limits):
-        return
-    positions = list(robot.position_names)
-    for joint, unit, limit in zip(robot.velocity_names, robot.units, phase.limits.velocity, strict=True):
-        if joint in positions and np.isfinite(limit):
-            i = positions.index(joint)
-            mean = (ends.last[i] - ends.first[i]) / ends.duration
-            half = ends.begun + 0.5 * ends.duration
-            yield _EndRow(mean, -limit, limit, phase.name, f"velocity limit, {joint}", f"{unit}/s", half, GIVEN, True)
-
-
-def _rows_of_links(problem: Problem, ends: Sequence[_Ends]) -> Iterator[_EndRow]:
-    for link in problem.bound_links:
-        own = {unknown.name: ca.SX.sym(unknown.name) for unknown in link.unknowns}
-        values = link.values([Ends(ends[i].start, ends[i].end) for i in link.phases], own)
-        at = ends[link.phases[0]]
-        for row, value in zip(link.rows, values, strict=True):
-            name = f"{row.label} of {link.name}"
-            yield _EndRow(value, row.lower, row.upper, at.phase.name, name, row.unit, at.begun + at.duration, HELD)
-
-
-def _reads_only(value: ca.SX, unknown: ca.SX) -> bool:
-    """Whether a value depends on positions, durations and parameters alone, not on speeds or impulses."""
-    known = {symbol.name() + str(symbol.__hash__()) for symbol in ca.vertsplit(unknown)}
-    return all(symbol.name() + str(symbol.__hash__()) in known for symbol in ca.symvar(value))
-
-
-def _least_slacks(problem: Problem, rows: Sequence[_EndRow], unknown: ca.SX) -> tuple[Conflict, ...]:
+def _least_slacks(problem: Problem, rows: Sequence[EndRow], unknown: ca.SX) -> tuple[Conflict, ...]:
     """Minimise the slacks from one start after the other, and describe the least sum."""
     sides = [
         (i, sign, bound)
@@ -269,7 +129,7 @@ def _least_slacks(problem: Problem, rows: Sequence[_EndRow], unknown: ca.SX) -> 
 
 
 def _conflicts(
-    rows: Sequence[_EndRow],
+    rows: Sequence[EndRow],
     sides: Sequence[tuple[int, float, float]],
     left: Array,
     multipliers: Array,
@@ -313,7 +173,7 @@ def _starts(problem: Problem) -> Iterator[Array]:
     base, reached = [], None
     for phase in phases:
         first, last = ends_of(phase)
-        size = _size(phase)
+        size = position_count(phase)
         if moving and reached is not None and len(reached) == len(last):
             # Where nothing is known of an end, the robot stays where it was.
             known = [np.isfinite(bounds.lower[: len(last)]) for bounds in (phase.start_bounds, phase.end_bounds)]
@@ -331,7 +191,7 @@ def _starts(problem: Problem) -> Iterator[Array]:
     for k in range(STARTS_MOVING if moving else STARTS):
         parts, begun = [], 0.0
         for i, (phase, first, last, duration, parameters) in enumerate(base):
-            size = _size(phase)
+            size = position_count(phase)
             for state in (first, last):
                 parts.append(state[:size] if k == 0 else _varied(phase, state[:size], rng))
             lasting = max(duration, SHORTEST)

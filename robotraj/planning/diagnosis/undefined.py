@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.phase import Phase
-from robotraj.problem.rows import Kind
+from robotraj.problem.phase_row import Kind
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 

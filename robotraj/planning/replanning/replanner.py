@@ -20,11 +20,11 @@ from robotraj.problem.state import State
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.solvers.compiled import origin_of
-from robotraj.solvers.interior_point import STATUSES, InteriorPoint
+from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.parametric import parametric
 from robotraj.solvers.stagewise.native import refresh
-from robotraj.solvers.status import Status
+from robotraj.solvers.status import STATUSES, Status
 from robotraj.transcription.extract import extract
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh

@@ -33,9 +33,9 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.height_map import HeightMap
 from robotraj.dynamics.terrain.slope import Slope
 from robotraj.dynamics.terrain.steps import Steps
-from robotraj.gait.phase_sequence import SwingArc
 from robotraj.gait.posture import FixedPosture, SquaredAccelerations
 from robotraj.gait.repetition import DurationRatio
+from robotraj.gait.swing_clearance import SwingArc
 from robotraj.gait.upright import RootHeight, Upright
 from robotraj.native.engines.base import VirtualMachine
 from robotraj.native.engines.compiled import Compiled

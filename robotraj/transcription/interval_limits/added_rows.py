@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.problem.rows import Kind
+from robotraj.problem.phase_row import Kind
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.ends import widen
 from robotraj.transcription.collocation.index_reduction import path_equalities

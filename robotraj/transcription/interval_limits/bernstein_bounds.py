@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from robotraj._util.polynomials import basis, integrals
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.feasibility import SLACK
-from robotraj.problem.rows import PhaseRow
+from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import Indices, PhaseLayout, Run

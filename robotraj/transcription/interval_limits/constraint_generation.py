@@ -16,7 +16,7 @@ import numpy as np
 
 from robotraj._util.polynomials import integrals
 from robotraj._util.values import dataclass
-from robotraj.problem.rows import Kind
+from robotraj.problem.phase_row import Kind
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.ends import repeated

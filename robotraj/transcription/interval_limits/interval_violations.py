@@ -13,23 +13,32 @@ what they read and in how much is allowed:
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.problem.rows import PhaseRow, RowTable
+from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.driven_motion import DrivenInputs, Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.methods import limited_algebraic
+from robotraj.transcription.interval_limits.row_values import (
+    STEP,
+    Columns,
+    Controls,
+    Curve,
+    Expressions,
+    Indices,
+    Rates,
+    RowValues,
+)
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 PLACES = np.linspace(0.0, 1.0, 49)
 """Places of an interval that are read, its ends among them: Radau's schemes have no point at the start, Gauss's none
@@ -38,8 +47,6 @@ INNER_PLACES = (np.arange(48) + 0.5) / 48
 """Places for rows of controls, which may jump at the ends."""
 CLOSER = np.linspace(-1.0, 1.0, 33)
 """Places around a sharp bend, in steps of ``PLACES``."""
-STEP = 1e-3
-"""Step of the differences of torques, relative to the length of the interval."""
 ONE_SIDED = np.clip(PLACES, STEP, 1.0 - STEP)
 """Places for rates, which jump at the knots."""
 SHARE = 1e-2
@@ -48,23 +55,6 @@ ROUNDING = 1e-9
 """Relative difference of equal values on both sides of a knot."""
 EXACT_SHARE = 1e-3
 """The same for torques of exact motions, which are known at any time."""
-
-
-class Curve(Protocol):
-    """A vector-valued function of time on intervals, such as a ``PiecewisePolynomial``."""
-
-    @property
-    def breaks(self) -> Array:
-        """Ends of the intervals [s], (K + 1,)."""
-        ...
-
-    def __call__(self, t: Array, interval: Indices | None = None) -> Array:
-        """Evaluate at times (m,), each on its own interval where these are given, (m, n)."""
-        ...
-
-    def inside(self, tau: Array) -> Array:
-        """Evaluate every interval at the same places tau in [0, 1], (m,) -> (K, m, n)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -104,7 +94,7 @@ def state_violations(phase: Phase, index: int, trajectory: PhaseTrajectory, allo
     """Find rows of the state, in every interval, that are violated by more than ``allowed`` [SI unit]."""
     rows = phase.rows.of_state
     return _violations(
-        index, rows, _Expressions(phase.rows, rows, trajectory, None), PLACES, np.full(len(rows), allowed)
+        index, rows, Expressions(phase.rows, rows, trajectory, None), PLACES, np.full(len(rows), allowed)
     )
 
 
@@ -127,7 +117,7 @@ def variable_violations(
     """
     curves: list[tuple[Sequence[Variable], Curve, float]] = [(limited_algebraic(phase), trajectory.z, SHARE)]
     if isinstance(inputs, DrivenInputs):
-        curves.append((phase.body.controls, _Controls(inputs), EXACT_SHARE))
+        curves.append((phase.body.controls, Controls(inputs), EXACT_SHARE))
     if not isinstance(inputs, DrivenInputs) or phase.dae.controls != phase.body.controls:
         curves.append((phase.dae.controls, trajectory.u, SHARE))
     found = []
@@ -137,16 +127,16 @@ def variable_violations(
             continue
         rows, columns = [row for row, _ in bounds], [column for _, column in bounds]
         allowed = share * np.array([row.greatest_bound for row in rows])
-        found += _violations(index, rows, _Columns(curve, columns), PLACES, allowed)
+        found += _violations(index, rows, Columns(curve, columns), PLACES, allowed)
     if isinstance(inputs, DrivenInputs):
         names = [control.name for control in phase.body.controls]
         rows = [row for row in phase.rows.rates if row.variable in names]
         columns = [names.index(str(row.variable)) for row in rows]
         allowed = EXACT_SHARE * np.array([row.greatest_bound for row in rows])
-        found += _violations(index, rows, _Rates(_Controls(inputs), columns), ONE_SIDED, allowed)
+        found += _violations(index, rows, Rates(Controls(inputs), columns), ONE_SIDED, allowed)
     rows = [row for row in phase.rows.of_inputs if not row.is_equality and _is_given(phase, row)]
     share = EXACT_SHARE if isinstance(inputs, DrivenInputs) else SHARE
-    reader = _Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
+    reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
     return found + _violations(index, rows, reader, INNER_PLACES, share * np.array([row.size for row in rows]))
 
 
@@ -167,119 +157,12 @@ def input_violations(
     """
     forces = (force for contact in phase.bound_contacts for force in contact.forces)
     rows = (*phase.rows.of_inputs, *(row for row, _ in phase.rows.bounds_of(forces)))
-    reader = _Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
+    reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
     return _violations(index, rows, reader, INNER_PLACES, np.zeros(len(rows)))
 
 
-@dataclass(frozen=True)
-class _Controls:
-    """The controls along a motion as a curve."""
-
-    inputs: DrivenInputs
-
-    @property
-    def breaks(self) -> Array:
-        return self.inputs.trajectory.x.breaks
-
-    def __call__(self, t: Array, interval: Indices | None = None) -> Array:
-        return self.inputs.at(t, interval)[1]
-
-    def inside(self, tau: Array) -> Array:
-        return self.inputs.inside(tau)[1]
-
-
-class _Reader(Protocol):
-    """Values of rows along a trajectory."""
-
-    @property
-    def breaks(self) -> Array: ...
-
-    def grid(self, tau: Array) -> Array:
-        """Evaluate at places of every interval, (m,) -> (K, m, rows)."""
-        ...
-
-    def at(self, times: Array, intervals: Indices) -> Array:
-        """Evaluate at times (m,), each on its own interval, (m, rows)."""
-        ...
-
-
-@dataclass(frozen=True)
-class _Columns:
-    """Rows that are entries of one curve."""
-
-    curve: Curve
-    columns: Sequence[int]
-
-    @property
-    def breaks(self) -> Array:
-        return self.curve.breaks
-
-    def grid(self, tau: Array) -> Array:
-        return self.curve.inside(tau)[..., self.columns]
-
-    def at(self, times: Array, intervals: Indices) -> Array:
-        return self.curve(times, intervals)[:, self.columns]
-
-
-@dataclass(frozen=True)
-class _Rates:
-    """Rows that are time derivatives of entries of one curve, by central differences inside the intervals."""
-
-    curve: Curve
-    columns: Sequence[int]
-
-    @property
-    def breaks(self) -> Array:
-        return self.curve.breaks
-
-    def grid(self, tau: Array) -> Array:
-        count = len(self.breaks) - 1
-        times = self.breaks[:-1, None] + np.diff(self.breaks)[:, None] * tau
-        return self.at(times.ravel(), np.repeat(np.arange(count), len(tau))).reshape(count, len(tau), -1)
-
-    def at(self, times: Array, intervals: Indices) -> Array:
-        step = STEP * np.diff(self.breaks)[intervals]
-        middle = np.clip(times, self.breaks[intervals] + step, self.breaks[intervals + 1] - step)
-        change = self.curve(middle + step, intervals) - self.curve(middle - step, intervals)
-        return change[:, self.columns] / (2.0 * step[:, None])
-
-
-@dataclass(frozen=True)
-class _Expressions:
-    """Rows that are expressions of a trajectory; without ``inputs`` of its states alone."""
-
-    table: RowTable
-    rows: Sequence[PhaseRow]
-    trajectory: PhaseTrajectory
-    inputs: Inputs | None
-
-    @property
-    def breaks(self) -> Array:
-        return self.trajectory.x.breaks
-
-    def grid(self, tau: Array) -> Array:
-        times = self.breaks[:-1, None] + np.diff(self.breaks)[:, None] * tau
-        x = self.trajectory.x.inside(tau).reshape(times.size, -1)
-        if self.inputs is None:
-            return self._sample(times.ravel(), x).reshape(*times.shape, -1)
-        z, u = (values.reshape(times.size, -1) for values in self.inputs.inside(tau))
-        return self._sample(times.ravel(), x, z, u).reshape(*times.shape, -1)
-
-    def at(self, times: Array, intervals: Indices) -> Array:
-        x = self.trajectory.x(times, intervals)
-        if self.inputs is None:
-            return self._sample(times, x)
-        return self._sample(times, x, *self.inputs.at(times, intervals))
-
-    def _sample(self, times: Array, x: Array, z: Array | None = None, u: Array | None = None) -> Array:
-        dae, parameters = self.table.dae, np.array(list(self.trajectory.parameters.values()))
-        z = np.zeros((len(times), len(dae.algebraic))) if z is None else z
-        u = np.zeros((len(times), len(dae.controls))) if u is None else u
-        return self.table.sample(self.rows, times, x, z, u, parameters)
-
-
 def _violations(
-    phase: int, rows: Sequence[PhaseRow], reader: _Reader, places: Array, allowed: Array
+    phase: int, rows: Sequence[PhaseRow], reader: RowValues, places: Array, allowed: Array
 ) -> list[IntervalViolation]:
     """Find the worst place of every row on every interval where it exceeds a bound by more than is allowed (rows,)."""
     if not rows:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robotraj.problem.rows import Kind
+from robotraj.problem.phase_row import Kind
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.table import Entry, Scalars

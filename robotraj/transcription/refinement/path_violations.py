@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.problem.rows import PhaseRow
+from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.driven_motion import Inputs
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.interval_violations import input_violations

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, lobatto_sites
-from robotraj.problem.rows import PhaseRow
+from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets

@@ -21,7 +21,7 @@ from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.problem.constraints.base import Row
-from robotraj.problem.rows import PhaseRow
+from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.gait.mirroring import mirror
+from robotraj.gait.mirroring.mirror import mirror
 from robotraj.problem.links.touchdown import Touchdown
 from robotraj.solution.cycles.cycle_map import CycleMap, cycle_map_of
 from robotraj.solution.cycles.gait_cycles import gait_cycles

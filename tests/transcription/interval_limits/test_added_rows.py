@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.problem.rows import Kind
+from robotraj.problem.phase_row import Kind
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow

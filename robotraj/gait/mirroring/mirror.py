@@ -9,9 +9,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.gait.mirror_inertia import IMBALANCE
-from robotraj.gait.mirror_inertia import imbalance as imbalance_of
-from robotraj.gait.sides import other_side
+from robotraj.gait.mirroring.imbalance import IMBALANCE
+from robotraj.gait.mirroring.imbalance import imbalance as imbalance_of
+from robotraj.gait.mirroring.sides import other_side
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.links.periodic import Mirror
 from robotraj.robot.robot import Robot

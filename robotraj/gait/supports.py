@@ -1,0 +1,57 @@
+"""Which feet stand in each phase of a gait, and the options that all phases share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.gait.feet import FootKind
+from robotraj.gait.upright import Upright
+from robotraj.problem.constraints.bounds import Between
+from robotraj.problem.objectives.base import Objective
+
+
+@dataclass(frozen=True)
+class Support:
+    """One phase of a gait: its standing feet and its duration.
+
+    Attributes
+    ----------
+    feet : tuple of str
+        Frames of the standing feet; none in flight.
+    duration : float or (float, float)
+        Fixed or bounded [s].
+    name : str
+    """
+
+    feet: tuple[str, ...]
+    duration: float | Sequence[float] | Between
+    name: str
+
+
+@dataclass(frozen=True)
+class GaitTerms:
+    """Options that all phases of a gait share.
+
+    Attributes
+    ----------
+    contact : Contact or callable
+        Of every foot: ``rt.PointContact``, a contact to copy to the other feet, or a function of a frame.
+    clearance : float or None
+        Height of swinging feet halfway between their footholds [m]; 0 keeps them above the ground, None adds no row.
+    objective : Objective or None
+        Of every phase; ``gait_objective(robot, standing)`` by default.
+    upright : Upright or None
+    ground : Ground or callable
+        For clearance; contacts have their own ground.
+    """
+
+    contact: FootKind = PointContact
+    clearance: float | None = 0.0
+    objective: Objective | None = None
+    upright: Upright | None = None
+    ground: Ground | GroundFunction = Flat()

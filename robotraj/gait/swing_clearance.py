@@ -1,0 +1,111 @@
+"""Clearance of swinging feet: an arc past the standing foot, or a height above the ground."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.variable import Scalar
+from robotraj.gait.feet import foot_contact
+from robotraj.gait.supports import GaitTerms, Support
+from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.constraints.clearance import GroundClearance
+from robotraj.problem.constraints.heights import RequiredHeight
+from robotraj.problem.links.periodic import Mirror, Periodic
+from robotraj.robot.robot import Robot
+
+TOUCH = 1e-4
+"""Depth below the ground [m] that clearance allows, so that it is not redundant at liftoff and touchdown."""
+
+
+def partners_of(repeat: Mirror | Periodic | None) -> dict[str, str]:
+    """Return the foot on the other side of each foot that a mirror names."""
+    if not isinstance(repeat, Mirror):
+        return {}
+    return {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
+
+
+def swing_clearance(
+    robot: Robot,
+    support: Support,
+    swinging: Sequence[str],
+    terms: GaitTerms,
+    ground: Ground,
+    repeat: Mirror | Periodic | None,
+    passes: Mapping[str, str] | None,
+) -> list[Constraint]:
+    """Return the clearance of swinging feet.
+
+    In a mirrored gait a foot swings past its standing partner: from one displacement behind the partner's foothold
+    to one before it. The same holds in each half of a complete stride. Other feet are kept above the ground, with a
+    warning if the clearance is positive. All corners of a sole are kept above the ground.
+    """
+    if terms.clearance is None or not swinging:
+        return []
+    partners = partners_of(repeat) if passes is None else passes
+    gain = repeat.displacement.get("q.root_x") if repeat is not None else None
+    if passes is not None and isinstance(gain, int | float):
+        gain = 0.5 * gain
+    rows: list[Constraint] = []
+    level: list[tuple[str, tuple[float, ...]]] = []
+    low: list[str] = []
+    for foot in swinging:
+        other, corners = partners.get(foot, foot), foot_contact(terms.contact, foot).bound_to(robot).outline()
+        if terms.clearance > 0.0 and other in support.feet and isinstance(gain, int | float) and gain != 0.0:
+            place, step = f"{foot_contact(terms.contact, other).label}.x", float(gain)
+            rows.append(GroundClearance(_contact_point(terms, foot), SwingArc(terms.clearance, place, step), ground))
+            level += corners if len(corners) > 1 else []
+        else:
+            level += corners
+            low.append(foot)
+    if low and support.feet and terms.clearance > 0.0:
+        warnings.warn(
+            f"clearance={terms.clearance:g} is not held by {', '.join(low)} in {support.name!r}: they are only kept "
+            "above the ground. The height needs a standing partner that the foot passes, and a step of known length. "
+            "Add rt.GroundClearance(foot, rt.constraints.SwingApex(...)) for these feet.",
+            stacklevel=3,
+        )
+    spots = [(frame, offset) if any(offset) else frame for frame, offset in level]
+    return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows
+
+
+def _contact_point(terms: GaitTerms, foot: str) -> str | tuple[str, tuple[float, ...]]:
+    """Return the contact point of a foot: its frame, or its frame and offset."""
+    offset = getattr(foot_contact(terms.contact, foot), "offset", None)
+    return foot if offset is None or not np.any(offset) else (foot, tuple(offset))
+
+
+@dataclass(frozen=True)
+class SwingArc(RequiredHeight):
+    """Height [m] of a swing foot, h = 4 (apex + d) s (1 - s) - d with d = 0.1 mm, s its progress between footholds.
+
+    Halfway, h is the apex; the foot never comes below -d. s runs from 0 to 1 between one step behind and one step
+    before the partner's foothold. Without d, the contacts at both ends would make the inequality active at its only
+    feasible value, where multipliers are not unique.
+
+    Attributes
+    ----------
+    apex : float
+        [m].
+    anchor : str
+        Parameter of the phase: world x of the partner's foothold.
+    step : float
+        Displacement of a step along x [m].
+    """
+
+    apex: float
+    anchor: str
+    step: float
+
+    def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
+        """Return the least heights at ``position``."""
+        progress = 0.5 + 0.5 * (position[0] - point.p[self.anchor]) / self.step
+        return {
+            "ground clearance": -TOUCH,
+            "swing apex": 4.0 * (self.apex + TOUCH) * progress * (1.0 - progress) - TOUCH,
+        }

@@ -1,0 +1,169 @@
+"""Rows that the configurations at the ends of phases must satisfy, with the symbols that they read.
+
+They are the limits, what the user gave at an end, contacts, links, and the mean speeds between both ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.point import Point
+from robotraj.problem.constraints.base import Where
+from robotraj.problem.links.base import Ends
+from robotraj.problem.phase import Phase
+from robotraj.problem.phase_row import PhaseRow
+from robotraj.problem.problem import Problem
+from robotraj.robot.limits import Limits
+
+SHORTEST = 1e-3
+"""Least duration of a phase [s], which keeps mean speeds finite."""
+ENDS, HELD, GIVEN = 20.0, 5.0, 1.0
+"""Weights of slacks: states that the user gave at an end; contacts, links and frames at an end; limits."""
+
+
+@dataclass(frozen=True, eq=False)
+class EndRow:
+    """A row of the relaxed problem: value, bounds, and how it is named."""
+
+    value: ca.SX
+    lower: float
+    upper: float
+    phase: str
+    name: str
+    unit: str
+    time: ca.SX
+    weight: float
+    physical: bool = False
+
+    @property
+    def scale(self) -> float:
+        """Unit of the slack: the larger finite bound, else 1, in ``unit``."""
+        return max((abs(b) for b in (self.lower, self.upper) if np.isfinite(b) and b), default=1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseEnds:
+    """Symbols of the two ends of a phase, and the points of them."""
+
+    phase: Phase
+    first: ca.SX
+    last: ca.SX
+    begun: ca.SX
+    duration: ca.SX
+    parameters: ca.SX
+    start: Point
+    end: Point
+
+    @property
+    def unknowns(self) -> list[ca.SX]:
+        """Positions at both ends, time of the start, duration and parameters."""
+        size = position_count(self.phase)
+        known = self.begun if self.begun.is_symbolic() else ca.SX(0, 1)
+        return [self.first[:size], self.last[:size], known, self.duration, self.parameters]
+
+
+def position_count(phase: Phase) -> int:
+    """Return how many states are positions; all states of a System."""
+    return phase.robot.nq if phase.robot is not None else len(phase.body.states)
+
+
+def ends_of_phases(phases: Sequence[Phase]) -> list[PhaseEnds]:
+    """Return symbols and points of the ends of every phase."""
+    found = []
+    for i, phase in enumerate(phases):
+        begun = ca.SX.sym(f"t{i}") if i else ca.SX(0)
+        body, names = phase.body, phase.parameter_names
+        first, last = (ca.SX.sym(f"{which}{i}", len(body.states)) for which in ("first", "last"))
+        duration, p = ca.SX.sym(f"T{i}"), ca.SX.sym(f"p{i}", len(names))
+        start = body.point(begun, first, None, None, p, names)
+        end = body.point(begun + duration, last, None, None, p, names)
+        found.append(PhaseEnds(phase, first, last, begun, duration, p, start, end))
+    return found
+
+
+def rows_at_ends(ends: PhaseEnds) -> Iterator[EndRow]:
+    """Yield the rows of one phase: limits, what the user gave, contacts, mean speeds."""
+    phase, size = ends.phase, position_count(ends.phase)
+    table, states = phase.rows, [state.name for state in phase.body.states]
+    # A kinematic plan has the same symbols among its algebraic variables and its controls.
+    inner = ca.vertcat(ca.SX(0, 1), *ca.symvar(ca.vertcat(*table.point.z.values(), *table.point.u.values())))
+    groups = (table.path, table.at(Where.START), table.at(Where.END))
+    read = [row for group in groups for row in group if not ca.depends_on(table.expressions((row,))[0], inner)]
+    sides = (
+        (Where.START, ends.start, ends.first, ends.begun, phase.start_bounds),
+        (Where.END, ends.end, ends.last, ends.begun + ends.duration, phase.end_bounds),
+    )
+    for where, point, x, t, given in sides:
+        for row in table.bounds:
+            if row.variable in states[:size] and row.where in (Where.THROUGHOUT, where):
+                value = x[states.index(str(row.variable))]
+                yield EndRow(value, row.lower, row.upper, phase.name, row.label, row.unit, t, GIVEN, True)
+        for variable, value, low, high in zip(phase.body.states[:size], ca.vertsplit(x[:size]), *given, strict=False):
+            label = f"{where.value} {variable.quantity}, {variable.label}"
+            yield EndRow(value, low, high, phase.name, label, variable.unit, t, ENDS, True)
+        here = [row for row in read if row.where in (Where.THROUGHOUT, where)]
+        values = _values(ends, here, x, t)
+        for row, value in zip(here, values, strict=True):
+            weight = GIVEN if row.where is Where.THROUGHOUT else HELD
+            yield EndRow(value, row.lower, row.upper, phase.name, row.label, row.unit, t, weight)
+        held = phase.body.invariant(point) if phase.body.invariants else ca.SX(0, 1)
+        for variable, value in zip(phase.body.invariants, ca.vertsplit(held), strict=True):
+            label = f"{variable.quantity}, {variable.label}"
+            yield EndRow(value, 0.0, 0.0, phase.name, label, variable.unit, t, HELD)
+    middle = ends.begun + 0.5 * ends.duration
+    for name, value, low, high in zip(
+        phase.parameter_names, ca.vertsplit(ends.parameters), *phase.parameter_bounds, strict=True
+    ):
+        yield EndRow(value, low, high, phase.name, f"parameter {name}", "", middle, GIVEN, True)
+    least, longest = phase.duration_bounds
+    yield EndRow(ends.duration, max(least, SHORTEST), longest, phase.name, "duration", "s", ends.duration, GIVEN, True)
+    yield from _mean_speeds(ends)
+
+
+def _values(ends: PhaseEnds, rows: Sequence[PhaseRow], x: ca.SX, t: ca.SX) -> list[ca.SX]:
+    """Return the expressions of rows of the state at one end."""
+    table = ends.phase.rows
+    if not rows:
+        return []
+    column = ca.vertcat(*table.expressions(tuple(rows)))
+    symbols = table.symbols
+    extra = symbols[1].numel() - x.numel()
+    state = ca.vertcat(x, ca.SX.sym("added", extra)) if extra else x
+    return list(
+        ca.vertsplit(ca.substitute([column], [symbols[0], symbols[1], symbols[4]], [t, state, ends.parameters])[0])
+    )
+
+
+def _mean_speeds(ends: PhaseEnds) -> Iterator[EndRow]:
+    """Yield (q_1 - q_0) / T within the speed limits, for joints with one position."""
+    phase, robot = ends.phase, ends.phase.robot
+    if robot is None or not isinstance(phase.limits, Limits):
+        return
+    positions = list(robot.position_names)
+    for joint, unit, limit in zip(robot.velocity_names, robot.units, phase.limits.velocity, strict=True):
+        if joint in positions and np.isfinite(limit):
+            i = positions.index(joint)
+            mean = (ends.last[i] - ends.first[i]) / ends.duration
+            half = ends.begun + 0.5 * ends.duration
+            yield EndRow(mean, -limit, limit, phase.name, f"velocity limit, {joint}", f"{unit}/s", half, GIVEN, True)
+
+
+def rows_of_links(problem: Problem, ends: Sequence[PhaseEnds]) -> Iterator[EndRow]:
+    """Yield the rows of all links of a problem."""
+    for link in problem.bound_links:
+        own = {unknown.name: ca.SX.sym(unknown.name) for unknown in link.unknowns}
+        values = link.values([Ends(ends[i].start, ends[i].end) for i in link.phases], own)
+        at = ends[link.phases[0]]
+        for row, value in zip(link.rows, values, strict=True):
+            name = f"{row.label} of {link.name}"
+            yield EndRow(value, row.lower, row.upper, at.phase.name, name, row.unit, at.begun + at.duration, HELD)
+
+
+def reads_only(value: ca.SX, unknown: ca.SX) -> bool:
+    """Whether a value depends on positions, durations and parameters alone, not on speeds or impulses."""
+    known = {symbol.name() + str(symbol.__hash__()) for symbol in ca.vertsplit(unknown)}
+    return all(symbol.name() + str(symbol.__hash__()) in known for symbol in ca.symvar(value))

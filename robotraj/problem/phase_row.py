@@ -1,0 +1,76 @@
+"""One scalar row of a phase: its kind, when it holds, bounds and unit."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import numpy as np
+
+from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import Row, Where
+
+
+class Kind(Enum):
+    """What a row is to the transcription.
+
+    BOUND bounds one variable of the dynamics. PATH bounds an expression at the collocation points. INTEGRAL bounds an
+    integral over the phase. END bounds an expression at the start or at the end. RATE bounds the time derivative of one
+    variable.
+    """
+
+    BOUND = "bound"
+    PATH = "path"
+    INTEGRAL = "integral"
+    END = "end"
+    RATE = "rate"
+
+
+@dataclass(frozen=True)
+class PhaseRow(Row):
+    """A row of a phase.
+
+    Attributes
+    ----------
+    kind : Kind
+    where : Where
+        When it holds.
+    constraint : int
+        Number of its constraint in ``RowTable.constraints``.
+    entry : int
+        Number of the row in its constraint.
+    number : int
+        Number of the row in ``RowTable.rows``.
+    """
+
+    kind: Kind = Kind.PATH
+    where: Where = Where.THROUGHOUT
+    constraint: int = 0
+    entry: int = 0
+    number: int = 0
+
+    @property
+    def is_equality(self) -> bool:
+        """Whether both bounds are the same number."""
+        return self.lower == self.upper
+
+    @property
+    def greatest_bound(self) -> float:
+        """Largest absolute value of the finite bounds, in ``unit``; 0 without any."""
+        return max((abs(bound) for bound in (self.lower, self.upper) if np.isfinite(bound)), default=0.0)
+
+    @property
+    def size(self) -> float:
+        """Amount of a relative violation of 1: half the range of two bounds, else max(1, abs(bound)), in ``unit``."""
+        width = self.upper - self.lower
+        return 0.5 * width if 0.0 < width < np.inf else max(1.0, self.greatest_bound)
+
+
+def kind_of(row: Row, where: Where) -> Kind:
+    """Return the kind of a row that holds ``where``."""
+    if where is Where.RATE:
+        return Kind.RATE
+    if row.variable is not None:
+        return Kind.BOUND
+    if where is Where.INTEGRAL:
+        return Kind.INTEGRAL
+    return Kind.END if where in (Where.START, Where.END) else Kind.PATH

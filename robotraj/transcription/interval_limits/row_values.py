@@ -1,0 +1,162 @@
+"""Values of rows along a trajectory: entries of a curve, their rates, and expressions.
+
+``interval_violations`` reads all of them in the same way: on a grid of places of every interval, and at single times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.problem.phase_row import PhaseRow
+from robotraj.problem.rows import RowTable
+from robotraj.transcription.driven_motion import DrivenInputs, Inputs
+from robotraj.transcription.extract import PhaseTrajectory
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+STEP = 1e-3
+"""Step of the differences of torques, relative to the length of the interval."""
+
+
+class Curve(Protocol):
+    """A vector-valued function of time on intervals, such as a ``PiecewisePolynomial``."""
+
+    @property
+    def breaks(self) -> Array:
+        """Ends of the intervals [s], (K + 1,)."""
+        ...
+
+    def __call__(self, t: Array, interval: Indices | None = None) -> Array:
+        """Evaluate at times (m,), each on its own interval where these are given, (m, n)."""
+        ...
+
+    def inside(self, tau: Array) -> Array:
+        """Evaluate every interval at the same places tau in [0, 1], (m,) -> (K, m, n)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Controls:
+    """The controls along a motion as a curve."""
+
+    inputs: DrivenInputs
+
+    @property
+    def breaks(self) -> Array:
+        """Ends of the intervals [s], (K + 1,)."""
+        return self.inputs.trajectory.x.breaks
+
+    def __call__(self, t: Array, interval: Indices | None = None) -> Array:
+        """Evaluate at times (m,), each on its own interval where these are given, (m, nu)."""
+        return self.inputs.at(t, interval)[1]
+
+    def inside(self, tau: Array) -> Array:
+        """Evaluate every interval at the same places tau in [0, 1], (m,) -> (K, m, nu)."""
+        return self.inputs.inside(tau)[1]
+
+
+class RowValues(Protocol):
+    """Values of rows along a trajectory."""
+
+    @property
+    def breaks(self) -> Array:
+        """Ends of the intervals [s], (K + 1,)."""
+        ...
+
+    def grid(self, tau: Array) -> Array:
+        """Evaluate at places of every interval, (m,) -> (K, m, rows)."""
+        ...
+
+    def at(self, times: Array, intervals: Indices) -> Array:
+        """Evaluate at times (m,), each on its own interval, (m, rows)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Rows that are entries of one curve."""
+
+    curve: Curve
+    columns: Sequence[int]
+
+    @property
+    def breaks(self) -> Array:
+        """Ends of the intervals [s], (K + 1,)."""
+        return self.curve.breaks
+
+    def grid(self, tau: Array) -> Array:
+        """Evaluate at places of every interval, (m,) -> (K, m, rows)."""
+        return self.curve.inside(tau)[..., self.columns]
+
+    def at(self, times: Array, intervals: Indices) -> Array:
+        """Evaluate at times (m,), each on its own interval, (m, rows)."""
+        return self.curve(times, intervals)[:, self.columns]
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Rows that are time derivatives of entries of one curve, by central differences inside the intervals."""
+
+    curve: Curve
+    columns: Sequence[int]
+
+    @property
+    def breaks(self) -> Array:
+        """Ends of the intervals [s], (K + 1,)."""
+        return self.curve.breaks
+
+    def grid(self, tau: Array) -> Array:
+        """Evaluate at places of every interval, (m,) -> (K, m, rows)."""
+        count = len(self.breaks) - 1
+        times = self.breaks[:-1, None] + np.diff(self.breaks)[:, None] * tau
+        return self.at(times.ravel(), np.repeat(np.arange(count), len(tau))).reshape(count, len(tau), -1)
+
+    def at(self, times: Array, intervals: Indices) -> Array:
+        """Evaluate at times (m,), each on its own interval, (m, rows)."""
+        step = STEP * np.diff(self.breaks)[intervals]
+        middle = np.clip(times, self.breaks[intervals] + step, self.breaks[intervals + 1] - step)
+        change = self.curve(middle + step, intervals) - self.curve(middle - step, intervals)
+        return change[:, self.columns] / (2.0 * step[:, None])
+
+
+@dataclass(frozen=True)
+class Expressions:
+    """Rows that are expressions of a trajectory; without ``inputs`` of its states alone."""
+
+    table: RowTable
+    rows: Sequence[PhaseRow]
+    trajectory: PhaseTrajectory
+    inputs: Inputs | None
+
+    @property
+    def breaks(self) -> Array:
+        """Ends of the intervals [s], (K + 1,)."""
+        return self.trajectory.x.breaks
+
+    def grid(self, tau: Array) -> Array:
+        """Evaluate at places of every interval, (m,) -> (K, m, rows)."""
+        times = self.breaks[:-1, None] + np.diff(self.breaks)[:, None] * tau
+        x = self.trajectory.x.inside(tau).reshape(times.size, -1)
+        if self.inputs is None:
+            return self._sample(times.ravel(), x).reshape(*times.shape, -1)
+        z, u = (values.reshape(times.size, -1) for values in self.inputs.inside(tau))
+        return self._sample(times.ravel(), x, z, u).reshape(*times.shape, -1)
+
+    def at(self, times: Array, intervals: Indices) -> Array:
+        """Evaluate at times (m,), each on its own interval, (m, rows)."""
+        x = self.trajectory.x(times, intervals)
+        if self.inputs is None:
+            return self._sample(times, x)
+        return self._sample(times, x, *self.inputs.at(times, intervals))
+
+    def _sample(self, times: Array, x: Array, z: Array | None = None, u: Array | None = None) -> Array:
+        dae, parameters = self.table.dae, np.array(list(self.trajectory.parameters.values()))
+        z = np.zeros((len(times), len(dae.algebraic))) if z is None else z
+        u = np.zeros((len(times), len(dae.controls))) if u is None else u
+        return self.table.sample(self.rows, times, x, z, u, parameters)
