@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codeop
 import re
 from pathlib import Path
 
@@ -42,6 +43,20 @@ def test_the_blocks_of_a_document_run_in_turn(document: Path, tmp_path: Path, mo
     for line, code in python_blocks(document.read_text()):
         # The blank lines make a traceback show the document's own line.
         exec(compile("\n" * line + code, str(document), "exec"), names)
+
+
+@pytest.mark.parametrize("document", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))], ids=lambda p: p.stem)
+def test_the_blocks_can_be_pasted_into_an_interactive_session(document: Path) -> None:
+    """There a blank line ends an indented block, and nothing else does."""
+    for line, code in python_blocks(document.read_text()):
+        pending: list[str] = []
+        for number, text in enumerate(code.splitlines(), line + 1):
+            pending.append(text)
+            try:
+                if codeop.compile_command("\n".join(pending), symbol="single"):
+                    pending = []
+            except SyntaxError:
+                pytest.fail(f"{document.name}, line {number}: {text!r} needs a blank line before it")
 
 
 def test_the_first_plan_of_a_newcomer_is_proved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

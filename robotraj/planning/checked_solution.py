@@ -7,8 +7,9 @@ from functools import partial
 
 import numpy as np
 
+from robotraj._util.late import Late
 from robotraj.planning.nlp_violations import violations
-from robotraj.solution.costates.duals import LateDuals, PhaseDuals
+from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Outcome
@@ -71,10 +72,10 @@ def _more_equations_than_unknowns(nlp: Nlp) -> bool:
     return bool(equations > np.sum(nlp.variables.lower < nlp.variables.upper))
 
 
-def _late_duals(nlp: Nlp, outcome: Outcome) -> LateDuals:
+def _late_duals(nlp: Nlp, outcome: Outcome) -> Late[PhaseDuals]:
     # Costates are not unique where invariants are held. A copy of the NLP is without the functions that it has made.
     held = any(phase.dae.invariants for phase in nlp.problem.phases)
-    return LateDuals(partial(_duals, replace(nlp), outcome), 0 if held else len(nlp.layouts))
+    return Late(partial(_duals, replace(nlp), outcome), 0 if held else len(nlp.layouts))
 
 
 def _duals(nlp: Nlp, outcome: Outcome) -> tuple[PhaseDuals, ...]:

@@ -146,11 +146,11 @@ def solve(
             found = _state_violations(solution, interval_limits.tolerance)
             clearing.measure(solution, clearing.binds(nlp, w))
             margins.measure(solution)
-        left, controls = (between_points(problem, group) for group in (found, margins.found))
-        left = (*clearing.violations(solution), *left)
+        left = (*clearing.violations(solution), *between_points(problem, found))
     except KeyboardInterrupt:
         # Ctrl-C between two solves: the last solution is kept.
         return replace(solution, status=Status.INTERRUPTED, added_rows=tuple(added))
+    controls = margins.violations(problem)
     return replace(solution, added_rows=tuple(added), interval_violations=left, control_interval_violations=controls)
 
 

@@ -68,11 +68,10 @@ class Solution(OneLine):
         Rows that were imposed between collocation points as well.
     interval_violations : tuple of Violation
         Rows on states that are still broken between collocation points, worst first; empty where they all hold there.
-    control_interval_violations : tuple of Violation
+    control_interval_violations : sequence of Violation
         Bounds of controls and of algebraic variables, accelerations among them, that are exceeded by more than 1 %
-        there, worst first: their polynomials bulge where they switch, unless
-        ``rt.interval_limits.BernsteinBounds(controls=True)`` holds
-        them.
+        there, worst first; found when first read. Their polynomials bulge where they switch, unless
+        ``rt.interval_limits.BernsteinBounds(controls=True)`` holds them.
     impulses : tuple of mapping
         For every link of the problem, the impulses of its impact by name, ``"impulse.left_foot.z"`` [N s, N m s]; empty
         for links without one.
@@ -99,7 +98,7 @@ class Solution(OneLine):
     added_rows: tuple[AddedRow, ...] = ()
     interval_violations: tuple[Violation, ...] = ()
     conflicts: tuple[Conflict, ...] = ()
-    control_interval_violations: tuple[Violation, ...] = ()
+    control_interval_violations: Sequence[Violation] = ()
     impulses: tuple[Mapping[str, float], ...] = ()
     settings: Settings | None = None
     proof: Proof | None = None

@@ -2,20 +2,65 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Protocol
 
 from robotraj._util.printing import wrapped
+from robotraj.solution.conflict import Conflict
+from robotraj.solution.planned import Planned
+from robotraj.solution.proof import Proof
+from robotraj.solution.records import ContinuationRecord, MeshStep
+from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
-
-if TYPE_CHECKING:
-    from robotraj.solution.solution import Solution
 
 CONVERGED = (Status.SOLVED, Status.TOLERANCE_NOT_REACHED, Status.NOT_PROVED)
 """Statuses of motions that satisfy every row: only of these is it shown what happens between the knots."""
 CHANGE_LIMITS = "Change one of these limits or the motion that conflicts with it."
 
 
-def summary(solution: Solution) -> str:
+class Summarised(Planned, Protocol):
+    """What the text of a solution reads beside what exports read."""
+
+    @property
+    def seconds(self) -> float:
+        """Seconds in all."""
+
+    @property
+    def error(self) -> float | None:
+        """Largest relative error of an interval."""
+
+    @property
+    def refinement(self) -> Sequence[MeshStep]:
+        """The meshes, in order."""
+
+    @property
+    def continuation(self) -> Sequence[ContinuationRecord]:
+        """The stages, in order."""
+
+    @property
+    def proof(self) -> Proof | None:
+        """What was measured between the collocation points."""
+
+    @property
+    def interval_violations(self) -> Sequence[Violation]:
+        """Rows on states that are broken between collocation points."""
+
+    @property
+    def control_interval_violations(self) -> Sequence[Violation]:
+        """Bounds of controls that are exceeded there."""
+
+    @property
+    def conflicts(self) -> Sequence[Conflict]:
+        """Bounds that must give."""
+
+    def violations(self, top: int = 3) -> Sequence[Violation]:
+        """List the worst violations."""
+
+    def in_phase(self, entry: Conflict | Violation) -> str:
+        """Write an entry, with its phase where there are several."""
+
+
+def summary(solution: Summarised) -> str:
     """Return the text of a solution in lines of at most 80 columns."""
     converged = solution.status in CONVERGED
     lines = [

@@ -144,6 +144,7 @@ def test_show_prints_joints_limits_and_frames() -> None:
     assert "slider" in said and "[-2, 2]" in said and "20 N" in said
     assert "tip" in said.split("frames")[1]
     assert "licence:" in said
+    assert all(len(line) <= 80 for robot in ("pendulum", "ur5") for line in succeed("show", robot).splitlines())
     assert "! Joint 'joint1' cannot be planned" in succeed("show", "double_pendulum")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from robotraj._util.printing import wrapped
 from robotraj.cli.options import JsonOption, RobotArgument
 from robotraj.cli.terminal import say, say_json
 
@@ -23,13 +24,14 @@ def show(robot: RobotArgument, as_json: JsonOption = False) -> None:
         say_json(_described(mover, entry))
         return
     if entry is not None:
-        say(f"{entry.description}\nlicence: {entry.licence}\nprovenance: {entry.provenance}\n")
+        facts = (entry.description, f"licence: {entry.licence}", f"provenance: {entry.provenance}")
+        say("\n".join(line for fact in facts for line in wrapped(fact)) + "\n")
     say(mover)
     for complaint in mover.limits.complaints(mover.actuated):
-        say(f"! {complaint}")
+        say("\n".join(wrapped(f"! {complaint}")))
     say("\nframes")
     for kind, names in _frames(mover).items():
-        say(f"  {kind}: {', '.join(names)}")
+        say("\n".join(wrapped(f"{kind}: {', '.join(names)}", "  ")))
 
 
 def _frames(robot: Robot) -> dict[str, list[str]]:

@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
+
+from robotraj._util.late import Late
+from robotraj.planning.nlp_violations import between_points
+from robotraj.problem.problem import Problem
+from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
+from robotraj.solution.violation import Violation
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation, variable_violations
 from robotraj.transcription.interval_limits.margins import LimitedInterval
 
@@ -15,26 +23,37 @@ class LoweredLimits:
 
     Attributes
     ----------
-    found : list of IntervalViolation
-        Limits that the solution that was measured last exceeds.
     amounts : dict
         By how much the limits of rows are lowered on intervals, in their SI unit.
     """
 
     def __init__(self) -> None:
-        self.found: list[IntervalViolation] = []
         self.amounts: dict[LimitedInterval, float] = {}
+        self._found: Late[IntervalViolation] = Late(list)
 
     def measure(self, solution: Solution) -> None:
-        """Find the limits that a solution exceeds between its points."""
-        self.found = [
-            violation
-            for i, part in enumerate(solution.phases)
-            for violation in variable_violations(part.phase, i, part.trajectory, part.inputs)
-        ]
+        """Look at another solution from now on."""
+        self._found = Late(partial(_exceeded, solution.phases))
+
+    @property
+    def found(self) -> Sequence[IntervalViolation]:
+        """Limits that the solution exceeds between its points, found when first read."""
+        return self._found
+
+    def violations(self, problem: Problem) -> Late[Violation]:
+        """Return the same as violations of a solution: many a plan on a given mesh is never asked for them."""
+        return Late(partial(between_points, problem, self._found))
 
     def lower(self) -> None:
         """Lower the limits that were exceeded."""
         for violation in self.found:
             place = LimitedInterval(violation.phase, violation.interval, violation.row.number)
             self.amounts[place] = self.amounts.get(place, 0.0) + MORE * violation.amount
+
+
+def _exceeded(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
+    return [
+        violation
+        for i, part in enumerate(phases)
+        for violation in variable_violations(part.phase, i, part.trajectory, part.inputs)
+    ]

@@ -20,7 +20,7 @@ ROUNDING = 1e-9
 
 
 def principal_moments(inertia: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the eigenvalues (3,) of an inertia about the centre of mass, in ascending order [kg m^2]."""
+    """Return the eigenvalues (..., 3) of inertias (..., 3, 3) about the centre of mass, in ascending order [kg m^2]."""
     return np.asarray(np.linalg.eigvalsh(inertia))
 
 
@@ -39,12 +39,15 @@ def triangle_fault(moments: NDArray[np.float64], mass: float) -> str:
     mass : float
         Mass [kg], which scales the tolerance.
     """
-    values = ", ".join(f"{moment:.4g}" for moment in moments)
     if is_indefinite(moments, mass):
-        return f"the principal moments of inertia {values} kg m^2, one of them negative"
+        return f"the principal moments of inertia {_listed(moments)} kg m^2, one of them negative"
     if moments[0] + moments[1] < (1.0 - TRIANGLE) * moments[2] - ROUNDING * mass:
-        return f"the principal moments of inertia {values} kg m^2, the last larger than the sum of the others"
+        return f"the principal moments of inertia {_listed(moments)} kg m^2, the last larger than the sum of the others"
     return ""
+
+
+def _listed(moments: NDArray[np.float64]) -> str:
+    return ", ".join(f"{moment:.4g}" for moment in moments)
 
 
 def check_bodies(name: str, model: pin.Model) -> None:

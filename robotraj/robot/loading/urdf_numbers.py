@@ -7,7 +7,7 @@ not be right are findings, which ``rt.load`` warns of and ``robotraj show`` list
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -22,6 +22,8 @@ MOVING = {"revolute", "continuous", "prismatic"}
 JOINT_NUMBERS = ("limit", "dynamics", "mimic")
 """Tags of a joint whose attributes are numbers, but for the name of the leader."""
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+FULL = [0, 1, 2, 1, 3, 4, 2, 4, 5]
+"""Places in ``INERTIA`` of the entries of the matrix, row by row."""
 UNIT_AXIS = 1e-2
 """Largest distance from 1 of an axis' length that is no finding."""
 SPEEDS = (1e-6, 1e6)
@@ -52,8 +54,7 @@ def check_numbers(file: str, root: Element) -> tuple[str, ...]:
         more = f" And {len(faults) - SHOWN} more." if len(faults) > SHOWN else ""
         raise InputError(f"{file}: {'; '.join(faults[:SHOWN])}.{more}")
     joints = (finding for joint in root.findall("joint") for finding in _joint_findings(joint))
-    links = (finding for link in root.findall("link") for finding in _link_findings(link))
-    return (*joints, *links)
+    return (*joints, *_link_findings(root.findall("link")))
 
 
 def _joint_faults(joint: Element) -> Iterator[str]:
@@ -117,21 +118,24 @@ def _joint_findings(joint: Element) -> Iterator[str]:
             yield f"Joint {name!r} has the implausible {key} limit {size:g}. Correct it with limits={{{key!r}: ...}}."
 
 
-def _link_findings(link: Element) -> Iterator[str]:
-    inertia, mass = link.find("inertial/inertia"), link.find("inertial/mass")
-    if inertia is None or mass is None:
+def _link_findings(links: Iterable[Element]) -> Iterator[str]:
+    """Yield the links with inertias of no rigid body; the eigenvalues of all are computed in one call."""
+    found = [(link, link.find("inertial/inertia"), link.find("inertial/mass")) for link in links]
+    heavy = [(link, inertia, mass) for link, inertia, mass in found if inertia is not None and mass is not None]
+    if not heavy:
         return
-    ixx, ixy, ixz, iyy, iyz, izz = (float(inertia.get(key, "0")) for key in INERTIA)
-    matrix = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
-    fault = triangle_fault(principal_moments(matrix), float(mass.get("value", "0")))
-    if fault:
-        yield f"Link {link.get('name')!r} has {fault}. No rigid body has such an inertia: correct the URDF."
+    entries = np.array([[float(inertia.get(key, "0")) for key in INERTIA] for _, inertia, _ in heavy])
+    moments = principal_moments(entries[:, FULL].reshape(-1, 3, 3))
+    for (link, _, mass), own in zip(heavy, moments, strict=True):
+        fault = triangle_fault(own, float(mass.get("value", "0")))
+        if fault:
+            yield f"Link {link.get('name')!r} has {fault}. No rigid body has such an inertia: correct the URDF."
 
 
 def numbers(text: str, count: int) -> tuple[float, ...] | None:
     """Return the finite numbers of an attribute, or None where there are not ``count`` of them."""
     try:
-        values = tuple(float(part) for part in text.split())
+        values = tuple(map(float, text.split()))
     except ValueError:
         return None
     # float() takes underscores between digits, which no parser of URDFs does.
