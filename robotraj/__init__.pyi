@@ -13,7 +13,7 @@ from . import (
     transcription,
     witness,
 )
-from ._util.errors import InputError, Interrupted, NoSolutionFound, RobotrajError, UnknownName, ValidationFailed
+from ._util.errors import InputError, Interrupted, RobotrajError, UnknownName, ValidationFailed
 from .dynamics import contacts, design, obstacles, terrain
 from .dynamics.contacts.flat_foot import FlatFoot
 from .dynamics.contacts.line_contact import LineContact
@@ -50,6 +50,7 @@ from .robot.known_robots.catalogue import catalogue
 from .robot.limits import Limits
 from .robot.load import load
 from .robot.robot import Robot
+from .solution.errors import NoSolutionFound
 from .solution.solution import Solution
 from .solution.storage.load import load_solution
 from .solvers.interior_point import InteriorPoint

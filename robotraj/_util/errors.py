@@ -29,23 +29,6 @@ class BuildMismatch(RobotrajError, ImportError):
     """The compiled module is missing or was built against other versions than those installed."""
 
 
-class NoSolutionFound(RobotrajError):
-    """The solver stopped without a solution; ``solution`` keeps the last iterate.
-
-    Attributes
-    ----------
-    solution : robotraj.Solution
-        The last iterate, with its status, remedy and violated rows.
-    """
-
-    def __init__(self, message: str, solution: Any) -> None:
-        super().__init__(message)
-        self.solution = solution
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (str(self), self.solution)
-
-
 class ValidationFailed(RobotrajError):
     """A plan failed its forward-simulation proof; ``report`` holds the figures.
 

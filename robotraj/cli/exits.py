@@ -9,8 +9,9 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from robotraj._util.errors import InputError, NoSolutionFound, RobotrajError, ValidationFailed
+from robotraj._util.errors import InputError, RobotrajError, ValidationFailed
 from robotraj.cli.terminal import complain, drop_output
+from robotraj.solution.errors import NoSolutionFound
 
 
 class ExitCode(IntEnum):

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import casadi as ca
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import refuse_contacts
 from robotraj.dynamics.point import RobotPoint
-from robotraj.dynamics.rigid_body import RigidBody, refuse_contacts
+from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.variable import Named, Variable
 
 if TYPE_CHECKING:

@@ -1,9 +1,9 @@
 """A robot as a DAE: by inverse dynamics (RNEA, the default) or by forward dynamics (ABA).
 
 Both forms represent one equation of motion, M(q) a + h(q, v) = B tau - d(v) + J(q)' f. d is the joint damping and
-smoothed Coulomb friction of the URDF, f the forces of the contacts. The inverse form makes the accelerations and the
-contact forces algebraic variables. The rates (v, a) are then linear, and RNEA is the only nonlinear block of a point.
-Contacts add their accelerations to the rows of g, and their positions and velocities to the invariants.
+smoothed Coulomb friction of the URDF. f are the forces of the contacts. The inverse form makes the accelerations and
+the contact forces algebraic variables. The rates (v, a) are then linear, and RNEA is the only nonlinear block of a
+point. Contacts add their accelerations to the rows of g, and their positions and velocities to the invariants.
 Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5, 7 and 8.
 """
 
@@ -16,16 +16,15 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact, refuse_contacts
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.holding import contact_terms_of, correct, hold, pinned
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Column, Named, Variable
 
 if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
     from robotraj.dynamics.design.binding import Design
     from robotraj.dynamics.design.model import DesignedModel
     from robotraj.robot.robot import Robot
@@ -293,12 +292,3 @@ class ForwardDynamics:
         """
         refuse_contacts(contacts, "ForwardDynamics")
         return ForwardRigidBody(robot, design)
-
-
-def refuse_contacts(contacts: Sequence[BoundContact], who: str) -> None:
-    """Raise InputError where dynamics without contact forces are given contacts."""
-    if contacts:
-        names = ", ".join(repr(contact.name) for contact in contacts)
-        raise InputError(
-            f"{who} has no contact forces, but the phase has contacts {names}; use rt.dynamics.InverseDynamics()."
-        )

@@ -26,9 +26,9 @@ Array = NDArray[np.float64]
 class Keyframes(InitialGuess):
     """States through key poses.
 
-    States of a System run on straight lines. Positions of a robot run on the monotone piecewise cubic through the
-    poses, without overshoot and at rest where they turn, or with the velocities that a keyframe fixes. Velocities and
-    accelerations are the rates of that curve. Controls run on straight lines.
+    States of a System run on straight lines. Positions of a robot follow the monotone piecewise cubic through the
+    poses, without overshoot. They are at rest where they turn, or have the velocities that a keyframe fixes. Velocities
+    and accelerations are the rates of that curve. Controls run on straight lines.
     Source: Fritsch and Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984).
 
     Parameters

@@ -34,9 +34,9 @@ class StraightLine(InitialGuess):
     velocities on a line of their own, this halves the iterations, and minimum-time problems do not collapse to
     zero duration.
 
-    If the duration is free and the limits of all joints bound the accelerations, the line is run as in its fastest
-    motion, stretched to T. With s from 0 to 1 along the line, from rest to rest, s' <= s'_max and abs(s'') <= k by the
-    limits of speeds, accelerations and torques, the least time is 1 / p + p / k, p = min(s'_max, sqrt(k)).
+    If the duration is free and the limits of all joints bound the accelerations, the motion along the line is its
+    fastest one, stretched to T. With s from 0 to 1 along the line, from rest to rest, s' <= s'_max and abs(s'') <= k by
+    the limits of speeds, accelerations and torques, the least time is 1 / p + p / k, p = min(s'_max, sqrt(k)).
     Source: Lynch and Park, Modern Robotics (2017), section 9.2.
 
     A state of a system that is free at both ends of a phase keeps the value with which ``rt.Continuity`` or

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError, NoSolutionFound
+from robotraj._util.errors import InputError, RobotrajError
 from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
@@ -18,6 +18,7 @@ from robotraj.indirect.flow import Flow
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.problem.problem import Problem
 from robotraj.robot.tangent import normalised
+from robotraj.solution.errors import NoSolutionFound
 from robotraj.solution.sample import Times
 from robotraj.solvers.status import Status
 from robotraj.transcription.extract import PhaseTrajectory
@@ -32,6 +33,12 @@ Array = NDArray[np.float64]
 
 class PolishFailed(NoSolutionFound):
     """Pontryagin's conditions were not solved; ``solution`` is the last iterate, a ``Polished``."""
+
+    solution: Polished  # type: ignore[assignment]
+
+    def __init__(self, message: str, solution: Polished) -> None:
+        RobotrajError.__init__(self, message)
+        self.solution = solution
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robotraj._util.errors import InputError, NoSolutionFound
+from robotraj._util.errors import InputError
 from robotraj._util.forks import unforked
 from robotraj._util.time_left import limited
 from robotraj.guess.base import InitialGuess
@@ -25,6 +25,7 @@ from robotraj.planning.solve import on_a_coarse_mesh, solve
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
+from robotraj.solution.errors import NoSolutionFound
 from robotraj.solution.proof import Goals
 from robotraj.solution.records import ContinuationRecord
 from robotraj.solution.settings import Restarts, Settings

@@ -46,8 +46,8 @@ class LimitReached(KeyboardInterrupt):
 class PlanLimits:
     """A progress callback that stops a plan at its limits of time and memory.
 
-    Both are read at every iteration of a solver, and before every solve but the first one after ``begin``, so that
-    there is always an iterate to return. Building one program is interrupted only while it waits for a compiler.
+    Both are read at every iteration of a solver, and before every solve but the first one after ``begin``. So there is
+    always an iterate to return. Building one program is interrupted only while it waits for a compiler.
 
     Parameters
     ----------

@@ -56,10 +56,10 @@ def adapt(
     Where the errors hold and ``refinement`` returns no finer mesh, a smaller tolerance is used, or every interval
     whose knots are fixed is halved.
 
-    Rows are added between the collocation points from the first mesh that meets the tolerance without them, or that
-    is no better than an earlier one. Rows added on a coarse mesh would not hold on the next one. Where the solver
-    stops too far from the optimum of its mesh, its tolerance is reduced (``Solver.sharper``). The status of a
-    solution that misses the tolerance is ``Status.TOLERANCE_NOT_REACHED``.
+    Rows are added between the collocation points from a certain mesh on: the first that meets the tolerance without
+    them, or that is no better than an earlier one. Rows added on a coarse mesh would not hold on the next one. Where
+    the solver stops too far from the optimum of its mesh, its tolerance is reduced (``Solver.sharper``). The status of
+    a solution that misses the tolerance is ``Status.TOLERANCE_NOT_REACHED``.
     """
     tolerance, refinement, limits = settings.tolerance, settings.refinement, settings.interval_limits
     assert tolerance is not None and refinement is not None

@@ -2,8 +2,8 @@
 
 Free durations may be guessed too short. With less time than a motion needs, its constraints conflict. A solver that
 minimises their violation may then shorten the duration instead of lengthening it, and ends at a point that is locally
-infeasible. At a fixed and ample duration, without the objective, any motion that meets the constraints is a guess from
-which the duration falls to its optimum.
+infeasible. The problem is first solved at a fixed and ample duration, without the objective. Any motion that meets the
+constraints is a guess, from which the duration falls to its optimum.
 Source: Betts, Practical Methods for Optimal Control (2010), section 2.12 (find a feasible point first).
 
 Guesses may also lie where gradients point to neither side of an obstacle, or at a singular pose. Seeded random

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import field, fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj._util.errors import FailedExpression, InputError, unknown_name
 from robotraj._util.printing import OneLine
@@ -32,9 +32,12 @@ from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from robotraj.dynamics.design.binding import Design
     from robotraj.dynamics.design.quantity import Quantity
     from robotraj.dynamics.kinematics import Kinematics
+    from robotraj.problem.phase_fields import PhaseChanges
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +259,7 @@ class Phase(OneLine):
         terms = self.objective.terms if self.objective is not None else ()
         return tuple((weight, term) for weight, term in terms if isinstance(term, EndCost))
 
-    def with_(self, **changes: Any) -> Phase:
+    def with_(self, **changes: Unpack[PhaseChanges]) -> Phase:
         """Return the phase with other fields, ``phase.with_(end=rt.State(q=...))``.
 
         Where only the ends change, both phases share the equations and the table of rows.

@@ -1,10 +1,10 @@
-"""Checks of what a user gives to ``Phase``: kinds of values and mappings, before anything is bound to the dynamics."""
+"""What a user gives to ``Phase``: its fields by name, and checks of their kinds before anything is bound."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypedDict, TypeVar
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import own
@@ -15,7 +15,34 @@ from robotraj.problem.objectives.base import Objective
 from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
 
+if TYPE_CHECKING:
+    from robotraj.dynamics.design.quantity import Quantity
+    from robotraj.dynamics.kinematics import Kinematics
+    from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
+    from robotraj.problem.constraints.bounds import Between, Interval
+    from robotraj.robot.limits import Limits
+
 T = TypeVar("T")
+
+
+class PhaseChanges(TypedDict, total=False):
+    """Fields of ``rt.Phase``, any of them, as ``Phase.with_`` takes them."""
+
+    subject: Robot | System
+    duration: float | Sequence[float] | Between
+    start: State | None
+    end: State | None
+    objective: Objective | None
+    constraints: Sequence[Constraint]
+    contacts: Sequence[Contact]
+    parameters: Mapping[str, Interval]
+    design: Mapping[str, Quantity | Sequence[Quantity]]
+    states: Mapping[str, Interval]
+    controls: Mapping[str, Interval]
+    algebraic: Mapping[str, Interval]
+    limits: Limits | None
+    dynamics: InverseDynamics | ForwardDynamics | Kinematics
+    name: str
 
 
 def check_kinds(phase: str, subject: object, start: object, end: object, objective: object) -> None:

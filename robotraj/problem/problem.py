@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from functools import cached_property
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import ENTRIES, OneLine, brief, table
@@ -15,6 +15,11 @@ from robotraj.problem.constraints.base import Row
 from robotraj.problem.links.base import BoundLink, Link
 from robotraj.problem.links.continuity import running_on
 from robotraj.problem.phase import Phase
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from robotraj.problem.phase_fields import PhaseChanges
 
 _MISSING_AS = {
     "subject": ("the equations ", "the shapes "),
@@ -70,7 +75,7 @@ class Problem(OneLine):
         bound = tuple(link.bind(self.phases) for link in self.links)
         return bound + running_on(self.phases, bound)
 
-    def with_(self, **changes: Any) -> Problem:
+    def with_(self, **changes: Unpack[PhaseChanges]) -> Problem:
         """Return the problem with another start, end or other field of its phase.
 
         Parameters
@@ -94,9 +99,10 @@ class Problem(OneLine):
         if len(phases) == 1 or unknown:
             phases = [phases[0].with_(**changes)]
         else:
-            for which, index in (("start", 0), ("end", -1)):
-                if which in changes:
-                    phases[index] = phases[index].with_(**{which: changes[which]})
+            if "start" in changes:
+                phases[0] = phases[0].with_(start=changes["start"])
+            if "end" in changes:
+                phases[-1] = phases[-1].with_(end=changes["end"])
         # What a file could not keep of a field is no longer missing where the field is given anew.
         given = tuple(start for name in changes for start in _MISSING_AS.get(name, ()))
         return Problem(phases, self.links, tuple(name for name in self.missing if not name.startswith(given)))

@@ -66,8 +66,8 @@ class Ipopt(Solver):
         ``mu_strategy``: "monotone" stays with the local optimum next to the guess, "adaptive" often takes fewer
         iterations and may leave for another one.
     initial_barrier : float
-        ``mu_init``. A tenth of IPOPT's own default: the cost of one control shrinks as the mesh gets finer, and a
-        stronger barrier then pushes the controls away from where the guess put them.
+        ``mu_init``. A tenth of IPOPT's own default: the cost of one control shrinks as the mesh gets finer. A stronger
+        barrier then pushes the controls away from where the guess put them.
     linear_solver : str
         What factorises the symmetric systems, by its name in IPOPT: "mumps", "spral" or, where ``options`` name a
         library as ``hsllib`` or ``pardisolib``, "ma27", "ma57", "ma77", "ma86", "ma97" or "pardiso".

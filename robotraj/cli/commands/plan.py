@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from robotraj._util.errors import NoSolutionFound
 from robotraj.cli.minimise import Minimise
 from robotraj.cli.options import (
     HtmlOption,
@@ -18,6 +17,7 @@ from robotraj.cli.options import (
     TimeLimitOption,
 )
 from robotraj.cli.terminal import say, say_json
+from robotraj.solution.errors import NoSolutionFound
 
 
 def plan_motion(

@@ -229,3 +229,12 @@ def _number(value: Any) -> float:
         return float(value)
     except (TypeError, ValueError):
         return np.nan
+
+
+def refuse_contacts(contacts: Sequence[BoundContact], who: str) -> None:
+    """Raise InputError where dynamics without contact forces are given contacts."""
+    if contacts:
+        names = ", ".join(repr(contact.name) for contact in contacts)
+        raise InputError(
+            f"{who} has no contact forces, but the phase has contacts {names}; use rt.dynamics.InverseDynamics()."
+        )

@@ -41,10 +41,10 @@ def mirror(
     """Return the ``rt.Mirror`` that swaps left and right, for a robot that is its own image about the plane y = 0.
 
     Joints and frames are paired by their names (``left_``/``right_``, ``FL``/``FR``, ``l_``/``r_`` ...). Those without
-    another side are their own partners. The sign of a joint is that of its axis: where all joints are zero, an axis
-    a = (a_x, a_y, a_z) of rotation has the image (-a_x, a_y, -a_z), one of translation (a_x, -a_y, a_z), and the
-    partner's axis is the image or its opposite. A floating root keeps x, z and pitch and negates y, roll and yaw: the
-    states q.root_y, q.root_qx, q.root_qz, v.root_vy, v.root_wx and v.root_wz.
+    another side are their own partners. The sign of a joint is that of its axis: where all joints are zero, an axis a =
+    (a_x, a_y, a_z) of rotation has the image (-a_x, a_y, -a_z), and one of translation (a_x, -a_y, a_z). The partner's
+    axis is the image or its opposite. A floating root keeps x, z and pitch and negates y, roll and yaw: the states
+    q.root_y, q.root_qx, q.root_qz, v.root_vy, v.root_wx and v.root_wz.
 
     Geometry and inertia are then compared in seeded random configurations. In the mirrored configuration the partner of
     every joint must be at (x, -y, z), and the moment of gravity about the root must be the mirrored one. Pairs of

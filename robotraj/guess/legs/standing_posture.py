@@ -41,7 +41,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     """Return the configuration (nq,) with all feet on the ground, bent knees and the centre of mass above the feet.
 
     The feet keep their horizontal positions of the neutral configuration. If its legs are straight, joints at their
-    bounds are bent inwards and the centre of mass is lowered by a twentieth of its height, as far as the legs allow.
+    bounds are bent inwards. The centre of mass is then lowered by a twentieth of its height, as far as the legs allow.
 
     Parameters
     ----------

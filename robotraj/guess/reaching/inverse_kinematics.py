@@ -40,8 +40,9 @@ RESTARTS = 30
 class InverseKinematics(InitialGuess):
     """Joint positions at which a frame reaches a target, and the minimum-jerk motion to them.
 
-    Damped least squares start at the first configuration, then at seeded random ones, inside the position limits of
-    the phase and the bounds of its end. Torques are those of the inverse dynamics, as for ``rt.guess.MinimumJerk``.
+    Damped least squares start at the first configuration, then at seeded random ones. All are inside the position
+    limits of the phase and the bounds of its end. Torques are those of the inverse dynamics, as for
+    ``rt.guess.MinimumJerk``.
 
     Parameters
     ----------

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 class Native(Engine):
     r"""The compiled module, which needs no compiler at run time.
 
-    CasADi's graphs are evaluated at eight, four or two points at a time in the vector registers of the processor
-    (AVX-512, AVX2 or SSE2, detected when the module is loaded). A robot's inverse dynamics, their Jacobian and the
+    CasADi's graphs are evaluated at eight, four or two points at a time in the vector registers of the processor.
+    AVX-512, AVX2 or SSE2 is detected when the module is loaded. A robot's inverse dynamics, their Jacobian and the
     Hessian of :math:`\lambda'\tau` are evaluated by analytical formulas (``native/src/rigid_body/rigid_kernel.hpp``).
-    The cost grows with the number of pairs of joints on a common branch. The chain rule combines both. CasADi's
-    virtual machine evaluates functions that are no scalar graph (shooting) or call other functions (interpolants).
+    The cost grows with the number of pairs of joints on a common branch. The chain rule combines both. CasADi's virtual
+    machine evaluates functions that are no scalar graph (shooting) or call other functions (interpolants).
 
     The dynamics are a graph where a joint is neither revolute, prismatic nor a free-flyer at the root, and where the
     model has unknown parameters (``rt.design.Design``).

@@ -6,30 +6,29 @@ import threading
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from typing import Any
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, Interrupted
 from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess, default_guess, other_guess
+from robotraj.planning.many.local_optima import equal, same
 from robotraj.planning.many.starts import Shared, Start
 from robotraj.planning.many.sweep import attach, check_options, detach
 from robotraj.planning.many.workers import run
 from robotraj.planning.plan import plan
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 
-SAMPLES = 201
-"""Number of points of a phase at which two trajectories are compared."""
-LEAST_RANGE = 1e-3
-"""Smallest range relative to which states are compared [their SI unit]."""
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from robotraj.planning.many.options import Choices
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +127,7 @@ def multistart(
     executor: Executor | None = None,
     objective_tolerance: float = 1e-5,
     trajectory_tolerance: float = 1e-2,
-    **options: Any,
+    **options: Unpack[Choices],
 ) -> Multistart:
     """Plan from a guess and from seeded random variations of it; return the distinct local optima.
 
@@ -156,8 +155,8 @@ def multistart(
         Two solutions are one optimum if their trajectories agree and their objectives differ by less than this times
         1 + |objective|.
     trajectory_tolerance : float
-        Trajectories agree if no state differs by more than this times its range at equal fractions of each phase,
-        and no duration by more than this relative to the longer one.
+        Trajectories agree if no state differs by more than this times its range at equal fractions of each phase. No
+        duration may differ by more than this relative to the longer one.
     **options
         Of ``rt.plan``: mesh, solver, tolerance, continuation ... ``rt.InteriorPoint(fallback=None)`` counts its failed
         starts as failures; IPOPT would take longer for them than for all others.
@@ -208,7 +207,7 @@ def multistart(
     groups: list[list[int]] = []
     for _, i in solved:
         for group in groups:
-            if _same(found[group[0]], found[i], objective_tolerance, trajectory_tolerance, problem):
+            if same(found[group[0]], found[i], objective_tolerance, trajectory_tolerance, problem):
                 group.append(i)
                 break
         else:
@@ -231,7 +230,7 @@ class _Search:
 
     problem: Problem
     first: InitialGuess
-    options: Mapping[str, Any]
+    options: Choices
 
 
 class _Own(threading.local):
@@ -266,31 +265,7 @@ def _out_of(patience: int | None, tolerance: float) -> Callable[[Sequence[Soluti
     def stop(found: Sequence[Solution]) -> bool:
         costs = [s.objective if s.success else np.inf for s in found]
         lowest = min(costs)
-        first = next((i for i, cost in enumerate(costs) if _equal(cost, lowest, tolerance)), len(costs))
+        first = next((i for i, cost in enumerate(costs) if equal(cost, lowest, tolerance)), len(costs))
         return len(costs) - 1 - first >= patience
 
     return stop
-
-
-def _equal(a: float, b: float, tolerance: float) -> bool:
-    return abs(a - b) <= tolerance * (1.0 + abs(a))
-
-
-def _same(a: Solution, b: Solution, objective: float, trajectory: float, problem: Problem) -> bool:
-    if not _equal(a.objective, b.objective, objective):
-        return False
-    parts = zip(a.phases, b.phases, problem.phases, strict=True)
-    return all(_distance(p, q, len(phase.body.states)) <= trajectory for p, q, phase in parts)
-
-
-def _distance(a: PhaseSolution, b: PhaseSolution, states: int) -> float:
-    """Largest difference of a state relative to its range, or of the durations relative to the longer one."""
-    x, y = (_sampled(part)[:, :states] for part in (a, b))
-    span = np.maximum(np.maximum(np.ptp(x, axis=0), np.ptp(y, axis=0)), LEAST_RANGE)
-    longer = max(a.duration, b.duration)
-    late = abs(a.duration - b.duration) / longer if longer > 0 else 0.0
-    return float(np.max(np.abs(x - y).max(axis=0) / span, initial=late))
-
-
-def _sampled(part: PhaseSolution) -> NDArray[np.float64]:
-    return part.trajectory.x(part.t0 + part.duration * np.linspace(0.0, 1.0, SAMPLES))

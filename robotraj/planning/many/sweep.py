@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from inspect import signature
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robotraj._util.errors import InputError, Interrupted, unknown_name
 from robotraj.planning.many.workers import run
@@ -16,9 +16,18 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.solution import Solution
 from robotraj.transcription.shooting.problem import explicit
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from robotraj.planning.many.options import GuessedChoices
+
 
 def sweep(
-    problems: Sequence[Problem | Phase], *, executor: Executor | None = None, chain: bool = False, **options: Any
+    problems: Sequence[Problem | Phase],
+    *,
+    executor: Executor | None = None,
+    chain: bool = False,
+    **options: Unpack[GuessedChoices],
 ) -> list[Solution]:
     """Plan many problems with the same options.
 
@@ -86,7 +95,7 @@ def sweep(
     return [attach(solution, problem) for solution, problem in zip(found, posed, strict=True)]
 
 
-def _chained(problems: Sequence[Problem], options: Mapping[str, Any]) -> list[Solution]:
+def _chained(problems: Sequence[Problem], options: GuessedChoices) -> list[Solution]:
     """Plan each problem from the solution of the last one that was solved."""
     found: list[Solution] = []
     last: Solution | None = None
@@ -102,7 +111,7 @@ def _chained(problems: Sequence[Problem], options: Mapping[str, Any]) -> list[So
     return found
 
 
-def check_options(options: Mapping[str, Any]) -> None:
+def check_options(options: Mapping[str, object]) -> None:
     """Refuse options that ``rt.plan`` does not have, before a worker starts.
 
     Raises
@@ -116,12 +125,12 @@ def check_options(options: Mapping[str, Any]) -> None:
             raise unknown_name("option of rt.plan", name, known)
 
 
-def _plan(options: Mapping[str, Any], numbered: tuple[int, Problem]) -> Solution:
+def _plan(options: GuessedChoices, numbered: tuple[int, Problem]) -> Solution:
     number, problem = numbered
     return detach(_numbered_plan(options, number, problem))
 
 
-def _numbered_plan(options: Mapping[str, Any], number: int, problem: Problem) -> Solution:
+def _numbered_plan(options: GuessedChoices, number: int, problem: Problem) -> Solution:
     try:
         return plan(problem, check=False, progress=False, **options)
     except InputError as error:

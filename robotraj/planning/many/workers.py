@@ -1,9 +1,9 @@
 """Work in any ``concurrent.futures`` executor, with results in the order of the tasks.
 
-Data shared by all tasks is sent with each task and unpacked once per worker, so that all tasks
-of a problem use the same graphs. Processes exchange data by cloudpickle: equations of Systems and expressions of
-constraints are mostly lambdas, which the standard library cannot pickle. Threads share memory and send nothing.
-Results that only sending requires, such as costates, are computed later there.
+Data shared by all tasks is sent with each task and unpacked once per worker. So all tasks of a problem use the same
+graphs. Processes exchange data by cloudpickle: equations of Systems and expressions of constraints are mostly lambdas,
+which the standard library cannot pickle. Threads share memory and send nothing. Results that only sending requires,
+such as costates, are computed later there.
 """
 
 from __future__ import annotations

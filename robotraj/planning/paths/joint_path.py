@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,13 +15,15 @@ from robotraj.solution.solution import Solution
 
 Array = NDArray[np.float64]
 
+JointPath: TypeAlias = "ArrayLike | Solution | PiecewisePolynomial | Callable[[Array], ArrayLike]"
+"""What ``as_path`` takes."""
 HIGHEST = 5
 """Degree of the spline through configurations, which bounds jerks; lower with fewer than six of them."""
 PIECES = 32
 """Number of pieces by which a function of the parameter is approximated."""
 
 
-def as_path(path: Any, parameters: ArrayLike | None = None) -> PiecewisePolynomial:
+def as_path(path: JointPath, parameters: ArrayLike | None = None) -> PiecewisePolynomial:
     """Return a path q(s) of joints.
 
     Parameters

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError
 from robotraj._util.trajectory import PiecewisePolynomial
-from robotraj.planning.paths.joint_path import as_path
+from robotraj.planning.paths.joint_path import JointPath, as_path
 from robotraj.planning.plan import plan
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.bounds import BoundsLike, between
@@ -24,7 +24,10 @@ from robotraj.robot.robot import Robot
 from robotraj.solution.solution import Solution
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from robotraj.dynamics.design.quantity import Quantity
+    from robotraj.planning.many.options import PlanOptions
 
 LONGEST = 1e3
 """Upper bound of the duration [s]."""
@@ -35,7 +38,7 @@ ROUNDING = 1e-6
 
 
 def retime(
-    path: Any,
+    path: JointPath,
     robot: Robot | None = None,
     *,
     parameters: ArrayLike | None = None,
@@ -47,7 +50,7 @@ def retime(
     constraints: Sequence[Constraint] = (),
     design: Mapping[str, Quantity | Sequence[Quantity]] | None = None,
     objective: Objective | None = None,
-    **options: Any,
+    **options: Unpack[PlanOptions],
 ) -> Solution:
     """Plan the motion of least time along a path q(s) of the joints.
 

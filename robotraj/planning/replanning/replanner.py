@@ -65,7 +65,7 @@ class Replanner:
         Of the first plan.
     solver : InteriorPoint, optional
         Of the steps. The default stops at 1e-4 and starts at a barrier of 1e-3: near its last solution a smaller
-        barrier takes more iterations, since limits become active or inactive from step to step.
+        barrier takes more iterations. Limits become active or inactive from step to step.
 
     Raises
     ------

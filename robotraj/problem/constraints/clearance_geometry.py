@@ -86,9 +86,9 @@ def _turned(view: FrameMotion, vector: Vector) -> Sequence[Scalar]:
 class CollisionShapes(OneLine):
     """Collision shapes of links, from the robot's URDF, for ``GroundClearance``.
 
-    The clearance of a box is that of its 8 corners, of a sphere that of its lowest point, of a capsule that of its two
-    end spheres, of a cylinder that of the rims of its two ends. This is exact over a plane, and over other ground at
-    those points. The clearance of a mesh is that of the 8 corners of its bounding box.
+    The clearance of a box is that of its 8 corners, and of a sphere that of its lowest point. That of a capsule is
+    measured at its two end spheres, and that of a cylinder at the rims of its two ends. This is exact over a plane, and
+    over other ground at those points. The clearance of a mesh is that of the 8 corners of its bounding box.
 
     Parameters
     ----------

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 class TorqueRate(Integral):
     """Integral over the phase of sum_j w_j (d tau_j / dt)^2 [N^2 m^2 / s].
 
-    The torques (controls of a System) become states and their rates the controls, so that torques are
-    continuous within the phase and as smooth as the scheme's states; their ends are free. ``point.u`` and the phase's
-    ``controls=`` still name the torques; ``rt.constraints.JointTorqueRate`` bounds the rates.
+    The torques (controls of a System) become states and their rates the controls. So torques are continuous within the
+    phase and as smooth as the scheme's states; their ends are free. ``point.u`` and the phase's ``controls=`` still
+    name the torques; ``rt.constraints.JointTorqueRate`` bounds the rates.
 
     Parameters
     ----------

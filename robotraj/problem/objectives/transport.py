@@ -27,8 +27,8 @@ class CostOfTransport(EndCost):
     """Work over weight and distance, W / (m g d), without unit.
 
     W is the work done in the phase, a further state with Wdot = its rate and W = 0 at the start. m is the mass of all
-    moving links, d the displacement from start to end along a direction. Bound d from below by a start and an end, or
-    by a constraint, since the ratio has no minimum around d = 0.
+    moving links. d is the displacement from start to end along a direction. Bound d from below by a start and an end,
+    or by a constraint, since the ratio has no minimum around d = 0.
 
     Parameters
     ----------

@@ -92,8 +92,8 @@ def _quaternions(rotation: Array) -> Array:
 def keys(position: Array, quaternion: Array) -> NDArray[np.intp]:
     """Choose the samples of one joint to send: one a frame, more where interpolation misses by TOLERANCE.
 
-    Starting from every FINEST-th sample, an interval whose midpoint differs from the linear (position) or
-    great-arc (rotation) mean of its ends is halved, and its halves again.
+    Starting from every FINEST-th sample, an interval is halved where its midpoint differs from the mean of its ends,
+    linear for positions and on the great arc for rotations. Its halves are halved again.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 """Pairs of links that are checked against each other.
 
-Not checked are pairs that an SRDF disables, links that a joint joins, links that do not move relative to each other,
-and links whose shapes touch in every configuration. Links that are closer than spheres resolve are left to the
-exact shapes of the witness: spheres around the forearm and the wrist of an arm overlap in half of its configurations,
-where the shapes touch in few.
+Four kinds of pairs are not checked: those that an SRDF disables, links that a joint joins, links that do not move
+relative to each other, and links whose shapes touch in every configuration. Links that are closer than spheres resolve
+are left to the exact shapes of the witness: spheres around the forearm and the wrist of an arm overlap in half of its
+configurations, where the shapes touch in few.
 """
 
 from __future__ import annotations

@@ -114,9 +114,9 @@ def robot_spheres(robot: Robot, disabled: Collection[tuple[str, str]] = ()) -> R
     ----------
     robot : Robot
     disabled : collection of (str, str)
-        Pairs of links that are not checked against each other, as of ``read_srdf``. Pairs that a joint joins, that do
-        not move relative to each other, or that touch in all sampled configurations are not checked either, nor are
-        those for which the spheres are too coarse (``too_coarse``).
+        Pairs of links that are not checked against each other, as of ``read_srdf``. Further pairs are not checked:
+        those that a joint joins, those that do not move relative to each other, those that touch in all sampled
+        configurations, and those for which the spheres are too coarse (``too_coarse``).
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """Sources of a robot's visual and collision geometry, which is read on first use.
 
-A robot from a URDF is pickled without its shapes, so that loading does not wait for meshes and a robot can be sent to
+A robot from a URDF is pickled without its shapes. So loading does not wait for meshes, and a robot can be sent to
 another process. The shapes are read again there on first use.
 """
 

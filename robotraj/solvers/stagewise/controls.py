@@ -3,8 +3,8 @@
 A row r(v) - k u = 0 with a constant k gives u = r / k, if no other nonlinear output depends on u. The usual case is
 the torque of an actuated joint in its balance. The row and the column are removed, and bounds of the column become rows
 of the expression. Further outputs of the stage and linear rows that depend on u use the expression. A linear row over
-the torques of several points of an interval, which bounds their polynomial in between, becomes a combination of the
-points' torque functions and stays in the interval's stage.
+the torques of several points of an interval bounds their polynomial in between. It becomes a combination of the points'
+torque functions and stays in the interval's stage.
 
 On a robot that lacks motors the balances of the other joints stay as equations. There a Newton step of the expression
 differs from one of the unknown: the acrobot's swing-ups ended at twice the effort. Its torques remain unknowns (the

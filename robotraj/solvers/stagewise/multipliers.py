@@ -1,7 +1,7 @@
 """Multipliers of the NLP from those of its program.
 
-Rows and bounds that the program kept have theirs. Those of the rows that were used up, defects that define a state and
-balances that give a control, follow from stationarity in the columns that went with them,
+Rows and bounds that the program kept have theirs. Rows that were used up are defects that define a state and balances
+that give a control. Their multipliers follow from stationarity in the columns that went with them,
 
     (grad f + J' lambda + z)_c = 0,
 

@@ -2,8 +2,8 @@
 
 A path equality h(t, x, p) = 0 has order r if its rates h', ..., h^(r-1), along dx/dt = f, depend neither on controls
 nor on algebraic variables, and h^(r) does. The pose of a frame has order 2. Imposed at every collocation point, it
-would leave the controls along it an oscillation from point to point, and would not determine the rates at the end of
-the phase. With a fixed end, at rest for example, the problem would have more rows than unknowns.
+would let the controls along it oscillate from point to point. It would not determine the rates at the end of the phase
+either. With a fixed end, at rest for example, the problem would have more rows than unknowns.
 
 Instead, the rows at the last r points of an interval are replaced by h, h', ..., h^(r-1) at the last one. For
 Hermite-Simpson these are the pose and the velocity at every knot. At the mid-point, as between all points, the

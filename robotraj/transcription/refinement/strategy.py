@@ -149,8 +149,8 @@ class SplitAndMerge(Refinement):
 def _bulk(coarse: Array, schemes: tuple[Scheme, ...]) -> NDArray[np.bool_]:
     """Fewest intervals that make up ``BULK`` of what all may cost, of schemes whose controls the residual does not see.
 
-    Those are one-step schemes, all of whose intervals are chosen where none costs any, and collocation with constants
-    or lines for controls instead of its own polynomial.
+    Those are one-step schemes, all of whose intervals are chosen where none costs any. They are also collocation with
+    constants or lines for controls instead of its own polynomial.
     Source: Doerfler, A convergent adaptive algorithm for Poisson's equation, SIAM J. Numerical Analysis 33 (1996).
     """
     chosen = np.zeros(len(coarse), dtype=bool)

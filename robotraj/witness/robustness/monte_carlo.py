@@ -121,7 +121,7 @@ def monte_carlo(
 ) -> MonteCarlo:
     """Simulate a plan in MuJoCo many times under tau = tau_plan - K(t) e, with random disturbances.
 
-    The controller reads positions and velocities with noise at its rate, answers after the delay with the torque of
+    The controller reads positions and velocities with noise at its rate. After the delay it answers with the torque of
     ``solution.gains``, clipped at the phase's limits of effort, and holds it for a period.
 
     Parameters

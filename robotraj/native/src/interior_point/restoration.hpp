@@ -6,8 +6,8 @@
 
 namespace robotraj::interior_point {
 
-/// Lowers the violation by the same iteration on `Feasibility`, until it is half of what it was and the point is acceptable
-/// to the line search that gave up. Source: the paper, section 3.3.
+/// Lowers the violation by the same iteration on `Feasibility`, until it is halved and the line search that gave up
+/// accepts the point. Source: the paper, section 3.3.
 class Restoration {
  public:
   Restoration(ProgramProblem& original, const Options& options, Progress& progress);

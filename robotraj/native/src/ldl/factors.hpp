@@ -16,8 +16,8 @@ struct Inertia {
   int delayed = 0;             ///< candidates that waited for another front, each time they did
 };
 
-/// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983), on a matrix whose rows
-/// are scaled by the root of the largest number of each, one round of Ruiz (RAL-TR-2001-034): an NLP is scaled already.
+/// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983). Rows are first scaled
+/// by the root of the largest number of each, one round of Ruiz (RAL-TR-2001-034): an NLP is scaled already.
 ///
 /// The first order knows nothing of zeros on the diagonal. Where many candidates wait for another front, the third
 /// factorisation begins with the order in which the second one's pivots left.

@@ -23,9 +23,9 @@ struct PointSizes {
 /// One point function at E points.
 ///
 /// Every array is column-major (n, E): point after point. The order of the nonzeros is the block's own and the
-/// same at every point; Python is told it when the block is made. An evaluation writes every entry of its result,
-/// allocates nothing, gives the same bits for any number of threads, and never throws once `prepare` was called.
-/// A block has work memory of its own, so it serves one caller at a time: `alone` keeps the others waiting.
+/// same at every point; Python is told it when the block is made. An evaluation writes every entry of its result and
+/// allocates nothing. It gives the same bits for any number of threads, and never throws once `prepare` was called. A
+/// block has work memory of its own, so it serves one caller at a time: `alone` keeps the others waiting.
 class PointBlock {
  public:
   explicit PointBlock(const PointSizes& sizes) : sizes_(sizes) {}

@@ -18,9 +18,9 @@ struct Kernels;
 /// y = base + A x for one sparse A.
 ///
 /// Equal intervals make equal blocks of rows, each reading x a fixed distance further on. One of them stays in a cache
-/// near the processor, where the whole matrix of a long mesh has to come from memory each time, and is multiplied by for
-/// as many intervals at once as the processor has lanes. In a block, rows of equally many entries follow each other.
-/// Every row is summed as it stands, base first.
+/// near the processor; the whole matrix of a long mesh would come from memory each time. It is multiplied by for as
+/// many intervals at once as the processor has lanes. In a block, rows of equally many entries follow each other. Every
+/// row is summed as it stands, base first.
 ///
 /// Results may have places of their own: row i goes to y[places[i]], to nowhere where that is negative. A base that
 /// stays the same may be kept with the rows, once where they repeat. A combination that only adds leaves out the rows

@@ -1,0 +1,27 @@
+"""The error of a plan without a solution."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from robotraj._util.errors import RobotrajError
+
+if TYPE_CHECKING:
+    from robotraj.solution.solution import Solution
+
+
+class NoSolutionFound(RobotrajError):
+    """The solver stopped without a solution; ``solution`` keeps the last iterate.
+
+    Attributes
+    ----------
+    solution : robotraj.Solution
+        The last iterate, with its status, remedy and violated rows.
+    """
+
+    def __init__(self, message: str, solution: Solution) -> None:
+        super().__init__(message)
+        self.solution = solution
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (str(self), self.solution)
