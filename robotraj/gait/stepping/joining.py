@@ -15,8 +15,9 @@ from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
 from robotraj.gait.checks import number
-from robotraj.gait.phase_sequence import GaitTerms, Support, sequence
+from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.standing import stand
+from robotraj.gait.supports import GaitTerms, Support
 from robotraj.gait.upright import Upright
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.links.touchdown import Touchdown
