@@ -107,6 +107,17 @@ def test_the_published_optimum_follows_from_the_straight_line(
     assert solution.objective == pytest.approx(optimum, rel=accuracy)
 
 
+@pytest.mark.parametrize(
+    ("build", "optimum"),
+    [(free_flyer, 7.91014874), (hang_glider, -1248.031026), (goddard, -18550.872), (algal_bacterial, -5.452)],
+)
+def test_the_default_call_proves_it(build: Callable[[], rt.Phase], optimum: float) -> None:
+    solution = rt.plan(build())
+    assert solution.proof is not None and solution.proof.motion_holds
+    assert solution.objective == pytest.approx(optimum, rel=2e-3)
+    assert rt.validate(solution).passed
+
+
 def test_the_reactor_converges_from_the_straight_line() -> None:
     # CTDirect gives 5.45.
     solution = rt.plan(algal_bacterial(), rt.Mesh(200, rt.HermiteSimpson()), time_limit=30.0)

@@ -26,10 +26,10 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import Equidistribute, evenly_finer
 from robotraj.transcription.schemes.mesh import Mesh
 
-MOST_MESHES = 4
+MOST_MESHES = 8
 """Meshes tried before a plan is given back as it is."""
-MOST_STICKING = 8
-"""The same for joints that stick and slide: each mesh has its knots closer to where they do."""
+ENOUGH = 4
+"""The same for a motion that is proved, whose objective has not settled; joints that stick and slide go on."""
 PATIENCE, PATIENCE_STICKING = 150, 300
 """Iterations of a solve that may improve an objective, or the start of another solve, and nothing else."""
 SOFTER = 1.25
@@ -39,7 +39,11 @@ LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT, Status.MEMORY_L
 SECOND = 1.5
 """Growth from a first mesh that could not be solved to the second one."""
 STUCK = 0.7
-"""Share of the error of one mesh that is left on the next, beyond which the plan is given back as it is."""
+"""Share of the error of one mesh that is left on the next, beyond which the one after has ``DOUBLED`` intervals.
+
+Where that leaves as much, the plan is given back as it is.
+"""
+DOUBLED = 2.0
 
 
 def prove(
@@ -85,12 +89,11 @@ class _Refining:
         if soft is not None:
             guess, meshes = soft, self._bent(soft)
         last: Solution | None = None
-        best_held = False
-        most = MOST_STICKING if self.sticking else MOST_MESHES
-        for number in range(most):
+        best_held, stuck = False, 0
+        for number in range(MOST_MESHES):
             first = number == 0
             try:
-                self.held = number == most - 1
+                self.held = number == MOST_MESHES - 1 or (number >= ENOUGH - 1 and not self.sticking)
                 last = self._on(meshes, self.best or guess, first, nearby=soft is not None or not first)
             except KeyboardInterrupt:
                 if last is None:
@@ -105,9 +108,13 @@ class _Refining:
                 break
             if not first and last.proof is not None and last.proof.holds:
                 break
-            if self._stuck():
+            if number >= ENOUGH - 1 and not self.sticking and self.best is not None and _is_motion(self.best):
                 break
-            finer = self._finer(meshes, 1.0 if not first else self._second if soft is None else SECOND)
+            stuck = stuck + 1 if self._stuck() else 0
+            if stuck > 1:
+                break
+            least = DOUBLED if stuck else 1.0 if not first else self._second if soft is None else SECOND
+            finer = self._finer(meshes, least)
             if finer == meshes:
                 break
             meshes = finer

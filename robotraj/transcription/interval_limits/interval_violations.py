@@ -54,7 +54,7 @@ SHARE = 1e-2
 ROUNDING = 1e-9
 """Relative difference of equal values on both sides of a knot."""
 EXACT_SHARE = 1e-3
-"""The same for torques of exact motions, which are known at any time."""
+"""The same for torques of exact motions, which are known at any time, and for path rows."""
 
 
 @dataclass(frozen=True)
@@ -112,8 +112,8 @@ def variable_violations(
         Of the phase.
     trajectory : PhaseTrajectory
     inputs : Inputs, optional
-        Along the motion; by default the polynomials. Limits of torques that drive the motion may be exceeded by
-        ``EXACT_SHARE``, all others by ``SHARE``.
+        Along the motion; by default the polynomials. Limits of torques that drive the motion and path rows may be
+        exceeded by ``EXACT_SHARE``, all others by ``SHARE``.
     """
     curves: list[tuple[Sequence[Variable], Curve, float]] = [(limited_algebraic(phase), trajectory.z, SHARE)]
     if isinstance(inputs, DrivenInputs):
@@ -135,9 +135,8 @@ def variable_violations(
         allowed = EXACT_SHARE * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, Rates(Controls(inputs), columns), ONE_SIDED, allowed)
     rows = [row for row in phase.rows.of_inputs if not row.is_equality and _is_given(phase, row)]
-    share = EXACT_SHARE if isinstance(inputs, DrivenInputs) else SHARE
     reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
-    return found + _violations(index, rows, reader, INNER_PLACES, share * np.array([row.size for row in rows]))
+    return found + _violations(index, rows, reader, INNER_PLACES, EXACT_SHARE * np.array([row.size for row in rows]))
 
 
 def _is_given(phase: Phase, row: PhaseRow) -> bool:
