@@ -11,6 +11,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from robotraj.replay_page.scene.part import Color, Part, merge_by_color
+from robotraj.replay_page.scene.simplify import simplified
 
 MOST_COLORS = 24
 """A mesh painted face by face in more colours than this is drawn in their mean."""
@@ -44,7 +45,7 @@ def read_mesh(path: str) -> tuple[Part, ...]:
         if np.linalg.det(transform[:3, :3]) < 0.0:
             faces = faces[:, ::-1]
         for color, mask in _colors(mesh):
-            pieces.append((vertices, faces[mask], color))
+            pieces.append((*simplified(vertices, faces[mask]), color))
     return merge_by_color(pieces)
 
 
