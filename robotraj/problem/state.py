@@ -26,7 +26,8 @@ class State(OneLine):
     q, v : None, number, Between, sequence or mapping by joint name, optional
         For a robot: positions (nq) [rad, m] and velocities (nv) [rad/s, m/s], the root's first where it moves: the
         names are ``robot.position_names`` and ``robot.velocity_names``. The quaternion of a floating root, x, y, z, w,
-        is given whole and of length 1; its negative is the same attitude, a full turn later.
+        is given whole and of length 1; its negative is the same attitude, a full turn later. The end -q is an odd
+        number of full turns away, and q an even one; the guess decides which way round.
 
     None leaves a value free, a number fixes it, ``rt.between(lower, upper)`` bounds it; joints that a mapping does not
     name stay free. Arrays, lists and mappings are copied: later changes of them change no state.

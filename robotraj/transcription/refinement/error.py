@@ -10,6 +10,10 @@ Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at
 of g counts as well. For a robot by inverse dynamics this compares the planned acceleration with the true one under the
 torques that drive the motion (``driven_motion``).
 
+Damping makes the residual of a light joint large though its motion is right: what e changes decays at the rate
+lambda_i = (M^-1 D)_ii, with contacts the entry of the constrained inverse, and grows to |e_i| / lambda_i at most. Over
+an interval of length h the residual therefore counts as |e_i| / (1 + h lambda_i).
+
 Schemes that integrate from knot to knot have the same estimate, by the polynomial of their dense output. It measures
 how well the motion between two knots is integrated. For classical Runge-Kutta and compressed Hermite-Simpson it falls
 as h^4. For an adaptive integrator it is of the size of the integrator's tolerance on any mesh. It does not measure how
@@ -25,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss
+from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.transcription.driven_motion import Inputs, MotionEquations, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 
@@ -58,6 +63,8 @@ def interval_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | 
 def state_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
     """Return the integral of |xdot - f| over every interval by Kelly's definition, (K, nx), in each state's unit.
 
+    Residuals that damping lets decay count as much less.
+
     Parameters
     ----------
     phase, trajectory, inputs
@@ -76,16 +83,29 @@ def state_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | Non
     t, weight = np.concatenate(times), np.concatenate(weights)
     owner = np.repeat(np.arange(len(counts)), counts)
     x, xdot = trajectory.x(t), rates(t)
-    f = _rates(
-        phase,
-        t,
-        x,
-        *(inputs or PlannedInputs(trajectory)).at(t),
-        np.array(list(trajectory.parameters.values()), dtype=float),
-    )
+    z, u = (inputs or PlannedInputs(trajectory)).at(t)
+    p = np.array(list(trajectory.parameters.values()), dtype=float)
+    residual = np.abs(xdot - _rates(phase, t, x, z, u, p))
+    decay = _decay(phase, t, x, z, u, p)
+    if decay is not None:
+        residual /= 1.0 + np.diff(breaks)[owner][:, None] * decay
     eta = np.zeros((len(counts), x.shape[1]))
-    np.add.at(eta, owner, weight[:, None] * np.abs(xdot - f))
+    np.add.at(eta, owner, weight[:, None] * residual)
     return eta
+
+
+def _decay(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Array | None:
+    """Return the rates [1/s] at which damping lets each state decay by itself, (m, nx); None where there is none."""
+    body = phase.body
+    if not isinstance(body, InverseRigidBody) or body.design is not None or not np.any(body.robot.damping):
+        return None
+    nq, nv = body.robot.nq, body.robot.nv
+    if phase.dae.algebraic[:nv] != body.algebraic[:nv]:
+        return None
+    inverse = np.linalg.pinv(MotionEquations.of(phase).slopes(t, x, z, u, p))
+    decay = np.zeros_like(x)
+    decay[:, nq : nq + nv] = np.maximum(np.einsum("mii->mi", inverse[:, :nv, :nv]) * body.robot.damping, 0.0)
+    return decay
 
 
 def _rates(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Array:
