@@ -17,7 +17,7 @@ from robotraj._util.time_left import limited
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
-from robotraj.planning.diagnosis.ends import unheld_ends
+from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.progress import PlanLimits, watching
 from robotraj.planning.settings import GIVEN, resolve

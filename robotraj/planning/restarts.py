@@ -23,10 +23,10 @@ from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import other_guess
 from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.diagnosis.elastic import relaxed_motion
-from robotraj.planning.diagnosis.ends import unheld_ends
 from robotraj.planning.diagnosis.explain import are_sure, completed
-from robotraj.planning.diagnosis.postures import unreached_ends
 from robotraj.planning.diagnosis.undefined import undefined_expression
+from robotraj.planning.diagnosis.unheld_ends import unheld_ends
+from robotraj.planning.diagnosis.unreached_ends import unreached_ends
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.records import added_times
@@ -58,10 +58,10 @@ def restarted(
 ) -> Solution:
     """Solve a problem that failed again, or find why it has no solution.
 
-    Ends without a configuration end the search (``robotraj.planning.diagnosis.postures``), and ends that the motors
-    cannot hold (``robotraj.planning.diagnosis.ends``). Else the relaxed problem
-    (``robotraj.planning.diagnosis.elastic``) is solved from one beginning after the other. A motion of it that meets
-    every row is the next guess. Where all need relaxed rows, those of the least sum must give.
+    The search ends at ends without a configuration (``planning.diagnosis.unreached_ends``) and at ends that the motors
+    cannot hold (``planning.diagnosis.unheld_ends``). Else the relaxed problem (``robotraj.planning.diagnosis.elastic``)
+    is solved from one beginning after the other. A motion of it that meets every row is the next guess. Where all need
+    relaxed rows, those of the least sum must give.
 
     Parameters
     ----------

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from robotraj.planning.diagnosis.elastic import Solve, enough_time, relaxed_motion
-from robotraj.planning.diagnosis.ends import unheld_ends
-from robotraj.planning.diagnosis.postures import unreached_ends
 from robotraj.planning.diagnosis.undefined import undefined_expression
+from robotraj.planning.diagnosis.unheld_ends import unheld_ends
+from robotraj.planning.diagnosis.unreached_ends import unreached_ends
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.solution import Solution

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.postures import unreached_ends
+from robotraj.planning.diagnosis.unreached_ends import unreached_ends
 
 HOME = np.array([-1.1, -1.8, 1.6, -1.2, -1.57, 0.0])
 

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.ends import unheld_ends
+from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 
 A = np.array([-1.1, -1.8, 1.6, -1.2, -1.57, 0.0])
 B = np.array([1.1, -0.8, 0.6, -0.6, -0.6, 1.2])
