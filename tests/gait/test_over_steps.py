@@ -56,6 +56,10 @@ WRONG: dict[str, tuple[Callable[[rt.Robot], rt.Problem], str]] = {
     "short treads": (lambda r: rt.gait.stairs(r, start=0.2, run=0.08, rise=0.1, count=2), "too short for a foot"),
     "no width": (lambda r: rt.gait.gap(r, start=0.2, width=0.0, step_length=0.3), "width.* is 0.0; give a positive"),
     "no step": (lambda r: rt.gait.gap(r, start=0.2, width=0.1, step_length=0.0), "step_length.* give a positive"),
+    "near an edge": (
+        lambda r: rt.gait.gap(r, start=0.0, width=0.1, step_length=0.3),
+        "stands at x = .*Increase start=",
+    ),
     "own ground": (
         lambda r: rt.gait.gap(r, start=0.2, width=0.1, step_length=0.3, ground=rt.terrain.Flat()),
         "makes its own ground",

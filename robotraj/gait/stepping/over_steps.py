@@ -59,7 +59,8 @@ def stairs(
     Raises
     ------
     InputError
-        No stairs, treads that are too short for a foot, neither two nor four feet; the errors of ``steps``.
+        No stairs, treads that are too short for a foot, a foot that stands near an edge at the beginning, neither two
+        nor four feet; the errors of ``steps``.
     """
     if not isinstance(count, int) or count < 1:
         raise InputError(f"rt.gait.stairs(count) is {count!r}; give at least 1 stair.")
@@ -91,7 +92,8 @@ def gap(
     Raises
     ------
     InputError
-        A width or a step that is not positive, neither two nor four feet; the errors of ``steps``.
+        A width or a step that is not positive, a foot that stands near an edge at the beginning, neither two nor four
+        feet; the errors of ``steps``.
     """
     if not number(width, "rt.gait.gap(width)") > 0.0:
         raise InputError(f"rt.gait.gap(width) is {width!r}; give a positive length [m].")
@@ -132,6 +134,12 @@ def _over(
         inside = [float(np.clip(x, low + margin + back, high - margin - front)) for low, high in treads]
         return min(inside, key=lambda place: abs(place - x))
 
+    for foot, place in home.items():
+        if abs(landing(foot, float(place[0])) - place[0]) > 1e-9:
+            raise InputError(
+                f"rt.gait.{who}: {foot!r} stands at x = {place[0]:.3g} m at the beginning, less than {margin:g} m from "
+                "an edge. Increase start= or decrease margin=."
+            )
     rear = min(home[foot][0] - margin - reach[foot][0] for foot in home)
     count = max(int(np.ceil((treads[-1][0] - rear) / length - 1e-9)), 1)
     places = {foot: float(spot[0]) for foot, spot in home.items()}
