@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -130,3 +131,21 @@ def test_impossible_steps_are_refused(case: str, bolt: rt.Robot) -> None:
 def test_a_planar_robot_has_no_side(biped: rt.Robot) -> None:
     with pytest.raises(rt.InputError, match="moves sideways, but 'five_link' has a planar root"):
         rt.gait.sidestep(biped, distance=0.1)
+
+
+@pytest.mark.slow
+def test_talos_lifts_its_feet_high_in_a_small_turn(tmp_path: Path) -> None:
+    robot, soles = rt.load("talos_legs", root="floating"), ("left_sole_link", "right_sole_link")
+    sole = partial(rt.FlatFoot, length=0.2, width=0.1, friction=0.7)
+    # A foot that moves a centimetre rises by five: over its way alone that would be a wall.
+    solution = planned(rt.gait.turn(robot, angle=0.1, contact=sole, feet=soles, clearance=0.05))
+    assert_it_rests(solution)
+    assert yaw(solution.at(solution.duration).q) == pytest.approx(0.1, abs=1e-5)
+    solution.save(tmp_path / "turn.npz")
+    assert (
+        rt.load_solution(tmp_path / "turn.npz").problem.phases[1].constraints == solution.problem.phases[1].constraints
+    )
+    ground = feet_at(solution, 0.0, soles)[:, 2]
+    for k, phase in ((1, solution.phases[1]), (0, solution.phases[3])):
+        heights = [feet_at(solution, phase.t0 + s * phase.duration, soles)[k, 2] for s in np.linspace(0, 1, 21)]
+        assert max(heights) - ground[k] > 0.0499

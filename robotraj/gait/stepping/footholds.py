@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 import pinocchio as pin
@@ -122,11 +123,9 @@ def steps(
     phases = list(problem.phases)
     for i, k in swings:
         if clearance is not None:
-            rows = [
-                row
-                for f in footholds[k]
-                for row in _clearances(contacts[f], places[k], places[k + 1], clearance, ground)
-            ]
+            begin = sum(float(cast(Any, support.duration)) for support in supports[:i])
+            ends, air = (places[k], places[k + 1]), (begin, begin + swing)
+            rows = [row for f in footholds[k] for row in _clearances(contacts[f], *ends, air, clearance, ground)]
             phases[i] = replace(phases[i], constraints=[*phases[i].constraints, *rows])
         # The end of the motion fixes the last foothold of every foot; those before it are fixed where the feet land.
         later = {foot for step in footholds[k + 1 :] for foot in step}
@@ -160,14 +159,40 @@ class FootholdArc(RequiredHeight):
         return {"ground clearance": -TOUCH, "swing apex": 4.0 * (self.apex + TOUCH) * s * (1.0 - s) - TOUCH}
 
 
+@dataclass(frozen=True)
+class TimedArc(RequiredHeight):
+    """Height [m] of a swing foot over time: h = 16 (apex + d) s^2 (1 - s)^2 - d.
+
+    s is the fraction of the swing, and d = 0.1 mm. It serves steps that are shorter than their apex is high: over
+    their line, ``FootholdArc`` would be a wall.
+
+    Attributes
+    ----------
+    apex : float
+        [m].
+    start, end : float
+        Times of liftoff and touchdown [s].
+    """
+
+    apex: float
+    start: float
+    end: float
+
+    def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
+        """Return the least height at the time of the point."""
+        s = (point.t - self.start) / (self.end - self.start)
+        return {"swing apex": 16.0 * (self.apex + TOUCH) * s**2 * (1.0 - s) ** 2 - TOUCH}
+
+
 def _clearances(
     contact: BoundContact,
     before: Mapping[str, float],
     after: Mapping[str, float],
+    air: tuple[float, float],
     apex: float,
     ground: Ground | GroundFunction,
 ) -> list[GroundClearance]:
-    """Return the clearance of a foot that swings between footholds; in place, it stays above the ground.
+    """Return the clearance of a foot that swings between footholds; a foot on a short way rises in time.
 
     The corners of a sole stay above the ground too.
     """
@@ -175,8 +200,9 @@ def _clearances(
     start, end = (tuple(side[name] for name in names) for side in (before, after))
     offset = getattr(contact.contact, "offset", None)
     spot = contact.frame if offset is None or not np.any(offset) else (contact.frame, tuple(offset))
-    moves = np.linalg.norm(np.subtract(end, start)) > TOUCH
-    rows = [GroundClearance(spot, FootholdArc(apex, start, end) if apex > 0.0 and moves else -TOUCH, ground)]
+    short = np.linalg.norm(np.subtract(end, start)) < apex
+    arc = TimedArc(apex, *air) if short else FootholdArc(apex, start, end)
+    rows = [GroundClearance(spot, arc if apex > 0.0 else -TOUCH, ground)]
     corners = contact.outline()
     return [*rows, GroundClearance(corners, -TOUCH, ground)] if len(corners) > 1 else rows
 

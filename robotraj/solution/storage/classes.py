@@ -35,6 +35,7 @@ from robotraj.dynamics.terrain.slope import Slope
 from robotraj.dynamics.terrain.steps import Steps
 from robotraj.gait.posture import FixedPosture, SquaredAccelerations
 from robotraj.gait.repetition import DurationRatio
+from robotraj.gait.stepping.footholds import FootholdArc, TimedArc
 from robotraj.gait.swing_clearance import SwingArc
 from robotraj.gait.upright import RootHeight, Upright
 from robotraj.native.engines.base import VirtualMachine
@@ -131,7 +132,7 @@ CLASSES: Mapping[str, type] = {
         # obstacles
         CollisionFree, Box, Capsule, ConvexMesh, Cylinder, HalfSpace, Sphere,
         # expressions of gaits that are plain data
-        DurationRatio, SwingArc, FixedPosture, SquaredAccelerations, RootHeight, Upright,
+        DurationRatio, SwingArc, FootholdArc, TimedArc, FixedPosture, SquaredAccelerations, RootHeight, Upright,
         # solutions
         PiecewisePolynomial, PhaseTrajectory, Conflict, PhaseDuals, Goals, Proof, ContinuationRecord, MeshStep,
         Violation, Multipliers, AddedRow,
