@@ -158,7 +158,7 @@ def plan(
                      tolerance, solver by stages                  BernsteinBounds(controls=True, states=False)
                      robots, solver by stages                     BernsteinBounds()
                      otherwise                                    ConstraintGeneration()
-    refinement       goals, a motor at every joint, dry friction  Equidistribute(second=3.0, finest=640)
+    refinement       goals, a motor at every joint, dry friction  Equidistribute(second=3.0, finest=400)
                      goals, a motor at every joint                Equidistribute(second=3.0)
                      goals                                        Equidistribute()
                      tolerance                                    SplitOrRaise()

@@ -132,7 +132,7 @@ RULES: tuple[Rule, ...] = (
         when.PROVED,
         when.EXACT,
         when.STICKING,
-        Equidistribute(second=3.0, finest=640),
+        Equidistribute(second=3.0, finest=400),
         "many knots are needed where joints stick and slide",
     ),
     _rule(
