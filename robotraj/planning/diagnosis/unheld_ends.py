@@ -103,10 +103,16 @@ def _least_excess(phase: Phase, state: Array, allowed: Array) -> Array:
     finite = np.isfinite(allowed)
     if _held_easily(load.ravel(), by_torques, by_forces, np.where(finite, allowed, 1e12), np.array(least)):
         return np.zeros(nu)
+    friction = np.asarray(robot.friction, dtype=float)
+    if not forces.numel() and not friction.any() and np.linalg.matrix_rank(by_torques) == nu:
+        # At most one vector of torques balances gravity.
+        torques = np.linalg.lstsq(by_torques, -load.ravel(), rcond=None)[0]
+        left = np.abs(by_torques @ torques + load.ravel()).max(initial=0.0)
+        balanced = left < NOTICED * max(1.0, float(np.abs(load).max(initial=0.0)))
+        return np.maximum(0.0, np.abs(torques) - allowed) if balanced else np.zeros(nu)
     from scipy.optimize import linprog
 
     # Unknowns: torques, excess, contact forces, dry friction.
-    friction = np.asarray(robot.friction, dtype=float)
     weights = np.concatenate([np.zeros(nu), np.where(finite, 1.0 / np.where(finite, allowed, 1.0), 0.0)])
     cost = np.concatenate([weights, np.zeros(len(least) + nv)])
     balance = np.hstack([by_torques, np.zeros((nv, nu)), by_forces, np.eye(nv)])

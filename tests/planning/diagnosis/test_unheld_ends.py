@@ -78,3 +78,33 @@ def test_a_plan_that_brakes_into_a_pose_beyond_its_motors_warns_of_it() -> None:
     phase = rt.Phase(robot, (0.3, 2.0), *ends, rt.Effort(), limits=limits)
     with pytest.warns(UserWarning, match="cannot hold: effort limit, pivot"):
         assert rt.plan(phase, rt.Mesh(20)).success
+
+
+def test_a_pose_that_one_vector_of_torques_balances_needs_no_linear_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    import scipy.optimize
+
+    def refused(*_: object, **__: object) -> None:
+        raise AssertionError("a linear program was solved")
+
+    monkeypatch.setattr(scipy.optimize, "linprog", refused)
+    robot = rt.load("acrobot")
+    data = robot.model.createData()
+
+    def gravity(shoulder: float) -> np.ndarray:
+        return np.array(pin.computeGeneralizedGravity(robot.model, data, np.array([shoulder, 1.0])))
+
+    # The shoulder has no motor: it is at rest where its own gravity is zero.
+    low, high = -1.5, 1.5
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if gravity(low)[0] * gravity(middle)[0] > 0 else (low, middle)
+    needed = abs(gravity(low)[1])
+
+    def held(shoulder: float) -> tuple[object, ...]:
+        end = rt.State(q=[shoulder, 1.0], v=0)
+        limits = robot.limits.with_(effort={robot.actuated[0]: 0.5 * needed})
+        return unheld_ends(rt.Problem([rt.Phase(robot, 1.0, rt.State(q=0, v=0), end, limits=limits)]))
+
+    (entry,) = held(low)
+    assert entry.needed == pytest.approx(needed, rel=1e-6)
+    assert held(low + 0.5) == ()
