@@ -10,7 +10,7 @@ from pathlib import Path
 
 import judge
 from guard import Guard
-from problems import random_case
+from random_problems import random_case
 from saved_files import good_files, hostile_file
 from urdfs import hostile_urdf
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from problems import Case
+from random_problems import Case
 
 import robotraj as rt
 

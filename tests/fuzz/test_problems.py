@@ -7,7 +7,7 @@ import warnings
 
 import pytest
 from judge import compared, planned, verdict
-from problems import ARMS, PASSIVE, SCHEMES, SUBJECTS, SYSTEMS, random_case
+from random_problems import ARMS, PASSIVE, SCHEMES, SUBJECTS, SYSTEMS, random_case
 
 import robotraj as rt
 

@@ -51,7 +51,13 @@ def test_without_rounds_no_row_of_the_guess_is_imposed() -> None:
     assert known.added_rows
     for problem in (known.problem, turning(below(0.1))):
         warm, cold = (
-            rt.plan(problem, RADAU, guess=g, interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0))
+            rt.plan(
+                problem,
+                RADAU,
+                guess=g,
+                solver=rt.InteriorPoint(1e-10),
+                interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0),
+            )
             for g in (known, None)
         )
         assert not warm.added_rows
@@ -177,7 +183,9 @@ def test_torques_of_refined_plans_are_held_between_the_points() -> None:
 def test_a_refined_effort_is_that_of_the_limits_themselves() -> None:
     """A hull of the speeds would ask for 4e-6 more."""
     phase = hurried().with_(duration=1.0, objective=rt.Effort())
-    assert rt.plan(phase, tolerance=1e-6).objective == pytest.approx(1071.8077, rel=1e-6)
+    assert rt.plan(phase, tolerance=1e-6, solver=rt.InteriorPoint(1e-10)).objective == pytest.approx(
+        1071.8077, rel=1e-6
+    )
 
 
 def test_an_interrupted_last_solve_of_a_refinement_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -75,6 +75,7 @@ class Plan:
     interval_violations: Sequence[Any] = ()
     control_interval_violations: Sequence[Any] = ()
     seconds: float = 0.0
+    error: Any = None
 
     @property
     def duration(self) -> float:
