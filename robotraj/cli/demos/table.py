@@ -138,10 +138,10 @@ DEMOS: dict[str, DemoEntry] = {
         DemoEntry("around_a_box", "arms", "A ur5 passes a post in minimum time.", "20_around_a_box"),
         DemoEntry("humanoid_stands_up", "legs", "A g1 with arms stands up.", "21_whole_body"),
         DemoEntry("two_arms", "arms", "Two ur5 swap sides without touching each other.", "22_two_arms"),
-        DemoEntry("pick_and_place", "arms", "A ur5 carries a payload around a box.", "23_pick_and_place"),
-        DemoEntry("shelf_to_shelf", "arms", "A panda moves from shelf to shelf.", "24_shelf_to_shelf"),
-        DemoEntry("glass_of_water", "arms", "An arm keeps a glass of water upright.", "25_glass_of_water"),
-        DemoEntry("drawn_path", "arms", "An arm follows a drawn path in minimum time.", "26_drawn_path"),
+        DemoEntry("pick_and_place", "arms_at_work", "A ur5 carries a payload around a box.", "23_pick_and_place"),
+        DemoEntry("shelf_to_shelf", "arms_at_work", "A panda moves from shelf to shelf.", "24_shelf_to_shelf"),
+        DemoEntry("glass_of_water", "arms_at_work", "An arm keeps a glass of water upright.", "25_glass_of_water"),
+        DemoEntry("drawn_path", "arms_at_work", "An arm follows a drawn path in minimum time.", "26_drawn_path"),
     )
 }
 
