@@ -10,7 +10,6 @@ namespace robotraj::interior_point {
 namespace {
 
 constexpr double kComplementarityTolerance = 1e-4;
-constexpr double kLast = 1.0 / 11.0;  // share of the tolerance: 1 / (kappa_eps + 1) for the paper's kappa_eps
 constexpr std::size_t kRemembered = 4;
 constexpr double kProgress = 0.9999, kFixed = 0.8, kLargestBarrier = 1e5;
 
@@ -22,7 +21,9 @@ void Barrier::start(double mu) {
   run_.set_barrier(mu);
 }
 
-double Barrier::least() const { return kLast * std::min(run_.options.tolerance, kComplementarityTolerance); }
+double Barrier::least() const {
+  return std::min(run_.options.tolerance, kComplementarityTolerance) / (run_.options.barrier_factor + 1.0);
+}
 
 bool Barrier::decrease() {
   bool changed = false;

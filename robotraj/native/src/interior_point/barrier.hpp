@@ -9,10 +9,7 @@ namespace robotraj::interior_point {
 
 /// Monotone: as soon as E_mu <= kappa_eps mu,
 ///
-///     mu <- max(eps_tol / 11, min(kappa_mu mu, mu^theta_mu)).   (the paper, equations 6 and 7)
-///
-/// The last parameter does not depend on kappa_eps: the solve ends where E_0 <= eps_tol, and distances from bounds of a
-/// smaller one are lost in the rounding of their slacks.
+///     mu <- max(eps_tol / (kappa_eps + 1), min(kappa_mu mu, mu^theta_mu)),   (the paper, equations 6 and 7)
 ///
 /// Adaptive: mu = sigma mean(z s), sigma = (mean(z s) after the step of mu = 0 / mean(z s))^3, as long as the error of
 /// the optimality conditions falls below the largest of the last four; else monotone from 0.8 mean(z s) on, until it
