@@ -15,9 +15,6 @@ from robotraj.planning import solve as solving
 RADAU = rt.Mesh(5, rt.schemes.RadauIIA(3))
 
 
-SHARP = rt.InteriorPoint(1e-10)
-
-
 def block() -> rt.System:
     return rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
 
@@ -54,13 +51,7 @@ def test_without_rounds_no_row_of_the_guess_is_imposed() -> None:
     assert known.added_rows
     for problem in (known.problem, turning(below(0.1))):
         warm, cold = (
-            rt.plan(
-                problem,
-                RADAU,
-                guess=g,
-                solver=SHARP,
-                interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0),
-            )
+            rt.plan(problem, RADAU, guess=g, interval_limits=rt.interval_limits.ConstraintGeneration(rounds=0))
             for g in (known, None)
         )
         assert not warm.added_rows
@@ -186,8 +177,7 @@ def test_torques_of_refined_plans_are_held_between_the_points() -> None:
 def test_a_refined_effort_is_that_of_the_limits_themselves() -> None:
     """A hull of the speeds would ask for 4e-6 more."""
     phase = hurried().with_(duration=1.0, objective=rt.Effort())
-    refined = rt.plan(phase, tolerance=1e-6, solver=SHARP)
-    assert refined.objective == pytest.approx(1071.8077, rel=1e-6)
+    assert rt.plan(phase, tolerance=1e-6).objective == pytest.approx(1071.8077, rel=1e-6)
 
 
 def test_an_interrupted_last_solve_of_a_refinement_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
