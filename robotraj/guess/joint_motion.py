@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Protocol, cast
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Protocol, TypeAlias, cast
 
 import numpy as np
 import pinocchio as pin
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
+Motion: TypeAlias = Callable[[Array], tuple[Array, ...]]
+"""From fractions of the phase (m,) to positions (m, nq), velocities and accelerations (m, nv) [SI]."""
 
 
-def joint_motion(
-    phase: Phase, duration: float, q: Curve, v: Curve, a: Curve, parameters: Mapping[str, float]
-) -> PhaseGuess:
+def joint_motion(phase: Phase, duration: float, motion: Motion, parameters: Mapping[str, float]) -> PhaseGuess:
     """Return the guess of a motion of the joints.
 
     Torques are those of the inverse dynamics, tau = B' (RNEA(q, v, a) + d(v)), with damping and friction d. If all
@@ -35,7 +35,7 @@ def joint_motion(
         Of a robot.
     duration : float
         [s].
-    q, v, a : callable
+    motion : callable
         From fractions of the phase (m,) to positions (m, nq), velocities and accelerations (m, nv) [SI].
     parameters : mapping of str to float
     """
@@ -46,7 +46,7 @@ def joint_motion(
         torques = any(variable.name.startswith("tau.") for variable in variables)
 
         def curve(s: Array) -> Array:
-            parts = {"q": q(s), "v": v(s), "a": a(s)}
+            parts = dict(zip("qva", motion(s), strict=True))
             names = {"q": robot.position_names, "v": robot.velocity_names, "a": robot.velocity_names}
             known = {
                 f"{kind}.{name}": values[:, i] for kind, values in parts.items() for i, name in enumerate(names[kind])

@@ -104,11 +104,9 @@ def through(
     ends = chart.slopes(keys[0], first[nq:nx]) * pace, chart.slopes(keys[-1], last[nq:nx]) * pace
     y = quintic(at, keys, *ends)
     rate, second = y.derivative(1), y.derivative(2)
-    return joint_motion(
-        phase,
-        time,
-        lambda s: chart.positions(y(s)),
-        lambda s: chart.velocities(y(s), rate(s) / pace),
-        lambda s: chart.accelerations(y(s), rate(s) / pace, second(s) / pace**2),
-        default_parameters(phase),
-    )
+
+    def motion(s: Array) -> tuple[Array, Array, Array]:
+        at_s, speed, acceleration = y(s), rate(s) / pace, second(s) / pace**2
+        return chart.positions(at_s), chart.velocities(at_s, speed), chart.accelerations(at_s, speed, acceleration)
+
+    return joint_motion(phase, time, motion, default_parameters(phase))

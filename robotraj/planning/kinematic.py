@@ -35,7 +35,7 @@ from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.schemes.mesh import Mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -103,10 +103,11 @@ class _Planned(InitialGuess):
         """Sample the motion; torques follow by inverse dynamics."""
         part = self.phases[index]
 
-        def read(name: str) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-            return lambda s: np.asarray(getattr(part.at(part.t0 + np.clip(s, 0.0, 1.0) * part.duration), name))
+        def motion(s: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+            sample = part.at(part.t0 + np.clip(s, 0.0, 1.0) * part.duration)
+            return np.asarray(sample.q), np.asarray(sample.v), np.asarray(sample.a)
 
-        return joint_motion(phase, part.duration, read("q"), read("v"), read("a"), part.parameters)
+        return joint_motion(phase, part.duration, motion, part.parameters)
 
 
 def kinematic_phase(phase: Phase, duration: float | None = None) -> Phase:

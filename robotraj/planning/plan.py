@@ -188,8 +188,8 @@ def plan(
         above_zero("time_limit", time_limit, "s")
     if memory_limit is not None:
         above_zero("memory_limit", memory_limit, "MB")
-    given_mesh = settings.mesh if isinstance(settings.mesh, Mesh) else settings.mesh[0]
-    if isinstance(given_mesh.schemes[0], Shooting):
+    meshes = (settings.mesh,) if isinstance(settings.mesh, Mesh) else settings.mesh
+    if any(isinstance(own.schemes[0], Shooting) for own in meshes):
         from robotraj.planning.diagnosis.long_shooting import warn_of_long_shooting
 
         warn_of_long_shooting(problem, settings.mesh)
@@ -264,4 +264,4 @@ def _stopped(solution: Solution, limits: PlanLimits) -> Solution:
     """Return a solution with the status of a plan stopped by a limit: solved where its motion is proved."""
     proved = solution.proof is not None and solution.proof.motion_holds
     status = Status.SOLVED if proved or limits.reached is None else limits.reached
-    return replace(solution, status=status, message=f"{solution.message}; {limits.told}")
+    return replace(solution, status=status, message=f"{solution.message}; {limits.message}")

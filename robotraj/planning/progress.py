@@ -76,8 +76,8 @@ class PlanLimits:
         return self._end - used_time()
 
     @property
-    def told(self) -> str:
-        """The limit that was reached, for messages."""
+    def message(self) -> str:
+        """The limit that was reached, in words."""
         if self.reached is Status.MEMORY_LIMIT:
             return f"the memory limit of {self.megabytes:g} MB was reached"
         return f"the time limit of {self.seconds:g} s was reached"
@@ -127,4 +127,4 @@ class PlanLimits:
 
     def _stop(self, status: Status) -> None:
         self.reached = status
-        raise LimitReached(self.told[0].upper() + self.told[1:] + ".")
+        raise LimitReached(self.message[0].upper() + self.message[1:] + ".")

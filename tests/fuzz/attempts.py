@@ -1,4 +1,4 @@
-"""The child process of ``guard.py``: loads what strangers sent and tells how that ended, one JSON line an attempt."""
+"""The child process of ``guard.py``: loads hostile files and prints one JSON line with the outcome of each attempt."""
 
 from __future__ import annotations
 

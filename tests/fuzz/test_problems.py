@@ -13,7 +13,7 @@ import robotraj as rt
 
 COUNT = int(os.environ.get("FUZZ_PROBLEMS", "80"))
 
-FOUND = {297: "torques of Gauss points that exceeded their limits at both sides of every knot, and nothing was told"}
+FOUND = {297: "torques of Gauss points exceeded their limits at both sides of every knot, and no list had it"}
 """Seeds that failed once."""
 
 

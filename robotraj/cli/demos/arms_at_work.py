@@ -7,10 +7,9 @@ import pinocchio as pin
 
 from robotraj.cli.demos.demo import Demo
 from robotraj.dynamics.obstacles.shapes import Box
-from robotraj.planning.paths.joint_path import as_path
+from robotraj.planning.paths.retime import path_phase
 from robotraj.problem.constraints.base import AtEnd, AtStart
 from robotraj.problem.constraints.collision_free import CollisionFree
-from robotraj.problem.constraints.follow_path import FollowPath
 from robotraj.problem.constraints.frame_pose import FramePose, FramePosition
 from robotraj.problem.constraints.task_space.axis import FrameAxis
 from robotraj.problem.links.continuity import Continuity
@@ -87,9 +86,7 @@ def drawn_path() -> Demo:
             jacobian = pin.computeFrameJacobian(ur5.model, data, q, tool)
             q = q + np.linalg.solve(jacobian, pin.log(data.oMf[tool].actInv(target)).vector)
         drawn.append(q)
-    follow = FollowPath(as_path(np.array(drawn), None))
-    limits = ur5.limits.with_(position=np.inf)
-    return Demo(Phase(ur5, (0.0, 60.0), objective=Duration(), constraints=[follow], limits=limits, name="drawn path"))
+    return Demo(path_phase(np.array(drawn), ur5))
 
 
 def _placed(robot: Robot, q: np.ndarray) -> pin.SE3:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -74,19 +73,11 @@ class GeometricPath(InitialGuess):
         path = paths[min(self.rank, len(paths) - 1)]
         duration = float(np.clip(path.duration, *phase.duration_bounds))
 
-        @lru_cache(maxsize=4)
-        def motion(fractions: bytes) -> tuple[Array, Array, Array]:
-            """Compute the three curves at once: they are read one after the other."""
-            return path.motion(np.frombuffer(fractions))
+        def motion(s: Array) -> tuple[Array, Array, Array]:
+            q, rate, second = path.motion(s)
+            return q, rate / duration, second / duration**2
 
-        return joint_motion(
-            phase,
-            duration,
-            lambda s: motion(np.asarray(s, dtype=float).tobytes())[0],
-            lambda s: motion(np.asarray(s, dtype=float).tobytes())[1] / duration,
-            lambda s: motion(np.asarray(s, dtype=float).tobytes())[2] / duration**2,
-            default_parameters(phase),
-        )
+        return joint_motion(phase, duration, motion, default_parameters(phase))
 
     def _paths(self, phase: Phase, scene: PathScene, limits: LineLimits, first: Array, last: Array) -> list[TimedPath]:
         """Return the paths, the quickest first; none where the straight line is free or an end is not."""

@@ -99,13 +99,13 @@ class Compiler:
         except OSError as error:
             raise CompilationFailed(f"{self.command} could not be started: {error}.") from error
         try:
-            _, told = done.communicate(timeout=left if math.isfinite(left) else None)
+            _, output = done.communicate(timeout=left if math.isfinite(left) else None)
         except subprocess.TimeoutExpired as error:
             os.killpg(done.pid, signal.SIGKILL)
             done.communicate()
             raise CompilationStopped(f"{self.command} was stopped at the time limit.") from error
         if done.returncode:
-            words = "\n".join(told.splitlines()[:10])
+            words = "\n".join(output.splitlines()[:10])
             raise CompilationFailed(
                 f"{self.command} failed with code {done.returncode}; engine=rt.engines.VirtualMachine() needs "
                 f"no compiler.\n" + words

@@ -16,7 +16,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.shooting import Shooting, SingleShooting
 
 LONG = 60.0
-"""Seconds above which a plan is said to be long."""
+"""Seconds above which a plan counts as long."""
 OPERATIONS = 380
 """Operations of the articulated-body algorithm for each joint."""
 STAGES = 4
@@ -43,7 +43,7 @@ def shooting_seconds(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
 
 
 def warn_of_long_shooting(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> None:
-    """Warn of shooting that would take over a minute, and name what takes a second.
+    """Warn of shooting that would take over a minute, and name what takes less.
 
     Warns
     -----

@@ -97,6 +97,37 @@ def retime(
     Source: Bobrow, Dubowsky and Gibson, International Journal of Robotics Research 4 (1985), for motions on paths;
     Pham and Pham, IEEE Transactions on Robotics 34 (2018), for the method that the benchmarks compare with.
     """
+    phase = path_phase(
+        path,
+        robot,
+        parameters=parameters,
+        limits=limits,
+        jerk=jerk,
+        torque_rate=torque_rate,
+        start_speed=start_speed,
+        end_speed=end_speed,
+        constraints=constraints,
+        design=design,
+        objective=objective,
+    )
+    return plan(phase, **options)
+
+
+def path_phase(
+    path: JointPath,
+    robot: Robot | None = None,
+    *,
+    parameters: ArrayLike | None = None,
+    limits: Limits | None = None,
+    jerk: BoundsLike | float = None,
+    torque_rate: BoundsLike | float = None,
+    start_speed: float | None = 0.0,
+    end_speed: float | None = 0.0,
+    constraints: Sequence[Constraint] = (),
+    design: Mapping[str, Quantity | Sequence[Quantity]] | None = None,
+    objective: Objective | None = None,
+) -> Phase:
+    """Return the phase that ``retime`` plans; parameters and errors are its own."""
     if robot is None and isinstance(path, Solution):
         robot = path.phases[0].phase.robot
     if not isinstance(robot, Robot):
@@ -108,7 +139,7 @@ def retime(
     for kind, bounds in ((JointJerk, jerk), (JointTorqueRate, torque_rate)):
         if bounds is not None:
             every.append(kind(_symmetric(bounds)))
-    phase = Phase(
+    return Phase(
         robot,
         (0.0, LONGEST),
         objective=Duration() if objective is None else objective,
@@ -117,7 +148,6 @@ def retime(
         limits=given.with_(position=np.inf),
         name="path",
     )
-    return plan(phase, **options)
 
 
 def _check_positions(path: PiecewisePolynomial, limits: Limits) -> None:

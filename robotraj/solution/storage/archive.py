@@ -37,7 +37,7 @@ VERSION = 4
 """Raised whenever older versions could not read the file rightly."""
 
 MESSAGE = 2000
-"""Largest number of characters of what is told of a damage."""
+"""Largest number of characters in the description of a damage."""
 
 ADVICE = "give the path of a file that solution.save(path) wrote."
 
@@ -137,8 +137,8 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
     except REFUSALS as error:
         kind = "" if isinstance(error, InputError) else f"{type(error).__name__} "
         # A name in the file may be as long as the file.
-        told = f"{kind}{error}"[:MESSAGE]
-        raise InputError(f"{str(source)!r} is damaged: {told}. Save the solution again.") from error
+        damage = f"{kind}{error}"[:MESSAGE]
+        raise InputError(f"{str(source)!r} is damaged: {damage}. Save the solution again.") from error
 
 
 def _phase(problem: Problem, number: int, given: object) -> PhaseSolution:

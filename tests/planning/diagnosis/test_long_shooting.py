@@ -1,4 +1,4 @@
-"""A long shooting plan is told before it is built."""
+"""``rt.plan`` warns of a long shooting plan before it builds it."""
 
 from __future__ import annotations
 

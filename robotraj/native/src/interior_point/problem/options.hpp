@@ -1,4 +1,4 @@
-// What a solve may be told; names of the paper behind them.
+// Options of a solve; names of the paper behind them.
 //
 // Waechter and Biegler, On the implementation of an interior-point filter line-search algorithm for large-scale
 // nonlinear programming, Mathematical Programming 106 (2006), is "the paper" in this folder.
