@@ -25,7 +25,7 @@ def obstacle(t, sin=np.sin):
 
 @pytest.mark.slow
 def test_the_tool_stays_clear_and_follows_a_moving_goal():
-    mujoco = pytest.importorskip("mujoco")
+    mujoco = pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
     from robotraj.witness.mujoco.model import mujoco_robot
 
     ur5 = rt.load("ur5")

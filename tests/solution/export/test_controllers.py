@@ -69,7 +69,7 @@ def test_tables_of_set_points(plan, tmp_path):
 
 
 def test_mcap(plan, tmp_path):
-    reader = pytest.importorskip("mcap.reader")
+    reader = pytest.importorskip("mcap.reader", reason="needs the extra: pip install 'robotraj[mcap]'")
     path = plan.to_controller(tmp_path / "arm.mcap", rate=50.0)
     with path.open("rb") as file:
         messages = [(m.log_time, json.loads(m.data)) for _, _, m in reader.make_reader(file).iter_messages()]

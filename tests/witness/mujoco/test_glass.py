@@ -9,7 +9,7 @@ import pytest
 import robotraj as rt
 from robotraj.witness.mujoco.model import mujoco_robot
 
-mujoco = pytest.importorskip("mujoco")
+mujoco = pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
 
 HOME = np.array([0.0, -1.3, 1.6, -1.9, -1.57, 0.0])
 PLANNED, ALLOWED = np.deg2rad(0.5), np.deg2rad(1.0)
