@@ -25,9 +25,10 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import as_rows
+from robotraj.dynamics.row import Row
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns
-from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, Row, Where
+from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, Where
 from robotraj.problem.constraints.bounds import between
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.links.base import BoundLink, Link

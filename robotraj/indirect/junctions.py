@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.row import Row
 from robotraj.guess.base import InitialGuess, PhaseGuess
-from robotraj.problem.constraints.base import AtEnd, AtStart, Row
+from robotraj.problem.constraints.base import AtEnd, AtStart
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.links.linkage import Linkage

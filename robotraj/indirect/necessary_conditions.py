@@ -213,7 +213,7 @@ class _PhaseConditions:
                 multiplier = at["eta"][:, path]
                 path += 1
             else:
-                multiplier = names[str(row.variable)]
+                multiplier = names[self.phase.rows.variable_of(row).name]
             below, above = value - row.lower, row.upper - value
             slack = np.where(multiplier > 0, above, below)
             # Without a bound on this side every multiplier is an error; its weight is the size of the value.

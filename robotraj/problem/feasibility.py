@@ -10,8 +10,9 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.placeholder_dynamics import MissingEquations
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.system import System
-from robotraj.problem.constraints.base import Row, Where, symbols_of
+from robotraj.problem.constraints.base import Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.rows import RowTable
@@ -72,7 +73,7 @@ def check_rows(table: RowTable, ends: Ends) -> None:
         Naming the first such row, its bounds and the end.
     """
     _check_order(table)
-    held = {end: _bounds_at(table, end) for end in ends}
+    held = {end: table.bounds_by_variable(Where.THROUGHOUT, end) for end in ends}
     for rows in (rows for at in held.values() for rows in at.values()):
         _check_against_each_other(table.phase, rows)
     for end, bounds in ends.items():
@@ -93,15 +94,6 @@ def _check_order(table: RowTable) -> None:
                 f"Phase {table.phase!r}: {row.label} has its lower bound {row.lower:g} above its upper bound "
                 f"{_with(f'{row.upper:g}', row.unit)}."
             )
-
-
-def _bounds_at(table: RowTable, end: Where) -> dict[str, list[PhaseRow]]:
-    """Bounds of single variables that hold at an end, by variable."""
-    rows: dict[str, list[PhaseRow]] = {}
-    for row in table.bounds:
-        if row.where in (Where.THROUGHOUT, end):
-            rows.setdefault(str(row.variable), []).append(row)
-    return rows
 
 
 def _range(row: Row) -> str:

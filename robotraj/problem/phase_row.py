@@ -7,7 +7,8 @@ from enum import Enum
 import numpy as np
 
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import Row, Where
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import Where
 
 
 class Kind(Enum):
@@ -48,6 +49,20 @@ class PhaseRow(Row):
     entry: int = 0
     number: int = 0
 
+    @classmethod
+    def of(cls, row: Row, where: Where, constraint: int, entry: int, number: int) -> PhaseRow:
+        """Return the row of a constraint that holds ``where``, with its kind and its numbers in the table."""
+        own = (row.name, row.unit, row.lower, row.upper, row.joint, row.variable)
+        if where is Where.RATE:
+            kind = Kind.RATE
+        elif row.variable is not None:
+            kind = Kind.BOUND
+        elif where is Where.INTEGRAL:
+            kind = Kind.INTEGRAL
+        else:
+            kind = Kind.END if where in (Where.START, Where.END) else Kind.PATH
+        return cls(*own, kind, where, constraint, entry, number)
+
     @property
     def is_equality(self) -> bool:
         """Whether both bounds are the same number."""
@@ -63,14 +78,3 @@ class PhaseRow(Row):
         """Amount of a relative violation of 1: half the range of two bounds, else max(1, abs(bound)), in ``unit``."""
         width = self.upper - self.lower
         return 0.5 * width if 0.0 < width < np.inf else max(1.0, self.greatest_bound)
-
-
-def kind_of(row: Row, where: Where) -> Kind:
-    """Return the kind of a row that holds ``where``."""
-    if where is Where.RATE:
-        return Kind.RATE
-    if row.variable is not None:
-        return Kind.BOUND
-    if where is Where.INTEGRAL:
-        return Kind.INTEGRAL
-    return Kind.END if where in (Where.START, Where.END) else Kind.PATH

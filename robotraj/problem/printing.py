@@ -10,7 +10,8 @@ import numpy as np
 
 from robotraj._util.printing import OneLine, table, wrapped
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import Row, Where
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import Where
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.feasibility import Ends
 from robotraj.problem.rows import RowTable

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from robotraj._util.errors import InputError
 from robotraj._util.printing import ENTRIES, OneLine, brief, table
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import Row
+from robotraj.dynamics.row import Row
 from robotraj.problem.links.base import BoundLink, Link
 from robotraj.problem.links.continuity import running_on
 from robotraj.problem.phase import Phase

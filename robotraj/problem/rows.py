@@ -22,7 +22,7 @@ from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
-from robotraj.problem.phase_row import Kind, PhaseRow, kind_of
+from robotraj.problem.phase_row import Kind, PhaseRow
 
 Array = NDArray[np.float64]
 
@@ -60,8 +60,7 @@ class RowTable(OneLine):
         found: list[PhaseRow] = []
         for c, constraint in enumerate(self.constraints):
             for i, r in enumerate(constraint.rows):
-                row = (r.name, r.unit, r.lower, r.upper, r.joint, r.variable)
-                found.append(PhaseRow(*row, kind_of(r, constraint.where), constraint.where, c, i, len(found)))
+                found.append(PhaseRow.of(r, constraint.where, c, i, len(found)))
         return tuple(found)
 
     @cached_property
@@ -97,16 +96,16 @@ class RowTable(OneLine):
     @cached_property
     def of_state(self) -> tuple[PhaseRow, ...]:
         """Rows that hold at every time and depend on t, x and p alone: bounds of states, and state path rows."""
-        states = {state.name for state in self.dae.states}
+        bounds = {row.number for row, _ in self.bounds_of(self.dae.states)}
         if all(row.kind is Kind.BOUND for row in self.throughout):
-            return tuple(row for row in self.throughout if row.variable in states)
+            return tuple(row for row in self.throughout if row.number in bounds)
         # By forward dynamics a robot's accelerations are expressions, not variables: its algebraic variables are none.
         z = (self.point.z[variable.name] for variable in self.body.algebraic)
         inner = ca.vertcat(ca.SX(0, 1), *z, *self.point.u.values())
 
         def reads_state(row: PhaseRow) -> bool:
             if row.kind is Kind.BOUND:
-                return row.variable in states
+                return row.number in bounds
             return not ca.depends_on(self.expressions((row,))[0], inner)
 
         return tuple(row for row in self.throughout if reads_state(row))
@@ -125,23 +124,40 @@ class RowTable(OneLine):
         """Return the rows of a constraint that the phase was given."""
         return tuple(row for row in self.rows if self.constraints[row.constraint].source is constraint)
 
-    def bounds_of(self, variables: Iterable[Variable]) -> list[tuple[PhaseRow, int]]:
-        """Return the bounds of variables that hold at every time, each with the index of its variable."""
-        index = {variable.name: i for i, variable in enumerate(variables)}
-        return [
-            (row, index[str(row.variable)])
-            for row in self.bounds
-            if row.where is Where.THROUGHOUT and row.variable in index
-        ]
+    def variable_of(self, row: PhaseRow) -> Variable:
+        """Return the variable that a row bounds; a row of kind ``RATE`` bounds its time derivative."""
+        group, i = self._places[str(row.variable)]
+        return self._groups[group][i]
+
+    def bounds_of(self, variables: Iterable[Variable], *where: Where) -> list[tuple[PhaseRow, int]]:
+        """Return the bounds of variables that hold ``where``, throughout by default, each with its variable's index."""
+        return self._with_index(self._bounds_at(where), variables)
+
+    def rates_of(self, variables: Iterable[Variable]) -> list[tuple[PhaseRow, int]]:
+        """Return the rows of the time derivatives of variables, each with the index of its variable."""
+        return self._with_index(self.rates, variables)
+
+    def bounds_by_variable(self, *where: Where) -> Mapping[str, Sequence[PhaseRow]]:
+        """Return the bounds that hold ``where``, throughout by default, by the names of the variables."""
+        found: dict[str, list[PhaseRow]] = {}
+        for row in self._bounds_at(where):
+            found.setdefault(self.variable_of(row).name, []).append(row)
+        return found
 
     def limits(self, *where: Where) -> Mapping[str, tuple[float, float]]:
         """Return the tightest bounds that hold ``where``, throughout by default, by the names of the variables."""
-        found: dict[str, tuple[float, float]] = {}
-        for row in self.bounds:
-            if row.where in (where or (Where.THROUGHOUT,)):
-                low, high = found.get(str(row.variable), (-np.inf, np.inf))
-                found[str(row.variable)] = max(low, row.lower), min(high, row.upper)
-        return found
+        return {
+            name: (max(row.lower for row in rows), min(row.upper for row in rows))
+            for name, rows in self.bounds_by_variable(*where).items()
+        }
+
+    def _bounds_at(self, where: Sequence[Where]) -> tuple[PhaseRow, ...]:
+        return tuple(row for row in self.bounds if row.where in (where or (Where.THROUGHOUT,)))
+
+    def _with_index(self, rows: Sequence[PhaseRow], variables: Iterable[Variable]) -> list[tuple[PhaseRow, int]]:
+        index = {variable.name: i for i, variable in enumerate(variables)}
+        named = [(row, self.variable_of(row).name) for row in rows]
+        return [(row, index[name]) for row, name in named if name in index]
 
     def _of(self, kind: Kind) -> tuple[PhaseRow, ...]:
         return tuple(row for row in self.rows if row.kind is kind)
@@ -192,7 +208,7 @@ class RowTable(OneLine):
         others = []
         for i, row in enumerate(rows):
             if row.kind is Kind.BOUND:
-                group, column = self._places[str(row.variable)]
+                group, column = self._places[self.variable_of(row).name]
                 out[:, i] = groups[group][:, column]
             else:
                 others.append(i)
@@ -206,8 +222,11 @@ class RowTable(OneLine):
     @cached_property
     def _places(self) -> dict[str, tuple[int, int]]:
         """Group and column of each variable: states, algebraic variables and controls are groups 0, 1 and 2."""
-        groups = (self.dae.states, self.dae.algebraic, self.dae.controls)
-        return {v.name: (group, i) for group, variables in enumerate(groups) for i, v in enumerate(variables)}
+        return {v.name: (group, i) for group, variables in enumerate(self._groups) for i, v in enumerate(variables)}
+
+    @property
+    def _groups(self) -> tuple[tuple[Variable, ...], ...]:
+        return self.dae.states, self.dae.algebraic, self.dae.controls
 
     @cached_property
     def symbols(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:

@@ -169,7 +169,7 @@ def _variable(part: PhaseSolution, violation: Violation) -> str | None:
     """Return the variable that a violated row bounds, or the state of a violated defect; None for other rows."""
     for row in part.phase.rows.bounds:
         if row.name == violation.name and row.joint == violation.joint:
-            return row.variable
+            return part.phase.rows.variable_of(row).name
     states = [state.name for state in part.phase.dae.states]
     return violation.joint if violation.joint in states else None
 

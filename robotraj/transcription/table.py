@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import Row
+from robotraj.dynamics.row import Row
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]

@@ -200,8 +200,8 @@ def _bounds(phase: Phase, index: int, layout: PhaseLayout, covered: frozenset[st
     columns = _columns_by_variable(phase, layout)
     held = columns_beside_rows(phase, layout) if covered else {}
     for row in phase.rows.bounds:
-        name = str(row.variable)
-        every = (held if on_coefficients(row, covered) else columns)[name]
+        name = phase.rows.variable_of(row).name
+        every = (held if on_coefficients(row, name, covered) else columns)[name]
         _require_point(phase, layout, name, row.where)
         chosen = {Where.START: every[:1], Where.END: every[-1:]}.get(row.where, every)
         bounds.append(ColumnBound(Entry.of(index, row), chosen, row.lower, row.upper))

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.problem.rows import RowTable
 from robotraj.robot.load import load
 
@@ -28,8 +29,9 @@ class Phase:
 
     @property
     def rows(self) -> RowTable:
-        nothing: Any = None
-        return RowTable(self.name, nothing, nothing, (), tuple(self.bound_constraints))
+        bounded = dict.fromkeys(row.variable for each in self.bound_constraints for row in each.rows)
+        dae: Any = SimpleNamespace(states=[SimpleNamespace(name=name) for name in bounded], algebraic=(), controls=())
+        return RowTable(self.name, dae, dae, (), tuple(self.bound_constraints))
 
 
 @dataclass

@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from robotraj._util.errors import InputError, ValidationFailed
-from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.witness import validate
 
 

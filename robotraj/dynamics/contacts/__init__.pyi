@@ -1,6 +1,6 @@
 """Contacts: what holds the robot, with which forces. Values, bound to a robot by ``bind``."""
 
-from .base import BoundContact, Contact, LimitRow
+from .base import BoundContact, Contact
 from .cones import FrictionCone, Linearised, SecondOrder
 from .flat_foot import FlatFoot
 from .implicit import ImplicitContact
@@ -16,7 +16,6 @@ __all__ = [
     "FourCorners",
     "FrictionCone",
     "ImplicitContact",
-    "LimitRow",
     "LineContact",
     "Linearised",
     "LoopClosure",

@@ -16,6 +16,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.point import FramePoint
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Scalar, Variable
 from robotraj.robot.memory import PerRobot
 
@@ -29,36 +30,12 @@ Wrench = tuple[str, list[Scalar]]
 """A frame, and force then moment (6,) [N, N m] on its body, in world axes at the frame's origin."""
 
 
-@dataclass(frozen=True)
-class LimitRow:
-    """One row on a contact's forces: lower <= value <= upper.
-
-    Attributes
-    ----------
-    name : str
-        Name of the bounded quantity, for example ``"friction cone"``.
-    unit : str
-    lower, upper : float
-        Bounds, infinite where open.
-    joint : str
-        Name of the contact.
-    variable : str or None
-        The force variable that the row bounds, where it is a bound on one variable.
-    """
-
-    name: str
-    unit: str
-    lower: float
-    upper: float
-    joint: str
-    variable: str | None = None
-
-    def of_impulses(self) -> LimitRow | None:
-        """Return the row for impulses: signs are kept, bounds in newtons are dropped. None if no bound is left."""
-        lower, upper = 0.0 if self.lower >= 0.0 else -inf, 0.0 if self.upper <= 0.0 else inf
-        if lower == -inf and upper == inf:
-            return None
-        return replace(self, lower=lower, upper=upper)
+def of_impulses(row: Row) -> Row | None:
+    """Return a row on forces for impulses: signs are kept, bounds in newtons are dropped. None if no bound is left."""
+    lower, upper = 0.0 if row.lower >= 0.0 else -inf, 0.0 if row.upper <= 0.0 else inf
+    if lower == -inf and upper == inf:
+        return None
+    return replace(row, lower=lower, upper=upper)
 
 
 class Contact(OneLine, ABC):
@@ -103,9 +80,9 @@ class BoundContact(OneLine, ABC):
         The foothold ``<name>.x``, ``<name>.y`` [m], ``<name>.yaw`` [rad]: unknown, constant while the contact holds.
     holds : tuple of Variable
         The held rows, named for reports; rows that determine an anchor have its name.
-    limit_rows : tuple of LimitRow
+    limit_rows : tuple of Row
         The rows of ``limits``: force normal to the ground, friction, centre of pressure.
-    footing_rows : tuple of LimitRow
+    footing_rows : tuple of Row
         The rows of ``footing``: the part of the ground that a foot may be placed on.
     """
 
@@ -115,8 +92,8 @@ class BoundContact(OneLine, ABC):
     forces: tuple[Variable, ...]
     anchors: tuple[Variable, ...]
     holds: tuple[Variable, ...]
-    limit_rows: tuple[LimitRow, ...]
-    footing_rows: tuple[LimitRow, ...]
+    limit_rows: tuple[Row, ...]
+    footing_rows: tuple[Row, ...]
 
     def outline(self) -> list[tuple[str, tuple[float, float, float]]]:
         """Points that must stay above the ground while the foot swings, as (frame, offset [m]): the frame's origin."""

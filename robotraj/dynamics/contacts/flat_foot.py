@@ -16,7 +16,6 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
     BoundContact,
     Contact,
-    LimitRow,
     Wrench,
     checked_name,
     force_range,
@@ -35,6 +34,7 @@ from robotraj.dynamics.contacts.soles import PressureAndTorsion, Rectangle, Sole
 from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
 from robotraj.dynamics.point import FramePoint
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
@@ -182,12 +182,12 @@ class FlatFoot(Contact):
         shape = self._shape()
         return shape if left[axis] > 0.0 else Rectangle(shape.front, shape.back, shape.half)
 
-    def _limit_rows(self, spatial: bool) -> tuple[LimitRow, ...]:
+    def _limit_rows(self, spatial: bool) -> tuple[Row, ...]:
         least, greatest = self.normal_force
         planar = [("friction cone", "N")] * 2 + [("centre of pressure", "N m")] * 2
         labels = self.sole.labels() if spatial else planar
-        normal = LimitRow("normal force", "N", float(least), float(greatest), self.label)
-        return (normal, *(LimitRow(name, unit, 0.0, np.inf, self.label) for name, unit in labels))
+        normal = Row("normal force", "N", float(least), float(greatest), self.label)
+        return (normal, *(Row(name, unit, 0.0, np.inf, self.label) for name, unit in labels))
 
 
 def _length(value: float | Sequence[float], what: str) -> tuple[float, float]:

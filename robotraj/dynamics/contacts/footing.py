@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import LimitRow, spread
+from robotraj.dynamics.contacts.base import spread
 from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.contacts.vectors import dot
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.variable import Scalar, Variable
 
@@ -80,10 +81,10 @@ class Footing:
         slope = ca.jacobian(normal, symbols) - ca.DM.eye(len(self.axes))[up, :]
         return forces[up].name if ca.simplify(slope).is_zero() else None
 
-    def rows(self) -> tuple[LimitRow, ...]:
+    def rows(self) -> tuple[Row, ...]:
         """Rows of ``values``: the ground's constraints on a foothold, such as a distance from a step's edge."""
         count = len(self.values({anchor.name: ca.SX.sym(anchor.name) for anchor in self.anchors}))
-        return tuple(LimitRow("foothold", "m", 0.0, float("inf"), self.name) for _ in range(count))
+        return tuple(Row("foothold", "m", 0.0, float("inf"), self.name) for _ in range(count))
 
     def values(self, anchors: Mapping[str, Scalar], sole: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> list[Scalar]:
         """Evaluate the foothold rows [m], which must not be negative.

@@ -11,13 +11,14 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import BoundContact, Contact, LimitRow, Wrench, checked_name, label_of, positive
+from robotraj.dynamics.contacts.base import BoundContact, Contact, Wrench, checked_name, label_of, positive
 from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane
 from robotraj.dynamics.contacts.point_contact import require_vertical
 from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import dot
 from robotraj.dynamics.point import FramePoint
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
@@ -110,13 +111,13 @@ class ImplicitContact(Contact):
             *(Variable(f"force.{name}.friction{k}", "N", "contact force", name) for k in range(len(directions))),
             Variable(f"force.{name}.slip", "m/s", "slipping speed", name),
         )
-        rows = [LimitRow("gap", "m", 0.0, np.inf, name)]
-        rows += [LimitRow("gap complementarity", "N m", -np.inf, self.relaxation, name)]
-        rows += [LimitRow(v.name.rsplit(".", 1)[-1], v.unit, 0.0, np.inf, name, v.name) for v in forces]
-        rows += [LimitRow("friction cone", "N", 0.0, np.inf, name)]
-        rows += [LimitRow("slip complementarity", "W", -np.inf, self.relaxation, name)]
-        rows += [LimitRow("slipping speed", "m/s", 0.0, np.inf, name) for _ in directions]
-        rows += [LimitRow("friction complementarity", "W", -np.inf, self.relaxation, name) for _ in directions]
+        rows = [Row("gap", "m", 0.0, np.inf, name)]
+        rows += [Row("gap complementarity", "N m", -np.inf, self.relaxation, name)]
+        rows += [Row(v.name.rsplit(".", 1)[-1], v.unit, 0.0, np.inf, name, v.name) for v in forces]
+        rows += [Row("friction cone", "N", 0.0, np.inf, name)]
+        rows += [Row("slip complementarity", "W", -np.inf, self.relaxation, name)]
+        rows += [Row("slipping speed", "m/s", 0.0, np.inf, name) for _ in directions]
+        rows += [Row("friction complementarity", "W", -np.inf, self.relaxation, name) for _ in directions]
         up = tuple(float(part) for part in normal)
         ground, friction = as_ground(self.ground), float(self.friction)
         return BoundImplicitContact(

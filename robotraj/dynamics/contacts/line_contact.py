@@ -14,7 +14,6 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
     BoundContact,
-    LimitRow,
     Wrench,
     checked_name,
     force_range,
@@ -31,6 +30,7 @@ from robotraj.dynamics.contacts.point_contact import FrictionContact, bind_point
 from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
 from robotraj.dynamics.point import FramePoint
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
@@ -132,9 +132,7 @@ class LineContact(FrictionContact):
         rows = [("friction cone", unit) for unit in self.cone.units]
         rows += [("centre of pressure", "N m")] * 2 + [("torsional friction", "N m")] * 2
         forces = _forces(self.label)
-        normal = LimitRow(
-            "normal force", "N", float(least), float(greatest), self.label, where.normal_variable(forces[:3])
-        )
+        normal = Row("normal force", "N", float(least), float(greatest), self.label, where.normal_variable(forces[:3]))
         return BoundLineContact(
             self,
             self.label,
@@ -142,7 +140,7 @@ class LineContact(FrictionContact):
             forces,
             (*where.anchors, Variable(f"{self.label}.yaw", "rad", "foothold", self.label)),
             held_rows(self.label, axes, (0, 2)),
-            (normal, *(LimitRow(name, unit, 0.0, np.inf, self.label) for name, unit in rows)),
+            (normal, *(Row(name, unit, 0.0, np.inf, self.label) for name, unit in rows)),
             where.rows(),
             spot,
             where,

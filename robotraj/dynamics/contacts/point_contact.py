@@ -15,7 +15,6 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
     BoundContact,
     Contact,
-    LimitRow,
     Wrench,
     checked_name,
     force_range,
@@ -31,6 +30,7 @@ from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
 from robotraj.dynamics.point import FramePoint
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
@@ -140,9 +140,7 @@ def bind_point(contact: FrictionContact, robot: Robot, spot: Spot) -> BoundPoint
     )
     forces = force_variables(contact.label, axes)
     least, greatest = contact.normal_force
-    normal = LimitRow(
-        "normal force", "N", float(least), float(greatest), contact.label, footing.normal_variable(forces)
-    )
+    normal = Row("normal force", "N", float(least), float(greatest), contact.label, footing.normal_variable(forces))
     return BoundPointContact(
         contact,
         contact.label,
@@ -223,7 +221,7 @@ def friction_values(contact: FrictionContact, normal: Scalar, tangential: Sequen
     return [row for along in tangential for row in (reach - along, reach + along)]
 
 
-def friction_rows(contact: FrictionContact, tangents: int, name: str) -> tuple[LimitRow, ...]:
+def friction_rows(contact: FrictionContact, tangents: int, name: str) -> tuple[Row, ...]:
     """Names, units and bounds of the values of ``friction_values``."""
     units = contact.cone.units if tangents == 2 else ("N", "N") * tangents
-    return tuple(LimitRow("friction cone", unit, 0.0, np.inf, name) for unit in units)
+    return tuple(Row("friction cone", unit, 0.0, np.inf, name) for unit in units)

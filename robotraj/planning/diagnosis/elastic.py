@@ -24,8 +24,9 @@ from robotraj._util.errors import RobotrajError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
+from robotraj.dynamics.row import Row
 from robotraj.guess.base import InitialGuess
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.bounds import between
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.duration import Duration

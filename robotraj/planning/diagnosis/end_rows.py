@@ -88,7 +88,7 @@ def ends_of_phases(phases: Sequence[Phase]) -> list[PhaseEnds]:
 def rows_at_ends(ends: PhaseEnds) -> Iterator[EndRow]:
     """Yield the rows of one phase: limits, what the user gave, contacts, mean speeds."""
     phase, size = ends.phase, position_count(ends.phase)
-    table, states = phase.rows, [state.name for state in phase.body.states]
+    table = phase.rows
     # A kinematic plan has the same symbols among its algebraic variables and its controls.
     inner = ca.vertcat(ca.SX(0, 1), *ca.symvar(ca.vertcat(*table.point.z.values(), *table.point.u.values())))
     groups = (table.path, table.at(Where.START), table.at(Where.END))
@@ -98,10 +98,8 @@ def rows_at_ends(ends: PhaseEnds) -> Iterator[EndRow]:
         (Where.END, ends.end, ends.last, ends.begun + ends.duration, phase.end_bounds),
     )
     for where, point, x, t, given in sides:
-        for row in table.bounds:
-            if row.variable in states[:size] and row.where in (Where.THROUGHOUT, where):
-                value = x[states.index(str(row.variable))]
-                yield EndRow(value, row.lower, row.upper, phase.name, row.label, row.unit, t, GIVEN, True)
+        for row, i in table.bounds_of(phase.body.states[:size], Where.THROUGHOUT, where):
+            yield EndRow(x[i], row.lower, row.upper, phase.name, row.label, row.unit, t, GIVEN, True)
         for variable, value, low, high in zip(phase.body.states[:size], ca.vertsplit(x[:size]), *given, strict=False):
             label = f"{where.value} {variable.quantity}, {variable.label}"
             yield EndRow(value, low, high, phase.name, label, variable.unit, t, ENDS, True)

@@ -98,8 +98,8 @@ def _least_excess(phase: Phase, state: Array, allowed: Array) -> Array:
     evaluate = ca.Function("balance", [x, z, u, p, point.t], parts)
     values = evaluate(state, np.zeros(z.numel()), np.zeros(nu), np.zeros(p.numel()), 0.0)
     load, by_torques, by_forces = (np.array(ca.DM(value).full())[:nv] for value in values)
-    pushes = [row.variable for contact in phase.bound_contacts for row in contact.limit_rows if row.lower >= 0.0]
-    least = [0.0 if v.name in pushes else -np.inf for v in body.algebraic[nv:]]
+    limits = phase.rows.limits()
+    least = [0.0 if limits.get(v.name, (-np.inf, np.inf))[0] >= 0.0 else -np.inf for v in body.algebraic[nv:]]
     finite = np.isfinite(allowed)
     if _held_easily(load.ravel(), by_torques, by_forces, np.where(finite, allowed, 1e12), np.array(least)):
         return np.zeros(nu)

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.dynamics.row import Row
 from robotraj.problem.clearance.pairs import ClearancePairs
-from robotraj.problem.constraints.base import Constraint, Row, Where
+from robotraj.problem.constraints.base import Constraint, Where
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.feasibility import Ends
 from robotraj.robot.loading.geometry import ShapesUnread

@@ -18,6 +18,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.row import Row as Row
 from robotraj.problem.scalars import Scalar
 
 if TYPE_CHECKING:
@@ -40,38 +41,6 @@ class Where(Enum):
     RATE = "time derivative"
     START = "start"
     END = "end"
-
-
-@dataclass(frozen=True)
-class Row(OneLine):
-    """One scalar row: lower <= value <= upper.
-
-    Attributes
-    ----------
-    name : str
-        What is bounded, for example ``"effort limit"``.
-    unit : str
-        SI unit of the value and of both bounds.
-    lower, upper : float
-        Bounds, infinite where open.
-    joint : str or None
-        The joint, frame or variable it is about.
-    variable : str or None
-        The variable of the DAE that the row is, where it is one alone: it becomes a bound of the NLP. With
-        ``Where.RATE`` the row bounds its time derivative.
-    """
-
-    name: str
-    unit: str
-    lower: float
-    upper: float
-    joint: str | None = None
-    variable: str | None = None
-
-    @property
-    def label(self) -> str:
-        """Name and joint, as reports show them."""
-        return f"{self.name}, {self.joint}" if self.joint else self.name
 
 
 @dataclass(frozen=True)

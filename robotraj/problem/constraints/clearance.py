@@ -10,11 +10,12 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.problem.clearance.sole_edges import edge_places
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of, symbols_of
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of, symbols_of
 from robotraj.problem.constraints.clearance_geometry import PlacesLike, spots_of, with_known_points
 from robotraj.problem.constraints.heights import HeightLike, RequiredHeight, required_height
 

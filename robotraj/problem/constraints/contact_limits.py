@@ -6,19 +6,16 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from robotraj.dynamics.holding import anchors
-from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.problem.scalars import Scalar
 
 if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact, LimitRow
+    from robotraj.dynamics.contacts.base import BoundContact
     from robotraj.dynamics.point import RobotPoint
 
 
 def contact_limits(contact: BoundContact) -> tuple[BoundConstraint, BoundConstraint]:
     """Rows of a contact: of its force, held at every collocation point, and of its foothold, which stands still."""
-
-    def rows(limits: Sequence[LimitRow]) -> tuple[Row, ...]:
-        return tuple(Row(r.name, r.unit, r.lower, r.upper, r.joint, r.variable) for r in limits)
 
     def expression(point: RobotPoint) -> Sequence[Scalar]:
         forces = [point.z[force.name] for force in contact.forces]
@@ -28,6 +25,6 @@ def contact_limits(contact: BoundContact) -> tuple[BoundConstraint, BoundConstra
         return contact.footing(anchors(contact, point.p))
 
     return (
-        BoundConstraint(f"contact {contact.name}", rows(contact.limit_rows), expression),
-        BoundConstraint(f"foothold {contact.name}", rows(contact.footing_rows), footing, Where.START),
+        BoundConstraint(f"contact {contact.name}", contact.limit_rows, expression),
+        BoundConstraint(f"foothold {contact.name}", contact.footing_rows, footing, Where.START),
     )

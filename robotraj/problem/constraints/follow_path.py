@@ -10,8 +10,9 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
+from robotraj.dynamics.row import Row
 from robotraj.problem.augmentation import has
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.problem.path_parameter import PARAMETER, SPEED, PathParameter, values_on
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import RATE_UNITS
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.problem.constraints.bounds import Between, BoundsLike, as_bounds
 
 if TYPE_CHECKING:

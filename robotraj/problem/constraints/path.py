@@ -11,7 +11,8 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import rows_of
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, symbols_of
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, symbols_of
 from robotraj.problem.constraints.bounds import SideLike
 
 if TYPE_CHECKING:

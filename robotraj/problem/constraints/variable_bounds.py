@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import BoundConstraint, Constraint
 from robotraj.problem.constraints.bounds import Interval, as_bounds
 
 if TYPE_CHECKING:
@@ -37,13 +38,14 @@ class VariableBounds(Constraint):
         vector = {"state": "x", "control": "u", "algebraic variable": "z"}[self.kind]
         variables = of_kind[self.kind]
         lower, upper = as_bounds(dict(self.bounds), [v.name for v in variables], f"{self.kind} bounds", self.kind)
-        rows = tuple(
-            Row(f"{self.kind} bound", variable.unit, float(low), float(high), variable.label, variable.name)
+        given = [
+            (variable, float(low), float(high))
             for variable, low, high in zip(variables, lower, upper, strict=True)
             if np.isfinite(low) or np.isfinite(high)
-        )
+        ]
+        rows = tuple(Row(f"{self.kind} bound", v.unit, low, high, v.label, v.name) for v, low, high in given)
 
         def expression(point: Point) -> list[Scalar]:
-            return [getattr(point, vector)[row.variable] for row in rows]
+            return [getattr(point, vector)[variable.name] for variable, *_ in given]
 
         return BoundConstraint(f"{self.kind} bounds", rows, expression)

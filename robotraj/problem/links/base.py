@@ -13,8 +13,8 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.expression_values import as_rows
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Variable
-from robotraj.problem.constraints.base import Row
 from robotraj.problem.scalars import Scalar
 
 if TYPE_CHECKING:

@@ -10,8 +10,9 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Named
-from robotraj.problem.constraints.base import Row, ends_of
+from robotraj.problem.constraints.base import ends_of
 from robotraj.problem.constraints.bounds import Interval, as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, check_order, normal, phase_at, same_states
 

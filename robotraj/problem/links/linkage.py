@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import rows_of
-from robotraj.problem.constraints.base import Row, ends_of
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import ends_of
 from robotraj.problem.constraints.bounds import SideLike
 from robotraj.problem.constraints.path import flat, side
 from robotraj.problem.links.base import BoundLink, Ends, Link, normal, phase_at

@@ -11,7 +11,7 @@ import numpy as np
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import Row
+from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.bounds import Interval, as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
 

@@ -10,12 +10,12 @@ import casadi as ca
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import LimitRow
+from robotraj.dynamics.contacts.base import of_impulses
 from robotraj.dynamics.holding import anchors, torques
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Variable
-from robotraj.problem.constraints.base import Row
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, check_order, normal, phase_at, same_states
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.links.periodic import Mirror, Periodic, Repeat, check_partners
@@ -89,7 +89,7 @@ class Touchdown(Link):
         for contact in body.contacts:
             rows += [
                 Row(f"impulse {r.name}", IMPULSE_UNITS.get(r.unit, r.unit), r.lower, r.upper, r.joint)
-                for r in map(LimitRow.of_impulses, contact.limit_rows)
+                for r in map(of_impulses, contact.limit_rows)
                 if r is not None
             ]
         timed = self.repeat is None
@@ -106,7 +106,7 @@ class Touchdown(Link):
                 own = [impulses[name] for name in impulse_names(contact)]
                 momentum -= torques(contact, start, own)
                 values_of = contact.limits(start, own, anchors(contact, start.p))
-                limits += [v for v, r in zip(values_of, contact.limit_rows, strict=True) if r.of_impulses()]
+                limits += [v for v, r in zip(values_of, contact.limit_rows, strict=True) if of_impulses(r)]
             return [*values, *ca.vertsplit(momentum), *limits]
 
         pair = normal(phases, self.first), normal(phases, self.second)

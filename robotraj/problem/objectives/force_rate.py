@@ -13,9 +13,10 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import positive
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import Augmented, body_of, has
-from robotraj.problem.constraints.base import BoundConstraint, Row, Where, robot_of
+from robotraj.problem.constraints.base import BoundConstraint, Where, robot_of
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.weights import WeightsLike, weights_of
 

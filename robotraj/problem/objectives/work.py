@@ -11,9 +11,10 @@ import numpy as np
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import Slacks, body_of, has
-from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.weights import WeightsLike, weights_of
 

@@ -20,7 +20,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.expression_values import as_rows
-from robotraj.problem.constraints.base import Row
+from robotraj.dynamics.row import Row
 from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.expression_values import as_rows
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Named
-from robotraj.problem.constraints.base import Row, Where
+from robotraj.problem.constraints.base import Where
 from robotraj.problem.links.base import BoundLink, Ends
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions

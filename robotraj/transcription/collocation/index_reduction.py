@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import Row
+from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.rows import RowTable
 from robotraj.transcription.assembly.triplets import Triplets

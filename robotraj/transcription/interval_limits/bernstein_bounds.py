@@ -176,10 +176,10 @@ def from_values(degree: int) -> Array:
     return np.asarray(np.linalg.inv(binomials * sites[:, None] ** j * (1.0 - sites[:, None]) ** (degree - j)))
 
 
-def on_coefficients(row: PhaseRow, covered: frozenset[str]) -> bool:
-    """Whether a row is imposed on coefficients: an inequality on a covered variable, throughout the phase."""
+def on_coefficients(row: PhaseRow, variable: str, covered: frozenset[str]) -> bool:
+    """Whether a bound is imposed on coefficients: an inequality on a covered variable, throughout the phase."""
     limited = row.lower < row.upper and (np.isfinite(row.lower) or np.isfinite(row.upper))
-    return bool(limited) and row.where is Where.THROUGHOUT and row.variable in covered
+    return bool(limited) and row.where is Where.THROUGHOUT and variable in covered
 
 
 def _held(
@@ -187,7 +187,9 @@ def _held(
 ) -> Iterator[tuple[list[PhaseRow], Indices]]:
     """Yield for every constraint its rows on coefficients of the variables, and the indices of these."""
     covered = interval_limits.covers(phase)
-    bounds = [(row, i) for row, i in phase.rows.bounds_of(variables) if on_coefficients(row, covered)]
+    bounds = [
+        (row, i) for row, i in phase.rows.bounds_of(variables) if on_coefficients(row, variables[i].name, covered)
+    ]
     for _, group in groupby(bounds, lambda pair: pair[0].constraint):
         rows, indices = zip(*group, strict=True)
         yield list(rows), np.array(indices)

@@ -129,9 +129,8 @@ def variable_violations(
         allowed = share * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, Columns(curve, columns), PLACES, allowed)
     if isinstance(inputs, DrivenInputs):
-        names = [control.name for control in phase.body.controls]
-        rows = [row for row in phase.rows.rates if row.variable in names]
-        columns = [names.index(str(row.variable)) for row in rows]
+        rates = phase.rows.rates_of(phase.body.controls)
+        rows, columns = [row for row, _ in rates], [column for _, column in rates]
         allowed = EXACT_SHARE * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, Rates(Controls(inputs), columns), ONE_SIDED, allowed)
     rows = [row for row in phase.rows.of_inputs if not row.is_equality and _is_given(phase, row)]

@@ -44,10 +44,8 @@ def impose_on_rates(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarT
     """
     if not phase.rows.rates:
         return
-    places = {v.name: (0, i) for i, v in enumerate(phase.dae.algebraic)}
-    places |= {v.name: (1, i) for i, v in enumerate(phase.dae.controls)}
-    for row in phase.rows.rates:
-        group, component = places[str(row.variable)]
+    kinds = enumerate((phase.dae.algebraic, phase.dae.controls))
+    for row, component, group in ((*each, k) for k, variables in kinds for each in phase.rows.rates_of(variables)):
         for run in layout.runs:
             sites, columns = _sites(run, group)
             if layout.own_clocks is not None or isinstance(run.scheme, OneStep) or not _is_continuous(sites):

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import as_rows
-from robotraj.problem.constraints.base import Row
+from robotraj.dynamics.row import Row
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions

@@ -11,8 +11,8 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.point import Point
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Named
-from robotraj.problem.constraints.base import Row
 from robotraj.problem.links.base import BoundLink, Ends
 from robotraj.problem.links.periodic import Repeat
 from robotraj.problem.links.touchdown import Touchdown

@@ -81,7 +81,7 @@ def added_variables(
         for name, values in named.items()
         if name not in own
     }
-    bounded = [str(row.variable) for row in phase.rows.rates]
+    bounded = [phase.rows.variable_of(row).name for row in phase.rows.rates]
     if bounded:
         knots = np.asarray(planned.knots, dtype=float)
         at = np.broadcast_to(interval, np.shape(times))

@@ -14,11 +14,12 @@ import numpy as np
 
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.point import FramePoint, Point
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.dynamics.terrain.slope import Slope
-from robotraj.problem.constraints.base import BoundConstraint, Row
+from robotraj.problem.constraints.base import BoundConstraint
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.clearance_geometry import ClearancePoint, spots_of
 from robotraj.witness.checks.points import points_of

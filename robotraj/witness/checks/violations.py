@@ -6,7 +6,8 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 
 import numpy as np
 
-from robotraj.problem.constraints.base import BoundConstraint, Row, Where
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.points import Watched, all_watches, end_of, points_of, see
 from robotraj.witness.checks.residual import TORQUE_UNITS

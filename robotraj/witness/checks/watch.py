@@ -7,7 +7,7 @@ from dataclasses import field
 import numpy as np
 
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import Row
+from robotraj.dynamics.row import Row
 from robotraj.solution.violation import Violation, violated
 from robotraj.witness.protocols import Array
 

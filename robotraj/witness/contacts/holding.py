@@ -9,8 +9,8 @@ import numpy as np
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.design.binding import realised
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.problem.constraints.base import Row
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.contacts.stance import Instant, Stance, forces_in

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import of_impulses
 from robotraj.dynamics.design.binding import realised
-from robotraj.problem.constraints.base import Row
+from robotraj.dynamics.row import Row
 from robotraj.problem.links.base import BoundLink
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.watch import Watch
@@ -125,7 +126,7 @@ def _broken(
     found = []
     for contact, anchors in zip(stance.contacts, stance.anchors, strict=True):
         values = as_numbers(contact.limits(instant, list(parts[contact.name]), anchors), f"limits of {contact.name!r}")
-        for row, value in zip((limit.of_impulses() for limit in contact.limit_rows), values, strict=True):
+        for row, value in zip(map(of_impulses, contact.limit_rows), values, strict=True):
             if row is None:
                 continue
             unit = IMPULSE_UNITS.get(row.unit, row.unit)

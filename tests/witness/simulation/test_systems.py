@@ -3,8 +3,9 @@ import numpy as np
 import pytest
 
 from robotraj._util.errors import ValidationFailed
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.system import System
-from robotraj.problem.constraints.base import BoundConstraint, Row
+from robotraj.problem.constraints.base import BoundConstraint
 from robotraj.witness import validate
 
 KNOTS = np.linspace(0.0, 1.0, 11)

@@ -11,7 +11,8 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.robot.carried_body import CarriedBody, carrying
 
 if TYPE_CHECKING:

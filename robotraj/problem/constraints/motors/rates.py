@@ -9,7 +9,8 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, Where, robot_of
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class RateLimit(Constraint):
         )
 
         def expression(point: RobotPoint) -> list[Scalar]:
-            return [point.extra[f"rate.{row.variable}"] for row in rows]
+            return [point.extra[f"rate.{self.prefix}.{row.joint}"] for row in rows]
 
         return BoundConstraint(self.quantity, rows, expression, Where.RATE)
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics

@@ -9,7 +9,8 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Row, robot_of
+from robotraj.dynamics.row import Row
+from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.problem.constraints.task_space.axis import dot, perpendicular, unit_vector
 
 if TYPE_CHECKING:
