@@ -1,4 +1,4 @@
-"""A ur5 follows a goal that moves, planned again every 20 ms from its state, around a ball that moves too."""
+"""A ur5 follows a goal that moves, planned again every 20 ms from its state; the whole arm avoids a ball and a box."""
 
 import casadi as ca
 import numpy as np
@@ -15,10 +15,8 @@ def goal(t):
     return still + 0.3 * np.sin(2.0 * t) * np.array([1.0, -0.5, 0.5, 0.0, 0.0, 1.0])
 
 
-def ball(t):
-    """Centre of the ball at time t [m]."""
-    return ca.vertcat(0.7 + 0.03 * ca.sin(3.0 * t), 0.2, 0.42)
-
+ball = rt.obstacles.Sphere(0.1, lambda t: (0.7 + 0.03 * ca.sin(3.0 * t), 0.2, 0.42))
+box = rt.obstacles.Box((0.3, 0.3, 0.4), (-0.5, 0.5, 0.2))
 
 follow = rt.Phase(
     ur5,
@@ -26,7 +24,7 @@ follow = rt.Phase(
     start=rt.State(q=[-1.1, -1.8, 1.6, -1.2, -1.57, 0], v=0),
     end=rt.State(v=0),
     objective=rt.Lagrange(lambda p: sum((p.q[i] - p.p[names[i]]) ** 2 for i in range(6))) + 1e-5 * rt.Effort(),
-    constraints=[rt.PathConstraint(lambda p: ca.norm_2(p.frame("tool0").position - ball(p.t)), lower=0.15, unit="m")],
+    constraints=[rt.CollisionFree([ball, box], margin=0.01)],
     parameters=dict(zip(names, goal(0.0), strict=True)),
 )
 replanner, replans = rt.Replanner(follow, mesh=rt.Mesh(20)), []

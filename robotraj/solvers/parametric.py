@@ -11,7 +11,7 @@ moved. A later change costs one sparse product; nothing symbolic is evaluated.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from robotraj.solvers.formulation import Formulation
     from robotraj.transcription.assembly.block import Block
+    from robotraj.transcription.assembly.point_functions import PointFunctions
     from robotraj.transcription.nlp import Nlp
 
 Array = NDArray[np.float64]
@@ -99,7 +100,7 @@ class Numbers:
         if not self.scalars or len(block.constants) < len(known):
             return block
         fixed = np.array([value for _, value in known])
-        if not np.array_equal(block.constants[-len(known) :], np.tile(fixed[:, None], (1, block.constants.shape[1]))):
+        if not np.all(block.constants[-len(known) :] == fixed[:, None]):
             return block
         constants, places = block.constants.copy(), [i for i, _ in known]
         for place, value in zip(self.scalars, values[self.columns.size :], strict=True):
@@ -201,6 +202,19 @@ def parametric(formulation: Formulation, columns: Indices, scalars: Sequence[int
     if error > AGREEMENT * max(1.0, float(np.max(np.abs(expected), initial=0.0))):
         raise InputError("This problem is not affine in its ends, time and parameters: plan each start with rt.plan.")
     return found
+
+
+def with_constants(formulation: Formulation, given: Mapping[PointFunctions, Array]) -> Formulation:
+    """Return a formulation with other constants (n_c, E) of the blocks of some stage functions."""
+
+    def changed(block: Block) -> Block:
+        constants = given.get(block.stage)
+        return block if constants is None else replace(block, constants=constants)
+
+    nlp, program = formulation.nlp, formulation.program
+    nlp = replace(nlp, blocks=tuple(map(changed, nlp.blocks)))
+    blocks = tuple(replace(part, block=changed(part.block)) for part in program.blocks)
+    return replace(formulation, nlp=nlp, program=replace(program, blocks=blocks))
 
 
 def _refreshed(formulation: Formulation, numbers: Numbers, values: Array) -> Formulation:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.guess.default import as_guess
 from robotraj.native.build import load_native
 from robotraj.planning.plan import plan
 from robotraj.planning.replanning.replan import Replan
@@ -19,21 +20,24 @@ from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
-from robotraj.solvers.compiled import origin_of
+from robotraj.solvers.compiled import CompiledOrigin, origin_of
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.objective_scale import of_program
-from robotraj.solvers.parametric import parametric
+from robotraj.solvers.parametric import parametric, with_constants
 from robotraj.solvers.stagewise.native import refresh
 from robotraj.solvers.status import STATUSES, Status
 from robotraj.transcription.extract import extract
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.transcribe import transcribe
 
 if TYPE_CHECKING:
+    from robotraj.dynamics.obstacles.base import Obstacle
     from robotraj.guess.base import InitialGuess
     from robotraj.native import Options
     from robotraj.problem.phase import Phase
     from robotraj.solvers.formulation import Formulation
+    from robotraj.transcription.clearance.plane_rows import PlaneRows
 
 Array = NDArray[np.float64]
 
@@ -41,6 +45,8 @@ INTERVALS = 50
 """Intervals of the mesh that is used where none is given."""
 RETURNING = 0.1
 """Share of the deadline kept for what follows the solver."""
+UNFINISHED = (Status.TIME_LIMIT, Status.ITERATION_LIMIT)
+"""Ends of a solve whose iterate is the start of the next one."""
 FEASIBLE = 1e-4
 """Largest violation of a scaled row at which an iterate is a plan."""
 
@@ -50,13 +56,15 @@ class Replanner:
 
     The first plan is solved when the replanner is made; it builds and compiles everything. A step changes the fixed
     values of the ends, starts the interior-point method at the last iterate with its multipliers, and stops at the
-    deadline. An iterate that meets the rows is the new plan, converged or not; otherwise the earlier plan is kept.
+    deadline. An iterate that meets the rows is the new plan, converged or not; otherwise the earlier plan is kept, and
+    the next step goes on from the iterate.
 
     Parameters
     ----------
     problem : Phase or Problem
         One phase whose start is fixed. Fixed values of its ends, fixed parameters and the time of its start change with
-        every step. A moving goal or obstacle is a parameter, or a function of ``point.t``.
+        every step. A moving goal is a parameter, or a function of ``point.t``. Obstacles of ``rt.CollisionFree`` move
+        in time, or are given with every step.
     mesh : Mesh, optional
         50 Hermite-Simpson intervals by default.
     deadline : float, optional
@@ -76,7 +84,8 @@ class Replanner:
 
     Notes
     -----
-    Limits hold at the collocation points and, for speeds and positions, between them. A step proves nothing; the
+    Limits hold at the collocation points and, for speeds and positions, between them. Distances hold there between the
+    shapes that were nearest along the last plan (``transcription.clearance.plane_rows``). A step proves nothing; the
     feedback of a controller makes up for what is left. Source of the scheme: Diehl, Bock, Schloeder, A real-time
     iteration scheme for nonlinear optimization in optimal feedback control, SIAM J. Control Optim. 43 (2005).
     """
@@ -93,11 +102,6 @@ class Replanner:
         phases = problem.phases if isinstance(problem, Problem) else (problem,)
         if len(phases) != 1:
             raise InputError(f"A Replanner plans one phase, but the problem has {len(phases)}.")
-        if any(isinstance(each, CollisionFree) for each in phases[0].constraints):
-            raise InputError(
-                "A Replanner keeps its rows from step to step, but CollisionFree chooses pairs of shapes for every "
-                "motion: keep frames away from obstacles by rt.PathConstraint."
-            )
         if deadline is not None and not deadline > 0.0:
             raise InputError(f"Replanner(deadline) must be above 0 s, got {deadline!r}.")
         if solver is not None and not isinstance(solver, InteriorPoint):
@@ -108,7 +112,9 @@ class Replanner:
             problem, mesh=mesh or Mesh(INTERVALS, HermiteSimpson()), guess=guess, solver=InteriorPoint(fallback=None)
         )
         """The plan that was solved when the replanner was made."""
-        origin = origin_of(self.first.multipliers)
+        origin, self._planes = origin_of(self.first.multipliers), None
+        if any(isinstance(each, CollisionFree) for each in phases[0].constraints):
+            self._planes, origin = _with_planes(self.first)
         if origin is None:
             raise InputError(
                 "The interior-point method kept no program of this problem, so that it cannot be replanned."
@@ -124,7 +130,12 @@ class Replanner:
         self._scale = of_program(origin.compiled.native, start, program, self._solver.initial_barrier, origin.nlp)
 
     def step(
-        self, t: float, start: State, end: State | None = None, parameters: Mapping[str, float] | None = None
+        self,
+        t: float,
+        start: State,
+        end: State | None = None,
+        parameters: Mapping[str, float] | None = None,
+        obstacles: Sequence[Obstacle] | None = None,
     ) -> Replan:
         """Plan from a measured state.
 
@@ -138,6 +149,9 @@ class Replanner:
             The new end, with the same values fixed as that of the problem; the last one by default.
         parameters : mapping of str to float, optional
             New values of fixed parameters of the problem; the last ones by default.
+        obstacles : sequence of Obstacle, optional
+            Where the obstacles of ``rt.CollisionFree`` were seen, as many as the problem has and in their order; the
+            last ones by default. Those that are functions of time follow the clock of the caller.
 
         Returns
         -------
@@ -147,10 +161,17 @@ class Replanner:
         Raises
         ------
         InputError
-            A state that leaves values open which the problem fixes, an unknown parameter, or NaN.
+            A state that leaves values open which the problem fixes, an unknown parameter, another number of obstacles,
+            or NaN.
         """
         began = time.perf_counter()
+        if obstacles is not None:
+            if self._planes is None:
+                raise InputError("step(obstacles=) moves those of rt.CollisionFree, which the problem does not have.")
+            self._planes.place_obstacles(obstacles)
         formulation = self._program.at(self._numbers.values(t, start, end, parameters or {}))
+        if self._planes is not None:
+            formulation = with_constants(formulation, self._planes.constants(formulation.nlp, self._w))
         with self._compiled.alone:
             refresh(self._compiled.native, formulation.program)
             left = np.inf if self.deadline is None else (1.0 - RETURNING) * self.deadline
@@ -168,8 +189,10 @@ class Replanner:
         w = formulation.columns(found.y)
         violation = _violation(formulation, w)
         fresh = violation <= FEASIBLE
-        if fresh:
+        if fresh or (status in UNFINISHED and np.isfinite(violation)):
+            # The next step goes on from an iterate that had no time left: starting anew, it would not end either.
             self._w, self._lam = w, found.lam
+        if fresh:
             trajectory = extract(formulation.nlp, w)[0]
             self._plan = PhaseSolution(self._phase, self.first.phases[0].mesh, trajectory)
         return Replan(float(t), self._plan, fresh, status, violation, found.iterations, time.perf_counter() - began)
@@ -185,6 +208,18 @@ class Replanner:
             bound_relaxation=1e-10,
         )
         return options
+
+
+def _with_planes(first: Solution) -> tuple[PlaneRows, CompiledOrigin | None]:
+    """Solve the problem of a plan again from it, with the rows on distances that every step has."""
+    from robotraj.transcription.clearance.plane_rows import PlaneRows
+
+    settings, problem = first.settings, first.problem
+    assert settings is not None
+    nlp = transcribe(problem, settings.mesh, as_guess(first), settings.engine, settings.interval_limits)
+    rows = PlaneRows(nlp)
+    found = InteriorPoint(fallback=None).solve(rows.added(nlp))
+    return rows, origin_of(found.multipliers)
 
 
 def _violation(formulation: Formulation, w: Array) -> float:

@@ -94,6 +94,10 @@ class ClearancePairs(OneLine):
             if own.size:
                 out[:, own] = self._from_obstacle(obstacle, centres[:, self.first[own]], times)
             out[:, own] -= self.spheres.radius[self.first[own]]
+        if self.own_tree is not None and len(self) > self.against:
+            first, second = (part[self.against :] for part in self._in_tree)
+            out[:, self.against :] = self.own_tree.distances(np.ravel(q), first, second, 0).reshape(len(q), -1)
+            return out
         a, b = self.first[self.against :], self.second[self.against :]
         out[:, self.against :] = np.linalg.norm(centres[:, a] - centres[:, b], axis=2)
         out[:, self.against :] -= self.spheres.radius[a] + self.spheres.radius[b]
@@ -116,17 +120,39 @@ class ClearancePairs(OneLine):
 
     def centres_of(self, spheres: Indices, q: Array) -> Array:
         """Return the centre in the world (m, 3) [m] of one sphere at each configuration (m, nq)."""
-        if self.tree is not None:
-            return self.tree.centres(np.ravel(q), self._ranks[spheres]).reshape(len(q), 3)
+        if self.own_tree is not None:
+            return self.own_tree.centres(np.ravel(q), self._ranks[spheres]).reshape(len(q), 3)
         return np.asarray(self.spheres.centres(self.robot, q)[np.arange(len(q)), spheres])
+
+    def with_obstacles(self, obstacles: Sequence[Obstacle]) -> ClearancePairs:
+        """Return the pairs with as many other obstacles, in the same order; what is compiled of the robot is shared."""
+        other = replace(self, obstacles=tuple(obstacles))
+        for name in ("own_tree", "_ranks", "_in_tree"):
+            vars(other)[name] = getattr(self, name)
+        return other
 
     @cached_property
     def tree(self) -> SphereTree | None:
         """The shapes, compiled; None where an obstacle moves in time, or the robot's base does."""
-        if self.robot.root != "fixed" or self.robot.nq != self.robot.nv or any(o.moves for o in self.obstacles):
+        if not self.obstacles:
+            return self.own_tree
+        if not self._compiles or any(o.moves for o in self.obstacles):
             return None
         apart = self.spheres.link_pairs if len(self) > self.against else self.spheres.link_pairs[:0]
         return sphere_tree(self.robot, self.spheres, apart, self.obstacles)
+
+    @cached_property
+    def own_tree(self) -> SphereTree | None:
+        """The robot's spheres without obstacles, compiled; None where its base moves."""
+        if not self._compiles:
+            return None
+        apart = self.spheres.link_pairs if len(self) > self.against else self.spheres.link_pairs[:0]
+        return sphere_tree(self.robot, self.spheres, apart, ())
+
+    @property
+    def _compiles(self) -> bool:
+        """Whether every joint has one position and the base stands still."""
+        return self.robot.root == "fixed" and self.robot.nq == self.robot.nv
 
     @cached_property
     def numbers(self) -> Mapping[tuple[int, int, bool], int]:

@@ -51,19 +51,21 @@ class DistanceFunction:
     timed: bool
 
 
-def key_of(pairs: ClearancePairs, pair: int, free: Clocks = (False, False)) -> Hashable:
-    """Return what pairs with one function have in common."""
+def key_of(pairs: ClearancePairs, pair: int, free: Clocks = (False, False), plane: bool = False) -> Hashable:
+    """Return what pairs with one function have in common; with ``plane``, obstacles that move have planes, too."""
     spheres = pairs.spheres
     joint, other = int(spheres.joint[pairs.first[pair]]), int(pairs.second[pair])
     if pair >= pairs.against:
         return joint, int(spheres.joint[other])
     obstacle = pairs.obstacles[other]
-    if obstacle.moves:
+    if obstacle.moves and not plane:
         return joint, _SameObstacle(obstacle), free
     return joint
 
 
-def function_of(pairs: ClearancePairs, pair: int, free: Clocks) -> DistanceFunction:
+def function_of(
+    pairs: ClearancePairs, pair: int, free: Clocks = (False, False), plane: bool = False
+) -> DistanceFunction:
     """Return the function of a pair; it is made once for each robot and key.
 
     Parameters
@@ -72,11 +74,13 @@ def function_of(pairs: ClearancePairs, pair: int, free: Clocks) -> DistanceFunct
     pair : int
     free : (bool, bool)
         Whether t0 and T are unknowns; else they are constants behind the first one.
+    plane : bool
+        Whether the function of an obstacle that moves is that of a plane, whose constants hold for one time.
     """
     known = _FUNCTIONS.setdefault(pairs.robot, {})
-    key = key_of(pairs, pair, free)
+    key = key_of(pairs, pair, free, plane)
     if key not in known:
-        known[key] = _made(pairs, pair, free)
+        known[key] = _made(pairs, pair, free, plane)
     return known[key]
 
 
@@ -104,7 +108,7 @@ class _SameObstacle:
         return id(self.obstacle)
 
 
-def _made(pairs: ClearancePairs, pair: int, free: Clocks) -> DistanceFunction:
+def _made(pairs: ClearancePairs, pair: int, free: Clocks, plane: bool) -> DistanceFunction:
     robot, spheres = pairs.robot, pairs.spheres
     joint = int(spheres.joint[pairs.first[pair]])
     q = ca.SX.sym("q", robot.nq)
@@ -114,7 +118,7 @@ def _made(pairs: ClearancePairs, pair: int, free: Clocks) -> DistanceFunction:
         apart = _world(robot, joint, q, c[:3]) - _world(robot, other, q, c[3:6])
         return _stage(robot, ca.dot(c[6:9], apart) - c[9], q, None, c, (joint, other))
     obstacle = pairs.obstacles[pairs.second[pair]]
-    if not obstacle.moves:
+    if plane or not obstacle.moves:
         c = ca.SX.sym("c", 7)
         return _stage(robot, ca.dot(c[3:6], _world(robot, joint, q, c[:3])) - c[6], q, None, c, (joint,))
     before = 1 + free.count(False)

@@ -19,10 +19,11 @@ STEP = 1e-6
 """Step of the central difference of a distance [m]."""
 
 
-def planes(pairs: ClearancePairs, chosen: Indices, q: Array) -> Array:
+def planes(pairs: ClearancePairs, chosen: Indices, q: Array, times: Array | None = None) -> Array:
     """Return normals and offsets (n, 4) of pairs with one function, tangent to their distance at positions (n, nq).
 
-    Joints that move both spheres of a pair are neutral in ``q``, as in ``distance_functions``.
+    Joints that move both spheres of a pair are neutral in ``q``, as in ``distance_functions``. Obstacles that move are
+    where they are at ``times`` (n,) [s].
     """
     first, second = pairs.first[chosen], pairs.second[chosen]
     radius, here = pairs.spheres.radius, pairs.centres_of(first, q)
@@ -33,7 +34,8 @@ def planes(pairs: ClearancePairs, chosen: Indices, q: Array) -> Array:
     out = np.empty((len(chosen), 4))
     for number in np.unique(second).tolist():
         own = second == number
-        distance, out[own, :3] = _tangent(pairs.obstacles[number], here[own])
+        at = np.zeros(np.count_nonzero(own)) if times is None else times[own]
+        distance, out[own, :3] = _tangent(pairs.obstacles[number], here[own], at)
         out[own, 3] = np.einsum("ij,ij->i", out[own, :3], here[own]) - distance + radius[first[own]]
     return out
 
@@ -46,11 +48,11 @@ def heights(pairs: ClearancePairs, chosen: Indices, q: Array, given: Array) -> A
     return np.asarray(np.einsum("ij,ij->i", given[:, :3], at) - given[:, 3])
 
 
-def _tangent(obstacle: Obstacle, points: Array) -> tuple[Array, Array]:
-    """Return signed distances (n,) and their unit gradients (n, 3) at points of the world (n, 3)."""
-    position, rotation = obstacle.pose()
-    local = (points - position) @ rotation
+def _tangent(obstacle: Obstacle, points: Array, times: Array) -> tuple[Array, Array]:
+    """Return signed distances (n,) and their unit gradients (n, 3) at points of the world (n, 3) and times (n,) [s]."""
+    positions, rotations = obstacle.poses(times)
+    local = np.einsum("ni,nij->nj", points - positions, rotations)
     steps = STEP * np.vstack([np.eye(3), -np.eye(3)])
     around = obstacle.distance((local[:, None] + steps).reshape(-1, 3)).reshape(-1, 2, 3)
-    gradients = (around[:, 0] - around[:, 1]) @ rotation.T
+    gradients = np.einsum("nij,nj->ni", rotations, around[:, 0] - around[:, 1])
     return obstacle.distance(local), gradients / np.maximum(np.linalg.norm(gradients, axis=1), 1e-300)[:, None]

@@ -23,30 +23,24 @@ def obstacle(t, sin=np.sin):
     return [0.7 + 0.03 * sin(3.0 * t), 0.2, 0.42]
 
 
-@pytest.mark.slow
-def test_the_tool_stays_clear_and_follows_a_moving_goal():
-    mujoco = pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
+def driven_in_mujoco(ur5, avoided):
+    """Return how many steps kept an earlier plan, q every STEP (m, 6), and the distance from the goal after a step."""
+    import mujoco
+
     from robotraj.witness.mujoco.model import mujoco_robot
 
-    ur5 = rt.load("ur5")
     names = [f"goal.{i}" for i in range(6)]
 
     def distance(point):
         return sum((point.q[i] - point.p[name]) ** 2 for i, name in enumerate(names))
 
-    clear = rt.PathConstraint(
-        lambda point: ca.norm_2(point.frame("tool0").position - ca.vertcat(*obstacle(point.t, ca.sin))),
-        lower=RADIUS,
-        name="clearance",
-        unit="m",
-    )
     reach = rt.Phase(
         ur5,
         duration=1.0,
         start=rt.State(q=START, v=0),
         end=rt.State(v=0),
         objective=rt.Lagrange(distance) + 1e-5 * rt.Effort(),
-        constraints=[clear],
+        constraints=[avoided],
         parameters=dict(zip(names, goal(0.0), strict=True)),
     )
     replanner = rt.Replanner(reach, mesh=rt.Mesh(20))
@@ -55,8 +49,7 @@ def test_the_tool_stays_clear_and_follows_a_moving_goal():
     data = mujoco.MjData(plant)
     data.qpos[:] = START
     gains = np.array([100.0, 100.0, 100.0, 20.0, 20.0, 20.0])
-    model, frames = ur5.model, ur5.model.createData()
-    kept, distances, errors = 0, [], []
+    kept, every, errors = 0, [], []
     for k in range(125):
         t = k * PERIOD
         start = rt.State(q=data.qpos.copy(), v=data.qvel.copy())
@@ -66,10 +59,43 @@ def test_the_tool_stays_clear_and_follows_a_moving_goal():
         for q, v, tau in zip(plan.q, plan.v, plan.tau, strict=True):
             data.qfrc_applied[:] = tau + gains * (q - data.qpos) + 0.2 * gains * (v - data.qvel)
             mujoco.mj_step(plant, data)
-            pin.framesForwardKinematics(model, frames, data.qpos.copy())
-            tool = frames.oMf[model.getFrameId("tool0")].translation
-            distances.append(float(np.linalg.norm(tool - obstacle(data.time))))
+            every.append(data.qpos.copy())
         errors.append(float(np.max(np.abs(data.qpos - goal(t + PERIOD)))))
+    return kept, np.array(every), errors
+
+
+@pytest.mark.slow
+def test_the_whole_arm_stays_clear_of_a_ball_and_a_box_and_follows_a_moving_goal():
+    pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
+    ur5 = rt.load("ur5")
+    ball = rt.obstacles.Sphere(0.1, lambda t: obstacle(t, ca.sin), name="ball")
+    box = rt.obstacles.Box((0.3, 0.3, 0.4), (-0.5, 0.5, 0.2), name="box")
+    avoided = rt.CollisionFree([ball, box], margin=0.01)
+    kept, q, errors = driven_in_mujoco(ur5, avoided)
+    times = STEP * np.arange(1, len(q) + 1)
+    distances = avoided.pairs(ur5).distances(q, times).min(axis=1)
+    assert kept == 0
+    assert 0.0 < distances.min() < 0.05  # an obstacle is in the way
+    assert errors[0] > 2.0
+    assert max(errors[-25:]) < 0.1
+
+
+@pytest.mark.slow
+def test_the_tool_stays_clear_and_follows_a_moving_goal():
+    pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
+    ur5 = rt.load("ur5")
+    clear = rt.PathConstraint(
+        lambda point: ca.norm_2(point.frame("tool0").position - ca.vertcat(*obstacle(point.t, ca.sin))),
+        lower=RADIUS,
+        name="clearance",
+        unit="m",
+    )
+    kept, every, errors = driven_in_mujoco(ur5, clear)
+    model, frames, distances = ur5.model, ur5.model.createData(), []
+    for k, q in enumerate(every, 1):
+        pin.framesForwardKinematics(model, frames, q)
+        tool = frames.oMf[model.getFrameId("tool0")].translation
+        distances.append(float(np.linalg.norm(tool - obstacle(k * STEP))))
     assert kept == 0
     assert min(distances) > RADIUS - 2e-3
     assert min(distances) < RADIUS + 2e-2  # the obstacle is in the way

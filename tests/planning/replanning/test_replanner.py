@@ -1,5 +1,6 @@
 import casadi as ca
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import robotraj as rt
@@ -102,8 +103,10 @@ def test_bad_input(reach, ur5):
         rt.Replanner(rt.Problem([reach, reach.with_(start=None)], links=[rt.Continuity(0, 1)]))
     with pytest.raises(rt.InputError, match="fixed start"):
         rt.Replanner(reach.with_(start=rt.State(q=START)), mesh=rt.Mesh(10))
-    with pytest.raises(rt.InputError, match="CollisionFree"):
-        rt.Replanner(reach.with_(constraints=[rt.CollisionFree()]))
+    with pytest.raises(rt.InputError, match="2 rt.CollisionFree; join them"):
+        rt.Replanner(reach.with_(constraints=[rt.CollisionFree(), rt.CollisionFree()]), mesh=rt.Mesh(10))
+    with pytest.raises(rt.InputError, match="does not have"):
+        rt.Replanner(reach, mesh=rt.Mesh(10)).step(0.0, rt.State(q=START, v=0), obstacles=[])
     with pytest.raises(rt.InputError, match="deadline"):
         rt.Replanner(reach, deadline=0.0)
     with pytest.raises(rt.InputError, match="rt.InteriorPoint"):
@@ -160,3 +163,40 @@ def test_driven_pieces_are_those_of_the_plans(reach, tmp_path):
     assert rt.replay(motion, tmp_path / "driven.html").is_file()
     with pytest.raises(rt.InputError, match="ascend"):
         rt.planning.driven(replans, until=0.2)
+
+
+@pytest.mark.slow
+def test_every_knot_of_a_step_keeps_its_distance_from_obstacles_that_were_seen_elsewhere(reach, ur5):
+    avoided = rt.CollisionFree([rt.obstacles.Sphere(0.1, (0.6, 0.1, 2.0))], margin=0.01)
+    slow = reach.with_(duration=1.5, constraints=[avoided])
+    replanner = rt.Replanner(slow, mesh=rt.Mesh(20, rt.HermiteSimpson()))
+    start, least = rt.State(q=START, v=0), []
+    tool = _tool(ur5, replanner.step(0.0, start).at(0.75).q)
+    outwards = np.array([tool[0], tool[1], 0.0]) / np.hypot(tool[0], tool[1])
+    # A camera sees it come nearer from step to step, to where the tool would touch it.
+    for away in np.linspace(0.3, 0.14, 9):
+        seen = rt.obstacles.Sphere(0.1, tuple(tool + away * outwards))
+        replan = replanner.step(0.0, start, obstacles=[seen])
+        assert replan.fresh
+        q = replan.at(replanner.first.phases[0].knots).q
+        found = avoided.pairs(ur5).with_obstacles([seen]).distances(q, np.zeros(len(q)))
+        least.append((found.min(), found[:, : avoided.pairs(ur5).against].min()))
+    assert np.min(least[1:]) > 0.01 - 1e-4  # the first step still finds which shapes are near
+    assert least[-1][1] < 0.02 < 0.04 < least[0][1]  # the obstacle comes in the way
+    with pytest.raises(rt.InputError, match="must be 1 obstacles in the world"):
+        replanner.step(0.0, start, obstacles=[])
+
+
+def test_an_unfinished_step_is_gone_on_with_by_the_next(reach):
+    few = rt.InteriorPoint(tolerance=1e-4, initial_barrier=1e-3, max_iterations=2)
+    replanner = rt.Replanner(reach, mesh=rt.Mesh(20), solver=few)
+    start, end = rt.State(q=START + 0.3, v=0), rt.State(q=GOAL - 0.3, v=0)
+    replans = [replanner.step(0.0, start, end) for _ in range(15)]
+    assert not replans[0].fresh and replans[0].status is rt.solvers.Status.ITERATION_LIMIT
+    assert replans[-1].fresh
+
+
+def _tool(robot, q):
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    return data.oMf[robot.frame("tool0")].translation

@@ -1,0 +1,220 @@
+"""Rows on distances whose number is fixed, while their planes follow the motion from solve to solve.
+
+Every knot of a phase has rows for each joint that carries shapes, and for each two joints whose shapes may touch. A
+row is the plane between two shapes (``supporting_planes.py``), which are the nearest ones there along the last motion.
+Planes are constants: a control loop writes others before each solve, and builds nothing.
+
+Obstacles that move are where they are at the times of the knots. A start that is measured too near is no conflict: what
+it is short of may be made up for within ``RECOVERY``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.problem.clearance.ends import clearances_of
+from robotraj.problem.clearance.pairs import ClearancePairs
+from robotraj.transcription.assembly.block import Block
+from robotraj.transcription.assembly.point_functions import PointFunctions
+from robotraj.transcription.assembly.triplets import Triplets
+from robotraj.transcription.clearance.clearance_rows import SLACK
+from robotraj.transcription.clearance.distance_functions import DistanceFunction, function_of, key_of
+from robotraj.transcription.clearance.supporting_planes import planes
+from robotraj.transcription.collocation.ends import widen
+from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.table import Entry, ScalarTable
+
+if TYPE_CHECKING:
+    from robotraj.transcription.layout import PhaseLayout
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
+
+NEAREST = 2
+"""Pairs of a joint's shapes with obstacles, or with those of another joint, that have rows at a knot."""
+RECOVERY = 0.2
+"""Time after which a start that is too near has moved away [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class _PlaneGroup:
+    """Rows with one function.
+
+    Attributes
+    ----------
+    function : DistanceFunction
+    pairs : ndarray of int
+        Pairs that the rows choose from.
+    count : int
+        Rows at a knot.
+    """
+
+    function: DistanceFunction
+    pairs: Indices
+    count: int
+
+
+class PlaneRows:
+    """The rows on distances of an NLP of one phase.
+
+    Parameters
+    ----------
+    nlp : Nlp
+        Of one phase, without rows on distances.
+
+    Raises
+    ------
+    InputError
+        The phase has several ``CollisionFree``.
+    """
+
+    def __init__(self, nlp: Nlp) -> None:
+        phase = nlp.problem.phases[0]
+        found = clearances_of(phase.constraints, phase.robot)
+        if len(found) != 1:
+            raise InputError(f"Phase {phase.name!r} has {len(found)} rt.CollisionFree; join them to one.")
+        self._pairs: ClearancePairs = found[0]
+        layout = nlp.layouts[0]
+        self._fractions = layout.fractions
+        columns = np.array(layout.knots)[:, : self._pairs.robot.nq]
+        # Rows on a state that is fixed could not change it.
+        self._free = np.flatnonzero(np.any(nlp.variables.lower[columns] < nlp.variables.upper[columns], axis=1))
+        self._columns = columns
+        self._rows = _grouped(self._pairs)
+        # Rows with obstacles, then rows of two links: where each lies, the group that it belongs to and what it reads.
+        count = sum(own.pairs[0] < self._pairs.against for own in self._rows)
+        self._kinds = [kind for kind in (range(count), range(count, len(self._rows))) if len(kind)]
+        self._at = [np.concatenate([self._knots_of(self._rows[k]) for k in kind]) for kind in self._kinds]
+        self._reads = [np.concatenate([self._read_by(self._rows[k]) for k in kind]) for kind in self._kinds]
+
+    def _knots_of(self, own: _PlaneGroup) -> Indices:
+        return np.repeat(self._free, own.count)
+
+    def _read_by(self, own: _PlaneGroup) -> NDArray[np.bool_]:
+        """Whether each row reads each position."""
+        reads = np.isin(np.arange(self._columns.shape[1]), own.function.positions)
+        return np.tile(reads, (len(self._free) * own.count, 1))
+
+    def added(self, nlp: Nlp) -> Nlp:
+        """Add the rows to the NLP, with planes along its guess."""
+        pairs, table, blocks = self._pairs, ScalarTable.after(nlp.rows), []
+        lower, fractions = pairs.margin + SLACK, self._fractions[self._free]
+        for own, constants in zip(self._rows, self._constants(nlp, nlp.guess), strict=True):
+            at = self._knots_of(own)
+            columns = self._columns[at][:, own.function.positions]
+            entry = table.numbers([Entry(0, "clearance", _label(pairs, own), "m")])
+            numbers = table.add_above(
+                np.repeat(entry, len(at)), np.repeat(fractions, own.count), np.full(len(at), lower)
+            )
+            gather, scatter = Triplets(), Triplets()
+            gather.add(np.arange(columns.size), columns.ravel(), 1.0)
+            scatter.add(numbers, np.arange(len(at)), 1.0)
+            own.function.stage.as_tapes = nlp.engine.separate_torques
+            blocks.append(
+                Block(
+                    own.function.stage,
+                    gather.matrix((columns.size, len(nlp.variables))),
+                    constants,
+                    scatter.matrix((int(numbers.max()) + 1, len(at))),
+                    np.zeros(len(at)),
+                )
+            )
+        rows = nlp.rows.joined(table.finish())
+        shape = (len(rows), len(nlp.variables))
+        linear = nlp.linear.copy()
+        linear.resize(shape)
+        return replace(
+            nlp,
+            rows=rows,
+            blocks=tuple(widen(block, *shape) for block in (*nlp.blocks, *blocks)),
+            linear=linear,
+            row_scale=np.append(nlp.row_scale, np.ones(len(rows) - len(nlp.rows))),
+            loose_rows=None if nlp.loose_rows is None else nlp.loose_rows.joined(table.finish()),
+            keeps_clear=True,
+        )
+
+    def place_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
+        """Take other obstacles from now on, as many as before and in their order.
+
+        Raises
+        ------
+        InputError
+            Another number of obstacles, one on a frame of the robot, or what is no obstacle.
+        """
+        count = len(self._pairs.obstacles)
+        is_world = all(isinstance(each, Obstacle) and each.frame is None for each in obstacles)
+        if len(obstacles) != count or not is_world:
+            raise InputError(
+                f"obstacles= must be {count} obstacles in the world, as in the problem; got {obstacles!r}."
+            )
+        self._pairs = self._pairs.with_obstacles(obstacles)
+
+    def constants(self, nlp: Nlp, w: Array) -> dict[PointFunctions, Array]:
+        """Return the constants of every stage function with planes along w (n_w,), at the clock of the NLP."""
+        found = self._constants(nlp, w)
+        return {own.function.stage: each for own, each in zip(self._rows, found, strict=True)}
+
+    def _constants(self, nlp: Nlp, w: Array) -> list[Array]:
+        pairs, free = self._pairs, self._free
+        spheres, q = pairs.spheres, w[self._columns]
+        elapsed = self._fractions * _duration(nlp.layouts[0], w)
+        times = nlp.layouts[0].t0.value + elapsed
+        # The first knot is the measured state, where w is not.
+        q[0] = nlp.variables.lower[self._columns[0]]
+        distances = pairs.distances(q, times)
+        short = np.maximum(pairs.margin + SLACK - distances[0], 0.0)
+        share, left = np.maximum(1.0 - elapsed / RECOVERY, 0.0), distances[free]
+        found: list[Array] = []
+        for kind, at, reads in zip(self._kinds, self._at, self._reads, strict=True):
+            chosen = [_nearest(left, self._rows[k]) for k in kind]
+            every = np.concatenate(chosen)
+            given = planes(pairs, every, np.where(reads, q[at], pairs.robot.neutral), times[at])
+            given[:, 3] -= short[every] * share[at]
+            centres = [spheres.centre[pairs.first[every]]]
+            if every[0] >= pairs.against:
+                centres.append(spheres.centre[pairs.second[every]])
+            sizes = np.cumsum([len(part) for part in chosen])[:-1]
+            parts = np.split(np.column_stack([*centres, given]), sizes)
+            found += [np.ascontiguousarray(part.T) for part in parts]
+        return found
+
+
+def _grouped(pairs: ClearancePairs) -> list[_PlaneGroup]:
+    """Return the pairs with one function, those with obstacles first."""
+    groups: dict[Hashable, list[int]] = {}
+    for pair in range(len(pairs)):
+        groups.setdefault(key_of(pairs, pair, plane=True), []).append(pair)
+    rows = []
+    for own in groups.values():
+        function = function_of(pairs, own[0], plane=True)
+        if function.positions.size:
+            rows.append(_PlaneGroup(function, np.array(own), min(NEAREST, len(own))))
+    return rows
+
+
+def _nearest(every: Array, own: _PlaneGroup) -> Indices:
+    """Return the nearest pairs of every knot, knot after knot, by the distances of all pairs."""
+    distances = every[:, own.pairs]
+    if own.count == 1:
+        return np.asarray(own.pairs[distances.argmin(axis=1)])
+    return np.asarray(own.pairs[np.argpartition(distances, own.count - 1, axis=1)[:, : own.count]].ravel())
+
+
+def _label(pairs: ClearancePairs, own: _PlaneGroup) -> str:
+    first = int(own.pairs[0])
+    if first < pairs.against:
+        return f"{pairs.names(first)[0]} and the nearest obstacles"
+    return pairs.label(first)
+
+
+def _duration(layout: PhaseLayout, w: Array) -> float:
+    scalar = layout.duration
+    return float(scalar.value if scalar.column is None else w[scalar.column])
