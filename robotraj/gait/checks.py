@@ -40,6 +40,20 @@ def number(value: object, name: str, unit: str = "m", advice: str = "") -> float
     return float(value)
 
 
+def positive(value: object, default: float, name: str) -> float:
+    """Return a positive duration [s], by default ``default``.
+
+    Raises
+    ------
+    InputError
+        The value is not positive.
+    """
+    found = default if value is None else number(value, name, "s")
+    if not found > 0.0:
+        raise InputError(f"{name} is {value!r}; give a positive duration [s].")
+    return found
+
+
 def fraction(value: object, name: str) -> float:
     """Return a fraction of a step, from 0 to less than 1.
 

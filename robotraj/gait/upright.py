@@ -51,8 +51,13 @@ class Upright:
         turn = float(np.sin(0.5 * self.tilt))
         return {f"q.root_{name}": between(-turn, turn) for name in ("qx", "qy", "qz")}
 
-    def constraints(self, robot: Robot, standing: NDArray[np.float64], ground: Ground) -> list[Constraint]:
-        """Return the constraint of the root link's height, for ``rt.Phase(constraints=...)``."""
+    def constraints(
+        self, robot: Robot, standing: NDArray[np.float64], ground: Ground, rise: tuple[float, float] = (0.0, 0.0)
+    ) -> list[Constraint]:
+        """Return the constraint of the root link's height, for ``rt.Phase(constraints=...)``.
+
+        ``rise`` has the least and the greatest level of the feet above ``ground`` [m].
+        """
         link = root_link(robot)
         data = robot.model.createData()
         pin.framesForwardKinematics(robot.model, data, standing)
@@ -61,8 +66,8 @@ class Upright:
         return [
             PathConstraint(
                 RootHeight(link, ground),
-                lower=self.least_height * height,
-                upper=self.greatest_height * height,
+                lower=self.least_height * height + rise[0],
+                upper=self.greatest_height * height + rise[1],
                 name="root height",
                 unit="m",
             )

@@ -6,6 +6,7 @@ from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import robotraj as rt
@@ -17,6 +18,15 @@ MESH = rt.Mesh(6, rt.schemes.LobattoIIIA(4))
 @pytest.fixture(scope="module")
 def walk(biped: rt.Robot) -> rt.Solution:
     return rt.plan(rt.gait.walk(biped, step_length=0.4, duration=0.6, contact=FOOT, clearance=0.02), MESH)
+
+
+def feet_at(solution: rt.Solution, t: float) -> dict[str, float]:
+    """World x of both feet [m]."""
+    robot = solution.phases[0].phase.robot
+    assert robot is not None
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, solution.at(t).q)
+    return {name: float(data.oMf[robot.frame(name)].translation[0]) for name in ("left_foot", "right_foot")}
 
 
 def test_a_biped_starts_from_rest_into_its_walk(walk: rt.Solution) -> None:
@@ -35,8 +45,30 @@ def test_a_biped_stops_from_its_walk(walk: rt.Solution) -> None:
     np.testing.assert_allclose(stop.at(0.0).q, walk.at(0.0).q, atol=1e-6)
     np.testing.assert_allclose(stop.at(0.0).v, walk.at(0.0).v, atol=1e-6)
     np.testing.assert_allclose(stop.at(stop.duration).v, 0.0, atol=1e-8)
-    home = rt.gait.stand(walk.phases[0].phase.robot, None, FOOT)
-    assert stop.at(stop.duration).q[0] == pytest.approx(home[0] + 1.5 * 0.4, abs=1e-6)
+    # The last step sets the swing foot down beside the other one, half as far as a whole step.
+    bearing, swinging = (feet_at(walk, 0.0)[name] for name in ("left_foot", "right_foot"))
+    assert bearing - swinging == pytest.approx(0.4, abs=1e-6)
+    assert list(feet_at(stop, stop.duration).values()) == pytest.approx([bearing + 0.4] * 2, abs=1e-6)
+
+
+def test_a_single_period_leaves_its_standing_foot_where_the_walk_has_it(walk: rt.Solution) -> None:
+    start = rt.plan(rt.gait.start(walk, count=1), MESH)
+    np.testing.assert_allclose(start.at(0.0).v, 0.0, atol=1e-8)
+    np.testing.assert_allclose(start.at(start.duration).q, walk.at(0.0).q, atol=1e-6)
+    standing = feet_at(walk, 0.0)["right_foot"]
+    for t in (0.0, start.phases[0].duration, start.duration):
+        assert feet_at(start, t)["right_foot"] == pytest.approx(standing, abs=1e-6)
+
+
+def test_durations_at_rest_grow_with_the_root_of_the_height(walk: rt.Solution, solo: rt.Robot) -> None:
+    biped = walk.phases[0].phase.robot
+    assert biped is not None
+    for robot, problem in (
+        (biped, rt.gait.start(walk)),
+        (solo, rt.gait.start_stop(solo, step_length=0.05)),
+    ):
+        height = pin.centerOfMass(robot.model, robot.model.createData(), rt.gait.stand(robot))[2]
+        assert problem.phases[0].duration == pytest.approx(1.4 * np.sqrt(height / 9.81), rel=0.05)
 
 
 def test_what_does_not_repeat_is_refused(walk: rt.Solution, biped: rt.Robot) -> None:

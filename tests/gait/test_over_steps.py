@@ -39,6 +39,18 @@ def test_a_biped_ends_on_top_of_the_stairs(biped: rt.Robot) -> None:
     assert rest(problem)[1] - home[1] == pytest.approx(0.2, abs=1e-3)
 
 
+def test_the_root_is_bounded_above_the_feet_and_not_above_the_riser_below_it(biped: rt.Robot) -> None:
+    problem = rt.gait.stairs(biped, start=0.2, run=0.4, rise=0.1, count=2, **SLOW)
+    bounds = []
+    for phase in problem.phases:
+        (row,) = [each for each in phase.constraints if getattr(each, "name", "") == "root height"]
+        bounds.append((row.lower, row.upper))
+    (low, high), last = bounds[0], bounds[-1]
+    # The first phase leads to the first step, which raises the mean of both feet by half a riser.
+    np.testing.assert_allclose(last, (low + 0.2, high + 0.2 - 0.05), atol=1e-9)
+    assert bounds == sorted(bounds)
+
+
 def test_no_foot_stands_near_an_edge(solo: rt.Robot) -> None:
     start, width, margin = 0.25, 0.06, 0.02
     problem = rt.gait.gap(solo, start=start, width=width, step_length=0.08, margin=margin, **PAW)

@@ -19,7 +19,7 @@ from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
 from robotraj.dynamics.variable import Scalar
-from robotraj.gait.checks import check_options, number
+from robotraj.gait.checks import check_options, number, positive
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.repetition import on_ground
@@ -27,7 +27,7 @@ from robotraj.gait.supports import GaitTerms, Support
 from robotraj.gait.swing_clearance import TOUCH
 from robotraj.gait.upright import Upright
 from robotraj.guess.legs.stance import BalancedStance
-from robotraj.guess.legs.standing_posture import height_above, standing
+from robotraj.guess.legs.standing_posture import height_above, mean_ground, pendulum_time, standing
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.heights import RequiredHeight
 from robotraj.problem.objectives.base import Objective
@@ -41,6 +41,8 @@ Array = NDArray[np.float64]
 LEVEL = Flat()
 FOOT_TOLERANCE = 1e-6
 """Largest distance of a foot from its foothold in the last configuration [m, rad]."""
+SWING, SUPPORT, SHIFT = 1.8, 0.4, 1.4
+"""Default durations of a step, and of the supports by all feet between steps and at both ends, in sqrt(h / g)."""
 TILT = 0.6
 """Default bound of ``Upright``, to which a turn is added [rad]."""
 
@@ -52,9 +54,9 @@ def steps(
     robot: Robot,
     footholds: Sequence[Step],
     *,
-    swing: float = 0.4,
-    support: float = 0.1,
-    shift: float = 0.3,
+    swing: float | None = None,
+    support: float | None = None,
+    shift: float | None = None,
     feet: Sequence[str] | None = None,
     contact: FootKind = PointContact,
     clearance: float | None = 0.0,
@@ -76,7 +78,8 @@ def steps(
         One mapping a step: from the frames of the feet that swing together to world x, y and, for soles, yaw
         [m, m, rad]. In a plane, x alone.
     swing, support, shift : float
-        Durations [s] of a step, of the support by all feet between steps (0 for none), and of that at both ends.
+        Durations [s] of a step, of the support by all feet between steps (0 for none), and of that at both ends; by
+        default 1.8, 0.4 and 1.4 times sqrt(h / g), with the height h of the centre of mass in the first configuration.
     feet, contact, objective, ground
         As for ``rt.gait.walk``.
     clearance : float or None
@@ -93,15 +96,15 @@ def steps(
     names = feet_of(robot, feet)
     check_options(None, upright)
     _check(robot, footholds, names)
-    for value, name in ((swing, "swing"), (shift, "shift")):
-        if not number(value, f"rt.gait.steps({name})", "s") > 0.0:
-            raise InputError(f"rt.gait.steps({name}) is {value!r}; give a positive duration [s].")
-    if not number(support, "rt.gait.steps(support)", "s") >= 0.0:
-        raise InputError(f"rt.gait.steps(support) is {support!r}; give a duration [s], or 0 for none.")
     kind = on_ground(contact, ground)
     contacts = {name: foot_contact(kind, name).bound_to(robot) for name in names}
     stance = BalancedStance(robot, tuple(contacts.values()))
     first = standing(stance)
+    swing = positive(swing, SWING * pendulum_time(stance, first), "rt.gait.steps(swing)")
+    shift = positive(shift, SHIFT * pendulum_time(stance, first), "rt.gait.steps(shift)")
+    support = SUPPORT * pendulum_time(stance, first) if support is None else number(support, "rt.gait.steps(support)")
+    if not support >= 0.0:
+        raise InputError(f"rt.gait.steps(support) is {support!r}; give a duration [s], or 0 for none.")
     places = [stance.locate(first)]
     for step in footholds:
         reached = dict(places[-1])
@@ -118,9 +121,19 @@ def steps(
         if k + 1 < len(footholds) and support > 0.0:
             supports.append(Support(names, support, f"support {k + 1}"))
     supports.append(Support(names, shift, "stop"))
-    terms = GaitTerms(kind, None, objective, bounds, ground)
+    terms = GaitTerms(kind, None, objective, None, ground)
     problem = sequence(robot, supports, terms, None, State(q=first, v=0.0), State(q=last, v=0.0))
-    phases = list(problem.phases)
+    # Over an edge the height above the ground would jump: the root's is bounded above the feet of each phase.
+    levels = [mean_ground(stance, place) for place in places]
+    begun = [sum(i < at for i, _ in swings) for at in range(len(supports))]
+    phases = [
+        replace(
+            phase,
+            states=bounds.states(robot),
+            constraints=bounds.constraints(robot, first, Flat(levels[0]), _span(levels, k)),
+        )
+        for phase, k in zip(problem.phases, begun, strict=True)
+    ]
     for i, k in swings:
         if clearance is not None:
             begin = sum(float(cast(Any, support.duration)) for support in supports[:i])
@@ -205,6 +218,12 @@ def _clearances(
     rows = [GroundClearance(spot, arc if apex > 0.0 else -TOUCH, ground)]
     corners = contact.outline()
     return [*rows, GroundClearance(corners, -TOUCH, ground)] if len(corners) > 1 else rows
+
+
+def _span(levels: Sequence[float], k: int) -> tuple[float, float]:
+    """Return the least and the greatest level of the feet from step k on to the next, above the first [m]."""
+    near = levels[k : k + 2]
+    return min(near) - levels[0], max(near) - levels[0]
 
 
 def _names(foot: str, anchors: Mapping[str, float]) -> list[str]:

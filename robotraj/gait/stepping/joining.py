@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
@@ -14,11 +16,15 @@ from robotraj.dynamics.contacts.base import Contact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
-from robotraj.gait.checks import number
+from robotraj.gait.checks import positive
+from robotraj.gait.feet import foot_contact
 from robotraj.gait.phase_sequence import sequence
-from robotraj.gait.standing import stand
+from robotraj.gait.standing import FOOT_TOLERANCE, stand
+from robotraj.gait.stepping.footholds import SHIFT
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.gait.upright import Upright
+from robotraj.guess.legs.stance import BalancedStance
+from robotraj.guess.legs.standing_posture import pendulum_time
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.links.touchdown import Touchdown
 from robotraj.problem.objectives.base import Objective
@@ -35,6 +41,10 @@ class PlannedPhase(Protocol):
     @property
     def phase(self) -> Phase:
         """The phase that was planned."""
+
+    @property
+    def t0(self) -> float:
+        """Time at which it begins [s]."""
 
     @property
     def duration(self) -> float:
@@ -64,15 +74,17 @@ def start(
     gait: PlannedGait,
     *,
     count: int = 2,
-    shift: float = 0.3,
+    shift: float | None = None,
     clearance: float | None = 0.0,
     objective: Objective | None = None,
     upright: Upright | None = None,
 ) -> Problem:
     """Return a motion from rest into a planned gait: ``count`` of its periods, the first one shorter.
 
-    The robot starts in the configuration of ``rt.gait.stand`` and ends in the state from which the gait begins, before
-    the impact if its feet land there. Standing feet and durations are those of the gait.
+    The robot starts in the configuration of ``rt.gait.stand``, level with the feet that bear the first period, and ends
+    in the state from which the gait begins, before the impact if its feet land there. A single period leaves the feet
+    that bear it where they are, so the robot then starts with these in their footholds of the gait. Standing feet and
+    durations are those of the gait.
 
     Parameters
     ----------
@@ -81,20 +93,21 @@ def start(
     count : int
         Number of periods; of a mirrored gait, of steps.
     shift : float
-        Duration on all feet at rest [s].
+        Duration on all feet at rest [s]; by default 1.4 sqrt(h / g), h the height of the centre of mass at rest.
     clearance, objective, upright
         As for ``rt.gait.walk``; the objective is that of the gait by default.
 
     Raises
     ------
     InputError
-        The motion does not repeat, its ground is not level, or a count or duration that is not positive.
+        The motion does not repeat, its ground is not level, a count or duration that is not positive, or a single
+        period whose footholds the robot cannot stand on.
     """
-    cycle = _cycle(gait, count, shift, "start")
-    supports = [Support(cycle.feet, shift, "stand")]
+    cycle = _cycle(gait, count, "start")
+    supports = [Support(cycle.feet, cycle.rest(shift, "start"), "stand")]
     for k in range(count):
         supports += cycle.period(k - count)
-    away = State(q=cycle.resting((0.5 - count) * cycle.length), v=0.0)
+    away = State(q=cycle.resting(-count, last=False, held=count == 1), v=0.0)
     q, v = cycle.entry
     return sequence(cycle.robot, supports, cycle.terms(clearance, objective, upright), None, away, State(q=q, v=v))
 
@@ -103,23 +116,24 @@ def stop(
     gait: PlannedGait,
     *,
     count: int = 2,
-    shift: float = 0.3,
+    shift: float | None = None,
     clearance: float | None = 0.0,
     objective: Objective | None = None,
     upright: Upright | None = None,
 ) -> Problem:
     """Return a motion from a planned gait to rest: ``count`` of its periods, the last one shorter.
 
-    The robot starts in the first state of the gait and ends at rest in the configuration of ``rt.gait.stand``.
+    The robot starts in the first state of the gait and ends at rest in the configuration of ``rt.gait.stand``, level
+    with the feet that bear the last period; with a single period, these stay in their footholds of the gait.
     Parameters and errors are those of ``start``.
     """
-    cycle = _cycle(gait, count, shift, "stop")
+    cycle = _cycle(gait, count, "stop")
     supports = [support for k in range(count) for support in cycle.period(k)]
-    supports.append(Support(cycle.feet, shift, "stop"))
+    supports.append(Support(cycle.feet, cycle.rest(shift, "stop"), "stop"))
     first = gait.at(0.0)
     # The first state stands on the first footholds; where they are follows from it.
     begin = State(q=first.q, v=first.v)
-    home = State(q=cycle.resting((count - 0.5) * cycle.length), v=0.0)
+    home = State(q=cycle.resting(count - 1, last=True, held=count == 1), v=0.0)
     return sequence(cycle.robot, supports, cycle.terms(clearance, objective, upright), None, begin, home)
 
 
@@ -177,11 +191,65 @@ class _Cycle:
         speeds = [sign * values[name] for name, sign in seen.sources[robot.nq :]]
         return np.array(first.q), np.array(speeds)
 
-    def resting(self, x: float) -> dict[str, float]:
-        """Return the standing configuration with the root moved along x, by name; a root's y is left free."""
-        q = stand(self.robot, self.feet, self.contact)
-        q[0] += x
-        return {n: float(v) for n, v in zip(self.robot.position_names, q, strict=True) if n != "root_y"}
+    @cached_property
+    def stance(self) -> BalancedStance:
+        """Inverse kinematics of all feet."""
+        return BalancedStance(self.robot, tuple(foot_contact(self.contact, n).bound_to(self.robot) for n in self.feet))
+
+    def rest(self, shift: float | None, who: str) -> float:
+        """Return the duration on all feet at rest [s]."""
+        home = stand(self.robot, self.feet, self.contact)
+        return positive(shift, SHIFT * pendulum_time(self.stance, home), f"rt.gait.{who}(shift)")
+
+    def resting(self, period: int, last: bool, held: bool) -> dict[str, float]:
+        """Return the standing configuration beside a period, by name; a root's y is left free.
+
+        It is level with the feet that bear the first step of the period, or its last one; if they are ``held``, these
+        stand in their footholds.
+        """
+        home = stand(self.robot, self.feet, self.contact)
+        feet, bearing = self.stance.locate(home), self._bearing(period, last)
+        shift = np.zeros(3)
+        for i, axis in enumerate("xy"):
+            shift[i] = np.mean([at - feet[name] for name, at in bearing.items() if name.endswith(f".{axis}")] or [0.0])
+        near = np.array(home)
+        near[0] += shift[0]
+        if held:
+            feet |= {name: at + shift[0] for name, at in feet.items() if name.endswith(".x")}
+            com = np.array(pin.centerOfMass(self.robot.model, self.stance.data, home)) + shift
+            if self.robot.root == "planar":
+                com[1] = np.nan
+            near = self.stance.reach(near, feet | bearing, com, {}, near)
+            if np.max(np.abs(self.stance.places(near, feet | bearing)[0]), initial=0.0) > FOOT_TOLERANCE:
+                raise InputError(
+                    f"{self.robot.name!r} cannot stand with the other feet beside {', '.join(sorted(bearing))} of the "
+                    "gait; give count= of at least 2."
+                )
+        return {n: float(v) for n, v in zip(self.robot.position_names, near, strict=True) if n != "root_y"}
+
+    def _bearing(self, number: int, last: bool) -> dict[str, float]:
+        """Return the anchors of the feet that stand in all of a period, or else in its first or last step."""
+        standing = [(part.t0, {c.frame for c in part.phase.bound_contacts}) for part in self.gait.phases]
+        steps = [(t0, feet) for t0, feet in standing if 0 < len(feet) < len(self.feet)] or standing
+        time, bearing = steps[-1 if last else 0]
+        always = set.intersection(*(feet for _, feet in steps))
+        first, end = self.gait.at(0.0).q, self.gait.at(self.gait.duration).q
+        names = {contact.name: contact.frame for contact in self.stance.contacts}
+        labels = {frame: name for name, frame in names.items()}
+        side = 1 if self.robot.root == "floating" else 0
+        mirrored = isinstance(self.repeat, Mirror)
+        found = {}
+        for name, at in self.stance.locate(self.gait.at(time).q).items():
+            foot, _, axis = name.rpartition(".")
+            if names[foot] not in (always or bearing):
+                continue
+            if mirrored and number % 2:
+                foot = labels[self.partners.get(names[foot], names[foot])]
+                at = {"x": at, "y": first[side] + end[side] - at, "yaw": -at}[axis]
+            elif axis == "y" and not mirrored:
+                at += number * (end[side] - first[side])
+            found[f"{foot}.{axis}"] = float(at + (number * self.length if axis == "x" else 0.0))
+        return found
 
     def terms(self, clearance: float | None, objective: Objective | None, upright: Upright | None) -> GaitTerms:
         """Return the options of all phases."""
@@ -189,11 +257,9 @@ class _Cycle:
         return GaitTerms(self.contact, clearance, own, upright, _ground(self.contact))
 
 
-def _cycle(gait: PlannedGait, count: object, shift: object, who: str) -> _Cycle:
+def _cycle(gait: PlannedGait, count: object, who: str) -> _Cycle:
     if not isinstance(count, int) or count < 1:
         raise InputError(f"rt.gait.{who}(count) is {count!r}; give at least 1 period.")
-    if not number(shift, f"rt.gait.{who}(shift)", "s") > 0.0:
-        raise InputError(f"rt.gait.{who}(shift) is {shift!r}; give a positive duration [s].")
     problem = getattr(gait, "problem", None)
     if not isinstance(problem, Problem):
         raise InputError(f"rt.gait.{who} needs the solution of a gait, as of rt.gait.walk; got {type(gait).__name__}.")

@@ -106,10 +106,22 @@ def _com_height(stance: BalancedStance, q: Array) -> float:
     return float(pin.centerOfMass(stance.robot.model, stance.data, q)[2])
 
 
-def height_above(stance: BalancedStance, feet: Mapping[str, float], com: Array) -> float:
-    """Return the height of the centre of mass above the mean of the feet [m]."""
+def mean_ground(stance: BalancedStance, feet: Mapping[str, float]) -> float:
+    """Return the mean height of the ground under the feet [m]."""
     heights = []
     for contact in stance.contacts:
         ground = contact.contact.ground  # type: ignore[attr-defined]
         heights.append(float(ground.height(feet.get(f"{contact.name}.x", 0.0), feet.get(f"{contact.name}.y", 0.0))))
-    return float(com[2] - np.mean(heights))
+    return float(np.mean(heights))
+
+
+def pendulum_time(stance: BalancedStance, q: Array) -> float:
+    """Return sqrt(h / g) [s], with the height h of the centre of mass above the feet: the time scale of a step."""
+    model = stance.robot.model
+    com = np.array(pin.centerOfMass(model, stance.data, q))
+    return float(np.sqrt(height_above(stance, stance.locate(q), com) / np.linalg.norm(model.gravity.linear)))
+
+
+def height_above(stance: BalancedStance, feet: Mapping[str, float], com: Array) -> float:
+    """Return the height of the centre of mass above the mean of the feet [m]."""
+    return float(com[2] - mean_ground(stance, feet))

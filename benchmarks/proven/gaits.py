@@ -1,0 +1,165 @@
+"""Every gait call on every robot that fits: `python benchmarks/proven/gaits.py [--robot NAME] [--gait NAME]`.
+
+Default calls of ``rt.gait`` and ``rt.plan``: only sizes are given (step length, speed, rise, width, angle), drawn with
+a fixed seed in parts of the height h of the centre of mass. Each robot is planned in a fresh process, and each plan
+validated. Without arguments the table is written to ``GAITS.md`` beside this file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import time
+import warnings
+import zlib
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from legs import QUADRUPEDS, SOLES, standing_height
+
+import robotraj as rt
+
+SECONDS = 90.0
+"""Processor time of one plan."""
+ROBOTS = ("five_link", "solo12", "go1", "a1", "hyq", "anymal", "bolt", "alexander", "talos_legs", "g1", "talos")
+HEAD = "| robot | gait | proved | processor [s] | meshes | intervals | iterations | remark |"
+RULE = "|---|---|---|---|---|---|---|---|"
+
+
+class Walker:
+    """A robot, the options of its feet, and the calls that fit it."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.robot = rt.load(name, root="planar" if name == "five_link" else "floating")
+        self.feet: dict[str, Any] = {}
+        sole = 0.0
+        if name in SOLES:
+            frames, size = SOLES[name]
+            self.feet = {"feet": frames, "contact": partial(rt.FlatFoot, **size)}
+            sole = float(size["length"])
+        elif name in QUADRUPEDS:
+            frames = tuple(n for n in rt.gait.limb_ends(self.robot) if n.endswith(QUADRUPEDS[name]))
+            self.feet = {"feet": frames}
+        elif name == "bolt":
+            self.feet = {"feet": ("FL_FOOT", "FR_FOOT")}
+        self.names = rt.gait.feet_of(self.robot, self.feet.get("feet"))
+        q = rt.gait.stand(self.robot, self.names, self.feet.get("contact", rt.PointContact))
+        self.height = standing_height(self.robot, q, self.names)
+        self.front = self._front(q) + 0.5 * sole
+        self.sole = sole
+        self.rng = np.random.default_rng(zlib.crc32(name.encode()))
+
+    def _front(self, q: np.ndarray) -> float:
+        data = self.robot.model.createData()
+        pin.framesForwardKinematics(self.robot.model, data, q)
+        return max(float(data.oMf[self.robot.frame(name)].translation[0]) for name in self.names)
+
+    def part(self, low: float, high: float) -> float:
+        """Return a random length between these parts of the height [m]."""
+        return float(self.rng.uniform(low, high)) * self.height
+
+    def calls(self) -> dict[str, Callable[[], rt.Problem]]:
+        """Return the problems by name of the call; start and stop plan the walk first."""
+        robot, feet, h = self.robot, self.feet, self.height
+        pendulum = float(np.sqrt(h / 9.81))
+        pace = {"step_length": self.part(0.15, 0.3), "duration": 1.6 * pendulum, "clearance": 0.06 * h}
+        length, high = self.part(0.15, 0.3), 0.06 * h
+        rise, width, way = self.part(0.05, 0.1), self.part(0.05, 0.12), self.part(0.08, 0.15)
+        angle, leap = float(self.rng.uniform(0.2, 0.5)), self.part(0.05, 0.12)
+        biped, space = len(self.names) == 2, robot.root == "floating"
+        over = {"start": self.front + 0.1 * h + 0.08, "step_length": length, "clearance": high}
+        tread = max(0.45 * h, self.sole + 0.12)
+
+        def planned() -> rt.Solution:
+            more = {"double_support": 0.2} if self.sole else {}
+            gait = rt.gait.walk if biped else rt.gait.trot
+            return rt.plan(gait(robot, **pace, **feet, **more), progress=False)
+
+        calls: dict[str, Callable[[], rt.Problem]] = {}
+        if biped:
+            more = {"double_support": 0.2} if self.sole else {}
+            calls["walk"] = lambda: rt.gait.walk(robot, **pace, **feet, **more)
+        else:
+            calls["trot"] = lambda: rt.gait.trot(robot, **pace, **feet)
+            slow = pace | {"duration": 4.0 * pendulum, "step_length": 0.5 * pace["step_length"]}
+            calls["crawl"] = lambda: rt.gait.crawl(robot, **{**slow, "clearance": 0.0}, **feet, full_support=0.2)
+        calls["start"] = lambda: rt.gait.start(planned())
+        calls["stop"] = lambda: rt.gait.stop(planned())
+        calls["start_stop"] = lambda: rt.gait.start_stop(robot, step_length=length, clearance=high, **feet)
+        if space:
+            calls["sidestep"] = lambda: rt.gait.sidestep(robot, distance=way, clearance=high, **feet)
+            calls["turn"] = lambda: rt.gait.turn(robot, angle=angle, clearance=high, **feet)
+        calls["stairs"] = lambda: rt.gait.stairs(robot, run=tread, rise=rise, count=1, **over, **feet)
+        calls["gap"] = lambda: rt.gait.gap(robot, width=width, **over, **feet)
+        calls["jump"] = lambda: rt.gait.jump(robot, height=leap, **feet)
+        return calls
+
+
+def one(make: Callable[[], rt.Problem]) -> dict[str, object]:
+    """Plan and validate a problem in this process."""
+    try:
+        problem = make()
+        began = time.process_time()
+        solution = rt.plan(problem, check=False, progress=False, time_limit=SECONDS)
+    except rt.RobotrajError as error:
+        return {"proved": False, "remark": str(error).splitlines()[0][:150]}
+    seconds = time.process_time() - began
+    report = rt.validate(solution)
+    proof = solution.proof
+    remark = "" if solution.success else f"{solution.status.value}: {solution.cause}"
+    if solution.success and not report.passed:
+        remark = " ".join(report.complaints(report.tolerances)).split(". ")[0]
+    return {
+        "proved": solution.success and report.passed and proof is not None and proof.motion_holds,
+        "seconds": seconds,
+        "meshes": len(solution.refinement),
+        "intervals": sum(part.mesh.count for part in solution.phases),
+        "iterations": solution.iterations,
+        "remark": remark.splitlines()[0][:150] if remark else "",
+    }
+
+
+def line(robot: str, gait: str, found: dict[str, object]) -> str:
+    """Return a row of the table."""
+    forms = {"seconds": ".2f", "meshes": "d", "intervals": "d", "iterations": "d"}
+    cells = [robot, gait, "yes" if found["proved"] else "no"]
+    cells += ["" if found.get(key) is None else format(found[key], form) for key, form in forms.items()]
+    return f"| {' | '.join([*cells, str(found['remark']).replace('|', '/')])} |"
+
+
+def main() -> None:
+    """Print a row a robot and gait, then the share that is proved."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--robot", choices=ROBOTS)
+    parser.add_argument("--gait")
+    given = parser.parse_args()
+    if given.robot:
+        warnings.simplefilter("ignore")
+        for gait, make in Walker(given.robot).calls().items():
+            if given.gait in (None, gait):
+                print(json.dumps([given.robot, gait, one(make)]), flush=True)
+        return
+    rows, proved = [HEAD, RULE], 0
+    for robot in ROBOTS:
+        command = [sys.executable, __file__, "--robot", robot]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        for text in done.stdout.splitlines():
+            name, gait, found = json.loads(text)
+            proved += bool(found["proved"])
+            rows.append(line(name, gait, found))
+            print(rows[-1], flush=True)
+    end = f"{proved} of {len(rows) - 2} proved."
+    head = "Written by `python benchmarks/proven/gaits.py`: default calls, one thread, in a fresh process a robot."
+    Path(__file__).with_name("GAITS.md").write_text("\n".join(["# Gait calls", "", head, "", *rows, "", end, ""]))
+    print(f"\n{end}")
+
+
+if __name__ == "__main__":
+    main()
