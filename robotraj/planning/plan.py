@@ -133,9 +133,9 @@ def plan(
     -----
     Settings that are left open. The first rule of a setting whose conditions hold applies:
 
-    ===============  ===========================================  ==============================================
+    ===============  ===========================================  =================================================
     setting          where                                        choice
-    ===============  ===========================================  ==============================================
+    ===============  ===========================================  =================================================
     tolerance        otherwise                                    None
     goals            no mesh                                      Goals()
                      otherwise                                    None
@@ -158,14 +158,14 @@ def plan(
                      tolerance, solver by stages                  BernsteinBounds(controls=True, states=False)
                      robots, solver by stages                     BernsteinBounds()
                      otherwise                                    ConstraintGeneration()
-    refinement       goals, a motor at every joint, dry friction  Equidistribute(second=3.0, finest=400)
+    refinement       goals, a motor at every joint, dry friction  Equidistribute(second=3.0, finest=400, slope=0.3)
                      goals, a motor at every joint                Equidistribute(second=3.0)
                      goals                                        Equidistribute()
                      tolerance                                    SplitOrRaise()
                      otherwise                                    None
     restarts         contacts                                     Restarts(count=0)
                      otherwise                                    Restarts()
-    ===============  ===========================================  ==============================================
+    ===============  ===========================================  =================================================
     """
     if isinstance(problem, Phase):
         problem = Problem([problem])

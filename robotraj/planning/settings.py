@@ -132,8 +132,8 @@ RULES: tuple[Rule, ...] = (
         when.PROVED,
         when.EXACT,
         when.STICKING,
-        Equidistribute(second=3.0, finest=400),
-        "many knots are needed where joints stick and slide",
+        Equidistribute(second=3.0, finest=400, slope=0.3),
+        "many knots are needed where joints stick and slide, and beside these places, which move from mesh to mesh",
     ),
     _rule(
         "refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective has not converged yet"

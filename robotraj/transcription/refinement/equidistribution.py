@@ -5,7 +5,14 @@ The residual of s-point collocation on an interval of length h falls about as h^
     n = (e / (SAFETY tolerance))^(1 / (s + 1))
 
 parts. The sum of n over an interval's length is a density of knots; the next mesh has equal shares of it.
-Source: de Boor, Good approximation by splines with variable knots II, Lecture Notes in Mathematics 363 (1974).
+
+Where the lengths h that are asked for grow too fast from one place to the next, they are replaced by
+
+    min over s of h(s) + slope |t - s|,
+
+so that events which move from mesh to mesh find short intervals beside them as well.
+Sources: de Boor, Good approximation by splines with variable knots II, Lecture Notes in Mathematics 363 (1974);
+Persson, Mesh size functions for implicit geometries and PDE-based gradient limiting, Eng. with Computers 22 (2006).
 """
 
 from __future__ import annotations
@@ -43,23 +50,28 @@ class Equidistribute(Refinement):
         Largest number of intervals of a phase.
     path : float
         Relative violation of a path row between the collocation points beyond which an interval is halved.
+    slope : float
+        Most by which the length of intervals grows along the phase, relative to the distance.
 
     Raises
     ------
     InputError
-        ``most`` is below 2, ``second`` not above 1, or ``finest`` below 1.
+        ``most`` is below 2, ``second`` not above 1, ``finest`` below 1, or ``slope`` not above 0.
     """
 
     most: float = 4.0
     second: float = 1.5
     finest: int = 320
     path: float = 1e-3
+    slope: float = np.inf
 
     def __post_init__(self) -> None:
         if self.most < 2:
             raise InputError(f"Equidistribute(most) must be at least 2, got {self.most}.")
         if self.second <= 1:
             raise InputError(f"Equidistribute(second) must be above 1, got {self.second}.")
+        if not self.slope > 0:
+            raise InputError(f"Equidistribute(slope) must be above 0, got {self.slope}.")
         if self.finest < 1:
             raise InputError(f"Equidistribute(finest) must be at least 1, got {self.finest}.")
 
@@ -75,6 +87,7 @@ class Equidistribute(Refinement):
         parts = np.clip(parts, assessment.growth, self.most)
         if parts.max() <= 1.0:
             return mesh
+        parts = _graded(mesh, parts, self.slope)
         count = min(self.finest, int(np.ceil(max(parts.sum(), LEAST_GROWTH * mesh.count) - 1e-9)))
         if count <= mesh.count:
             return mesh
@@ -84,6 +97,16 @@ class Equidistribute(Refinement):
 def evenly_finer(mesh: Mesh, growth: float) -> Mesh:
     """Return a mesh with ``growth`` times as many intervals everywhere."""
     return _with_density(mesh, np.ones(mesh.count), int(np.ceil(growth * mesh.count - 1e-9)))
+
+
+def _graded(mesh: Mesh, parts: Array, slope: float) -> Array:
+    """Return more parts of intervals beside short ones, so that the lengths grow by ``slope`` times the distance."""
+    if not np.isfinite(slope):
+        return parts
+    knots, lengths = np.array(mesh.knots), np.diff(mesh.knots)
+    middles = 0.5 * (knots[:-1] + knots[1:])
+    allowed = lengths / parts + slope * np.abs(middles[:, None] - middles)
+    return np.asarray(lengths / allowed.min(axis=1))
 
 
 def _with_density(mesh: Mesh, parts: Array, count: int) -> Mesh:

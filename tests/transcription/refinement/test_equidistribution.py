@@ -43,13 +43,26 @@ def test_no_mesh_is_finer_than_the_finest_nor_cut_into_more_parts_than_most() ->
     assert rt.refinement.Equidistribute(finest=4).refine(rt.Mesh(4), large, TOLERANCE) == rt.Mesh(4)
 
 
+def test_lengths_beside_short_intervals_grow_by_the_slope_at_most() -> None:
+    """One interval of ten asks for 64 parts: its neighbours shrink to its length plus the slope times the distance."""
+    slope = 0.2
+    refinement = rt.refinement.Equidistribute(most=64.0, slope=slope)
+    errors = [0.0] * 4 + [64**4 / 4] + [0.0] * 5
+    steep = rt.refinement.Equidistribute(most=64.0).refine(rt.Mesh(10), seen(errors), TOLERANCE)
+    graded = refinement.refine(rt.Mesh(10), seen(errors), TOLERANCE)
+    beside = np.diff(graded.knots)[np.searchsorted(graded.knots, 0.55)]
+    assert np.diff(steep.knots)[np.searchsorted(steep.knots, 0.55)] == pytest.approx(0.1)
+    assert beside == pytest.approx(0.1 / 64 + slope * 0.1, rel=0.1)
+    assert graded.count > steep.count
+
+
 def test_intervals_keep_the_scheme_of_their_place() -> None:
     mixed = rt.Mesh(2, [rt.HermiteSimpson(), rt.schemes.RadauIIA(2)])
     finer = evenly_finer(mixed, 2.0)
     assert finer.schemes == (rt.HermiteSimpson(),) * 2 + (rt.schemes.RadauIIA(2),) * 2
 
 
-@pytest.mark.parametrize("wrong", [{"most": 1.5}, {"second": 1.0}, {"finest": 0}])
+@pytest.mark.parametrize("wrong", [{"most": 1.5}, {"second": 1.0}, {"finest": 0}, {"slope": 0.0}])
 def test_what_refines_nothing_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(rt.InputError, match=next(iter(wrong))):
         rt.refinement.Equidistribute(**wrong)
