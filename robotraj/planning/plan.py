@@ -22,6 +22,7 @@ from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.progress import PlanLimits, watching
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import on_a_coarse_mesh, solve
+from robotraj.problem.constraints.base import Where
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
@@ -193,6 +194,12 @@ def plan(
         from robotraj.planning.diagnosis.long_shooting import warn_of_long_shooting
 
         warn_of_long_shooting(problem, settings.mesh)
+    first = problem.phases[0]
+    if any(each.avoids_collisions for each in first.constraints):
+        from robotraj.problem.clearance.ends import check_moving_obstacles
+
+        ends = {Where.START: first.start_bounds, Where.END: first.end_bounds}
+        check_moving_obstacles(first.name, first.constraints, first.robot, ends, first.duration_bounds)
     find = with_candidates(_method(settings)) if has_candidates(problem) else _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
     fixed = any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases)

@@ -36,10 +36,12 @@ def ranges_of(function: ca.Function, lower: Array, upper: Array, what: str) -> R
         The graph has an operation without interval arithmetic here.
     """
     work: dict[int, Range] = {}
+    kinds: dict[int, str] = {}
     outputs = np.zeros((2, int(function.numel_out(0)), len(lower)))
     for k in range(function.n_instructions()):
         operation = function.instruction_id(k)
         read, written = function.instruction_input(k), function.instruction_output(k)
+        kind = ""
         if operation == ca.OP_INPUT:
             work[written[0]] = lower, upper
         elif operation == ca.OP_OUTPUT:
@@ -50,12 +52,21 @@ def ranges_of(function: ca.Function, lower: Array, upper: Array, what: str) -> R
         elif operation in _UNARY:
             work[written[0]] = _UNARY[operation](*work[read[0]])
         elif operation in _BINARY:
-            work[written[0]] = _BINARY[operation](work[read[0]], work[read[1]])
+            found = _BINARY[operation](work[read[0]], work[read[1]])
+            inputs = tuple(kinds.get(place, "") for place in read)
+            if operation == ca.OP_DIV and inputs == ("comparison", "sum of comparisons"):
+                # Slopes of fmin and fmax are (a <= b) / ((a <= b) + (b <= a)): which side they take.
+                found = np.clip(found[0], 0.0, 1.0), np.clip(found[1], 0.0, 1.0)
+            work[written[0]] = found
+            is_sum = operation == ca.OP_ADD and inputs == ("comparison", "comparison")
+            kind = "comparison" if operation in (ca.OP_LT, ca.OP_LE) else "sum of comparisons" if is_sum else ""
         else:
             raise InputError(
                 f"{what}: its speed cannot be bounded, since the function uses an operation other than + - * /, sin, "
                 "cos, tan, exp, log, sqrt, tanh, fabs, fmin and fmax; write it with these."
             )
+        if operation != ca.OP_OUTPUT:
+            kinds[written[0]] = kind
     return outputs[0], outputs[1]
 
 
@@ -64,7 +75,15 @@ def _of_corners(*corners: Array) -> Range:
 
 
 def _multiplied(a: Range, b: Range) -> Range:
-    return _of_corners(a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1])
+    """Zero times a bound that is infinite is zero: all values themselves are finite."""
+    with np.errstate(invalid="ignore"):
+        corners = (a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1])
+    return _of_corners(*(np.nan_to_num(corner, nan=0.0, posinf=np.inf, neginf=-np.inf) for corner in corners))
+
+
+def _compared(always: NDArray[np.bool_], never: NDArray[np.bool_]) -> Range:
+    """Return the bounds of a comparison, 1 where it holds."""
+    return np.where(always, 1.0, 0.0), np.where(never, 0.0, 1.0)
 
 
 def _inverse(low: Array, high: Array) -> Range:
@@ -133,6 +152,6 @@ _BINARY: dict[int, Callable[[Range, Range], Range]] = {
     ca.OP_DIV: lambda a, b: _multiplied(a, _inverse(*b)),
     ca.OP_FMIN: lambda a, b: (np.minimum(a[0], b[0]), np.minimum(a[1], b[1])),
     ca.OP_FMAX: lambda a, b: (np.maximum(a[0], b[0]), np.maximum(a[1], b[1])),
-    ca.OP_LT: lambda a, b: (np.zeros_like(a[0]), np.ones_like(a[0])),
-    ca.OP_LE: lambda a, b: (np.zeros_like(a[0]), np.ones_like(a[0])),
+    ca.OP_LT: lambda a, b: _compared(a[1] < b[0], a[0] >= b[1]),
+    ca.OP_LE: lambda a, b: _compared(a[1] <= b[0], a[0] > b[1]),
 }

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -14,10 +16,11 @@ from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.joint_motion import joint_motion
 from robotraj.guess.least_time import LineLimits
+from robotraj.guess.paths.path_in_time import TimedMotion, in_time
 from robotraj.guess.paths.phase_scene import scene_of
 from robotraj.guess.paths.planner import PathPlanner, RRTConnect
 from robotraj.guess.paths.scene import PathScene
-from robotraj.guess.paths.timed_path import TimedPath, timed_path
+from robotraj.guess.paths.timed_path import timed_path
 from robotraj.guess.perturbed import Perturbed
 from robotraj.guess.straight_line import StraightLine
 
@@ -27,7 +30,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_KNOWN: WeakKeyDictionary[Phase, dict[tuple[object, ...], list[TimedPath]]] = WeakKeyDictionary()
+_KNOWN: WeakKeyDictionary[Phase, dict[tuple[object, ...], list[TimedMotion]]] = WeakKeyDictionary()
 """Paths that were found for a phase, the quickest first."""
 
 
@@ -37,6 +40,10 @@ class GeometricPath(InitialGuess):
 
     A geometric planner finds a path for each of several seeds. The limits of speed, acceleration and torque give every
     path a duration. Phases without ``rt.CollisionFree``, and those whose straight line is free, get that line.
+
+    Where obstacles move, the motion waits or goes back on its path until they are gone
+    (``guess.paths.path_in_time``); further paths go around the places where they are meanwhile. Such times count from
+    the start of the phase.
 
     Parameters
     ----------
@@ -79,16 +86,48 @@ class GeometricPath(InitialGuess):
 
         return joint_motion(phase, duration, motion, default_parameters(phase))
 
-    def _paths(self, phase: Phase, scene: PathScene, limits: LineLimits, first: Array, last: Array) -> list[TimedPath]:
+    def _paths(
+        self, phase: Phase, scene: PathScene, limits: LineLimits, first: Array, last: Array
+    ) -> list[TimedMotion]:
         """Return the paths, the quickest first; none where the straight line is free or an end is not."""
         tries = max(self.tries, self.rank + 1)
         known = _KNOWN.setdefault(phase, {})
         key = (self.planner, tries, first.tobytes(), last.tobytes())
         if key not in known:
             known[key] = []
-            if scene.clearance(first, last) > 0.0 and not scene.is_free(first, last):
-                corners = (self.planner.path(scene, first, last, seed) for seed in range(tries))
-                timed = (timed_path(limits, path) for path in corners if path is not None)
-                found = (path for path in timed if path is not None)
-                known[key] = sorted(found, key=lambda path: path.duration)
+            if scene.clearance(first, last) > 0.0:
+                known[key] = sorted(self._found(phase, scene, limits, first, last, tries), key=_seconds)
         return known[key]
+
+    def _found(
+        self, phase: Phase, scene: PathScene, limits: LineLimits, first: Array, last: Array, tries: int
+    ) -> list[TimedMotion]:
+        is_free, moving = scene.is_free(first, last), scene.moving
+        if is_free and moving is None:
+            return []
+        corners = [np.array([first, last])] if is_free else []
+        if not is_free:
+            corners += _planned(self.planner, scene, first, last, range(tries))
+        paths = [path for path in (timed_path(limits, each) for each in corners) if path is not None]
+        if moving is None:
+            return list(paths)
+        free = partial(moving.are_free, margin=scene.margin + moving.cushion(first, scene.margin))
+        bounds = phase.duration_bounds
+        found = [path for path in (in_time(path, free, bounds) for path in paths) if path is not None]
+        if is_free and found and found[0] is paths[0]:
+            return []
+        # Ways around the places where the obstacles are during the quickest motion.
+        within = min(path.duration for path in paths) if paths else 1.0
+        frozen = replace(scene, tree=moving.frozen(scene.margin, within, first, last))
+        around = _planned(self.planner, frozen, first, last, range(tries)) if frozen.clearance(first, last) > 0 else []
+        longer = [path for path in (timed_path(limits, each) for each in around) if path is not None]
+        return found + [path for path in (in_time(path, free, bounds) for path in longer) if path is not None]
+
+
+def _planned(planner: PathPlanner, scene: PathScene, first: Array, last: Array, seeds: Iterable[int]) -> list[Array]:
+    found = (planner.path(scene, first, last, seed) for seed in seeds)
+    return [path for path in found if path is not None]
+
+
+def _seconds(path: TimedMotion) -> float:
+    return path.duration

@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from robotraj.guess.paths.moving_scene import MovingScene
 from robotraj.guess.paths.scene import PathScene
 from robotraj.problem.clearance.sphere_tree import sphere_tree
 from robotraj.problem.constraints.collision_free import CollisionFree
@@ -22,10 +23,7 @@ _KNOWN: WeakKeyDictionary[Phase, PathScene] = WeakKeyDictionary()
 
 
 def scene_of(phase: Phase) -> PathScene | None:
-    """Return the scene of a phase; None without ``rt.CollisionFree`` and for a moving base.
-
-    Obstacles that move are left out: planners without time do not see them.
-    """
+    """Return the scene of a phase; None without ``rt.CollisionFree`` and for a moving base."""
     robot = phase.robot
     if robot is None or robot.root != "fixed" or robot.nq != robot.nv:
         return None
@@ -40,7 +38,9 @@ def scene_of(phase: Phase) -> PathScene | None:
 def _scene(phase: Phase, robot: Robot, kept: Sequence[ClearancePairs]) -> PathScene:
     widest = max(kept, key=lambda pairs: len(pairs) - pairs.against)
     apart = widest.spheres.link_pairs if len(widest) > widest.against else widest.spheres.link_pairs[:0]
-    obstacles = [obstacle for pairs in kept for obstacle in pairs.obstacles if not obstacle.moves]
+    every = [obstacle for pairs in kept for obstacle in pairs.obstacles]
+    obstacles = [obstacle for obstacle in every if not obstacle.moves]
+    moving = [obstacle for obstacle in every if obstacle.moves]
     limits = phase.limits if isinstance(phase.limits, Limits) else None
     free = np.full(robot.nq, np.inf)
     return PathScene(
@@ -49,4 +49,5 @@ def _scene(phase: Phase, robot: Robot, kept: Sequence[ClearancePairs]) -> PathSc
         free if limits is None else limits.position_upper,
         np.ones(robot.nv) if limits is None else np.where(np.isfinite(limits.velocity), limits.velocity, 1.0),
         max(pairs.margin for pairs in kept),
+        MovingScene(robot, widest.spheres, apart, obstacles, moving) if moving else None,
     )

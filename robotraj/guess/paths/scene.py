@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 
 if TYPE_CHECKING:
+    from robotraj.guess.paths.moving_scene import MovingScene
     from robotraj.native._native import SphereTree
 
 Array = NDArray[np.float64]
@@ -32,6 +33,8 @@ class PathScene:
         Largest speeds of the joints, by which motions of different joints are compared.
     margin : float
         Distance to keep [m].
+    moving : MovingScene or None
+        Obstacles that move, which ``tree`` leaves out: planners without time do not see them.
     """
 
     tree: SphereTree
@@ -39,6 +42,7 @@ class PathScene:
     upper: Array
     speeds: Array
     margin: float
+    moving: MovingScene | None = None
 
     def clearance(self, *configurations: Array) -> float:
         """Return the least distance [m] in some configurations (nq,), less the margin; negative in a collision."""

@@ -53,18 +53,46 @@ def check_ends(phase: str, constraints: Sequence[Constraint], robot: Robot, ends
     except ShapesUnread:
         return
     for pairs in avoided:
+        moving = np.array([pairs.obstacles[o].moves for o in pairs.second[: pairs.against]], dtype=bool)
         for end, q in _fixed(robot, ends):
             distances = pairs.distances(q[None], np.zeros(1))[0]
-            distances[: pairs.against][[pairs.obstacles[o].moves for o in pairs.second[: pairs.against]]] = np.inf
-            worst = int(np.argmin(distances)) if len(distances) else -1
-            if worst >= 0 and distances[worst] < pairs.margin:
-                apart = float(distances[worst])
-                is_overlap = f"overlap by {-apart:.4g} m" if apart < 0.0 else f"are {apart:.4g} m apart"
-                raise InputError(
-                    f"Phase {phase!r}: at the {end} {pairs.label(worst)} {is_overlap}, below the margin of "
-                    f"{pairs.margin:g} m, by the spheres around the robot's shapes; move the {end} or the obstacle, or "
-                    "name the pair in srdf= if it may touch."
-                )
+            distances[: pairs.against][moving] = np.inf
+            _check(phase, pairs, distances, end)
+
+
+def check_moving_obstacles(
+    phase: str, constraints: Sequence[Constraint], robot: Robot | None, ends: Ends, durations: tuple[float, float]
+) -> None:
+    """Refuse fixed ends of a motion that begins at t = 0 s where an obstacle that moves is then.
+
+    Raises
+    ------
+    InputError
+        Names the worst pair, its link, its obstacle, the time and the distance.
+    """
+    shortest, longest = durations
+    if robot is None:
+        return
+    for pairs in clearances_of(constraints, robot):
+        if not any(obstacle.moves for obstacle in pairs.obstacles):
+            continue
+        times = {Where.START.value: 0.0} | ({Where.END.value: longest} if shortest == longest else {})
+        for end, q in _fixed(robot, ends):
+            if end in times:
+                _check(phase, pairs, pairs.distances(q[None], np.array([times[end]]))[0], end, times[end])
+
+
+def _check(phase: str, pairs: ClearancePairs, distances: Array, end: str, time: float | None = None) -> None:
+    worst = int(np.argmin(distances)) if len(distances) else -1
+    if worst >= 0 and distances[worst] < pairs.margin:
+        apart = float(distances[worst])
+        is_overlap = f"overlap by {-apart:.4g} m" if apart < 0.0 else f"are {apart:.4g} m apart"
+        when = "" if time is None else f", t = {time:.4g} s,"
+        raise InputError(
+            f"Phase {phase!r}: at the {end}{when} {pairs.label(worst)} {is_overlap}, below the margin of "
+            f"{pairs.margin:g} m, by the spheres around the robot's shapes; move the {end} or the obstacle, or "
+            "name the pair in srdf= if it may touch."
+        )
 
 
 def _fixed(robot: Robot, ends: Ends) -> Iterator[tuple[str, Array]]:

@@ -25,7 +25,7 @@ from robotraj.transcription.clearance.distance_functions import (
     key_of,
 )
 from robotraj.transcription.clearance.places import StatePlaces, state_places
-from robotraj.transcription.clearance.supporting_planes import Motion, heights, planes
+from robotraj.transcription.clearance.supporting_planes import Motion, heights, in_axes, in_world, planes
 from robotraj.transcription.collocation.ends import widen
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
@@ -195,17 +195,14 @@ def _block(
     if not rows:
         return []
     pairs = np.array([row.pair for row in rows])
-    constants = constants_of(own.pairs, pairs)
+    at_places, nearest = places.fractions[[row.place for row in rows]], np.array([row.nearest for row in rows])
+    given = _planes(own, function, pairs, nearest, at_places, motion)
+    constants = np.column_stack([constants_of(own.pairs, pairs), given])
     if function.timed:
         columns, constants = _with_clock(layout, places, rows, columns, constants)
-    else:
-        at = places.fractions[[row.place for row in rows]]
-        nearest = np.array([row.nearest for row in rows])
-        constants = np.column_stack([constants, _planes(own, function, pairs, nearest, at, motion)])
     distinct, which = np.unique(pairs, return_inverse=True)
     entries = [Entry(own.phase, "clearance", own.pairs.label(pair), "m") for pair in distinct.tolist()]
     lower = own.pairs.margin + own.slack[pairs] + np.array([row.raised for row in rows])
-    at_places = places.fractions[[row.place for row in rows]]
     numbers = table.add_above(table.numbers(entries)[which.ravel()], at_places, lower)
     gather, scatter = Triplets(), Triplets()
     gather.add(np.arange(columns.size), columns.ravel(), 1.0)
@@ -228,19 +225,27 @@ def _planes(
 
     All rows of a pair on an interval have the plane of its nearest place: shapes that are on both sides of one plane at
     the ends hardly cross it between them. A row that the known motion would violate has the plane of its own place.
+    Planes of an obstacle that moves are in its axes.
     """
     neutral = own.pairs.robot.neutral
+    obstacle = own.pairs.obstacles[int(own.pairs.second[pairs[0]])] if function.timed else None
 
-    def moved(fractions: Array) -> Array:
+    def moved(fractions: Array) -> tuple[Array, Array]:
+        known, times = motion(fractions)
         q = np.tile(neutral, (len(fractions), 1))
-        q[:, function.positions] = motion(fractions)[0][:, function.positions]
-        return q
+        q[:, function.positions] = known[:, function.positions]
+        return q, times
 
-    here = moved(at)
-    found = planes(own.pairs, pairs, moved(nearest))
-    wrong = np.flatnonzero(heights(own.pairs, pairs, here, found) < own.pairs.margin + SIDE)
+    here, times = moved(at)
+    there, before = moved(nearest)
+    found = planes(own.pairs, pairs, there, before)
+    if obstacle is not None:
+        found = in_axes(obstacle, before, found)
+    placed = found if obstacle is None else in_world(obstacle, times, found)
+    wrong = np.flatnonzero(heights(own.pairs, pairs, here, placed) < own.pairs.margin + SIDE)
     if wrong.size:
-        found[wrong] = planes(own.pairs, pairs[wrong], here[wrong])
+        own_planes = planes(own.pairs, pairs[wrong], here[wrong], times[wrong])
+        found[wrong] = own_planes if obstacle is None else in_axes(obstacle, times[wrong], own_planes)
     return found
 
 

@@ -5,7 +5,7 @@ h is the largest n' x of the shape. For spheres around p and q it is at least n'
 to the distance where n is its gradient. With n fixed they are as smooth as the robot's kinematics, while a distance has
 corners.
 
-For obstacles that move in time the function is the distance itself, and reads the clock. Constants differ from pair to
+The plane of an obstacle that moves in time moves with it: its function reads the clock. Constants differ from pair to
 pair: centres, normals and offsets.
 """
 
@@ -34,7 +34,7 @@ _FUNCTIONS: WeakKeyDictionary[Robot, dict[Hashable, DistanceFunction]] = WeakKey
 
 @dataclass(frozen=True, eq=False)
 class DistanceFunction:
-    """A stage function y(q; c) = n' p(q) - offset, or d(q, [t0, T]; [tau, t0, T], c) with t = t0 + tau T [m].
+    """A stage function y(q; c) = n' p(q) - offset [m]; where the obstacle moves, p and n are in its axes at t0 + tau T.
 
     Attributes
     ----------
@@ -90,8 +90,6 @@ def constants_of(pairs: ClearancePairs, chosen: Indices) -> Array:
     first, second = pairs.first[chosen], pairs.second[chosen]
     if chosen[0] >= pairs.against:
         return np.column_stack([spheres.centre[first], spheres.centre[second]])
-    if pairs.obstacles[int(second[0])].moves:
-        return np.column_stack([spheres.centre[first], spheres.radius[first]])
     return np.asarray(spheres.centre[first])
 
 
@@ -122,12 +120,12 @@ def _made(pairs: ClearancePairs, pair: int, free: Clocks, plane: bool) -> Distan
         c = ca.SX.sym("c", 7)
         return _stage(robot, ca.dot(c[3:6], _world(robot, joint, q, c[:3])) - c[6], q, None, c, (joint,))
     before = 1 + free.count(False)
-    c, clock = ca.SX.sym("c", 4 + before), ca.SX.sym("clock", free.count(True))
+    c, clock = ca.SX.sym("c", 7 + before), ca.SX.sym("clock", free.count(True))
     unknown, known = iter(ca.vertsplit(clock)), iter(ca.vertsplit(c[1:before]))
     t0, duration = (next(unknown) if is_free else next(known) for is_free in free)
     position, rotation = obstacle.pose(t0 + c[0] * duration)
     local = ca.mtimes(rotation.T, _world(robot, joint, q, c[before : before + 3]) - position)
-    distance = obstacle.smooth_distance([local[i] for i in range(3)], obstacle.dimensions) - c[before + 3]
+    distance = ca.dot(c[before + 3 : before + 6], local) - c[before + 6]
     return _stage(robot, distance, q, clock, c, (joint,))
 
 

@@ -69,7 +69,8 @@ def shortfalls(pairs: ClearancePairs, x: PiecewisePolynomial) -> Shortfalls:
     half = 0.5 * lengths
     middle = breaks[:-1] + half
     distances = pairs.distances(x(middle)[:, :nq], middle)
-    interval, pair = np.nonzero(distances - bounds * half[:, None] < pairs.margin)
+    # A bound that is no number proves nothing.
+    interval, pair = np.nonzero(~(distances - bounds * half[:, None] >= pairs.margin))
     at, found = middle[interval], distances[interval, pair]
     width = half[interval]
     best = np.unravel_index(int(np.argmin(distances)), distances.shape)
@@ -83,13 +84,14 @@ def shortfalls(pairs: ClearancePairs, x: PiecewisePolynomial) -> Shortfalls:
             least, nearest = float(found[k]), (int(pair[k]), float(at[k]))
         last = depth == HALVINGS
         bound = found - bounds[interval, pair] * width if last else found
-        for j in np.flatnonzero(bound < pairs.margin).tolist():
+        for j in np.flatnonzero(~(bound >= pairs.margin)).tolist():
             key = int(interval[j]), int(pair[j])
-            if bound[j] < worst.get(key, (np.inf, 0.0))[0]:
-                worst[key] = float(bound[j]), float(at[j])
+            least_bound = float(np.nan_to_num(bound[j], nan=-np.inf))
+            if least_bound < worst.get(key, (np.inf, 0.0))[0]:
+                worst[key] = least_bound, float(at[j])
         if last:
             break
-        open_ = found - bounds[interval, pair] * width < pairs.margin
+        open_ = ~(found - bounds[interval, pair] * width >= pairs.margin)
         if depth >= COARSE:
             known = np.array([(i, p) in worst for i, p in zip(interval.tolist(), pair.tolist(), strict=True)])
             open_ &= ~known

@@ -48,6 +48,20 @@ def heights(pairs: ClearancePairs, chosen: Indices, q: Array, given: Array) -> A
     return np.asarray(np.einsum("ij,ij->i", given[:, :3], at) - given[:, 3])
 
 
+def in_axes(obstacle: Obstacle, times: Array, given: Array) -> Array:
+    """Return planes (n, 4) of the world in the axes of an obstacle at times (n,) [s]."""
+    positions, rotations = obstacle.poses(times)
+    normals = np.einsum("nij,ni->nj", rotations, given[:, :3])
+    return np.column_stack([normals, given[:, 3] - np.einsum("ni,ni->n", given[:, :3], positions)])
+
+
+def in_world(obstacle: Obstacle, times: Array, given: Array) -> Array:
+    """Return planes (n, 4) in the axes of an obstacle in the world at times (n,) [s]."""
+    positions, rotations = obstacle.poses(times)
+    normals = np.einsum("nij,nj->ni", rotations, given[:, :3])
+    return np.column_stack([normals, given[:, 3] + np.einsum("ni,ni->n", normals, positions)])
+
+
 def _tangent(obstacle: Obstacle, points: Array, times: Array) -> tuple[Array, Array]:
     """Return signed distances (n,) and their unit gradients (n, 3) at points of the world (n, 3) and times (n,) [s]."""
     positions, rotations = obstacle.poses(times)

@@ -143,3 +143,9 @@ def test_shapes_are_pickled(shape: Obstacle) -> None:
     again = pickle.loads(pickle.dumps(shape))
     points = np.random.default_rng(0).normal(size=(5, 3))
     np.testing.assert_array_equal(again.distance(points), shape.distance(points))
+
+
+def test_an_obstacle_that_starts_to_move_has_bounded_speeds() -> None:
+    leaving = rt.obstacles.Sphere(0.1, lambda t: (2.0 * ca.fmax(t - 2.0, 0.0), ca.fmin(t, 1.0), 0.0))
+    found = leaving.speed_bounds(np.array([0.0, 0.5, 1.5, 1.75, 2.5, 3.0]))
+    np.testing.assert_allclose(found, [1.0, 1.0, 0.0, 2.0, 2.0], atol=1e-12)

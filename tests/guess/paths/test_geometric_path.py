@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.guess.default import default_guess
 from robotraj.guess.least_time import LineLimits, fastest_line
 from robotraj.guess.paths.geometric_path import GeometricPath
+from robotraj.guess.paths.path_in_time import in_time
 from robotraj.guess.paths.phase_scene import scene_of
 from robotraj.guess.paths.planner import PathPlanner, RRTConnect
 from robotraj.guess.paths.timed_path import timed_path
@@ -17,7 +20,7 @@ START, GOAL = np.array([-1.1, -1.8, 1.6, -1.2, -1.57, 0]), np.array([1.1, -0.8, 
 FRACTIONS = np.linspace(0.0, 1.0, 400)
 
 
-def reach(*obstacles: rt.obstacles.Box, margin: float = 0.0) -> rt.Phase:
+def reach(*obstacles: Obstacle, margin: float = 0.0) -> rt.Phase:
     free = [rt.CollisionFree(obstacles, margin, self_collision=False)] if obstacles else []
     ends = rt.State(q=START, v=0), rt.State(q=GOAL, v=0)
     return rt.Phase(rt.load("ur5"), (0.2, 9), *ends, rt.Duration(), constraints=free)
@@ -111,3 +114,52 @@ def test_no_path_is_found_without_iterations() -> None:
     scene = scene_of(phase)
     assert scene is not None
     assert RRTConnect(iterations=0).path(scene, START, GOAL, 0) is None
+
+
+GATE = rt.obstacles.Box((1.2, 0.1, 0.8), lambda t: (1.05, 0.1, 0.4 + 0.9 * ca.sin(2.0 * t)), name="gate")
+
+
+def least_distance(phase: rt.Phase, guess: GeometricPath) -> float:
+    """Return the least distance of the guessed motion from what moves [m]."""
+    known = guess.of(phase, 0)
+    q = known.states(FRACTIONS)[:, :6]
+    (pairs,) = (each.pairs(phase.robot) for each in phase.constraints)
+    return float(pairs.distances(q, known.duration * FRACTIONS)[:, : pairs.against].min())
+
+
+def test_a_motion_waits_for_a_gate_that_opens() -> None:
+    phase = reach(GATE)
+    assert least_distance(phase, GeometricPath()) > 0.0
+    quickest = timed_path(LineLimits.of(phase), np.array([START, GOAL]))  # type: ignore[arg-type]
+    assert quickest is not None and GeometricPath().of(phase, 0).duration > quickest.duration + 0.05
+
+
+def test_a_fixed_duration_is_met_by_waiting() -> None:
+    phase = reach(GATE).with_(duration=1.2)
+    assert GeometricPath().of(phase, 0).duration == 1.2
+    assert least_distance(phase, GeometricPath()) > 0.0
+
+
+def test_a_way_that_stays_blocked_has_no_motion_in_time() -> None:
+    path = timed_path(LineLimits.of(reach()), np.array([START, GOAL]))  # type: ignore[arg-type]
+    assert path is not None
+
+    def halfway(q, times):  # type: ignore[no-untyped-def]
+        return np.repeat((q[:, 0] < 0.0)[:, None], len(times), axis=1)
+
+    assert in_time(path, halfway, (0.1, 3.0)) is None
+    free = in_time(path, lambda q, times: np.ones((len(q), len(times)), dtype=bool), (0.1, 3.0))
+    assert free is path
+
+
+@pytest.mark.slow
+def test_a_plan_through_a_gate_is_proved_and_certified() -> None:
+    solution = rt.plan(reach(GATE))
+    assert solution.proof is not None and solution.proof.motion_holds
+    assert rt.validate(solution).passed
+
+
+def test_a_start_that_an_obstacle_leaves_too_late_is_refused_before_planning() -> None:
+    leaving = rt.obstacles.Box((0.4, 0.4, 0.4), lambda t: (0.1 + t, -0.4, 0.3), name="cart")
+    with pytest.raises(rt.InputError, match=r"at the start, t = 0 s, \w+ and cart overlap"):
+        rt.plan(reach(leaving))

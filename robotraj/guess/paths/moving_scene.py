@@ -1,0 +1,92 @@
+"""Obstacles that move in time, as path planners see them: whether the robot is free of them, and frozen copies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.problem.clearance.sphere_tree import sphere_tree
+
+if TYPE_CHECKING:
+    from robotraj.native._native import SphereTree
+    from robotraj.robot.collision.robot_spheres import RobotSpheres
+    from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
+COPIES = 6
+"""Times at which obstacles are frozen."""
+CUSHION = 0.02
+"""Distance beyond the margin [m] that makes up for what happens between two times; half of what the start has."""
+
+
+@dataclass(frozen=True, eq=False)
+class MovingScene:
+    """Obstacles that move, and what stands still beside them.
+
+    Attributes
+    ----------
+    robot : Robot
+    spheres : RobotSpheres
+    pairs : ndarray of int (m, 2)
+        Links that may not touch.
+    still, moving : sequence of Obstacle
+    """
+
+    robot: Robot
+    spheres: RobotSpheres
+    pairs: NDArray[np.int_]
+    still: Sequence[Obstacle]
+    moving: Sequence[Obstacle]
+
+    def clearances(self, q: Array, times: Array) -> Array:
+        """Return the least distance (n, m) [m] from what moves in configurations (n, nq) at times (m,) [s]."""
+        carried = self.spheres.joint > 0
+        centres = self.spheres.centres(self.robot, q)[:, carried]
+        radius = self.spheres.radius[carried]
+        found = np.full((len(q), len(times)), np.inf)
+        for obstacle in self.moving:
+            for k, (position, rotation) in enumerate(zip(*obstacle.poses(times), strict=True)):
+                local = (centres - position) @ rotation
+                apart = obstacle.distance(local.reshape(-1, 3)).reshape(centres.shape[:2]) - radius
+                found[:, k] = np.minimum(found[:, k], apart.min(axis=1, initial=np.inf))
+        return found
+
+    def are_free(self, q: Array, times: Array, margin: float) -> NDArray[np.bool_]:
+        """Whether each configuration keeps a margin [m] at each time, (n, m)."""
+        return np.asarray(self.clearances(q, times) > margin)
+
+    def cushion(self, start: Array, margin: float) -> float:
+        """Return a distance beyond the margin [m] that the start has."""
+        left = float(self.clearances(start[None], np.zeros(1))[0, 0]) - margin
+        return min(CUSHION, 0.5 * max(left, 0.0))
+
+    def frozen(self, margin: float, within: float, *ends: Array) -> SphereTree:
+        """Compile the robot with copies of what moves, as it is at several times, but for copies that hit an end.
+
+        Parameters
+        ----------
+        margin : float
+            Distance that the ends keep [m].
+        within : float
+            Times of the copies lie between 0 and this [s].
+        *ends : ndarray (nq,)
+        """
+        copies = []
+        for obstacle in self.moving:
+            for t in np.linspace(0.0, within, COPIES):
+                position, rotation = obstacle.pose(float(t))
+                quaternion = pin.Quaternion(np.array(rotation)).coeffs()
+                pose = {"position": tuple(position), "quaternion": tuple(quaternion)}
+                copy: Obstacle = replace(obstacle, **pose)  # type: ignore[type-var]
+                alone = replace(self, moving=(copy,))
+                if alone.clearances(np.array(ends), np.zeros(1)).min() > margin + CUSHION:
+                    copies.append(copy)
+        return sphere_tree(self.robot, self.spheres, self.pairs, [*self.still, *copies])

@@ -1,0 +1,119 @@
+"""When to be where on a path among obstacles that move: ahead at full speed, waiting, or back.
+
+A path is cut into steps of equal time at its quickest motion. In the plane of steps and times a place is free where no
+obstacle that moves comes near. From one time to the next the robot goes one step ahead, stays, or goes one step back;
+the first time at which it can be at the end is the shortest.
+Source: Kant and Zucker, Toward Efficient Trajectory Planning: The Path-Velocity Decomposition, IJRR 5 (1986).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Free = Callable[[Array, Array], Mask]
+"""From configurations (n, nq) and times (m,) [s] to whether the robot is free of what moves, (n, m)."""
+
+STEPS = 40
+"""Steps of a path."""
+LONGEST = 64
+"""Times the quickest duration that is tried at most."""
+WINDOW = 7
+"""Steps over which speeds are averaged, since a robot neither starts nor stops at once."""
+
+
+class TimedMotion(Protocol):
+    """A motion with a duration [s] and q, dq/df and d^2q/df^2 (m, nv) at fractions f (m,) of it."""
+
+    @property
+    def duration(self) -> float:
+        """[s]."""
+
+    def motion(self, fractions: Array) -> tuple[Array, Array, Array]:
+        """Return q and its rates."""
+
+
+@dataclass(frozen=True, eq=False)
+class PathInTime:
+    """A motion along a path that waits, or goes back.
+
+    Attributes
+    ----------
+    path : TimedMotion
+        The quickest motion.
+    places : ndarray (m,)
+        Fractions of the path at equal times.
+    duration : float
+        [s].
+    """
+
+    path: TimedMotion
+    places: Array
+    duration: float
+
+    def motion(self, fractions: Array) -> tuple[Array, Array, Array]:
+        """Return q, dq/df and d^2q/df^2 (m, nv) at fractions f (m,) of the duration."""
+        grid = np.linspace(0.0, 1.0, len(self.places))
+        f = np.asarray(fractions)
+        places = np.interp(f, grid, self.places)
+        speeds = np.interp(f, grid, np.gradient(self.places, grid))
+        q, rate, second = self.path.motion(places)
+        return q, speeds[:, None] * rate, speeds[:, None] ** 2 * second
+
+
+def in_time(path: TimedMotion, free: Free, bounds: tuple[float, float]) -> TimedMotion | None:
+    """Return the quickest motion along a path that meets nothing; None where there is none.
+
+    Parameters
+    ----------
+    path : TimedMotion
+    free : callable
+    bounds : (float, float)
+        Of the duration [s].
+    """
+    step = path.duration / STEPS
+    q = path.motion(np.linspace(0.0, 1.0, STEPS + 1))[0]
+    least = int(np.ceil(bounds[0] / step - 1e-9))
+    most = max(min(LONGEST * STEPS, int(np.floor(bounds[1] / step + 1e-9))), least)
+    reached = np.zeros((1, STEPS + 1), dtype=bool)
+    reached[0, 0] = True
+    while len(reached) <= most:
+        begin = len(reached)
+        times = np.arange(begin, min(begin + STEPS, most + 1), dtype=np.float64) * step
+        rows = free(q, times).T
+        more = np.empty_like(rows)
+        before = reached[-1]
+        for k, row in enumerate(rows):
+            near = before.copy()
+            near[1:] |= before[:-1]
+            near[:-1] |= before[1:]
+            more[k] = before = near & row
+        reached = np.concatenate([reached, more])
+        arrived = np.flatnonzero(reached[least:, -1]) + least
+        if arrived.size:
+            return _along(path, reached[: int(arrived[0]) + 1], step)
+        if not before.any():
+            return None
+    return None
+
+
+def _along(path: TimedMotion, reached: Mask, step: float) -> TimedMotion:
+    """Return the motion that ends at the last time, found backwards: ahead where that is possible."""
+    places = [STEPS]
+    for row in reached[-2::-1]:
+        at = places[-1]
+        places.append(next(k for k in (at - 1, at, at + 1) if 0 <= k <= STEPS and row[k]))
+    if len(places) == STEPS + 1:
+        return path
+    ahead = np.array(places[::-1], dtype=float) / STEPS
+    padded = np.pad(ahead, WINDOW // 2, mode="edge")
+    smooth = np.convolve(padded, np.full(WINDOW, 1.0 / WINDOW), mode="valid")
+    smooth[[0, -1]] = ahead[[0, -1]]
+    return PathInTime(path, smooth, step * (len(ahead) - 1))
