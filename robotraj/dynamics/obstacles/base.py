@@ -75,19 +75,11 @@ class Obstacle(OneLine, ABC):
     @property
     @abstractmethod
     def dimensions(self) -> tuple[float, ...]:
-        """The numbers that ``smooth_distance`` reads, at most four [m]."""
+        """The numbers of the shape, at most four [m]."""
 
     @abstractmethod
     def distance(self, points: Array) -> Array:
         """Return the exact signed distance [m] of points (m, 3) in the shape's axes, negative inside, (m,)."""
-
-    @abstractmethod
-    def smooth_distance(self, point: Sequence[ca.SX], dimensions: Sequence[ca.SX | float]) -> ca.SX:
-        """Return the signed distance [m] of a point of symbols (3,) in the shape's axes.
-
-        It equals the exact distance outside the shape and near its surface. Deep inside, its gradient is defined
-        everywhere and points out of the shape.
-        """
 
     @property
     @abstractmethod
@@ -204,27 +196,3 @@ def rotation_of(quaternion: Sequence[Any]) -> list[list[Any]]:
         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
     ]
-
-
-def smooth_length(parts: Sequence[ca.SX], radius: ca.SX | float) -> ca.SX:
-    """Return sqrt(s) of the sum of squares s where it exceeds radius / 2, else s / radius + radius / 4.
-
-    Both agree in value and slope there, and the second is smooth at s = 0.
-    """
-    square = sum(part * part for part in parts)
-    least = 0.25 * radius * radius
-    outside = square > least
-    return outside * ca.sqrt(ca.fmax(square, least)) + (1 - outside) * (square / radius + 0.25 * radius)
-
-
-def corner_distance(beyond: Sequence[ca.SX]) -> ca.SX:
-    """Return the signed distance from a corner, where x_i <= 0 is inside, of ``beyond`` = (x_1, ...).
-
-    Outside it is the length of the positive parts; inside the largest part, the distance from the nearest face.
-    """
-    square = sum(ca.fmax(part, 0) ** 2 for part in beyond)
-    outside = square > 0
-    largest = beyond[0]
-    for part in beyond[1:]:
-        largest = ca.fmax(largest, part)
-    return outside * ca.sqrt(square + (1 - outside)) + (1 - outside) * largest

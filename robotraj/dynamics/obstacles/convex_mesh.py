@@ -117,14 +117,6 @@ class ConvexMesh(Obstacle):
             inside[out] = np.sqrt(np.min(squares, axis=0))
         return np.asarray(inside)
 
-    def smooth_distance(self, point: Sequence[ca.SX], dimensions: Sequence[ca.SX | float]) -> ca.SX:
-        """Signed distance [m]; inside, the distance from the nearest face."""
-        height = ca.mmax(ca.vertcat(*(_along(plane[:3], point) - plane[3] for plane in self.planes)))
-        outside = height > 0
-        squares = [_symbolic_square(point, triangle) for triangle in self.triangles]
-        nearest = ca.mmin(ca.vertcat(*squares))
-        return outside * ca.sqrt(ca.fmax(nearest, 1e-24)) + (1 - outside) * height
-
     @property
     def reach(self) -> float:
         """Largest distance of a vertex from the origin [m]."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
-import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
@@ -16,8 +15,6 @@ from robotraj.dynamics.obstacles.base import (
     Array,
     Obstacle,
     Place,
-    corner_distance,
-    smooth_length,
 )
 
 
@@ -61,10 +58,6 @@ class Box(Obstacle):
         """Exact signed distance (m,) [m]."""
         return _from_corner(np.abs(points) - self.dimensions)
 
-    def smooth_distance(self, point: Sequence[ca.SX], dimensions: Sequence[ca.SX | float]) -> ca.SX:
-        """Signed distance [m]; inside, the distance from the nearest face."""
-        return corner_distance([ca.fabs(x) - half for x, half in zip(point, dimensions, strict=False)])
-
     @property
     def reach(self) -> float:
         """Half the diagonal [m]."""
@@ -103,10 +96,6 @@ class Sphere(Obstacle):
     def distance(self, points: Array) -> Array:
         """Exact signed distance (m,) [m]."""
         return np.asarray(np.linalg.norm(points, axis=1) - self.radius)
-
-    def smooth_distance(self, point: Sequence[ca.SX], dimensions: Sequence[ca.SX | float]) -> ca.SX:
-        """Signed distance [m], smoothed in the inner half."""
-        return smooth_length(point, dimensions[0]) - dimensions[0]
 
     @property
     def reach(self) -> float:
@@ -149,11 +138,6 @@ class Cylinder(Obstacle):
         """Exact signed distance (m,) [m]."""
         radial = np.linalg.norm(points[:, :2], axis=1) - self.radius
         return _from_corner(np.column_stack([radial, np.abs(points[:, 2]) - 0.5 * self.length]))
-
-    def smooth_distance(self, point: Sequence[ca.SX], dimensions: Sequence[ca.SX | float]) -> ca.SX:
-        """Signed distance [m], smoothed in the inner half of the radius."""
-        radius, half = dimensions[:2]
-        return corner_distance([smooth_length(point[:2], radius) - radius, ca.fabs(point[2]) - half])
 
     @property
     def reach(self) -> float:
@@ -199,12 +183,6 @@ class Capsule(Obstacle):
         half = 0.5 * self.length
         beyond = points[:, 2] - np.clip(points[:, 2], -half, half)
         return np.asarray(np.linalg.norm(np.column_stack([points[:, :2], beyond]), axis=1) - self.radius)
-
-    def smooth_distance(self, point: Sequence[ca.SX], dimensions: Sequence[ca.SX | float]) -> ca.SX:
-        """Signed distance [m], smoothed in the inner half of the radius."""
-        radius, half = dimensions[:2]
-        beyond = point[2] - ca.fmin(ca.fmax(point[2], -half), half)
-        return smooth_length([point[0], point[1], beyond], radius) - radius
 
     @property
     def reach(self) -> float:
@@ -257,11 +235,6 @@ class HalfSpace(Obstacle):
     def distance(self, points: Array) -> Array:
         """Exact signed distance (m,) [m]."""
         return np.asarray(points @ np.array(self.normal) - self.offset)
-
-    def smooth_distance(self, point: Sequence[ca.SX], dimensions: Sequence[ca.SX | float]) -> ca.SX:
-        """Signed distance [m]."""
-        along = sum(n * x for n, x in zip(dimensions[:3], point, strict=True))
-        return along - dimensions[3]
 
     @property
     def reach(self) -> float:

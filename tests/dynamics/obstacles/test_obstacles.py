@@ -42,11 +42,6 @@ def coal_shape(shape: Obstacle) -> coal.CollisionGeometry:
     raise AssertionError(shape)
 
 
-def smooth(shape: Obstacle) -> ca.Function:
-    x = ca.SX.sym("x", 3)
-    return ca.Function("d", [x], [shape.smooth_distance([x[0], x[1], x[2]], shape.dimensions)])
-
-
 @pytest.fixture(params=sorted(SHAPES))
 def shape(request: pytest.FixtureRequest) -> Obstacle:
     return SHAPES[request.param]
@@ -68,36 +63,6 @@ def test_distances_of_small_balls_are_those_of_coal(shape: Obstacle) -> None:
 
 REQUEST = coal.DistanceRequest()
 RESULT = coal.DistanceResult
-
-
-def test_smooth_distances_are_exact_outside_and_negative_inside(shape: Obstacle) -> None:
-    points = np.random.default_rng(2).normal(size=(500, 3)) * 0.4
-    exact, found = shape.distance(points), np.array(smooth(shape).map(500)(points.T)).ravel()
-    outside = exact >= 0.0
-    np.testing.assert_allclose(found[outside], exact[outside], atol=1e-12)
-    assert (found[~outside] < 0.0).all()
-
-
-def test_gradients_are_finite_differences_and_point_outward(shape: Obstacle) -> None:
-    x = ca.SX.sym("x", 3)
-    value = shape.smooth_distance([x[0], x[1], x[2]], shape.dimensions)
-    gradient = ca.Function("g", [x], [ca.gradient(value, x)])
-    hessian = ca.Function("h", [x], [ca.hessian(value, x)[0]])
-    step = 1e-6
-    for point in np.random.default_rng(3).normal(size=(40, 3)) * 0.4:
-        slopes = np.array(gradient(point)).ravel()
-        assert np.isfinite(slopes).all() and np.isfinite(np.array(hessian(point))).all()
-        differences = [
-            float(smooth(shape)(point + d) - smooth(shape)(point - d)) / (2 * step) for d in step * np.eye(3)
-        ]
-        np.testing.assert_allclose(slopes, differences, atol=1e-6)
-        curves = [
-            (np.array(gradient(point + d)) - np.array(gradient(point - d))).ravel() / (2 * step)
-            for d in step * np.eye(3)
-        ]
-        np.testing.assert_allclose(np.array(hessian(point)), curves, atol=1e-4)
-    for point in 1e-9 * np.random.default_rng(4).normal(size=(5, 3)):
-        assert np.isfinite(np.array(gradient(point))).all() and np.isfinite(np.array(hessian(point))).all()
 
 
 def test_a_pose_may_be_a_function_of_time() -> None:

@@ -8,7 +8,7 @@ import pytest
 import robotraj as rt
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.clearance.distance_functions import DistanceFunction, constants_of, function_of, key_of
-from robotraj.transcription.clearance.supporting_planes import heights, planes
+from robotraj.transcription.clearance.supporting_planes import heights, in_axes, planes
 
 CLOUD = np.random.default_rng(5).normal(size=(8, 3)) * 0.1
 KINDS = {
@@ -61,7 +61,9 @@ def test_a_moving_obstacle_reads_free_and_fixed_clocks() -> None:
     pairs = rt.CollisionFree([ball], self_collision=False).pairs(rt.load("ur5"))
     pair, q, t0, duration, tau = len(pairs) - 1, np.full(6, 0.3), 0.2, 1.5, 0.4
     exact = pairs.distances_of(np.array([pair]), q[None], np.array([t0 + tau * duration]))
-    own = constants_of(pairs, np.array([pair]))[0]
+    times = np.array([t0 + tau * duration])
+    plane = in_axes(ball, times, planes(pairs, np.array([pair]), q[None], times))[0]
+    own = [*constants_of(pairs, np.array([pair]))[0], *plane]
     for free in ((True, True), (False, True), (False, False)):
         function = function_of(pairs, pair, free)
         clock = [value for value, is_free in zip((t0, duration), free, strict=True) if is_free]
