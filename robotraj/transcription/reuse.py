@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from robotraj.guess.base import InitialGuess
 from robotraj.native.engines.base import Engine
 from robotraj.transcription.collocation.index_reduction import determined_at_ends
+from robotraj.transcription.collocation.invariants import determined_invariants
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
@@ -93,9 +94,11 @@ def _with_functions(again: Nlp, nlp: Nlp) -> Nlp:
 def _alike(before: Phase, now: Phase, layout: PhaseLayout) -> bool:
     """Whether two phases share everything but their ends, as ``Phase.with_`` returns them."""
     if before is now:
-        return not now.dae.invariants
+        return True
     same = before.dae is now.dae and before.rows is now.rows
     if not same or before.duration_bounds != now.duration_bounds:
         return False
     # The ends decide which rows hold an invariant or an equality with its rates.
-    return not now.dae.invariants and determined_at_ends(before, layout) == determined_at_ends(now, layout)
+    pairs = zip(determined_invariants(before), determined_invariants(now), strict=True)
+    invariants = all(np.array_equal(one, other) for one, other in pairs)
+    return invariants and determined_at_ends(before, layout) == determined_at_ends(now, layout)

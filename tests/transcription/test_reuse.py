@@ -116,14 +116,32 @@ def test_a_field_that_cannot_be_changed_is_named() -> None:
         arm().with_(end=rt.State(q=[100, 0, 0, 0, 0, 0], v=0))
 
 
-def test_contacts_are_transcribed_again() -> None:
+def test_a_step_with_another_start_reuses_the_transcription() -> None:
     from tests.gait.test_five_link import guess
 
     problem = step()
     (phase,) = problem.phases
     first = rt.plan(problem, rt.Mesh(6), guess=guess(phase.robot), progress=False)
     again = rt.plan(problem.with_(start=rt.State()), rt.Mesh(6), guess=first, progress=False)
+    assert origin(again).nlp.blocks is origin(first).nlp.blocks
     assert again.objective == pytest.approx(first.objective, rel=1e-7)
+
+
+def test_several_phases_with_contacts_reuse_the_transcription() -> None:
+    robot = rt.load("five_link", root="planar")
+    problem, mesh = rt.gait.jump(robot, height=0.05), rt.Mesh(5)
+    home = pin.centerOfMass(robot.model, robot.model.createData(), rt.gait.stand(robot))[2]
+    lower = problem.with_(end=rt.State(q=rt.gait.stand(robot, height=0.95 * home), v=0))
+    first = rt.plan(problem, mesh, progress=False)
+    again, fresh = rt.plan(lower, mesh, guess=first, progress=False), rt.plan(lower, mesh, progress=False)
+    assert origin(again).nlp.blocks is origin(first).nlp.blocks
+    assert again.objective == pytest.approx(fresh.objective, rel=1e-6)
+    assert again.objective != pytest.approx(first.objective, rel=1e-2)
+    np.testing.assert_allclose(again.at(again.duration).q, lower.phases[-1].end.q, atol=1e-9)
+    assert not again.violations()
+    # An end that leaves the joints free no longer determines where the feet stand: rows are added.
+    free = rt.plan(problem.with_(end=rt.State(v=0)), mesh, guess=first, progress=False)
+    assert len(origin(free).nlp.rows) > len(origin(first).nlp.rows)
 
 
 def test_a_loop_may_write_to_its_arrays() -> None:

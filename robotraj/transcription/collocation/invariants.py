@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.links.base import BoundLink
+from robotraj.problem.rows import RowTable
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.layout import PhaseLayout, entries_of
 from robotraj.transcription.table import ScalarTable
@@ -39,7 +40,7 @@ def impose_invariants(
         fractions.append(interval.start + interval.length * interval.scheme.nodes[inner])
     at, when = np.concatenate(places), np.concatenate(fractions)
     first = outputs - len(entries)
-    open_end = ~_determined(phase, phase.end_bounds, anchored=_determined(phase, phase.start_bounds))
+    open_end = ~determined_invariants(phase)[1]
     for i, entry in enumerate(entries):
         here = slice(None) if open_end[i] else slice(-1)
         added = rows.add([entry], when[here], 0.0, 0.0)[:, 0]
@@ -48,19 +49,28 @@ def impose_invariants(
 
 def start_invariants(phases: Sequence[Phase], index: int, links: Sequence[BoundLink]) -> list[int]:
     """Return the invariants to impose at the first knot of a phase."""
-    return np.flatnonzero(
-        ~_determined(phases[index], phases[index].start_bounds) & ~_carried(phases, index, links)
-    ).tolist()
+    at_start, _ = determined_invariants(phases[index])
+    return np.flatnonzero(~at_start & ~_carried(phases, index, links)).tolist()
 
 
-_DEPENDENCE: WeakKeyDictionary[Phase, tuple[Mask, Mask]] = WeakKeyDictionary()
+def determined_invariants(phase: Phase) -> tuple[Mask, Mask]:
+    """Return which invariants the fixed start and the fixed end of a phase determine, (ni,) and (ni,)."""
+    if not phase.dae.invariants:
+        none = np.zeros(0, dtype=bool)
+        return none, none
+    at_start = _determined(phase, phase.start_bounds)
+    return at_start, _determined(phase, phase.end_bounds, anchored=at_start)
+
+
+_DEPENDENCE: WeakKeyDictionary[RowTable, tuple[Mask, Mask]] = WeakKeyDictionary()
 
 
 def _dependence(phase: Phase) -> tuple[Mask, Mask]:
     """Return which states and parameters each invariant depends on, (ni, nx) and (ni, np)."""
-    if phase not in _DEPENDENCE:
-        _DEPENDENCE[phase] = _read(phase)
-    return _DEPENDENCE[phase]
+    # Phases that differ in their ends alone share a table.
+    if phase.rows not in _DEPENDENCE:
+        _DEPENDENCE[phase.rows] = _read(phase)
+    return _DEPENDENCE[phase.rows]
 
 
 def _read(phase: Phase) -> tuple[Mask, Mask]:
