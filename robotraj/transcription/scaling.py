@@ -22,7 +22,10 @@ from robotraj.transcription.table import Entry, Scalars
 
 Array = NDArray[np.float64]
 
-LEAST, GREATEST = 1e-3, 1e4
+LEAST, GREATEST = 1e-3, 1e24
+"""Range of the sizes of variables and of gradients; friction cones of 1e9 kg are squares of 1e10 N."""
+TIGHT = 1e3
+"""Largest bound that is a measure of its variable."""
 PLAIN = 1e2
 """Sizes from 1 / PLAIN to PLAIN SI units count as one unit."""
 ALIKE = frozenset({"position", "velocity", "acceleration", "jerk", "effort", "contact force", "contact moment"})
@@ -40,7 +43,7 @@ def variable_scale(variables: Scalars, guess: Array) -> Array:
     fixed = np.isfinite(low) & (low == high)
     np.maximum.at(by_guess, meaning[fixed], np.abs(low[fixed]))
     by_guess = _shared(variables.entries, by_guess)
-    bounded = (by_bounds > 0) & (by_bounds <= 1e3) & [entry.name != "duration" for entry in variables.entries]
+    bounded = (by_bounds > 0) & (by_bounds <= TIGHT) & [entry.name != "duration" for entry in variables.entries]
     size = np.where(bounded, by_bounds, by_guess)
     return np.where(size > 0, np.clip(size, LEAST, GREATEST), 1.0)[meaning]
 
@@ -54,9 +57,10 @@ def rescale_controls(
     guess: Array,
     controls: NDArray[np.int_],
 ) -> Array:
-    """Rescale controls without bounds that are zero in the guess, if their size is far from one SI unit, (n_w,).
+    """Rescale controls without tight bounds that are zero in the guess, if their size is far from an SI unit, (n_w,).
 
-    Such a control gets the size at which its terms are as large as the others in some kind of row:
+    So are impulses and other unknowns of links. Such a control gets the size at which its terms are as large as the
+    others in some kind of row:
 
         s_j = 1 / max_i (n_i J_ij / r_i),    r_i = max_k J_ik s_k over the variables k of known size,
 
@@ -67,7 +71,7 @@ def rescale_controls(
     Parameters
     ----------
     controls : ndarray of int
-        Columns of the controls.
+        Columns of the controls, and of the unknowns of links.
     """
     unsized = ~_sized(variables, guess)
     of_controls = np.zeros(len(unsized), dtype=bool)
@@ -98,9 +102,9 @@ def rescale_controls(
 
 def _sized(variables: Scalars, guess: Array) -> NDArray[np.bool_]:
     """Return the entries whose size ``variable_scale`` knows from bounds or from the guess, (entries,)."""
-    low, high = variables.lower, variables.upper
+    tight = np.maximum(np.abs(variables.lower), np.abs(variables.upper)) <= TIGHT
     sized = np.zeros(len(variables.entries), dtype=bool)
-    np.logical_or.at(sized, variables.meaning, (np.isfinite(low) & np.isfinite(high)) | (guess != 0.0))
+    np.logical_or.at(sized, variables.meaning, tight | (guess != 0.0))
     return sized
 
 

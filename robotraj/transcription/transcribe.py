@@ -125,7 +125,7 @@ def transcribe(
     matrix = linear.matrix(shape)
     start = start_of(problem, layouts, unknowns, variables, guess or default_guess(problem))
     scale = variable_scale(variables, start)
-    controls = np.concatenate([run.controls.ravel() for layout in layouts for run in layout.runs])
+    controls = np.concatenate([*(run.controls.ravel() for layout in layouts for run in layout.runs), *unknowns])
     scale = rescale_controls(scale, every, matrix, variables, constraints, start, controls)
     return Nlp(
         problem,

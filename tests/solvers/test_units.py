@@ -1,7 +1,10 @@
 """The unit of an objective, of a mass or of a time changes the answer by its factor and by nothing else."""
 
+from collections.abc import Callable
+
 import casadi as ca
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import robotraj as rt
@@ -64,3 +67,39 @@ def test_a_unit_of_time_scales_the_optimum(second: float, solver: rt.Ipopt | rt.
     known = rt.plan(pendulum(), mesh=MESH, solver=solver).objective
     found = rt.plan(pendulum(second=second), mesh=MESH, solver=solver).objective
     assert found == pytest.approx(second**-3 * known, rel=1e-6)
+
+
+def in_units(name: str, kilogram: float, root: str = "fixed") -> rt.Robot:
+    """A robot whose masses and effort limits are given in units of 1 / ``kilogram`` kg."""
+    model = rt.load(name).model.copy()
+    for i, own in enumerate(model.inertias):
+        model.inertias[i] = pin.Inertia(own.mass * kilogram, own.lever, own.inertia * kilogram)
+    model.armature *= kilogram
+    model.upperEffortLimit *= kilogram
+    model.lowerEffortLimit *= kilogram
+    return rt.load(model, root=root)
+
+
+def reach(kilogram: float) -> rt.Problem:
+    start, end = [-1.1, -1.8, 1.6, -1.2, -1.57, 0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2]
+    return rt.Problem(
+        [rt.Phase(in_units("ur5", kilogram), 1.0, rt.State(q=start, v=0), rt.State(q=end, v=0), rt.Effort())]
+    )
+
+
+def trot(kilogram: float) -> rt.Problem:
+    return rt.gait.trot(in_units("solo12", kilogram, "floating"), step_length=0.05, duration=0.2, clearance=0.02)
+
+
+@pytest.mark.parametrize(
+    ("problem", "mesh"), [(reach, rt.Mesh(12)), (trot, rt.Mesh(4, rt.HermiteSimpson()))], ids=["arm", "legs"]
+)
+def test_a_robot_in_small_units_of_mass_is_planned_as_easily(
+    problem: Callable[[float], rt.Problem], mesh: rt.Mesh
+) -> None:
+    solver = rt.InteriorPoint(fallback=None)
+    known = rt.plan(problem(1e3), mesh, solver=solver, progress=False)
+    for kilogram in (1e6, 1e9):
+        found = rt.plan(problem(kilogram), mesh, solver=solver, progress=False)
+        assert found.objective == pytest.approx((kilogram / 1e3) ** 2 * known.objective, rel=1e-6)
+        assert found.iterations <= 1.5 * known.iterations
