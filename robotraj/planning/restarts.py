@@ -70,8 +70,7 @@ def restarted(
     nlp : Nlp
         Its program, with the guessed durations.
     guess : InitialGuess, Solution or None
-        That of the user. Guesses other than a straight line or a solution are not replaced, and the default guess is
-        varied only where none is given.
+        That of the user. The default guess is varied only where none is given.
     solve : callable
     restarts : Restarts
     coarsely : callable
@@ -179,11 +178,12 @@ class _Beginning:
 def _beginnings(
     failed: Solution, nlp: Nlp, guess: InitialGuess | Solution | None, restarts: Restarts
 ) -> Iterator[_Beginning]:
-    """Yield longer motions where durations are free, else the last iterate; then variations of the default guess."""
+    """Yield longer motions where durations are free, the last iterate of fixed ones or of a guess with a course of its
+    own, and variations of the default guess."""
     problem, left = failed.problem, restarts.count
     free = tuple(layout.duration.column is not None for layout in nlp.layouts)
     longer: _Beginning | None = None
-    if any(free) and (guess is None or isinstance(guess, StraightLine | Solution)):
+    if any(free):
         tried: set[tuple[float, ...]] = set()
         for times in restarts.longer[:left]:
             durations = tuple(_duration(nlp, i, times) for i in range(len(free)))
@@ -201,7 +201,7 @@ def _beginnings(
                 continue
             longer = _Beginning(Problem(ample, problem.links), None, durations, free)
             yield longer
-    elif left:
+    if left and (isinstance(guess, InitialGuess) and not isinstance(guess, StraightLine) or not any(free)):
         left -= 1
         yield _Beginning(problem, failed, certain=not any(free))
     if guess is None:

@@ -29,7 +29,7 @@ class Restarts(OneLine):
         Largest number of beginnings that are tried: first longer motions, then variations. 0 turns restarts off.
     longer : sequence of float
         Factors by which guessed free durations are multiplied. With each, a motion without objective is planned
-        first; the problem then starts from it. It needs a free duration, and no guess or a straight line or solution.
+        first; the problem then starts from it. It needs a free duration.
     seeds : sequence of int
         Seeds of random variations of the default guess. They need a plan without ``guess=``.
 

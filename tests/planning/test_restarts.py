@@ -84,10 +84,18 @@ def test_what_is_infeasible_stays_so() -> None:
     assert solution.status is Status.INFEASIBLE and solution.violations
 
 
-def test_guesses_with_a_course_of_their_own_are_kept() -> None:
-    own = rt.guess.Keyframes([0, 1], [rt.State([5, 0]), rt.State([0, 0])], duration=0.5)
-    solution = rt.plan(oscillator(5.0), guess=own, check=False)
-    assert not solution.success and "from a motion of" not in solution.message
+@pytest.mark.parametrize("seconds", [0.5, 6.0, 9.0])
+def test_guesses_with_a_course_of_their_own_get_more_time_too(seconds: float) -> None:
+    own = rt.guess.Keyframes([0, 1], [rt.State([5, 0]), rt.State([0, 0])], duration=seconds)
+    solution = rt.plan(oscillator(5.0), guess=own)
+    assert solution.duration == pytest.approx(7.93741, rel=1e-2)
+
+
+def test_a_guess_that_fails_on_two_meshes_does_not_make_a_problem_infeasible() -> None:
+    # Bounds of controls on whole intervals leave less than the exact 2 pi seconds need: from here both are stuck.
+    own = rt.guess.Keyframes([0, 1], [rt.State([4, 0]), rt.State([0, 0])], duration=6.0)
+    solution = rt.plan(oscillator(4.0, (4.0, 20.0)), guess=own)
+    assert solution.duration == pytest.approx(2 * np.pi, rel=1e-2) and "from a motion of" in solution.message
 
 
 def test_more_equations_than_unknowns_are_called_so() -> None:
