@@ -178,8 +178,10 @@ class _Beginning:
 def _beginnings(
     failed: Solution, nlp: Nlp, guess: InitialGuess | Solution | None, restarts: Restarts
 ) -> Iterator[_Beginning]:
-    """Yield longer motions where durations are free, the last iterate of fixed ones or of a guess with a course of its
-    own, and variations of the default guess."""
+    """Yield longer motions where durations are free, the last iterate, and variations of the default guess.
+
+    The last iterate is passed over where a longer motion, without a course of the user's own, says more.
+    """
     problem, left = failed.problem, restarts.count
     free = tuple(layout.duration.column is not None for layout in nlp.layouts)
     longer: _Beginning | None = None
