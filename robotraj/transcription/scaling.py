@@ -48,35 +48,35 @@ def variable_scale(variables: Scalars, guess: Array) -> Array:
     return np.where(size > 0, np.clip(size, LEAST, GREATEST), 1.0)[meaning]
 
 
-def rescale_controls(
+def rescale_unsized(
     scale: Array,
     blocks: Sequence[Block],
     linear: csr_array,
     variables: Scalars,
     rows: Scalars,
     guess: Array,
-    controls: NDArray[np.int_],
+    columns: NDArray[np.int_],
 ) -> Array:
-    """Rescale controls without tight bounds that are zero in the guess, if their size is far from an SI unit, (n_w,).
+    """Rescale variables without tight bounds that are zero in the guess, if their size is far from an SI unit, (n_w,).
 
-    So are impulses and other unknowns of links. Such a control gets the size at which its terms are as large as the
-    others in some kind of row:
+    Such a variable gets the size at which its terms are as large as the others in some kind of row:
 
         s_j = 1 / max_i (n_i J_ij / r_i),    r_i = max_k J_ik s_k over the variables k of known size,
 
-    where J_ij is the largest |dg/dw| of row kind i by control j at the guess. n_i is the number of rows of a kind of
-    defect, since a control acts over the whole phase, and 1 for other kinds. A torque that moves 1e-4 kg or 1e8 kg is
-    scaled so. A size within ``PLAIN`` of the SI unit leaves the scale as it is.
+    where J_ij is the largest |dg/dw| of row kind i by variable j at the guess. n_i is the number of rows of a kind of
+    defect, since a variable acts over the whole phase, and 1 for other kinds. The defect of a state itself is none of
+    them: it compares the state's growth over an interval. A torque that moves 1e-4 kg or 1e8 kg is scaled so, and a
+    speed in a motion of 1e6 s. A size within ``PLAIN`` of the SI unit leaves the scale as it is.
 
     Parameters
     ----------
-    controls : ndarray of int
-        Columns of the controls, and of the unknowns of links.
+    columns : ndarray of int
+        Of the states of systems, or of controls, impulses and other unknowns of links.
     """
     unsized = ~_sized(variables, guess)
-    of_controls = np.zeros(len(unsized), dtype=bool)
-    of_controls[variables.meaning[controls]] = True
-    unknown = np.flatnonzero(unsized & of_controls)
+    chosen = np.zeros(len(unsized), dtype=bool)
+    chosen[variables.meaning[columns]] = True
+    unknown = np.flatnonzero(unsized & chosen)
     if not unknown.size:
         return scale
 
@@ -89,11 +89,12 @@ def rescale_controls(
 
     defects = np.array([entry.name == "defect" for entry in rows.entries], dtype=bool)
     count = np.where(defects, np.bincount(rows.meaning, minlength=len(defects)), 1)
-    others = largest(np.where(unsized[variables.meaning], 0.0, scale))
+    others = largest(np.where(unsized[variables.meaning] & (scale == 1.0), 0.0, scale))
     out = scale.copy()
     for kind in unknown:
-        own = count * largest(np.where(variables.meaning == kind, 1.0, 0.0))
-        compared = (others > 0.0) & (own > 0.0)
+        own, entry = count * largest(np.where(variables.meaning == kind, 1.0, 0.0)), variables.entries[kind]
+        itself = [(row.phase, row.label) == (entry.phase, entry.label) for row in rows.entries]
+        compared = (others > 0.0) & (own > 0.0) & ~(defects & itself)
         size = float(1.0 / np.max(own[compared] / others[compared], initial=0.0)) if compared.any() else 1.0
         if not 1.0 / PLAIN <= size <= PLAIN:
             out[variables.meaning == kind] = size
@@ -102,9 +103,9 @@ def rescale_controls(
 
 def _sized(variables: Scalars, guess: Array) -> NDArray[np.bool_]:
     """Return the entries whose size ``variable_scale`` knows from bounds or from the guess, (entries,)."""
-    tight = np.maximum(np.abs(variables.lower), np.abs(variables.upper)) <= TIGHT
+    reach = np.maximum(np.abs(variables.lower), np.abs(variables.upper))
     sized = np.zeros(len(variables.entries), dtype=bool)
-    np.logical_or.at(sized, variables.meaning, tight | (guess != 0.0))
+    np.logical_or.at(sized, variables.meaning, ((reach > 0.0) & (reach <= TIGHT)) | (guess != 0.0))
     return sized
 
 

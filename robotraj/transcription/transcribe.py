@@ -38,7 +38,7 @@ from robotraj.transcription.interval_limits.rate_bounds import impose_on_rates
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.numbering import lay_out
-from robotraj.transcription.scaling import rescale_controls, row_scale, variable_scale
+from robotraj.transcription.scaling import rescale_unsized, row_scale, variable_scale
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.table import ColumnBound, Entry, Scalars, ScalarTable
@@ -125,8 +125,13 @@ def transcribe(
     matrix = linear.matrix(shape)
     start = start_of(problem, layouts, unknowns, variables, guess or default_guess(problem))
     scale = variable_scale(variables, start)
-    controls = np.concatenate([*(run.controls.ravel() for layout in layouts for run in layout.runs), *unknowns])
-    scale = rescale_controls(scale, every, matrix, variables, constraints, start, controls)
+    systems = [layout for layout, phase in zip(layouts, problem.phases, strict=True) if phase.robot is None]
+    for of_kind in (
+        [run.states.ravel() for layout in systems for run in layout.runs],
+        [*(run.controls.ravel() for layout in layouts for run in layout.runs), *unknowns],
+    ):
+        own = np.concatenate([np.zeros(0, dtype=int), *of_kind])
+        scale = rescale_unsized(scale, every, matrix, variables, constraints, start, own)
     return Nlp(
         problem,
         layouts,

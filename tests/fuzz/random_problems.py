@@ -36,8 +36,6 @@ SYSTEMS = ("double_integrator", "oscillator", "van_der_pol", "duffing", "car", "
 SUBJECTS = (*ARMS, *PASSIVE, *SYSTEMS)
 SHOT = ("pendulum", "block", *SYSTEMS)
 """Subjects that shooting is tried on."""
-LARGE = ("z1", "ur5", "panda")
-"""Arms that one-step schemes need more than 20 s for: they eliminate forward dynamics of six joints and more."""
 SLACK = 1.5
 """Ratio of a limit to what the motion needs."""
 STEPS = 400
@@ -101,7 +99,7 @@ def random_case(seed: int) -> Case:
     """Return the problem of a seed."""
     rng = np.random.default_rng([222, seed])
     name = SUBJECTS[rng.integers(len(SUBJECTS))]
-    choice = SCHEMES if name in SHOT else SCHEMES[:-3] if name in LARGE else SCHEMES[:-2]
+    choice = SCHEMES if name in SHOT else SCHEMES[:-2]
     scheme = choice[rng.integers(len(choice))]
     make = _of_arm if name in ARMS else _of_passive if name in PASSIVE else _of_system
     phase, free = make(name, rng)

@@ -1,8 +1,8 @@
-"""A warning before planning: a shooting plan of an arm that would take over a minute.
+"""A warning before planning: a plan of an arm by a scheme of one step that would take over a minute.
 
 An iteration evaluates second derivatives of every interval: (intervals) (variables of an interval) (operations of its
-integrator) steps. Single shooting has the controls of all intervals as variables, multiple shooting a state and the
-controls of one. The forward dynamics of a robot take operations in proportion to its joints.
+integrator) steps. Single shooting has the controls of all intervals as variables, the other schemes of one step a state
+and the controls of one. The forward dynamics of a robot take operations in proportion to its joints.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.integrators import RungeKutta4
 from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.schemes.shooting import Shooting, SingleShooting
 
 LONG = 60.0
@@ -21,6 +22,8 @@ OPERATIONS = 380
 """Operations of the articulated-body algorithm for each joint."""
 STAGES = 4
 """Evaluations in a step of Runge-Kutta."""
+POINTS = 3
+"""Evaluations in an interval of compressed Hermite-Simpson."""
 ITERATIONS = 50
 """Those of a solve that has no good guess."""
 SECONDS = 5e-8
@@ -28,22 +31,24 @@ SECONDS = 5e-8
 
 
 def shooting_seconds(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
-    """Return the estimated processor time [s] of the phases that shoot, 0 without any."""
+    """Return the estimated processor time [s] of the phases with a scheme of one step, 0 without any."""
     meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
     total = 0.0
     for phase, own in zip(problem.phases, meshes, strict=True):
         scheme = own.schemes[0]
-        if phase.robot is None or not isinstance(scheme, Shooting):
+        if phase.robot is None or not isinstance(scheme, OneStep):
             continue
-        substeps = scheme.integrator.substeps if isinstance(scheme.integrator, RungeKutta4) else 1
+        evaluations = POINTS
+        if isinstance(scheme, Shooting):
+            evaluations = STAGES * (scheme.integrator.substeps if isinstance(scheme.integrator, RungeKutta4) else 1)
         nu, nx = phase.robot.nu, 2 * phase.robot.nv
         variables = own.count * nu if isinstance(scheme, SingleShooting) else nx + nu
-        total += own.count * variables * substeps * STAGES * OPERATIONS * phase.robot.nv
+        total += own.count * variables * evaluations * OPERATIONS * phase.robot.nv
     return SECONDS * ITERATIONS * total
 
 
 def warn_of_long_shooting(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> None:
-    """Warn of shooting that would take over a minute, and name what takes less.
+    """Warn of a scheme of one step that would take over a minute, and name what takes less.
 
     Warns
     -----
@@ -52,8 +57,8 @@ def warn_of_long_shooting(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> None
     seconds = shooting_seconds(problem, mesh)
     if seconds > LONG:
         warnings.warn(
-            f"Shooting on this mesh takes about {seconds:.0f} s of processor time, {seconds / LONG:.0f} minutes: use "
-            "collocation, such as mesh=rt.Mesh(20) or no mesh, or rt.schemes.MultipleShooting() on fewer intervals; "
-            "time_limit= ends it.",
+            f"Shooting or compressed collocation on this mesh takes about {seconds:.0f} s of processor time, "
+            f"{seconds / LONG:.0f} minutes: use collocation with inner points, such as mesh=rt.Mesh(20) or no mesh, or "
+            "fewer intervals; time_limit= ends it.",
             stacklevel=3,
         )

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.problem.phase_row import PhaseRow
+from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.transcription.driven_motion import DrivenInputs, Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.methods import limited_algebraic
@@ -51,6 +51,8 @@ ONE_SIDED = np.clip(PLACES, STEP, 1.0 - STEP)
 """Places for rates, which jump at the knots."""
 SHARE = 1e-2
 """Share of its limit by which a control may exceed it between collocation points before that is reported."""
+EXACT = 1e-9
+"""Least violation of a state that is reported [SI unit]; solvers stop with errors of this size."""
 ROUNDING = 1e-9
 """Relative difference of equal values on both sides of a knot."""
 EXACT_SHARE = 1e-3
@@ -91,10 +93,15 @@ class IntervalViolation:
 
 
 def state_violations(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float) -> list[IntervalViolation]:
-    """Find rows of the state, in every interval, that are violated by more than ``allowed`` [SI unit]."""
+    """Find rows of the state, in every interval, that are violated by more than ``allowed`` [SI unit].
+
+    Of bounds of states below 1 SI unit, such as 0.05 rad/s, ``allowed`` is a share.
+    """
     rows = phase.rows.of_state
+    sizes = np.array([row.greatest_bound if row.kind is Kind.BOUND else 1.0 for row in rows])
+    shares = np.where((sizes > 0.0) & (sizes < 1.0), sizes, 1.0)
     return _violations(
-        index, rows, Expressions(phase.rows, rows, trajectory, None), PLACES, np.full(len(rows), allowed)
+        index, rows, Expressions(phase.rows, rows, trajectory, None), PLACES, np.maximum(allowed * shares, EXACT)
     )
 
 

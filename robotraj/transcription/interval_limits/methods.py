@@ -37,6 +37,7 @@ class ConstraintGeneration(OneLine):
     ----------
     tolerance : float
         Violation of a row of the state between collocation points above which it is imposed there [its SI unit].
+        Of bounds below 1 SI unit, such as 0.05 rad/s, it is a share.
     rounds : int
         How often the problem is solved again at most; with 0, violations are reported only.
     """
