@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,7 @@ from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.mujoco.run import MujocoRun
 from robotraj.witness.planned import limits_of
 from robotraj.witness.protocols import SolutionLike
+from robotraj.witness.robustness.disturbances import Disturbances
 
 if TYPE_CHECKING:
     import mujoco
@@ -33,6 +35,10 @@ def second_opinion(
     offset: ArrayLike = 0.0,
     ground: SoftGround | None = None,
     step: float = 5e-4,
+    runs: int = 0,
+    disturbances: Disturbances | None = None,
+    bound: float = 0.1,
+    seed: int = 0,
 ) -> SecondOpinion:
     """Simulate a plan in MuJoCo under tau = tau_plan - K(t) e, saturated at the effort limits.
 
@@ -56,6 +62,11 @@ def second_opinion(
         Stiffness and friction of the ground in MuJoCo.
     step : float
         Longest simulation step [s]; every interval of the plan is a whole number of steps.
+    runs : int
+        Number of further simulations with random ``disturbances`` under ``solution.gains``, for robots with a fixed
+        root and without contacts; ``rt.witness.monte_carlo`` makes them, ``robustness`` of the result keeps them.
+    disturbances, bound, seed
+        See ``rt.witness.monte_carlo``.
 
     Returns
     -------
@@ -65,7 +76,8 @@ def second_opinion(
     Raises
     ------
     InputError
-        MuJoCo is not installed, the plan moves a System, or is not periodic though several periods are asked.
+        MuJoCo is not installed, the plan moves a System, or is not periodic though several periods are asked; ``runs``
+        are asked of a plan with contacts or a moving root.
     """
     require_solution(solution, "rt.witness.second_opinion")
     course = ReferenceMotion(solution, periods)
@@ -85,6 +97,11 @@ def second_opinion(
         raise InputError(
             f"offset has {away.size} values; give one, or {2 * course.robot.model.nv}: positions, then speeds."
         )
+    robustness = None
+    if runs:
+        from robotraj.witness.robustness.monte_carlo import monte_carlo
+
+        robustness = monte_carlo(solution, runs, disturbances=disturbances, bound=bound, seed=seed)
     feet = feet_of(course)
     soft = ground if ground is not None else SoftGround()
     feedback = feedback if feedback is not None else LinearQuadratic()
@@ -105,4 +122,4 @@ def second_opinion(
     for passage in course.passages:
         if not run.through(passage, float(step)):
             break
-    return run.report()
+    return replace(run.report(), robustness=robustness)

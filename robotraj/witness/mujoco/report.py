@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from robotraj._util.values import dataclass
 from robotraj.witness.peak import Peak
@@ -12,6 +13,9 @@ from robotraj.witness.report_tables import table, worst_of, wrapped
 from robotraj.witness.report_text import coloured
 from robotraj.witness.simulation.drift import Drift
 from robotraj.witness.simulation.robot import Simulation
+
+if TYPE_CHECKING:
+    from robotraj.witness.robustness.monte_carlo import MonteCarlo
 
 
 @dataclass(frozen=True)
@@ -76,6 +80,8 @@ class SecondOpinion:
         The feedback that held the robot on its plan.
     simulator : str
         MuJoCo's version, its integrator and its contacts.
+    robustness : MonteCarlo or None
+        Runs with random disturbances, if any were asked for; they do not change the verdict.
     """
 
     simulation: Simulation
@@ -91,6 +97,7 @@ class SecondOpinion:
     step: float
     feedback: str
     simulator: str
+    robustness: MonteCarlo | None = None
 
     @property
     def completed(self) -> bool:
@@ -166,6 +173,8 @@ def _render(report: SecondOpinion, verdict: str) -> str:
     lines += wrapped(
         f"feedback added at most {added}; a motor was at its limit {100 * report.saturated:.1f} % of the time"
     )
+    if report.robustness is not None:
+        lines += str(report.robustness).splitlines()
     if report.failure is not None:
         lines += wrapped(report.failure, "  ! ", "    ")
     return "\n".join([*lines, f"{verdict}: {_outcome(report)}"])

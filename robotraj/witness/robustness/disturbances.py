@@ -55,6 +55,10 @@ class Disturbances:
             if not (isinstance(value, int | float) and 0.0 <= value < np.inf):
                 raise InputError(f"Disturbances({entry.name}) is {value!r}; give 0 or a positive number.")
 
+    def scaled(self, factor: float) -> Disturbances:
+        """Return disturbances of ``factor`` times the size, the delay included."""
+        return Disturbances(**{entry.name: factor * getattr(self, entry.name) for entry in fields(self)})
+
     def of_model(self, mujoco: Any, model: Any, rng: np.random.Generator) -> Any:
         """Return a copy of a MuJoCo model with other masses, inertias and friction."""
         other = copy.copy(model)

@@ -13,18 +13,19 @@ from robotraj._util.values import dataclass
 from robotraj.witness.mujoco.model import MujocoRobot, mujoco_robot
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.planned import limits_of, robot_sample
-from robotraj.witness.protocols import Array, RobotLike
+from robotraj.witness.protocols import Array, RobotLike, SolutionLike
 from robotraj.witness.robustness.disturbances import PUSH_TIME, Disturbances
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from robotraj.solution.solution import Solution
 
 SUBSTEPS = 2
 """Steps of MuJoCo in a period of the controller."""
 CONFIDENCE = 1.96
 """Standard deviations of a 95 percent interval."""
+LEAST_RESERVE = 1e-3
+"""Share of the limit of effort that counts as reserve of a motor at its limit."""
 SHARES = (50, 90, 100)
 """Percentiles that the funnel plot draws."""
 
@@ -39,6 +40,9 @@ class MonteCarlo(OneLine):
         Of the controller's periods [s].
     deviations : ndarray (runs, m)
         Largest deviation of a joint's position from the plan [rad, m]; infinite after a simulation diverged.
+    used : ndarray (runs,)
+        Largest share of a motor's reserve that the feedback asked for. The reserve is what the plan leaves of the limit
+        of effort in the feedback's direction; above 1 the motor saturated.
     bound : float
         Largest deviation that counts as held [rad, m].
     seed : int
@@ -49,6 +53,7 @@ class MonteCarlo(OneLine):
 
     times: Array
     deviations: Array
+    used: Array
     bound: float
     seed: int
     disturbances: Disturbances
@@ -106,12 +111,15 @@ class MonteCarlo(OneLine):
         )
         middle, most = np.median(self.worst), self.worst.max()
         lines += wrapped(f"largest deviation: median {middle:.2e}, most {most:.2e}", "  ")
+        lines += wrapped(
+            f"share of the torque reserve: median {np.median(self.used):.2g}, most {self.used.max():.2g}", "  "
+        )
         lines += wrapped(f"seed {self.seed}, {self.how}", "  ")
         return "\n".join(lines)
 
 
 def monte_carlo(
-    solution: Solution,
+    solution: SolutionLike,
     runs: int = 100,
     *,
     disturbances: Disturbances | None = None,
@@ -148,7 +156,7 @@ def monte_carlo(
         MuJoCo is not installed, the plan has contacts, a moving root or no robot, or a number is not above 0.
     """
     require_solution(solution, "rt.witness.monte_carlo")
-    robot = solution.phases[0].robot
+    robot = solution.phases[0].phase.robot
     if robot is None or robot.root != "fixed" or any(part.phase.contacts for part in solution.phases):
         raise InputError(
             "rt.witness.monte_carlo takes the plan of a robot with a fixed root and without contacts; "
@@ -162,9 +170,10 @@ def monte_carlo(
     mujoco, drawn = load_mujoco(), disturbances or Disturbances()
     plant = mujoco_robot(robot)
     loop = _Loop(solution, robot, rate)
-    deviations = np.array([loop.run(mujoco, plant, drawn, rng) for rng in _generators(seed, runs)])
+    found = [loop.run(mujoco, plant, drawn, rng) for rng in _generators(seed, runs)]
+    deviations, used = np.array([each for each, _ in found]), np.array([share for _, share in found])
     how = f"MuJoCo {mujoco.__version__}, RK4, controller at {rate:g} Hz"
-    return MonteCarlo(loop.times, deviations, float(bound), seed, drawn, how)
+    return MonteCarlo(loop.times, deviations, used, float(bound), seed, drawn, how)
 
 
 def _generators(seed: int, runs: int) -> Iterator[np.random.Generator]:
@@ -175,13 +184,13 @@ def _generators(seed: int, runs: int) -> Iterator[np.random.Generator]:
 class _Loop:
     """A plan as its controller reads it: set points, torques and gains at the controller's times."""
 
-    def __init__(self, solution: Solution, robot: RobotLike, rate: float) -> None:
+    def __init__(self, solution: SolutionLike, robot: RobotLike, rate: float) -> None:
         parts = solution.phases
-        first, last = parts[0].t0, parts[-1].t0 + parts[-1].duration
+        first, last = float(parts[0].knots[0]), float(parts[-1].knots[-1])
         count = max(1, int(np.ceil((last - first) * rate - 1e-9)))
         self.times = np.linspace(first, last, count + 1)
         self.period = float(self.times[1] - self.times[0])
-        starts = np.array([part.t0 for part in parts])
+        starts = np.array([part.knots[0] for part in parts])
         owner = np.clip(np.searchsorted(starts, self.times, side="right") - 1, 0, len(parts) - 1)
         samples = [robot_sample(part, self.times[owner == i]) for i, part in enumerate(parts) if (owner == i).any()]
         self.q, self.v, self.tau = (
@@ -195,8 +204,10 @@ class _Loop:
         efforts = [np.full(len(chosen), np.inf) if known is None else known.effort[chosen] for known in limits]
         self.effort = np.array(efforts)[owner]
 
-    def run(self, mujoco: Any, plant: MujocoRobot, drawn: Disturbances, rng: np.random.Generator) -> Array:
-        """Return the largest deviation at every time, (m,)."""
+    def run(
+        self, mujoco: Any, plant: MujocoRobot, drawn: Disturbances, rng: np.random.Generator
+    ) -> tuple[Array, float]:
+        """Return the largest deviation at every time, (m,), and the largest share of a reserve that was asked for."""
         model = drawn.of_model(mujoco, plant.model, rng)
         model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
         model.opt.timestep = self.period / SUBSTEPS
@@ -208,7 +219,7 @@ class _Loop:
         data.qvel[:] = where.qvel(q, self.v[0] + drawn.velocity * rng.standard_normal(nv))
         body, begin, force = drawn.push_of(model.nbody, float(self.times[-1] - self.times[0]), rng)
         waiting = [self.tau[0]] * round(drawn.delay / self.period)
-        found = np.full(len(self.times), np.inf)
+        found, used = np.full(len(self.times), np.inf), 0.0
         for k, t in enumerate(self.times - self.times[0]):
             q = where.q(data.qpos)
             v = where.v(q, data.qvel)
@@ -219,9 +230,12 @@ class _Loop:
             error = np.concatenate(
                 [q - self.q[k] + drawn.position_noise * noise[0], v - self.v[k] + drawn.velocity_noise * noise[1]]
             )
-            waiting.append(np.clip(self.tau[k] - self.gains[k] @ error, -self.effort[k], self.effort[k]))
+            added = -self.gains[k] @ error
+            reserve = np.maximum(self.effort[k] - np.sign(added) * self.tau[k], LEAST_RESERVE * self.effort[k])
+            used = max(used, float(np.max(np.abs(added) / reserve)))
+            waiting.append(np.clip(self.tau[k] + added, -self.effort[k], self.effort[k]))
             data.qfrc_applied[:] = where.force(q, self.actuation @ waiting.pop(0))
             data.xfrc_applied[body, :3] = force if begin <= t < begin + PUSH_TIME else 0.0
             for _ in range(SUBSTEPS):
                 mujoco.mj_step(model, data)
-        return found
+        return found, used

@@ -33,6 +33,34 @@ def test_a_seed_repeats_its_runs_and_more_runs_keep_the_first(swing):
     assert not np.array_equal(few.deviations, other.deviations)
 
 
+def test_the_torque_that_the_feedback_asks_for_grows_with_the_disturbances(swing):
+    usual = rt.witness.Disturbances()
+    small, tenfold = (rt.witness.monte_carlo(swing, runs=3, disturbances=usual.scaled(f)).used for f in (0.01, 0.1))
+    np.testing.assert_allclose(tenfold, 10.0 * small, rtol=0.1)
+    assert np.all((tenfold > 0.0) & (tenfold < 1.0))
+
+
+@pytest.mark.slow
+def test_an_acrobot_is_held_where_its_motor_has_a_reserve():
+    """At the default disturbances its elbow would need several times its limit, and most runs are lost."""
+    acrobot = rt.load("acrobot")
+    plan = rt.plan(rt.Phase(acrobot, 3.0, rt.State(q=[0, 0], v=0), rt.State(q=[np.pi, 0], v=0), rt.Effort()))
+    usual = rt.witness.Disturbances()
+    probe = rt.witness.monte_carlo(plan, runs=20, disturbances=usual.scaled(0.02), seed=1)
+    held = rt.witness.monte_carlo(plan, runs=30, disturbances=usual.scaled(0.5 * 0.02 / probe.used.max()), bound=0.3)
+    lost = rt.witness.monte_carlo(plan, runs=30, bound=0.3)
+    assert held.held == 1.0 and held.used.max() < 1.0
+    assert lost.held < 0.7 and np.median(lost.used) > 1.0
+
+
+def test_second_opinion_makes_runs_with_disturbances(swing):
+    report = rt.witness.second_opinion(swing, runs=2, bound=0.3, seed=7)
+    alone = rt.witness.monte_carlo(swing, runs=2, bound=0.3, seed=7)
+    np.testing.assert_array_equal(report.robustness.deviations, alone.deviations)
+    assert str(alone).splitlines()[0] in str(report)
+    assert rt.witness.second_opinion(swing).robustness is None
+
+
 @pytest.mark.slow
 def test_an_unstable_plan_is_held_by_its_gains(swing):
     found = rt.witness.monte_carlo(swing, runs=40, bound=0.3)
@@ -93,7 +121,7 @@ def test_a_large_disturbance_is_not_held(swing):
 @pytest.mark.parametrize(("kept", "low", "high"), [(100, 0.963, 1.0), (99, 0.9455, 0.9982), (50, 0.4038, 0.5962)])
 def test_the_interval_is_wilsons(kept, low, high):
     deviations = np.where(np.arange(100) < kept, 0.0, 1.0)[:, None]
-    found = rt.witness.MonteCarlo(np.zeros(1), deviations, 0.5, 0, CALM, "")
+    found = rt.witness.MonteCarlo(np.zeros(1), deviations, np.zeros(len(deviations)), 0.5, 0, CALM, "")
     np.testing.assert_allclose(found.interval, (low, high), atol=6e-4)
 
 
