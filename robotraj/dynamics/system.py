@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 
 import casadi as ca
 
+from robotraj._util.checks import names
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -67,9 +68,17 @@ class System(OneLine):
     ) -> None:
         if dynamics is None:
             raise InputError(f"System {name!r} needs dynamics=: a function of a point that returns the state rates.")
-        for kind, given in (("states", states), ("controls", controls), ("algebraic", algebraic)):
-            if isinstance(given, str):
-                raise InputError(f"System {name!r}: {kind} must be a list of names, got the string {given!r}.")
+        if not isinstance(name, str):
+            raise InputError(f"System(name) is a string, got {name!r}.")
+        for function, given in (("dynamics", dynamics), ("residual", residual)):
+            if given is not None and not callable(given):
+                raise InputError(f"System {name!r}: {function} is a function of a point, got {given!r}.")
+        states, controls, algebraic = (
+            names(f"System {name!r}: {kind}", given)
+            for kind, given in (("states", states), ("controls", controls), ("algebraic", algebraic))
+        )
+        if units is not None and not isinstance(units, Mapping):
+            raise InputError(f'System {name!r}: units is a mapping, such as {{"x": "m"}}; got {units!r}.')
         every = [*states, *controls, *algebraic]
         if not states:
             raise InputError(f"System {name!r} has no states; name at least one in states=.")
@@ -86,8 +95,8 @@ class System(OneLine):
             if key not in every:
                 raise unknown_name("variable", key, every, "units= names states, controls and algebraic variables.")
 
-        def make(names: Sequence[str], quantity: str) -> tuple[Variable, ...]:
-            return tuple(Variable(n, units.get(n, ""), quantity) for n in names)
+        def make(named: Sequence[str], quantity: str) -> tuple[Variable, ...]:
+            return tuple(Variable(n, units.get(n, ""), quantity) for n in named)
 
         object.__setattr__(self, "states", make(states, "state"))
         object.__setattr__(self, "controls", make(controls, "control"))

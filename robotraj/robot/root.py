@@ -69,7 +69,7 @@ def root_of(name: str) -> Root:
     UnknownName
         There is no such root; lists the names.
     """
-    if name not in ROOTS:
+    if not isinstance(name, str) or name not in ROOTS:
         raise unknown_name("root", name, ROOTS, "Plan with root='fixed', 'planar' or 'floating'.")
     return ROOTS[name]
 

@@ -56,6 +56,9 @@ class Obstacle(OneLine, ABC):
 
     def __post_init__(self) -> None:
         own_fields(self)
+        for what in (self.name, self.frame):
+            if not (what is None or isinstance(what, str)):
+                raise InputError(f"{type(self).__name__}: name and frame are strings, got {what!r}.")
         for name, size in (("position", 3), ("quaternion", 4)):
             value = getattr(self, name)
             if not callable(value):

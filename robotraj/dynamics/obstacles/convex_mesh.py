@@ -46,7 +46,10 @@ class ConvexMesh(Obstacle):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        points = np.array(self.vertices, dtype=float)
+        try:
+            points = np.array(self.vertices, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(f"{self.label}: vertices are no numbers; give (n, 3) in metres.") from None
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
             raise InputError(f"{self.label}: vertices have shape {points.shape}; give finite numbers (n, 3) in metres.")
         kept = points[_hull(points, self.label)]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 
+from robotraj._util.checks import is_number, is_whole
 from robotraj._util.errors import InputError, RobotrajError
 from robotraj._util.time_left import time_left
 from robotraj._util.values import dataclass
@@ -65,10 +66,10 @@ class Compiled(Engine):
     jobs: int | None = None
 
     def __post_init__(self) -> None:
-        if self.least < 0:
-            raise InputError(f"Compiled(least) is a number of operations, 0 or more; got {self.least}.")
-        if self.jobs is not None and self.jobs < 1:
-            raise InputError(f"Compiled(jobs) is a number of processes, 1 or more; got {self.jobs}.")
+        if not (is_number(self.least) and self.least >= 0):
+            raise InputError(f"Compiled(least) is a number of operations, 0 or more; got {self.least!r}.")
+        if self.jobs is not None and not (is_whole(self.jobs) and self.jobs >= 1):
+            raise InputError(f"Compiled(jobs) is a number of processes, 1 or more; got {self.jobs!r}.")
 
     def prepare(self, wanted: Sequence[Mapped | StageMapped]) -> list[ca.Function]:
         """Return every function over its points, compiled where it is large.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 import numpy as np
 
+from robotraj._util.checks import is_whole
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, Mapped, StageMapped, VirtualMachine
@@ -45,8 +46,8 @@ class Native(Engine):
     threads: int = 1
 
     def __post_init__(self) -> None:
-        if self.threads < 1:
-            raise InputError(f"Native(threads) is a number of threads, 1 or more; got {self.threads}.")
+        if not (is_whole(self.threads) and self.threads >= 1):
+            raise InputError(f"Native(threads) is a number of threads, 1 or more; got {self.threads!r}.")
 
     def block(self, stage: StageFunctions, count: int, costs: bool) -> PointBlock:
         """Return the block of a stage from its tapes, with the chain rule of its torques."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
@@ -60,7 +60,7 @@ class CollisionFree(Constraint):
     def __post_init__(self) -> None:
         super().__post_init__()
         given: Any = self.obstacles
-        obstacles = (given,) if isinstance(given, Obstacle) else tuple(given)
+        obstacles = tuple(given) if isinstance(given, Iterable) else (given,)
         for obstacle in obstacles:
             if not isinstance(obstacle, Obstacle):
                 raise InputError(f"CollisionFree: {obstacle!r} is no obstacle such as rt.obstacles.Box((1, 1, 1)).")
@@ -73,8 +73,9 @@ class CollisionFree(Constraint):
 
             object.__setattr__(self, "srdf", read_srdf(self.srdf))
         named: Any = () if self.srdf is None else self.srdf
-        pairs = tuple(tuple(pair) for pair in named)
-        if not all(len(pair) == 2 and all(isinstance(name, str) for name in pair) for pair in pairs):
+        listed = isinstance(named, Iterable) and all(isinstance(pair, Sequence) for pair in named)
+        pairs = tuple(tuple(pair) for pair in named) if listed else ()
+        if not listed or not all(len(pair) == 2 and all(isinstance(name, str) for name in pair) for pair in pairs):
             raise InputError("CollisionFree: srdf= is the path of an SRDF, or pairs of names of links.")
         object.__setattr__(self, "srdf", pairs)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import RigidBody
@@ -63,10 +64,10 @@ class MechanicalWork(Integral):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not -1.0 < self.braking < np.inf:
-            raise InputError(f"MechanicalWork: braking is {self.braking}; it must be a number above -1.")
-        if self.smoothing is not None and not 0.0 < self.smoothing < np.inf:
-            raise InputError(f"MechanicalWork: smoothing is {self.smoothing}; it must be a power above 0 W, or None.")
+        if not (is_number(self.braking) and -1.0 < self.braking < np.inf):
+            raise InputError(f"MechanicalWork: braking is {self.braking!r}; it must be a number above -1.")
+        if self.smoothing is not None and not (is_number(self.smoothing) and 0.0 < self.smoothing < np.inf):
+            raise InputError(f"MechanicalWork: smoothing is {self.smoothing!r}; it must be a power above 0 W, or None.")
 
     def rate(self, point: RobotPoint) -> Scalar:
         """Weighted price of the powers [W]."""

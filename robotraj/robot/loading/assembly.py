@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.checks import names
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
@@ -145,9 +146,9 @@ def _actuated(asked: Iterable[str] | None, default: tuple[str, ...] | None, join
     """Return the joints with a motor, in the order of v."""
     if asked is None:
         return joints if default is None else tuple(joint for joint in joints if joint in default)
-    if isinstance(asked, str) or not isinstance(asked, Iterable):
-        raise InputError(f"actuated= is a list of joint names, such as [{str(asked)!r}]; got {asked!r}.")
-    wanted = list(asked)
+    if isinstance(asked, str):
+        raise InputError(f"actuated= is a list of joint names, such as [{asked!r}]; got {asked!r}.")
+    wanted = names("actuated=", asked)
     for joint in wanted:
         if joint not in joints:
             raise unknown_name("moving joint", joint, joints, "Correct the name in actuated=.")

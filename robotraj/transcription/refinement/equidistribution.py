@@ -20,6 +20,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.transcription.refinement.strategy import Assessment, Refinement, error_order
@@ -66,14 +67,14 @@ class Equidistribute(Refinement):
     slope: float = np.inf
 
     def __post_init__(self) -> None:
-        if self.most < 2:
-            raise InputError(f"Equidistribute(most) must be at least 2, got {self.most}.")
-        if self.second <= 1:
-            raise InputError(f"Equidistribute(second) must be above 1, got {self.second}.")
-        if not self.slope > 0:
-            raise InputError(f"Equidistribute(slope) must be above 0, got {self.slope}.")
-        if self.finest < 1:
-            raise InputError(f"Equidistribute(finest) must be at least 1, got {self.finest}.")
+        if not (is_number(self.most) and self.most >= 2):
+            raise InputError(f"Equidistribute(most) must be at least 2, got {self.most!r}.")
+        if not (is_number(self.second) and self.second > 1):
+            raise InputError(f"Equidistribute(second) must be above 1, got {self.second!r}.")
+        if not (is_number(self.slope) and self.slope > 0):
+            raise InputError(f"Equidistribute(slope) must be above 0, got {self.slope!r}.")
+        if not (is_number(self.finest) and self.finest >= 1):
+            raise InputError(f"Equidistribute(finest) must be at least 1, got {self.finest!r}.")
 
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
         """Return a mesh that has ``assessment.growth`` times as many intervals everywhere, and more where errors are.

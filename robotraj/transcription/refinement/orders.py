@@ -13,6 +13,7 @@ from dataclasses import field
 
 import numpy as np
 
+from robotraj._util.checks import is_whole
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.transcription.refinement.strategy import Assessment, Refinement, SplitAndMerge, points_of
@@ -34,8 +35,8 @@ class RaiseOrder(Refinement):
     most: int = 24
 
     def __post_init__(self) -> None:
-        if self.most < 3:
-            raise InputError(f"RaiseOrder(most) must be at least 3 points, got {self.most}.")
+        if not (is_whole(self.most) and self.most >= 3):
+            raise InputError(f"RaiseOrder(most) must be at least 3 points, got {self.most!r}.")
 
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
         """Raise the order where the error is above the tolerance, or a control jumps and the objective moves."""

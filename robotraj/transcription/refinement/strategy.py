@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.checks import is_whole
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -98,8 +99,8 @@ class SplitAndMerge(Refinement):
     path: float = 1e-3
 
     def __post_init__(self) -> None:
-        if self.most < 2:
-            raise InputError(f"SplitAndMerge(most) must be at least 2, got {self.most}.")
+        if not (is_whole(self.most) and self.most >= 2):
+            raise InputError(f"SplitAndMerge(most) must be at least 2, got {self.most!r}.")
 
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
         """Split and merge."""

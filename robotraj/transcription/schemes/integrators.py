@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -134,7 +135,7 @@ class Adaptive(Integrator):
     stiff: bool = False
 
     def __post_init__(self) -> None:
-        if not 1e-14 <= self.tolerance <= 1e-2:
+        if not (is_number(self.tolerance) and 1e-14 <= self.tolerance <= 1e-2):
             raise InputError(f"Adaptive(tolerance) must lie between 1e-14 and 1e-2, got {self.tolerance!r}.")
 
     @property

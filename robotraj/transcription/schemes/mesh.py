@@ -8,6 +8,7 @@ from dataclasses import field
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.polynomials import lobatto_sites
 from robotraj._util.printing import OneLine, as_call
@@ -45,7 +46,12 @@ class Mesh(OneLine):
             raise InputError(f"Mesh(intervals) must be a whole number or a list of knots, got {self.intervals!r}.")
         if not isinstance(self.intervals, int | np.integer):
             # A tuple can be compared and hashed; an array cannot.
-            given = np.array(self.intervals, dtype=float).ravel()
+            try:
+                given = np.array(self.intervals, dtype=float).ravel()
+            except (TypeError, ValueError):
+                raise InputError(
+                    f"Mesh(intervals) must be a whole number or a list of knots, got {self.intervals!r}."
+                ) from None
             # Times divided by a duration end at 1 up to round-off.
             given[np.abs(given - 1.0) < 1e-14] = 1.0
             object.__setattr__(self, "intervals", tuple(given.tolist()))
@@ -136,5 +142,5 @@ class MovingMesh(Mesh):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not 0 < self.least <= 1 <= self.most:
-            raise InputError(f"MovingMesh needs 0 < least <= 1 <= most; got least {self.least}, most {self.most}.")
+        if not (is_number(self.least) and is_number(self.most) and 0 < self.least <= 1 <= self.most):
+            raise InputError(f"MovingMesh needs 0 < least <= 1 <= most; got least {self.least!r}, most {self.most!r}.")
