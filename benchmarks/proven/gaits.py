@@ -74,8 +74,8 @@ class Walker:
         rise, width, way = self.part(0.05, 0.1), self.part(0.05, 0.12), self.part(0.08, 0.15)
         angle, leap = float(self.rng.uniform(0.2, 0.5)), self.part(0.05, 0.12)
         biped, space = len(self.names) == 2, robot.root == "floating"
-        over = {"start": self.front + 0.1 * h + 0.08, "step_length": length, "clearance": high}
         tread = max(0.45 * h, self.sole + 0.12)
+        over = {"start": self.front + 0.1 * h + 0.08, "step_length": tread, "clearance": high}
 
         def planned() -> rt.Solution:
             more = {"double_support": 0.2} if self.sole else {}

@@ -13,7 +13,7 @@ from __future__ import annotations
 import os
 import time
 from dataclasses import field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -46,6 +46,8 @@ FACTORS = (100.0, 10.0)
 """Accuracy to which the problem of one barrier is solved before the barrier falls, in multiples of the barrier.
 
 The first takes a quarter fewer iterations. Where its line search fails, the second starts again from the guess."""
+PATIENCE, LARGER = 300, 10.0
+"""Iterations of an attempt, and factor on the first barrier of the next: about straight knees attempts may wander."""
 SHORTEST = 1e-3
 """Shortest time limit of a fallback [s]."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
@@ -201,25 +203,31 @@ class InteriorPoint(Solver):
         barrier = self.initial_barrier
         if warm:
             barrier = min(barrier, max(WARM_BARRIER, WARM_SHARE * largest_violation(native, start, program)))
-        tried = []
+        tried: list[Any] = []
         iterations = 0
-        for factor in FACTORS if self.barrier_factor is None else (self.barrier_factor,):
+        factors = FACTORS if self.barrier_factor is None else (self.barrier_factor,)
+        attempts = [(barrier, factor, warm) for factor in factors]
+        while attempts:
+            first, factor, known = attempts.pop(0)
+            patience = min(self.max_iterations if tried else PATIENCE, self.max_iterations - iterations)
             left = np.inf if self.time_limit is None else ready + self.time_limit - time.perf_counter()
             found = native.solve(
                 start,
                 program.lower,
                 program.upper,
-                self._options(barrier, factor, self.max_iterations - iterations, formulation),
+                self._options(first, factor, patience, formulation),
                 objective_scale=scale,
                 callback=report(progress),
                 time_limit=left,
-                **warm,
+                **known,
             )
             tried.append(found)
             iterations += found.iterations
             status = STATUSES.get(found.status, Status.SOLVER_ERROR)
-            if status is not Status.STALLED or iterations >= self.max_iterations:
+            if iterations >= self.max_iterations or status not in (Status.STALLED, Status.ITERATION_LIMIT):
                 break
+            if status is Status.ITERATION_LIMIT:
+                attempts = [(LARGER * self.initial_barrier, factors[0], {})]
         if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:
             status = Status.DIVERGED
         spent = time.perf_counter() - ready

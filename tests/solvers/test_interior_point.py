@@ -241,6 +241,35 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
     assert asked == [7, 10, 3]
 
 
+def test_a_long_solve_begins_again_from_the_guess_with_a_larger_barrier(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    class Seen:
+        """Notes what is asked of the method."""
+
+        def __init__(self, native: Any) -> None:
+            self.native = native
+
+        def solve(self, start: Any, lower: Any, upper: Any, options: Any, **more: Any) -> Any:
+            asked.append((options.initial_barrier, options.max_iterations))
+            return self.native.solve(start, lower, upper, options, **more)
+
+    make = module.native_program
+    monkeypatch.setattr(module, "native_program", lambda *given: Seen(make(*given)))
+    monkeypatch.setattr(module, "of_program", lambda *given: 1.0)
+    problem = EVERY["arm"]()
+    nlp = rt.transcription.transcribe(problem if isinstance(problem, rt.Problem) else rt.Problem([problem]), MESH)
+    solver = rt.InteriorPoint(fallback=None, max_iterations=200)
+    known = solver.solve(nlp)
+    monkeypatch.setattr(module, "PATIENCE", 5)
+    found = solver.solve(nlp)
+    assert asked == [(0.01, 200), (0.01, 5), (0.1, 195)]
+    assert known.iterations > 5 and found.status is rt.solvers.Status.SOLVED
+    assert nlp.objective(found.w) == pytest.approx(nlp.objective(known.w), rel=1e-6)
+    few = rt.InteriorPoint(fallback=None, max_iterations=7).solve(nlp)
+    assert few.status is rt.solvers.Status.ITERATION_LIMIT and few.iterations == 7
+
+
 @pytest.mark.parametrize(
     "objective",
     [
