@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import runpy
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -72,15 +73,18 @@ def test_an_example_runs_and_its_derivatives_agree_with_finite_differences(
         return real(problem, mesh, *more)  # type: ignore[arg-type]
 
     objectives: list[float] = []
-    plan = rt.plan
 
-    def planned(*arguments: object, **options: object) -> rt.Solution:
-        solution = plan(*arguments, **options)  # type: ignore[arg-type]
-        objectives.append(solution.objective)
-        return solution
+    def kept(planner: Callable[..., rt.Solution]) -> Callable[..., rt.Solution]:
+        def planned(*arguments: object, **options: object) -> rt.Solution:
+            solution = planner(*arguments, **options)
+            objectives.append(solution.objective)
+            return solution
+
+        return planned
 
     monkeypatch.setattr(solving, "transcribe", recorded)
-    monkeypatch.setattr(rt, "plan", planned)
+    for name in ("plan", "retime"):
+        monkeypatch.setattr(rt, name, kept(getattr(rt, name)))
     runpy.run_path(str(example), run_name="__main__")
     assert seen
     known = json.loads(OPTIMA.read_text()) if OPTIMA.exists() else {}
