@@ -1,9 +1,36 @@
-"""Sequences that are computed when they are first read."""
+"""Sequences and properties that are computed when they are first read."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TypeVar, overload
+from typing import TYPE_CHECKING, TypeVar, overload
+
+if TYPE_CHECKING:
+    from functools import cached_property
+else:
+
+    class cached_property:
+        """A property whose first value is kept in the instance's ``__dict__``, without a lock.
+
+        Until Python 3.11 ``functools.cached_property`` holds one lock for all instances of a class. A process that
+        forks while another thread computes a property leaves this lock behind in the child, which waits for ever.
+        Without a lock two threads may compute a value at once; all keep the first one.
+        """
+
+        def __init__(self, function):
+            self.func, self.name, self.__doc__ = function, function.__name__, function.__doc__
+
+        def __set_name__(self, owner, name):
+            self.name = name
+
+        def __get__(self, instance, owner=None):
+            if instance is None:
+                return self
+            known = instance.__dict__
+            return known[self.name] if self.name in known else known.setdefault(self.name, self.func(instance))
+
+
+__all__ = ["Late", "cached_property"]
 
 T = TypeVar("T", covariant=True)
 

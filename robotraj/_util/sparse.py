@@ -8,11 +8,12 @@ never written to.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import NDArray
+
+from robotraj._util.late import cached_property
 
 if TYPE_CHECKING:
     import scipy.sparse

@@ -6,11 +6,11 @@ Each interval keeps its polynomial by values on its own sites, so that orders ma
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robotraj._util.late import cached_property
 from robotraj._util.polynomials import basis, basis_at, differentiation
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass

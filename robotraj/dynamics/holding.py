@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import ContactTerms, RobotPoint
 from robotraj.dynamics.variable import Scalar

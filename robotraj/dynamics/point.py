@@ -7,12 +7,12 @@ In the NLP a point holds CasADi symbols (this file), in the witness it holds num
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
+from robotraj._util.late import cached_property
 from robotraj.dynamics.variable import Column, Named, Scalar
 
 if TYPE_CHECKING:

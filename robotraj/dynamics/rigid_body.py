@@ -10,12 +10,12 @@ Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5, 7 and 8
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
+from robotraj._util.late import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact, refuse_contacts

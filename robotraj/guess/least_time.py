@@ -15,13 +15,13 @@ of s'' along a path).
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 
 if TYPE_CHECKING:

@@ -8,7 +8,6 @@ of s_k, of its Jacobian and of the Hessian of l' s_k are shared; a stage has its
 
 from __future__ import annotations
 
-from functools import cached_property
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.native.sparse_products import Entries, Indices, Sums, copied

@@ -13,12 +13,12 @@ is never built. Where every entry of x is an entry of v, the usual case, chi onl
 
 from __future__ import annotations
 
-from functools import cached_property
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.native.shared_terms import Calls

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, fields, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import FailedExpression, InputError, unknown_name
+from robotraj._util.late import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own
 from robotraj.dynamics.contacts.base import BoundContact, Contact

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
-from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 from robotraj._util.errors import InputError
+from robotraj._util.late import cached_property
 from robotraj._util.printing import ENTRIES, OneLine, brief, table
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row

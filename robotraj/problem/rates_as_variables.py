@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any, ClassVar
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
+from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
 from robotraj.dynamics.point import Point

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.display import drawn
 from robotraj._util.errors import InputError
+from robotraj._util.late import cached_property
 from robotraj._util.printing import ENTRIES, OneLine, brief
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem

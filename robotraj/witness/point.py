@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from robotraj._util.late import cached_property
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Named
 from robotraj.witness.protocols import Array, RobotLike, SystemLike

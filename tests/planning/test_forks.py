@@ -12,6 +12,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.forks import unforked
+from robotraj._util.late import cached_property
 
 LIMIT = 30.0
 """Seconds after which a child hangs."""
@@ -93,3 +94,27 @@ def test_children_plan_while_a_thread_of_the_parent_does() -> None:
     stop.set()
     thread.join()
     assert codes == [0, 0, 0]
+
+
+def test_a_child_computes_a_property_that_a_thread_of_the_parent_was_computing() -> None:
+    """Until Python 3.11 ``functools.cached_property`` has one lock for a class: one child in twenty hung."""
+    computing, over = threading.Event(), threading.Event()
+
+    class Slow:
+        @cached_property
+        def value(self) -> int:
+            computing.set()
+            return 0 if over.wait(40.0) else 1
+
+    thread = threading.Thread(target=lambda: Slow().value)
+    thread.start()
+    computing.wait(10.0)
+
+    def read() -> int:
+        over.set()
+        return Slow().value
+
+    code = exit_code(read)
+    over.set()
+    thread.join()
+    assert code == 0

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import fields
-from functools import cached_property
 from typing import Any, ClassVar
 
 import casadi as ca
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.late import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import own_fields
 from robotraj.dynamics.expression_values import rows_of

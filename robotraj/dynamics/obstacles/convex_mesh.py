@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 
@@ -12,6 +11,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, Array, Obstacle, Place
 

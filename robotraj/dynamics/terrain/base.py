@@ -5,12 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import fields
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.late import cached_property
 from robotraj._util.printing import OneLine
 from robotraj.dynamics.variable import Scalar
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import field
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError
+from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Array, Ground
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.late import cached_property
 from robotraj._util.splines import through
 from robotraj._util.values import dataclass
 from robotraj.guess.base import Curve, InitialGuess, PhaseGuess

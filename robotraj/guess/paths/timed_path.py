@@ -8,11 +8,10 @@ largest speeds that the accelerations can reach (Bobrow, Dubowsky and Gibson, IJ
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.guess.least_time import LineLimits, Trapezoid
 

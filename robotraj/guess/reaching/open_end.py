@@ -9,13 +9,13 @@ Marquardt, Journal of the Society for Industrial and Applied Mathematics 11 (196
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
 

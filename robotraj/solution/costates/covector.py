@@ -25,11 +25,12 @@ section 4.11.
 
 from __future__ import annotations
 
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.late import cached_property
 from robotraj._util.polynomials import integrals, lobatto_sites
 from robotraj._util.sparse import csr_array
 from robotraj._util.trajectory import PiecewisePolynomial

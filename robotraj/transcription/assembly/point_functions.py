@@ -7,13 +7,13 @@ Only these small graphs are differentiated. The derivatives of the NLP follow by
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.late import cached_property
 from robotraj.dynamics.contact_terms import SymbolicAddend, extract_addends, insert_graphs
 from robotraj.dynamics.torques import Torques
 from robotraj.native.build import load_native

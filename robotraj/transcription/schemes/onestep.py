@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.late import cached_property
 from robotraj._util.polynomials import basis
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Scheme

@@ -13,12 +13,12 @@ World Congress (1984); Betts, Practical Methods for Optimal Control (2010), sect
 from __future__ import annotations
 
 from dataclasses import field
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.control import ConstantControl, Control
 from robotraj.transcription.schemes.integrators import Integrator, RungeKutta4
