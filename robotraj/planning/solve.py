@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -37,6 +38,9 @@ from robotraj.transcription.reuse import continued_at
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.transcribe import transcribe
+
+if TYPE_CHECKING:
+    from robotraj.planning.diagnosis.doubt import Doubt
 
 COARSE, COARSE_STEP = 15, 6
 """Intervals of a phase of the relaxed problem, which shows the limits that conflict; with contacts."""
@@ -90,7 +94,10 @@ def solve(
     multipliers = earlier_multipliers(guess, nlp, True) if added and same else earlier_multipliers(guess, plain, False)
     if (clearing or (added and not same)) and multipliers is not None:
         multipliers = lengthened(multipliers, nlp)
-    solution, w = _solve(nlp, guess, multipliers, solver, progress, began)
+    doubt = _doubt(problem, guess, settings, progress)
+    solution, w = _solve(nlp, guess, multipliers, solver, doubt or progress, began)
+    if doubt is not None and doubt.conflicts:
+        return replace(solution, status=Status.INFEASIBLE, conflicts=doubt.conflicts)
     try:
         if settings.restarts.count and not solution.success:
 
@@ -152,6 +159,19 @@ def solve(
         return replace(solution, status=Status.INTERRUPTED, added_rows=tuple(added))
     controls = margins.violations(problem)
     return replace(solution, added_rows=tuple(added), interval_violations=left, control_interval_violations=controls)
+
+
+def _doubt(
+    problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None
+) -> Doubt | None:
+    """Return the callback that doubts a first solve with contacts, which is not restarted where it fails."""
+    known = isinstance(guess, Solution) and guess.success
+    relaxed = isinstance(settings.solver, InteriorPoint) and settings.solver.fallback is None
+    if known or relaxed or settings.restarts.count or not any(phase.contacts for phase in problem.phases):
+        return None
+    from robotraj.planning.diagnosis.doubt import Doubt
+
+    return Doubt(problem, partial(on_a_coarse_mesh, settings=settings, progress=progress), progress)
 
 
 def on_a_coarse_mesh(

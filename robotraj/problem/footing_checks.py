@@ -9,11 +9,15 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.base import BoundContact
-from robotraj.problem.constraints.base import symbols_of
+from robotraj.problem.constraints.base import Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.feasibility import SLACK, Ends
 from robotraj.problem.rows import RowTable
 from robotraj.robot.robot import Robot
+from robotraj.robot.root import QUATERNION
+
+STANDING = 3
+"""Frames of contacts that leave the root no room for half a turn."""
 
 
 def check_contacts(
@@ -35,10 +39,11 @@ def check_contacts(
     Raises
     ------
     InputError
-        Naming the contact, the row, by how much it is off, and the end.
+        Naming the contact, the row, by how much it is off, and the end; or a turn for which the feet leave no room.
     """
     if not any(contact.holds for contact in contacts):
         return
+    _check_turn(table.phase, robot, contacts, ends)
     names, body = table.parameters, table.body
     size, stands = robot.nq, dict(zip(names, parameters.lower, strict=True))
     known = [name for name, low, up in zip(names, *parameters, strict=True) if low == up]
@@ -64,3 +69,18 @@ def check_contacts(
                 f"{rows[worst].name} is {values[worst]:.3g} {rows[worst].unit} instead of 0. Move the {end.value}, "
                 "free some of it, or end the contact before."
             )
+
+
+def _check_turn(phase: str, robot: Robot, contacts: Sequence[BoundContact], ends: Ends) -> None:
+    """Refuse ends more than half a turn apart where feet are held: by continuity, a motion passes the half turn."""
+    frames = {contact.frame for contact in contacts if contact.holds}
+    if robot.root != "floating" or len(frames) < STANDING:
+        return
+    start, end = (ends[where].lower[QUATERNION] for where in (Where.START, Where.END))
+    fixed = all(np.array_equal(ends[where].upper[QUATERNION], ends[where].lower[QUATERNION]) for where in ends)
+    if fixed and float(start @ end) < 0.0:
+        raise InputError(
+            f"Phase {phase!r}: the end quaternion of the root is more than half a turn away from the start's, and "
+            f"{len(frames)} feet are held. A quaternion and its negative are one attitude, a full turn apart: negate "
+            "the end quaternion for the attitude nearby, or let the robot turn in a phase without these contacts."
+        )

@@ -148,7 +148,7 @@ def test_a_standing_robot_cannot_end_a_full_turn_away() -> None:
     end[3:7] *= -1.0
     contacts = [rt.PointContact(foot, friction=0.7) for foot in feet]
     ends = rt.State(q=stand, v=0), rt.State(q=end, v=0)
-    phase = rt.Phase(robot, 0.5, *ends, rt.Effort(), contacts=contacts)
-    solution = rt.plan(phase, rt.Mesh(10), solver=rt.InteriorPoint(max_iterations=100), check=False)
-    assert not solution.success
-    assert "root" in str(solution.violations(top=3))
+    with pytest.raises(rt.InputError, match="negate the end quaternion"):
+        rt.Phase(robot, 0.5, *ends, rt.Effort(), contacts=contacts)
+    # A jump has room for it: no foot is held.
+    rt.Phase(robot, 0.5, *ends, rt.Effort())

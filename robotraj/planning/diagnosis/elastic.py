@@ -176,13 +176,16 @@ def enough_time(problem: Problem, solve: Solve, motion: Solution) -> Conflict | 
     if len(problem.phases) > 1 or not np.isfinite(longest) or longest <= 0.0:
         return None
     try:
-        found = solve(Problem([phase.with_(duration=(longest, LONGEST * longest), objective=Duration())]), motion)
+        longer = phase.with_(duration=(longest, LONGEST * longest), objective=Duration())
+        found = solve(Problem([longer], problem.links), motion)
     except RobotrajError:
         return None
     if not found.success:
         return None
     needed = found.duration
     relative = needed / longest - 1.0
+    if relative < SMALL:
+        return None
     return Conflict(phase.name, "duration", needed, longest, needed, "s", relative, True, "alone would do")
 
 

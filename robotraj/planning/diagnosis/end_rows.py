@@ -21,8 +21,8 @@ from robotraj.robot.limits import Limits
 
 SHORTEST = 1e-3
 """Least duration of a phase [s], which keeps mean speeds finite."""
-ENDS, HELD, GIVEN = 20.0, 5.0, 1.0
-"""Weights of slacks: states that the user gave at an end; contacts, links and frames at an end; limits."""
+EXACT, ENDS, HELD, GIVEN = 1e3, 20.0, 5.0, 1.0
+"""Weights of slacks: lengths of quaternions; states given at an end; contacts, links and frames at an end; limits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,8 @@ def rows_at_ends(ends: PhaseEnds) -> Iterator[EndRow]:
         held = phase.body.invariant(point) if phase.body.invariants else ca.SX(0, 1)
         for variable, value in zip(phase.body.invariants, ca.vertsplit(held), strict=True):
             label = f"{variable.quantity}, {variable.label}"
-            yield EndRow(value, 0.0, 0.0, phase.name, label, variable.unit, t, HELD)
+            weight = EXACT if variable.quantity == "unit quaternion" else HELD
+            yield EndRow(value, 0.0, 0.0, phase.name, label, variable.unit, t, weight)
     middle = ends.begun + 0.5 * ends.duration
     for name, value, low, high in zip(
         phase.parameter_names, ca.vertsplit(ends.parameters), *phase.parameter_bounds, strict=True

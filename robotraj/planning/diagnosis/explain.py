@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.elastic import Solve, enough_time, relaxed_motion
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
@@ -50,12 +51,15 @@ def explained(solution: Solution, coarsely: Solve) -> Solution:
         return replace(solution, message=f"{undefined} ({solution.message})", status=Status.INVALID_NUMBER)
     if solution.status not in UNEXPLAINED:
         return solution
-    problem = solution.problem
-    conflicts = unreached_ends(problem)
-    if conflicts:
-        return replace(solution, conflicts=conflicts)
-    unheld = unheld_ends(problem)
-    if unheld:
-        return replace(solution, conflicts=unheld)
-    motion, conflicts = relaxed_motion(problem, coarsely, solution)
-    return replace(solution, conflicts=completed(problem, conflicts, motion, coarsely))
+    return replace(solution, conflicts=conflicts_of(solution.problem, coarsely, solution))
+
+
+def conflicts_of(
+    problem: Problem, coarsely: Solve, start: InitialGuess | Solution | None = None
+) -> tuple[Conflict, ...]:
+    """Return the first conflicts that are found: at the ends, of torques that hold them, of the relaxed problem."""
+    found = unreached_ends(problem) or unheld_ends(problem)
+    if found:
+        return found
+    motion, conflicts = relaxed_motion(problem, coarsely, start)
+    return completed(problem, conflicts, motion, coarsely)

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.planning.diagnosis.end_rows import (
     ENDS,
+    EXACT,
     HELD,
     SHORTEST,
     EndRow,
@@ -139,6 +140,7 @@ def _conflicts(
     giving = [k for k in np.argsort(-left) if left[k] > REACHED]
     binding = [k for k in np.argsort(-multipliers) if multipliers[k] > BINDING * multipliers.max() and k not in giving]
     named = [rows[sides[k][0]] for k in binding if rows[sides[k][0]].name != "duration"]
+    named = [row for row in named if row.weight != EXACT]
     # States that the user fixed are named where nothing else conflicts.
     named = [row for row in named if row.weight != ENDS] or named
     others = list(dict.fromkeys(row.name for row in named))[:NAMED]

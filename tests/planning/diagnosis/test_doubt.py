@@ -1,0 +1,56 @@
+"""Motions with feet on the ground that do not exist are told early, and by their cause."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning.diagnosis.doubt import MANY, Doubt, Excluded
+from robotraj.solution.conflict import Conflict
+from robotraj.solvers.base import Iteration
+
+FEET = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
+
+
+def rising(height: float) -> rt.Problem:
+    """Raise the root of a standing quadruped, whose feet stay."""
+    robot = rt.load("solo12", root="floating")
+    stand = np.array(rt.gait.stand(robot, FEET))
+    ends = rt.State(q=stand, v=0), rt.State(q={"root_z": float(stand[2]) + height}, v=0)
+    return rt.Problem([rt.Phase(robot, 0.5, *ends, contacts=[rt.PointContact(foot) for foot in FEET])])
+
+
+def test_feet_that_cannot_stay_are_named_before_other_solvers_are_tried() -> None:
+    solution = rt.plan(rising(0.3), check=False)
+    assert solution.status.name == "INFEASIBLE" and solution.iterations <= MANY
+    assert solution.conflicts[0].name.startswith("contact position")
+    assert "quaternion" not in str(solution.conflicts[0])
+    # Legs of 0.32 m below hips at 0.24 m rise by less than a decimetre.
+    assert 0.1 < abs(solution.conflicts[0].needed) < 0.3
+
+
+def test_a_problem_is_doubted_once_where_iterations_begin_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked = []
+
+    def found(*_: object) -> tuple[Conflict, ...]:
+        looked.append(1)
+        return ()
+
+    monkeypatch.setattr("robotraj.planning.diagnosis.doubt.conflicts_of", found)
+    doubt = Doubt(rising(0.02), lambda problem, guess: pytest.fail(), None)
+    for number in (0, 1, 2):
+        doubt(Iteration(number, 0.0, 1.0))
+    assert not looked
+    for number in (0, 1, MANY, 0):
+        doubt(Iteration(number, 0.0, 1.0))
+    assert len(looked) == 1 and not doubt.conflicts
+
+
+def test_a_sure_conflict_ends_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    sure = Conflict("phase", "effort limit, elbow", 0.0, 1.0, 2.0, "N m", 1.0)
+    monkeypatch.setattr("robotraj.planning.diagnosis.doubt.conflicts_of", lambda *_: (sure,))
+    doubt = Doubt(rising(0.02), lambda problem, guess: pytest.fail(), None)
+    with pytest.raises(Excluded):
+        doubt(Iteration(MANY, 0.0, 1.0))
+    assert doubt.conflicts == (sure,)
