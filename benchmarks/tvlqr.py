@@ -4,9 +4,10 @@ cart-pole, acrobot, ur5 and panda: `rt.witness.monte_carlo` under `solution.gain
 (initial error, masses, friction, noise, one push, delay). five_link, which stands on a soft foot and moves its
 root: a step by `rt.witness.second_opinion` under its time-varying LQR, from a seeded random error of the first state.
 
-A plan meets the default disturbances, and those that its motors can answer. The rule: in 20 runs at a fiftieth of the
-default ones the feedback asks for a largest share of the torque that the plan leaves. That share grows in proportion
-to the disturbances. They are chosen so that it is a half: a gain margin of two. A factor above 1 is 1.
+A plan meets the default disturbances and, where a run is lost, those that its motors can answer. The rule: in 20 runs
+at a fiftieth of the default ones the feedback asks for a largest share of the torque that the plan leaves. That share
+grows in proportion to the disturbances. They are chosen so that it is a half: a gain margin of two. A factor above 1
+is 1.
 """
 
 from __future__ import annotations
@@ -99,7 +100,8 @@ def main() -> None:
             continue
         make, bound = PLANS[name]
         solution = make()
-        for scale in sorted({1.0, within_reserve(solution, bound)}, reverse=True):
+        for attempt in range(2):
+            scale = within_reserve(solution, bound) if attempt else 1.0
             drawn = rt.witness.Disturbances().scaled(scale)
             found = rt.witness.monte_carlo(solution, RUNS, disturbances=drawn, bound=bound, seed=SEED)
             kept, (low, high) = int(np.sum(found.worst <= bound)), found.interval
@@ -108,6 +110,8 @@ def main() -> None:
                 f"{np.median(found.worst):.3g} | {found.worst.max():.3g} |",
                 flush=True,
             )
+            if kept == RUNS:
+                break
 
 
 if __name__ == "__main__":
