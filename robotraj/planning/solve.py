@@ -98,6 +98,9 @@ def solve(
     solution, w = _solve(nlp, guess, multipliers, solver, doubt or progress, began)
     if doubt is not None and doubt.conflicts:
         return replace(solution, status=Status.INFEASIBLE, conflicts=doubt.conflicts)
+    if solution.status is Status.INTERRUPTED and not interval_limits.rounds:
+        # No time is left to look between the points of an iterate.
+        return solution
     try:
         if settings.restarts.count and not solution.success:
 
