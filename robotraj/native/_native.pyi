@@ -837,8 +837,8 @@ class Program:
             Infinite where there is no bound.
         options : Options
         lam, lower_duals, upper_duals : ndarray or None
-            A warm start, as in ``Outcome``. Without ``lam`` they are estimated; without the other two they are the
-            parts of ``lam``.
+            A warm start, as in ``Outcome``. Without ``lam`` it is estimated, from the other two where they are given.
+            Without the other two they are the parts of ``lam``.
         objective_scale : float
             What the objective is multiplied by; multipliers are of the objective as it is.
         callback : callable (iteration, objective, infeasibility) -> bool

@@ -116,7 +116,10 @@ def earlier_multipliers(guess: InitialGuess | Solution | None, nlp: Nlp, extende
         return None
     from robotraj.solution.costates.multiplier_transfer import transfer
 
-    return transfer(guess.duals, nlp)
+    estimated = transfer(guess.duals, nlp)
+    if estimated is None:
+        return None
+    return LateMultipliers(lambda: estimated.plain, (len(nlp.rows), len(nlp.variables)), known.origin)
 
 
 def lengthened(known: Multipliers, nlp: Nlp) -> Multipliers:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.solvers.base import Iteration, Multipliers, Origin, Progress
 from robotraj.solvers.formulation import Formulation, carried
+from robotraj.solvers.nearby_multipliers import interpolated
 
 if TYPE_CHECKING:
     from robotraj.native import Program
@@ -52,10 +53,18 @@ def origin_of(multipliers: Multipliers | None) -> CompiledOrigin | None:
 
 
 def warm_start(multipliers: Multipliers | None, formulation: Formulation) -> dict[str, NDArray[np.float64]]:
-    """Return the arguments of a solve that starts from multipliers; an empty mapping where they do not fit."""
+    """Return the arguments of a solve that starts from multipliers; an empty mapping where they do not fit.
+
+    From another mesh come those of the inequality rows alone, from which the solver estimates the others.
+    """
     origin = origin_of(multipliers)
-    lam = None if origin is None else carried(origin.formulation, origin.lam, formulation)
-    return {} if lam is None else {"lam": lam}
+    if origin is None:
+        return {}
+    if [layout.mesh for layout in origin.nlp.layouts] == [layout.mesh for layout in formulation.nlp.layouts]:
+        lam = carried(origin.formulation, origin.lam, formulation)
+        return {} if lam is None else {"lam": lam}
+    of_bounds = interpolated(origin.formulation, origin.lam, formulation)
+    return {} if of_bounds is None else {"lower_duals": of_bounds[0], "upper_duals": of_bounds[1]}
 
 
 def largest_violation(native: Program, start: NDArray[np.float64], program: Written) -> float:

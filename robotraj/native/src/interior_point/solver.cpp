@@ -25,6 +25,8 @@ const char* status_of(End end) {
   }
 }
 
+constexpr double kLargestEstimate = 1e6;  // of the rows' multipliers where those of the bounds are known
+
 bool finite(const Numbers& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double each) { return std::isfinite(each); });
 }
@@ -58,8 +60,10 @@ void Solver::begin(const Start& start) {
   }
   problem_.bounds_changed();
   algorithm_.run.mu = options_.initial_barrier;
-  if (!start.lam) return start_cold(algorithm_.run, start.y);
-  Numbers rows(start.lam, start.lam + layout_.rows), lower(slacks), upper(slacks);
+  const bool of_bounds = start.lower_duals && start.upper_duals;
+  if (!start.lam && !of_bounds) return start_cold(algorithm_.run, start.y);
+  Numbers rows(static_cast<std::size_t>(layout_.rows), 0.0), lower(slacks), upper(slacks);
+  if (start.lam) std::copy_n(start.lam, rows.size(), rows.begin());
   for (double& each : rows) each *= start.objective_scale;
   for (std::size_t i = 0; i < slacks; ++i) {
     const double lam = rows[static_cast<std::size_t>(layout_.inequality_rows) + i];
@@ -67,6 +71,7 @@ void Solver::begin(const Start& start) {
     upper[i] = start.upper_duals ? start.objective_scale * start.upper_duals[i] : std::max(0.0, lam);
   }
   start_warm(algorithm_.run, start.y, {rows.data(), lower.data(), upper.data()});
+  if (!start.lam) estimate_multipliers(algorithm_.run, kLargestEstimate);
 }
 
 Outcome Solver::solve(const Start& start, const Options& options, std::function<void(int, double, double)> check) {

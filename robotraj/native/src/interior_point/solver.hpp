@@ -12,7 +12,7 @@
 
 namespace robotraj::interior_point {
 
-/// Where a solve starts. Without `lam` the multipliers are estimated.
+/// Where a solve starts. Without `lam` its multipliers are estimated, from those of the bounds where these are given.
 struct Start {
   const double* y = nullptr;
   const double* lower = nullptr;  // of the inequality rows
