@@ -78,7 +78,8 @@ def _table(formulation: Formulation) -> _Table:
     program, nlp = formulation.program, formulation.nlp
     count = program.lower.size
     table = _Table(count)
-    rows, columns = program.form_rows[-count:].copy(), program.bound_columns[-count:].copy()
+    first = program.form_rows.size - count
+    rows, columns = program.form_rows[first:].copy(), program.bound_columns[first:].copy()
     if isinstance(formulation, Reduction):
         form = formulation.form
         of_form = np.flatnonzero(rows >= 0)

@@ -65,3 +65,10 @@ def test_a_solve_from_another_mesh_takes_fewer_iterations_with_multipliers() -> 
     cold = rt.plan(coarse.problem, mesh, replace(coarse, multipliers=numbers), solver)
     assert warm.objective == pytest.approx(cold.objective, rel=1e-5)
     assert warm.iterations < cold.iterations
+
+
+def test_problems_without_any_limit_have_nothing_to_carry() -> None:
+    free = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    arc = rt.Lagrange(lambda point: (1 + point.u["u"] ** 2) ** 0.5)
+    solution = rt.plan(rt.Phase(free, 1.0, rt.State([0.0]), rt.State([1.0]), arc))
+    assert len(solution.refinement) > 1 and solution.objective == pytest.approx(2**0.5, rel=1e-6)
