@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.problem.objectives.base import Integral
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.solution import Solution
@@ -22,8 +23,12 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 Array = NDArray[np.float64]
 
-ORDER = 2.0
-"""Power of the number of intervals by which the objective nears its optimum where limits are active."""
+ORDER, ORDER_OF_ENDS = 2.0, 1.5
+"""Powers of the number of intervals by which an objective nears its optimum: with integrals, and of the ends alone.
+
+Least time leaves controls at their limits, with switches inside intervals. Compared with meshes four times as fine,
+what is left of least times of arms falls with a power between 1 and 2, of integrals of squared torques above 2.
+"""
 SMALL = 1e-2
 """Objectives below this settle to the goal times this, not to the goal times themselves."""
 LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
@@ -52,6 +57,8 @@ class Measured:
         objective's integral, scaled to the same goal; relative violation of path rows.
     coarse: float
         What the controls' highest degree contributes to the objective, relative; 0 where it is not measured.
+    order : float
+        Power of the number of intervals by which the objective nears its optimum.
     """
 
     proof: Proof
@@ -61,6 +68,7 @@ class Measured:
     errors: tuple[Array, ...]
     broken: tuple[Array, ...]
     coarse: float
+    order: float
 
     def next_meshes(self, parts: Sequence[PhaseSolution], refinement: Refinement, growth: float) -> tuple[Mesh, ...]:
         """Refine the mesh of every phase so that the goals should hold, by at least ``growth``."""
@@ -90,7 +98,7 @@ class Measured:
         if self.coarse:
             # Intervals are added where the controls bend, and only as many elsewhere as a comparison needs.
             return CLEARLY
-        return float(np.clip(SAFETY * left ** (1.0 / ORDER), LEAST_GROWTH, MOST_GROWTH))
+        return float(np.clip(SAFETY * left ** (1.0 / self.order), LEAST_GROWTH, MOST_GROWTH))
 
 
 def measured(solution: Solution, before: Measured | None, goals: Goals, bending: bool = False) -> Measured:
@@ -115,11 +123,13 @@ def measured(solution: Solution, before: Measured | None, goals: Goals, bending:
         for p in parts
     )
     coarse = float(sum(each.sum() for each in bends)) / size
+    terms = (term for part in parts if part.phase.objective for _, term in part.phase.objective.terms)
+    order = ORDER if any(isinstance(term, Integral) for term in terms) else ORDER_OF_ENDS
     unsettled = np.inf
     coarser = before if bending else _coarser(before, count)
     if coarser is not None:
         gained = abs(coarser.objective - true) / size
-        finer = max((count / coarser.intervals) ** ORDER, coarser.coarse / coarse if coarse else 0.0)
+        finer = max((count / coarser.intervals) ** order, coarser.coarse / coarse if coarse else 0.0)
         unsettled = gained / (finer - 1.0)
     errors = tuple(errors_of(p.phase, p.trajectory, p.mesh) for p in parts)
     # An interval's share of what the objective may err by counts as much as its error may.
@@ -133,7 +143,7 @@ def measured(solution: Solution, before: Measured | None, goals: Goals, bending:
     )
     quadrature = abs(solution.objective - true) / size
     proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals)
-    return Measured(proof, true, count, before, needs, broken, coarse).with_violations(solution)
+    return Measured(proof, true, count, before, needs, broken, coarse, order).with_violations(solution)
 
 
 def _beyond_limits(part: PhaseSolution, index: int) -> Array:
