@@ -114,11 +114,11 @@ def too_far() -> rt.Phase:
 def test_what_was_tried_in_vain_is_counted() -> None:
     problem = Problem([too_far()])
     given = {"mesh": rt.Mesh(), "solver": rt.Ipopt(), "restarts": rt.planning.Restarts(0)}
-    solution = rt.plan(too_far(), rt.Mesh(), solver=rt.Ipopt(), check=False)  # first: it pays for loading IPOPT
+    solution = rt.plan(too_far(), rt.Mesh(), solver=rt.Ipopt(), check=False)
     once = solve(problem, None, resolve(problem, given))
     assert solution.status is once.status is Status.INFEASIBLE
     # Relaxed motions of three and nine times 0.55 s, no longer than 3 s, and of two variations.
-    assert solution.iterations > 2 * once.iterations and solution.times["solve"] > once.times["solve"]
+    assert solution.iterations > 2 * once.iterations
     assert solution.conflicts[0].name == "control bound, u"
     np.testing.assert_array_equal(solution.phases[0].trajectory.x.breaks, once.phases[0].trajectory.x.breaks)
 

@@ -7,6 +7,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.planning.proving.first_mesh import SharedOut, graded
+from robotraj.transcription.refinement.equidistribution import evenly_finer
 
 
 def reach(objective: rt.objectives.Objective, duration: object) -> rt.Phase:
@@ -151,3 +152,16 @@ def test_torques_hold_where_dry_friction_changes_its_sign_within_an_interval() -
     solution = rt.plan(rt.Phase(robot, (0.1, 20), start, end, rt.Duration()))
     torques = solution.at(np.linspace(0.0, 3e-4, 301)).tau
     assert np.max(np.abs(torques) / robot.limits.effort) < 1.001
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_least_time_may_gain_about_what_its_proof_says(seed: int) -> None:
+    robot = rt.load("panda", locked={"panda_finger_joint1": 0.0, "panda_finger_joint2": 0.0})
+    lower, upper = np.maximum(robot.limits.position_lower, -2), np.minimum(robot.limits.position_upper, 2)
+    a, b = (lower + (upper - lower) * share for share in np.random.default_rng(seed).uniform(0.15, 0.85, (2, robot.nq)))
+    found = rt.plan(rt.Phase(robot, (0.1, 10.0), rt.State(q=a, v=0), rt.State(q=b, v=0), rt.Duration()))
+    meshes = [evenly_finer(part.mesh, 4) for part in found.phases]
+    limits = found.settings.interval_limits
+    finer = rt.plan(found.problem, mesh=meshes, guess=found, interval_limits=limits, check=False)
+    assert found.proof is not None and finer.success
+    assert -1e-6 < found.duration / finer.duration - 1.0 < 1.5 * found.proof.unsettled < 1.5e-3
