@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import robotraj as rt
+from robotraj.problem.phase_row import Kind
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.margins import LimitedInterval, with_margins
 from robotraj.transcription.transcribe import transcribe
@@ -56,3 +58,38 @@ def test_a_margin_bounds_no_column_that_had_no_bound() -> None:
     assert np.array_equal(np.isfinite(tight.variables.upper), np.isfinite(nlp.variables.upper))
     assert np.sum(tight.variables.upper < nlp.variables.upper) == 2  # the ends of the interval
     assert not np.isfinite(nlp.variables.upper).all()
+
+
+def jerky(duration: float | tuple[float, float]) -> rt.Phase:
+    robot = rt.load("block", limits={"effort": 1e3, "velocity": 1e3})
+    rest, jerk = rt.constraints.JointAcceleration(0.0), rt.constraints.JointJerk(rt.between(-4, 4))
+    start, end = rt.State(q=0, v=0), rt.State(q=1, v=0)
+    return rt.Phase(robot, duration, start, end, rt.Duration(), constraints=[jerk, rt.AtStart(rest), rt.AtEnd(rest)])
+
+
+@pytest.mark.parametrize("duration", [2.0, (1.0, 3.0)])
+def test_a_margin_of_a_rate_holds_in_its_unit_whether_or_not_rows_are_multiplied_by_the_duration(duration) -> None:
+    """With T free, rows sum D y / L <= u T are shifted by the margin times T of the guess."""
+    nlp = transcribe(rt.Problem([jerky(duration)]), rt.Mesh(6))
+    phase, layout = nlp.problem.phases[0], nlp.layouts[0]
+    row = next(row for row in phase.rows.rows if row.kind is Kind.RATE)
+    tight = with_margins(nlp, {LimitedInterval(0, 2, row.number): 0.5})
+    seconds = 1.0 if layout.duration.column is None else layout.duration.of(nlp.guess)
+    for sign, before, after in ((1, nlp.rows.lower, tight.rows.lower), (-1, nlp.rows.upper, tight.rows.upper)):
+        change = np.zeros(len(before))
+        bounded = np.isfinite(before)
+        change[bounded] = sign * (after[bounded] - before[bounded])
+        assert set(np.round(change[change != 0.0], 12)) == {round(0.5 * seconds, 12)}
+        at = nlp.rows.fraction[change != 0.0]
+        assert at.min() >= 2 / 6 - 1e-12
+        assert at.max() <= 3 / 6 + 1e-12
+
+
+def test_no_margin_and_a_margin_as_wide_as_the_limits_change_nothing() -> None:
+    limits = rt.interval_limits.BernsteinBounds(controls=True)
+    nlp = transcribe(rt.Problem([pushed()]), rt.Mesh(4), interval_limits=limits)
+    number = next(row.number for row in nlp.problem.phases[0].rows if row.variable == "u")
+    assert with_margins(nlp, {}) is nlp
+    wide = with_margins(nlp, {LimitedInterval(0, 1, number): 1.0})
+    assert np.array_equal(wide.rows.upper, nlp.rows.upper)
+    assert np.array_equal(wide.variables.upper, nlp.variables.upper)
