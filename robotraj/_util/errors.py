@@ -5,7 +5,7 @@ A message names the fault, its place, the valid choices and the remedy, in that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 
@@ -38,7 +38,7 @@ class ValidationFailed(RobotrajError):
         The report whose ``check`` raised.
     """
 
-    def __init__(self, message: str, report: Any) -> None:
+    def __init__(self, message: str, report: object) -> None:
         super().__init__(message)
         self.report = report
 
@@ -55,7 +55,7 @@ class Interrupted(KeyboardInterrupt):
         Solutions by the number of their problem.
     """
 
-    def __init__(self, found: dict[int, Any], count: int) -> None:
+    def __init__(self, found: Mapping[int, Any], count: int) -> None:
         super().__init__(f"Interrupted with {len(found)} of {count} done; they are in this error's `found`.")
         self.found = found
         self.count = count

@@ -58,16 +58,16 @@ def own(value: Any) -> Any:
     return {key: own(entry) for key, entry in value.items()} if kind is dict else value
 
 
-def own_fields(value: Any) -> None:
+def own_fields(value: object) -> None:
     """Replace the fields of a new dataclass instance by ``own`` copies; instances of other classes are unchanged."""
     for field in dataclasses.fields(value) if dataclasses.is_dataclass(value) else ():
         object.__setattr__(value, field.name, own(getattr(value, field.name)))
 
 
-def _methods(cls: type, freeze: bool, eq: bool, repr: bool) -> dict[str, Callable[..., Any]]:
+def _methods(cls: type, freeze: bool, eq: bool, repr: bool) -> dict[str, Callable[..., object]]:
     """Return the requested methods other than ``__init__``."""
     fields = dataclasses.fields(cls)
-    methods: dict[str, Callable[..., Any]] = {}
+    methods: dict[str, Callable[..., object]] = {}
     if freeze:
         methods |= _freezing(cls, frozenset(field.name for field in fields))
     if repr:
@@ -82,13 +82,13 @@ def _methods(cls: type, freeze: bool, eq: bool, repr: bool) -> dict[str, Callabl
 def _freezing(cls: type, names: frozenset[str]) -> dict[str, Callable[..., None]]:
     """Return methods that let ``__init__`` set each field once and refuse any later change."""
 
-    def __setattr__(self: Any, name: str, value: Any) -> None:
+    def __setattr__(self: object, name: str, value: object) -> None:
         known = name in names
         if (known and name in self.__dict__) or (not known and type(self) is cls):
             raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
         object.__setattr__(self, name, value)
 
-    def __delattr__(self: Any, name: str) -> None:
+    def __delattr__(self: object, name: str) -> None:
         if type(self) is cls or name in names:
             raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
         object.__delattr__(self, name)
@@ -96,24 +96,24 @@ def _freezing(cls: type, names: frozenset[str]) -> dict[str, Callable[..., None]
     return {"__setattr__": __setattr__, "__delattr__": __delattr__}
 
 
-def _printing(names: list[str]) -> Callable[[Any], str]:
+def _printing(names: list[str]) -> Callable[[object], str]:
     @recursive_repr()
-    def __repr__(self: Any) -> str:
+    def __repr__(self: object) -> str:
         return f"{type(self).__qualname__}({', '.join(f'{name}={getattr(self, name)!r}' for name in names)})"
 
     return __repr__
 
 
-def _reading(names: list[str]) -> Callable[[Any], tuple[Any, ...]]:
+def _reading(names: list[str]) -> Callable[[object], tuple[object, ...]]:
     return lambda value: tuple([getattr(value, name) for name in names])
 
 
-def _comparing(read: Callable[[Any], tuple[Any, ...]]) -> Callable[[Any, object], Any]:
-    def __eq__(self: Any, other: object) -> Any:
+def _comparing(read: Callable[[object], tuple[object, ...]]) -> Callable[[object, object], bool]:
+    def __eq__(self: object, other: object) -> bool:
         return read(self) == read(other) if other.__class__ is self.__class__ else NotImplemented
 
     return __eq__
 
 
-def _hashing(read: Callable[[Any], tuple[Any, ...]]) -> Callable[[Any], int]:
+def _hashing(read: Callable[[object], tuple[object, ...]]) -> Callable[[object], int]:
     return lambda self: hash(read(self))

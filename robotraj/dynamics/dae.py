@@ -19,11 +19,11 @@ Kuindersma and Tedrake, Optimization and stabilization of trajectories for const
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import casadi as ca
 
-from robotraj.dynamics.point import Point
+from robotraj.dynamics.point import AnyPoint, Point
 from robotraj.dynamics.variable import Variable
 
 
@@ -88,18 +88,18 @@ class Dynamics(Protocol):
         """
         ...
 
-    def rates(self, point: Any) -> ca.SX:
+    def rates(self, point: AnyPoint) -> ca.SX:
         """Evaluate f(x, z, u, p, t), a column of len(states)."""
         ...
 
-    def residual(self, point: Any) -> ca.SX:
+    def residual(self, point: AnyPoint) -> ca.SX:
         """Evaluate g(x, z, u, p, t), a column of len(residuals)."""
         ...
 
-    def invariant(self, point: Any) -> ca.SX:
+    def invariant(self, point: AnyPoint) -> ca.SX:
         """Evaluate I(x, p, t), a column of len(invariants)."""
         ...
 
-    def correction(self, point: Any, c: ca.SX) -> ca.SX:
+    def correction(self, point: AnyPoint, c: ca.SX) -> ca.SX:
         """Evaluate W(x, p) c, a column of len(states), for c of len(invariants)."""
         ...

@@ -7,7 +7,7 @@ In the NLP a point holds CasADi symbols (this file), in the witness it holds num
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import casadi as ca
 
@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from robotraj.dynamics.design.model import DesignedModel
     from robotraj.robot.robot import Robot
     from robotraj.symbolic import SymbolicModel
+
+
+AnyPoint: TypeAlias = Any
+"""A Point, or the subclass that the dynamics of a phase make. Functions of a point name the class that they read."""
 
 
 class FrameMotion(Protocol):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import casadi as ca
 
@@ -14,11 +14,11 @@ from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import rows_of
-from robotraj.dynamics.point import Point
+from robotraj.dynamics.point import AnyPoint, Point
 from robotraj.dynamics.variable import Column, Named, Scalar, Variable
 
-Expression: TypeAlias = "Callable[[Any], Column | Sequence[Scalar] | Scalar]"
-"""A function of a point, with any type annotation of the point."""
+Expression: TypeAlias = "Callable[[AnyPoint], Column | Sequence[Scalar] | Scalar]"
+"""A function of a point."""
 
 
 @dataclass(frozen=True, init=False)

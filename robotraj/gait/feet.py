@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from typing import Any, cast
 
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
-from robotraj.dynamics.contacts.base import Contact
+from robotraj.dynamics.contacts.base import Contact, copied
 from robotraj.robot.robot import Robot
 
 FootKind = Contact | Callable[[str], Contact]
@@ -67,7 +65,7 @@ def foot_contact(kind: FootKind, frame: str) -> Contact:
         The function returns no contact.
     """
     if isinstance(kind, Contact):
-        contact: Any = replace(cast(Any, kind), frame=frame, name=None)
+        contact: object = copied(kind, frame=frame, name=None)
     else:
         try:
             contact = kind(frame)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.terrain.function import as_ground
@@ -152,7 +153,7 @@ def split_duration(duration: TimeSpan, parts: Sequence[float]) -> list[float | S
         low, high = duration
         duration = 0.0 if low is None else low, np.inf if high is None else high
     whole = np.asarray(
-        number(duration, "duration", "s") if np.ndim(cast(Any, duration)) == 0 else duration, dtype=float
+        number(duration, "duration", "s") if np.ndim(cast(ArrayLike, duration)) == 0 else duration, dtype=float
     )
     every = [whole * part / sum(parts) for part in parts]
     return [tuple(float(v) for v in value) if value.shape else float(value) for value in every]

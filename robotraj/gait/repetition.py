@@ -5,11 +5,10 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, cast
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import Contact
+from robotraj.dynamics.contacts.base import Contact, copied
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
@@ -119,7 +118,7 @@ def on_ground(kind: FootKind, ground: Ground | GroundFunction) -> FootKind:
     def on(frame: str) -> Contact:
         contact = foot_contact(kind, frame)
         if getattr(contact, "ground", None) == Flat():
-            return cast(Contact, replace(cast(Any, contact), ground=ground))
+            return copied(contact, ground=ground)
         return contact
 
     return on

@@ -15,7 +15,6 @@ Source: Bryson and Ho, Applied Optimal Control (1975), sections 2.7, 2.8 and 3.9
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -25,13 +24,14 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import as_rows
+from robotraj.dynamics.point import AnyPoint
 from robotraj.dynamics.row import Row
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.pontryagin import Pontryagin, columns
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, Where
 from robotraj.problem.constraints.bounds import between
 from robotraj.problem.constraints.path import PathConstraint
-from robotraj.problem.links.base import BoundLink, Link
+from robotraj.problem.links.base import BoundLink, Ends, Link
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import PhaseRow
@@ -49,7 +49,7 @@ class Conditions(Link):
 
     arcs: int
     labels: tuple[str, ...]
-    expression: Callable[[Any, Any], ca.SX]
+    expression: Callable[[AnyPoint, AnyPoint], ca.SX]
 
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Return one row for each condition."""
@@ -61,7 +61,7 @@ class Conditions(Link):
             lambda ends, _: as_rows(self._values(ends), "conditions"),
         )
 
-    def _values(self, ends: Sequence[tuple[Any, Any]]) -> ca.SX:
+    def _values(self, ends: Sequence[Ends]) -> ca.SX:
         return self.expression(ends[0][0], ends[-1][1])
 
 
@@ -179,7 +179,7 @@ def _conditions(equations: Pontryagin, count: int, ends: EndData) -> Conditions:
     rows = _active_rows(equations, ends, symbols)
     active = ca.Function("active", list(symbols.values()), [ca.densify(rows)])
 
-    def expression(start: Any, end: Any) -> ca.SX:
+    def expression(start: AnyPoint, end: AnyPoint) -> ca.SX:
         y0, yf = (columns(point.x, equations.state_names) for point in (start, end))
         pi = columns(end.p, [f"pi {i}" for i in range(len(ends.constraints))])
         arguments = (start.t, y0[:nx], end.t, yf[:nx], pi)

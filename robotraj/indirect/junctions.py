@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import AnyPoint
 from robotraj.dynamics.row import Row
-from robotraj.guess.base import InitialGuess, PhaseGuess
+from robotraj.guess.base import Curve, InitialGuess, PhaseGuess
 from robotraj.problem.constraints.base import AtEnd, AtStart
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.links.continuity import Continuity
@@ -78,7 +79,7 @@ class ArcGuess(InitialGuess):
         """Sample part number ``index``."""
         first, last = self.times[index], self.times[index + 1]
 
-        def sampled(variables: Sequence[Variable]) -> Any:
+        def sampled(variables: Sequence[Variable]) -> Curve:
             def curve(s: Array) -> Array:
                 times = first + np.asarray(s) * (last - first)
                 columns = self.source.columns(times, [v.name for v in variables])
@@ -217,7 +218,7 @@ def _junction(phase: Phase, arc: BoundArc) -> list[AtEnd]:
     function = ca.Function("junction", [t, x, p], [ca.vertcat(*rows)])
     states = [state.name for state in dae.states]
 
-    def expression(point: Any) -> Any:
+    def expression(point: AnyPoint) -> ca.SX:
         at = ca.vertcat(*(point.x[name] for name in states)), ca.vertcat(*(point.p[name] for name in names))
         return function(point.t, *at)
 

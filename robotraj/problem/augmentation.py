@@ -19,14 +19,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import casadi as ca
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
-from robotraj.dynamics.point import Point
+from robotraj.dynamics.point import AnyPoint, Point
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.bounds import Bounds
@@ -95,19 +95,19 @@ class Augmented(OneLine, ABC):
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Return the inner Point of columns of symbols, with added variables in ``point.extra``."""
 
-    def rates(self, point: Any) -> ca.SX:
+    def rates(self, point: AnyPoint) -> ca.SX:
         """Rates of the inner states."""
         return self.inner.rates(point)
 
-    def residual(self, point: Any) -> ca.SX:
+    def residual(self, point: AnyPoint) -> ca.SX:
         """Evaluate the inner rows."""
         return self.inner.residual(point)
 
-    def invariant(self, point: Any) -> ca.SX:
+    def invariant(self, point: AnyPoint) -> ca.SX:
         """Evaluate the inner invariants."""
         return self.inner.invariant(point)
 
-    def correction(self, point: Any, c: ca.SX) -> ca.SX:
+    def correction(self, point: AnyPoint, c: ca.SX) -> ca.SX:
         """Correct the inner states; added states keep their rates."""
         inner = self.inner.correction(point, c)
         return ca.vertcat(inner, ca.SX.zeros(len(self.states) - inner.numel()))
@@ -168,7 +168,7 @@ class RunningIntegral(Augmented):
     """A further state that integrates a rate from 0 at the start of the phase."""
 
     integral: Variable
-    rate: Callable[[Any], Scalar] = field(repr=False)
+    rate: Callable[[AnyPoint], Scalar] = field(repr=False)
 
     @property
     def states(self) -> tuple[Variable, ...]:
@@ -187,6 +187,6 @@ class RunningIntegral(Augmented):
         point.extra |= {self.integral.name: x[nx]}
         return point
 
-    def rates(self, point: Any) -> ca.SX:
+    def rates(self, point: AnyPoint) -> ca.SX:
         """Inner rates, then the integrand."""
         return ca.vertcat(self.inner.rates(point), self.rate(point))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -12,9 +12,10 @@ import numpy as np
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import TimeOrders
-from robotraj.dynamics.point import Point
+from robotraj.dynamics.point import AnyPoint, Point
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import Augmented
+from robotraj.problem.scalars import Scalar
 
 PARAMETER, SPEED, ACCELERATION = "path.s", "path.speed", "path.acceleration"
 """Names of the added states and of the added control."""
@@ -73,12 +74,12 @@ class PathParameter(Augmented):
             point.extra[ACCELERATION] = u[nu]
         return point
 
-    def rates(self, point: Any) -> ca.SX:
+    def rates(self, point: AnyPoint) -> ca.SX:
         """Inner rates, then s' and s''."""
         return ca.vertcat(self.inner.rates(point), point.extra[SPEED], point.extra[ACCELERATION])
 
 
-def values_on(path: PiecewisePolynomial, s: Any) -> Sequence[Any]:
+def values_on(path: PiecewisePolynomial, s: Scalar) -> Sequence[Scalar]:
     """Return the n values of a path at a parameter: numbers for a number, else expressions of a symbol.
 
     With [s >= b_k] = 1 beyond the break b_k, the coefficients of the piece that s lies in are

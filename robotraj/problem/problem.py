@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
 from robotraj._util.late import cached_property
@@ -62,7 +62,7 @@ class Problem(OneLine):
         object.__setattr__(self, "links", (self.links,) if isinstance(self.links, Link) else tuple(self.links))
         _ = self.bound_links
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """Pickle the fields only: what is derived from them is derived again."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import casadi as ca
 
@@ -11,7 +11,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
-from robotraj.dynamics.point import Point
+from robotraj.dynamics.point import AnyPoint, Point
 from robotraj.dynamics.rigid_body import InverseDynamics, RigidBody
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import Augmented, body_of, has
@@ -72,7 +72,7 @@ class ControlRates(Augmented):
             point.extra |= {v.name: u[i] for i, v in enumerate(self.controls[:nu])}
         return point
 
-    def rates(self, point: Any) -> ca.SX:
+    def rates(self, point: AnyPoint) -> ca.SX:
         """Inner rates, then r."""
         return ca.vertcat(self.inner.rates(point), *(point.extra[v.name] for v in self.controls[: len(self._moved)]))
 
@@ -135,7 +135,7 @@ class Jerks(Augmented):
             point.extra |= {v.name: z[nz + i] for i, v in enumerate(self.jerks)}
         return point
 
-    def residual(self, point: Any) -> ca.SX:
+    def residual(self, point: AnyPoint) -> ca.SX:
         """Inner rows, then the rates of the torque balances."""
         robot = _robot(self.inner)
         jerk = ca.vertcat(*(point.extra[v.name] for v in self.jerks))

@@ -6,19 +6,20 @@ import os
 from collections.abc import Sequence
 from numbers import Real
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.paths import whole_file
 from robotraj.dynamics.design.binding import realised
+from robotraj.problem.phase import Phase
 from robotraj.replay_page.colors import css
 from robotraj.replay_page.contacts import held
 from robotraj.replay_page.curves import curves
 from robotraj.replay_page.footholds import contact_names
 from robotraj.replay_page.page import Heading, page
 from robotraj.replay_page.verdict import proof_data, verdict
+from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
 from robotraj.solution.cycles.gait_cycles import GaitCycles, gait_cycles
 from robotraj.solution.solution import Solution
@@ -142,7 +143,7 @@ def page_of(
     return page(_heading(cycles, robot, title), description, scene.commands if scene is not None else None)
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: object) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
@@ -164,7 +165,7 @@ def html_path(path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def _one_robot(solution: Any) -> Any:
+def _one_robot(solution: Solution) -> Robot | None:
     """Return the robot of all phases, in the dimensions of its design, or None if all are systems."""
     robots = [realised(result) for result in solution.phases]
     if not robots:
@@ -180,7 +181,7 @@ def _one_robot(solution: Any) -> Any:
     return first
 
 
-def _looks_like(robot: Any, other: Any) -> bool:
+def _looks_like(robot: Robot, other: Robot) -> bool:
     """Return whether two robots have the same joints and frames in the same places; loads may differ."""
     if robot.joint_names != other.joint_names or robot.frame_names != other.frame_names:
         return False
@@ -190,11 +191,13 @@ def _looks_like(robot: Any, other: Any) -> bool:
     return same_joints and all(a.isApprox(b, SAME_PLACE) for a, b in pairs)
 
 
-def _name(phase: Any) -> str:
-    return str((phase.robot or phase.system).name)
+def _name(phase: Phase) -> str:
+    moved = phase.robot or phase.system
+    assert moved is not None
+    return moved.name
 
 
-def _heading(cycles: GaitCycles, robot: Any, title: str | None) -> Heading:
+def _heading(cycles: GaitCycles, robot: Robot | None, title: str | None) -> Heading:
     solution = cycles.solution
     first = solution.phases[0].phase
     names = [result.phase.name for result in solution.phases]

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,10 @@ from robotraj.dynamics.variable import Variable
 from robotraj.solution.columns import values_of, variables_of
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.typing import ColorType
 
     from robotraj.solution.phase_solution import PhaseSolution
     from robotraj.solution.planned import Planned
@@ -142,12 +145,12 @@ def _arrange(variables: Sequence[Variable], systems: bool) -> tuple[list[Panel |
     return arranged, columns
 
 
-def _colors(labels: Sequence[str]) -> dict[str, Any]:
+def _colors(labels: Sequence[str]) -> dict[str, ColorType]:
     """One colour for each joint or variable, easy to tell apart up to ten."""
     from matplotlib import colormaps
 
     if len(labels) <= 10:
-        palette: list[Any] = list(colormaps["tab10"].colors)  # type: ignore[attr-defined]
+        palette: list[ColorType] = list(colormaps["tab10"].colors)  # type: ignore[attr-defined]
     else:
         palette = list(colormaps["turbo"](np.linspace(0.03, 0.97, len(labels))))
     return dict(zip(labels, palette, strict=False))
@@ -168,9 +171,9 @@ def _bands(axes: Axes, traces: Sequence[_Trace]) -> None:
 
 
 def _curves(
-    axes: Axes, traces: Sequence[_Trace], shown: Sequence[Variable], colors: dict[str, Any], crowded: bool
+    axes: Axes, traces: Sequence[_Trace], shown: Sequence[Variable], colors: dict[str, ColorType], crowded: bool
 ) -> None:
-    dot: dict[str, Any] = {"linestyle": "none", "marker": "o", "zorder": 3}
+    dots = partial(axes.plot, linestyle="none", marker="o", zorder=3)
     for trace in traces:
         for variable in shown:
             if variable.name not in trace.values:
@@ -178,14 +181,14 @@ def _curves(
             color = colors[variable.label]
             axes.plot(trace.times, trace.values[variable.name], color=color, linewidth=1.5, zorder=2)
             if not crowded:
-                axes.plot(trace.knots, trace.at_knots[variable.name], color=color, markersize=3.4, **dot)
-                axes.plot(
+                dots(trace.knots, trace.at_knots[variable.name], color=color, markersize=3.4)
+                dots(
                     trace.inner, trace.at_inner[variable.name], color=color, markersize=3.2,
-                    markerfacecolor="white", markeredgewidth=0.8, **dot,
+                    markerfacecolor="white", markeredgewidth=0.8,
                 )  # fmt: skip
 
 
-def _limits(axes: Axes, traces: Sequence[_Trace], shown: Sequence[Variable], colors: dict[str, Any]) -> None:
+def _limits(axes: Axes, traces: Sequence[_Trace], shown: Sequence[Variable], colors: dict[str, ColorType]) -> None:
     """Draw the limits near the curves, and write the values of the others."""
     ranges = [trace.values[v.name] for trace in traces for v in shown if v.name in trace.values]
     every = np.concatenate(ranges)
@@ -231,13 +234,13 @@ def _listed(limits: Iterable[float]) -> str:
 
 def _marks(axes: Axes, traces: Sequence[_Trace]) -> None:
     """Mark knots with long and collocation points with short ticks along the bottom."""
-    bottom: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "linestyle": "none", "marker": "|"}
+    ticks = partial(axes.plot, transform=axes.get_xaxis_transform(), linestyle="none", marker="|")
     for trace in traces:
-        axes.plot(trace.inner, np.full(len(trace.inner), 0.008), color="0.6", markersize=4, **bottom)
-        axes.plot(trace.knots, np.full(len(trace.knots), 0.02), color="0.25", markersize=8, **bottom)
+        ticks(trace.inner, np.full(len(trace.inner), 0.008), color="0.6", markersize=4)
+        ticks(trace.knots, np.full(len(trace.knots), 0.02), color="0.25", markersize=8)
 
 
-def _label_time(grid: Any, panels: Sequence[Panel | None], columns: int) -> None:
+def _label_time(grid: NDArray[np.object_], panels: Sequence[Panel | None], columns: int) -> None:
     """Write times under the lowest panel of each column."""
     for column in range(columns):
         lowest = max(i for i in range(column, len(panels), columns) if panels[i] is not None)
@@ -246,14 +249,14 @@ def _label_time(grid: Any, panels: Sequence[Panel | None], columns: int) -> None
         axes.tick_params(labelbottom=True)
 
 
-def _handles(shown: Sequence[Variable], colors: dict[str, Any]) -> tuple[list[Any], list[str]]:
+def _handles(shown: Sequence[Variable], colors: dict[str, ColorType]) -> tuple[list[Artist], list[str]]:
     from matplotlib.lines import Line2D
 
     labels = list(dict.fromkeys(v.label for v in shown))
     return [Line2D([], [], color=colors[label], linewidth=1.8) for label in labels], labels
 
 
-def _legend(figure: Figure, variables: Sequence[Variable], colors: dict[str, Any], crowded: bool) -> None:
+def _legend(figure: Figure, variables: Sequence[Variable], colors: dict[str, ColorType], crowded: bool) -> None:
     """Explain colours, where panels do not, and marks, below all panels."""
     from matplotlib.lines import Line2D
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -87,7 +87,7 @@ class Ipopt(Solver):
     barrier: str = "monotone"
     initial_barrier: float = 1e-2
     linear_solver: str = "mumps"
-    options: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         above_zero("Ipopt(tolerance)", self.tolerance)
@@ -125,8 +125,8 @@ class Ipopt(Solver):
             return self
         return replace(self, options={"compl_inf_tol": max(factor * self.tolerance, LEAST), **self.options})
 
-    def _options(self, warm: bool) -> dict[str, Any]:
-        options: dict[str, Any] = {
+    def _options(self, warm: bool) -> dict[str, object]:
+        options: dict[str, object] = {
             "tol": self.tolerance,
             "constr_viol_tol": self.tolerance,
             "max_iter": self.max_iterations,

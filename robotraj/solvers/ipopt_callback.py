@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -46,7 +45,7 @@ class IterationCallback(ca.Callback):
         size = self._sizes.get(str(ca.nlpsol_out(i)), 0)
         return ca.Sparsity.dense(size, 1) if size else ca.Sparsity(0, 0)
 
-    def eval(self, arguments: Any) -> list[int]:
+    def eval(self, arguments: Sequence[ca.DM]) -> list[int]:
         """Keep the iterate and report it."""
         if not self.stop:
             named = {str(ca.nlpsol_out(i)): value for i, value in enumerate(arguments)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -92,7 +92,7 @@ class SymbolicModel:
         kind = ", parametric=True" if self._parametric else ""
         return f"SymbolicModel({self._model.name!r}, nq={self._model.nq}, nv={self._model.nv}{kind})"
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Pickle as the model alone; functions are built again where they are wanted."""
         return _restore, (self._model, self._parametric)
 

@@ -7,7 +7,6 @@ Talos hold as they are.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import casadi as ca
 
@@ -56,22 +55,22 @@ def solo12_jump() -> Demo:
 
 def bolt_walking() -> Demo:
     """Walk on two points; Bolt never stands still."""
-    on: dict[str, Any] = {"feet": ("FL_FOOT", "FR_FOOT"), "contact": partial(PointContact, friction=0.6)}
+    feet, foot = ("FL_FOOT", "FR_FOOT"), partial(PointContact, friction=0.6)
     robot = _small("bolt")
-    cost = gait_objective(robot, stand(robot, **on)) + _calm(1e-5)
-    step = walk(robot, **on, step_length=0.06, duration=0.2, clearance=0.03, objective=cost)
+    cost = gait_objective(robot, stand(robot, feet, foot)) + _calm(1e-5)
+    step = walk(robot, feet=feet, contact=foot, step_length=0.06, duration=0.2, clearance=0.03, objective=cost)
     return Demo(step, (Mesh(6, LobattoIIIA(4)),), periods=6)
 
 
 def talos_walking() -> Demo:
     """Walk on flat feet, with both of them down between the steps."""
     sole = partial(FlatFoot, length=0.2, width=0.12, friction=0.6)
-    on: dict[str, Any] = {"feet": ("left_sole_link", "right_sole_link"), "contact": sole}
+    feet = ("left_sole_link", "right_sole_link")
     robot = load("talos_legs", root="floating")
-    cost = gait_objective(robot, stand(robot, **on)) + _calm(0.3)
-    pace: dict[str, Any] = {"step_length": 0.2, "duration": 0.8, "clearance": 0.04, "double_support": 0.2}
+    cost = gait_objective(robot, stand(robot, feet, sole)) + _calm(0.3)
+    pace = partial(walk, step_length=0.2, duration=0.8, clearance=0.04, double_support=0.2)
     # The inertias of its legs are not each other's mirror images: both steps are planned.
-    steps = walk(robot, **on, **pace, objective=cost, repeat=Periodic())
+    steps = pace(robot, feet=feet, contact=sole, objective=cost, repeat=Periodic())
     return Demo(steps, ([Mesh(n, LobattoIIIA(4)) for n in (5, 7, 5, 7)],), periods=3)
 
 

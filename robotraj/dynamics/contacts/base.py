@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,6 +36,12 @@ def of_impulses(row: Row) -> Row | None:
     if lower == -inf and upper == inf:
         return None
     return replace(row, lower=lower, upper=upper)
+
+
+def copied(contact: Contact, **fields: object) -> Contact:
+    """Return a contact with other values of some fields, such as its ``frame``, ``name`` or ``ground``."""
+    changed: Contact = replace(cast(Any, contact), **fields)
+    return changed
 
 
 class Contact(OneLine, ABC):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import fields
-from typing import Any, ClassVar
+from typing import ClassVar, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -17,9 +17,10 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import own_fields
 from robotraj.dynamics.expression_values import rows_of
 from robotraj.dynamics.obstacles.speed_bounds import ranges_of
+from robotraj.dynamics.variable import Column, Scalar
 
 Array = NDArray[np.float64]
-Place = Sequence[float] | Callable[[Any], Any]
+Place: TypeAlias = "Sequence[float] | Callable[[ca.SX], Column | Sequence[Scalar]]"
 """Three or four numbers, or a function of the time t [s] that returns them, written in CasADi's functions."""
 
 ORIGIN = (0.0, 0.0, 0.0)
@@ -99,7 +100,7 @@ class Obstacle(OneLine, ABC):
         """Whether the pose depends on time."""
         return callable(self.position) or callable(self.quaternion)
 
-    def pose(self, t: Any = 0.0) -> tuple[Any, Any]:
+    def pose(self, t: Scalar = 0.0) -> tuple[Column, Column]:
         """Return position (3,) [m] and rotation matrix (3, 3) at a time [s], symbols where t is a symbol."""
         if not self.moves:
             return self._fixed
@@ -156,14 +157,14 @@ class Obstacle(OneLine, ABC):
         rotation = ca.vertcat(*(ca.horzcat(*row) for row in rotation_of(self._quaternion(t))))
         return ca.Function("pose", [t], [ca.densify(ca.vertcat(*position)), ca.densify(rotation)])
 
-    def _quaternion(self, t: ca.SX) -> list[Any]:
+    def _quaternion(self, t: ca.SX) -> list[Scalar]:
         quaternion = self._symbols("quaternion", self.quaternion, 4, t)
         if not callable(self.quaternion):
             return quaternion
         length = ca.sqrt(sum(value * value for value in quaternion))
         return [value / length for value in quaternion]
 
-    def _symbols(self, name: str, given: Place, size: int, t: ca.SX) -> list[Any]:
+    def _symbols(self, name: str, given: Place, size: int, t: ca.SX) -> list[Scalar]:
         if not callable(given):
             return list(given)
         found = rows_of(f"{name} of the obstacle {self.label!r}", given, t)
@@ -171,7 +172,7 @@ class Obstacle(OneLine, ABC):
             raise InputError(f"{self.label}: the function of its {name} returns {len(found)} values; return {size}.")
         return found
 
-    def _numbers(self, name: str, value: Any, size: int) -> tuple[float, ...]:
+    def _numbers(self, name: str, value: object, size: int) -> tuple[float, ...]:
         try:
             numbers = tuple(float(each) for each in np.asarray(value, dtype=float).ravel())
         except (TypeError, ValueError):
@@ -191,7 +192,7 @@ class Obstacle(OneLine, ABC):
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}  # type: ignore[arg-type]
 
 
-def rotation_of(quaternion: Sequence[Any]) -> list[list[Any]]:
+def rotation_of(quaternion: Sequence[Scalar]) -> list[list[Scalar]]:
     """Return the rotation matrix of a unit quaternion (x, y, z, w), rows of entries."""
     x, y, z, w = quaternion
     return [

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import coal
 import numpy as np
 
@@ -12,7 +10,7 @@ from robotraj.dynamics.obstacles.convex_mesh import ConvexMesh
 from robotraj.dynamics.obstacles.shapes import Box, Capsule, Cylinder, HalfSpace, Sphere
 
 
-def coal_shape(obstacle: Obstacle) -> Any:
+def coal_shape(obstacle: Obstacle) -> coal.CollisionGeometry:
     """Return the shape of an obstacle in its own axes."""
     match obstacle:
         case Box():

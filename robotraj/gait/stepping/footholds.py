@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import TypedDict, cast
 
 import numpy as np
 import pinocchio as pin
@@ -48,6 +48,20 @@ TILT = 0.6
 
 Step = Mapping[str, Sequence[float]]
 """Footholds of the feet that swing together: (x, y) or (x, y, yaw) by frame [m, rad]; in a plane, (x,)."""
+
+
+class StepOptions(TypedDict, total=False):
+    """Keyword arguments of ``steps`` that motions on regular footholds hand on."""
+
+    swing: float
+    support: float
+    shift: float
+    feet: Sequence[str] | None
+    contact: FootKind
+    clearance: float | None
+    objective: Objective | None
+    upright: Upright | None
+    ground: Ground | GroundFunction
 
 
 def steps(
@@ -136,7 +150,7 @@ def steps(
     ]
     for i, k in swings:
         if clearance is not None:
-            begin = sum(float(cast(Any, support.duration)) for support in supports[:i])
+            begin = sum(float(cast(float, support.duration)) for support in supports[:i])
             ends, air = (places[k], places[k + 1]), (begin, begin + swing)
             rows = [row for f in footholds[k] for row in _clearances(contacts[f], *ends, air, clearance, ground)]
             phases[i] = replace(phases[i], constraints=[*phases[i].constraints, *rows])

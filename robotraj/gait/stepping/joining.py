@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -31,6 +31,7 @@ from robotraj.problem.objectives.base import Objective
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
+from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -51,6 +52,18 @@ class PlannedPhase(Protocol):
         """Its duration [s]."""
 
 
+class PlannedState(Protocol):
+    """A planned state of the robot."""
+
+    @property
+    def q(self) -> Array:
+        """Configuration (nq,)."""
+
+    @property
+    def v(self) -> Array:
+        """Velocity (nv,)."""
+
+
 class PlannedGait(Protocol):
     """A plan of a repeating gait, such as a solution of ``rt.gait.walk``."""
 
@@ -66,7 +79,7 @@ class PlannedGait(Protocol):
     def duration(self) -> float:
         """Of one period [s]."""
 
-    def at(self, t: float) -> Any:
+    def at(self, t: float) -> PlannedState:
         """Evaluate at a time [s]."""
 
 
@@ -145,8 +158,10 @@ class _Cycle:
     repeat: Mirror | Periodic
 
     @property
-    def robot(self) -> Any:
-        return self.gait.phases[0].phase.robot
+    def robot(self) -> Robot:
+        robot = self.gait.phases[0].phase.robot
+        assert robot is not None, "a phase with contacts moves a robot"
+        return robot
 
     @property
     def partners(self) -> Mapping[str, str]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,10 +15,13 @@ from robotraj.dynamics.terrain.steps import Steps
 from robotraj.gait.checks import number
 from robotraj.gait.feet import foot_contact
 from robotraj.gait.repetition import on_ground
-from robotraj.gait.stepping.footholds import LEVEL, Step, steps
+from robotraj.gait.stepping.footholds import LEVEL, Step, StepOptions, steps
 from robotraj.gait.stepping.rest_to_rest import alternating
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 SAFE = 0.03
 """Default distance of a foot from an edge [m]."""
@@ -33,7 +36,7 @@ def stairs(
     count: int,
     step_length: float | None = None,
     margin: float = SAFE,
-    **options: Any,
+    **options: Unpack[StepOptions],
 ) -> Problem:
     """Return a climb of equal stairs along x, from rest at the bottom to rest at the top; down with a negative rise.
 
@@ -70,7 +73,13 @@ def stairs(
 
 
 def gap(
-    robot: Robot, *, start: float, width: float, step_length: float, margin: float = SAFE, **options: Any
+    robot: Robot,
+    *,
+    start: float,
+    width: float,
+    step_length: float,
+    margin: float = SAFE,
+    **options: Unpack[StepOptions],
 ) -> Problem:
     """Return a walk on level ground across a gap along x, from rest to rest; no foot stands in the gap.
 
@@ -82,12 +91,8 @@ def gap(
     robot : Robot
     start, width : float
         World x of the first edge, and distance of the edges [m].
-    step_length : float
-        Displacement of the root in a step [m].
-    margin : float
-        Least distance of feet from edges [m].
-    **options
-        Of ``rt.gait.steps``, without ground.
+    step_length, margin, **options
+        As for ``stairs``.
 
     Raises
     ------
@@ -109,7 +114,7 @@ def _over(
     step_length: float,
     margin: float,
     who: str,
-    options: Mapping[str, Any],
+    options: StepOptions,
 ) -> Problem:
     """Return steps from rest until all feet stand on the last tread; treads are intervals of world x [m]."""
     length = number(step_length, f"rt.gait.{who}(step_length)")

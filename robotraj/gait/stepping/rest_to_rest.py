@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +12,19 @@ from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.gait.checks import number
 from robotraj.gait.feet import feet_of, foot_contact
 from robotraj.gait.repetition import on_ground
-from robotraj.gait.stepping.footholds import LEVEL, steps
+from robotraj.gait.stepping.footholds import LEVEL, StepOptions, steps
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import standing
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 Array = NDArray[np.float64]
 
 
-def start_stop(robot: Robot, *, step_length: float, count: int = 4, **options: Any) -> Problem:
+def start_stop(robot: Robot, *, step_length: float, count: int = 4, **options: Unpack[StepOptions]) -> Problem:
     """Return a walk from rest to rest: ``count`` steps forward, the first and the last half as long.
 
     Bipeds move one foot a step, quadrupeds the diagonal pairs of feet in turn.
@@ -52,7 +54,7 @@ def start_stop(robot: Robot, *, step_length: float, count: int = 4, **options: A
     return steps(robot, [{f: _moved(home[f], reached[k], 0.0) for f in groups[k % 2]} for k in range(count)], **options)
 
 
-def sidestep(robot: Robot, *, distance: float, count: int = 2, **options: Any) -> Problem:
+def sidestep(robot: Robot, *, distance: float, count: int = 2, **options: Unpack[StepOptions]) -> Problem:
     """Return sidesteps from rest to rest: in each pair of steps, all feet move sideways by ``distance``.
 
     The leading feet, on the side of the motion, move first. Quadrupeds move the diagonal pairs of feet in turn.
@@ -82,7 +84,7 @@ def sidestep(robot: Robot, *, distance: float, count: int = 2, **options: Any) -
     return steps(robot, places, **options)
 
 
-def turn(robot: Robot, *, angle: float, count: int = 2, **options: Any) -> Problem:
+def turn(robot: Robot, *, angle: float, count: int = 2, **options: Unpack[StepOptions]) -> Problem:
     """Return a turn on the spot from rest to rest: in each pair of steps, all feet turn by an equal part of ``angle``.
 
     Parameters
@@ -119,7 +121,7 @@ def turn(robot: Robot, *, angle: float, count: int = 2, **options: Any) -> Probl
     return steps(robot, places, **options)
 
 
-def alternating(robot: Robot, options: Mapping[str, Any]) -> tuple[list[tuple[str, ...]], dict[str, Array]]:
+def alternating(robot: Robot, options: StepOptions) -> tuple[list[tuple[str, ...]], dict[str, Array]]:
     """Return the feet that swing in odd and even steps, and the positions (3,) of all in the standing configuration."""
     names = feet_of(robot, options.get("feet"))
     kind = on_ground(options.get("contact", PointContact), options.get("ground", LEVEL))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import copied
 from robotraj.guess.ends import guessed_duration
 from robotraj.problem.constraints.bounds import as_bounds
 from robotraj.problem.links.periodic import Mirror, Periodic
@@ -128,5 +129,5 @@ def _contacts(problem: Problem, repeat: Mirror | Periodic | None) -> tuple[Bound
         other = partners.get(name, name)
         frame = partners.get(contact.frame, other if other in robot.frame_names else contact.frame)
         if other not in every and frame != contact.frame and hasattr(contact.contact, "frame"):
-            every[other] = replace(cast(Any, contact.contact), frame=frame, name=other).bound_to(robot)
+            every[other] = copied(contact.contact, frame=frame, name=other).bound_to(robot)
     return tuple(every.values())

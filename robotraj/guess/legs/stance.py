@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 import casadi as ca
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.holding import anchors
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import InverseDynamics
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.robot.tangent import rate_matrix
@@ -52,7 +53,7 @@ class BalancedStance:
 
     @cached_property
     def _places(self) -> ca.Function:
-        point: Any = symbols_of(InverseDynamics().of(self.robot, None, self.contacts), self._names)
+        point = cast(RobotPoint, symbols_of(InverseDynamics().of(self.robot, None, self.contacts), self._names))
         rows = [row for contact in self.contacts for row in contact.position(point, anchors(contact, point.p))]
         y, p = ca.densify(ca.vertcat(*rows)), ca.vertcat(ca.SX(0, 1), *point.p.values())
         return ca.Function("places", [point.q, p], [y, ca.densify(ca.jacobian(y, point.q))])
@@ -79,7 +80,7 @@ class BalancedStance:
     @cached_property
     def _efforts(self) -> ca.Function:
         """Return the function from q to J' (nv, forces), which maps contact forces to joint torques."""
-        point: Any = symbols_of(InverseDynamics().of(self.robot, None, self.contacts), self._names)
+        point = cast(RobotPoint, symbols_of(InverseDynamics().of(self.robot, None, self.contacts), self._names))
         rows = ca.vertcat(*(row for contact in self.contacts for row in contact.velocity(point)))
         return ca.Function("efforts", [point.q], [ca.jacobian(rows, point.v).T])
 

@@ -202,7 +202,7 @@ def multistart(
         )
         found = dict(enumerate(every))
     except Interrupted as stopped:
-        found, left = stopped.found, starts - len(stopped.found)
+        found, left = dict(stopped.found), starts - len(stopped.found)
     solved = sorted((s.objective, i) for i, s in found.items() if s.success)
     groups: list[list[int]] = []
     for _, i in solved:

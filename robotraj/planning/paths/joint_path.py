@@ -84,7 +84,7 @@ def _of_solution(solution: Solution) -> PiecewisePolynomial:
     return PiecewisePolynomial(np.concatenate(breaks), sites, values)
 
 
-def _of_function(path: Any) -> PiecewisePolynomial:
+def _of_function(path: Callable[[Any], ArrayLike]) -> PiecewisePolynomial:
     coefficients, places = getattr(path, "c", None), getattr(path, "x", None)
     if isinstance(places, np.ndarray) and isinstance(coefficients, np.ndarray) and coefficients.ndim == 3:
         return _sampled(path, places, coefficients.shape[0] - 1)
@@ -95,7 +95,7 @@ def _of_function(path: Any) -> PiecewisePolynomial:
     return _sampled(path, np.linspace(first, last, PIECES + 1), HIGHEST)
 
 
-def _sampled(path: Any, breaks: Array, degree: int) -> PiecewisePolynomial:
+def _sampled(path: Callable[[Any], ArrayLike], breaks: Array, degree: int) -> PiecewisePolynomial:
     """Return the pieces of a polynomial of that degree on every interval, from its values."""
     sites = np.linspace(0.0, 1.0, degree + 1) if degree else np.array([0.5])
     values = []

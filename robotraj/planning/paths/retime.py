@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,7 @@ from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.planning.paths.joint_path import JointPath, as_path
 from robotraj.planning.plan import plan
 from robotraj.problem.constraints.base import Constraint
-from robotraj.problem.constraints.bounds import BoundsLike, between
+from robotraj.problem.constraints.bounds import Between, BoundsLike, between
 from robotraj.problem.constraints.follow_path import FollowPath
 from robotraj.problem.constraints.motors.rates import JointJerk, JointTorqueRate
 from robotraj.problem.objectives.base import Objective
@@ -175,5 +175,8 @@ def _symmetric(bounds: BoundsLike) -> BoundsLike:
     return _of_both_signs(bounds)
 
 
-def _of_both_signs(value: Any) -> Any:
+T = TypeVar("T")
+
+
+def _of_both_signs(value: T) -> T | Between:
     return between(-float(value), float(value)) if isinstance(value, float | int | np.number) else value

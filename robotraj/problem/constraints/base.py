@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from enum import Enum
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 
@@ -23,7 +23,7 @@ from robotraj.problem.scalars import Scalar
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import Point
+    from robotraj.dynamics.point import AnyPoint, Point
     from robotraj.robot.robot import Robot
 
 
@@ -60,7 +60,7 @@ class BoundConstraint(OneLine):
 
     name: str
     rows: tuple[Row, ...]
-    expression: Callable[[Any], Sequence[Scalar]]
+    expression: Callable[[AnyPoint], Sequence[Scalar]]
     where: Where = Where.THROUGHOUT
     source: Constraint | None = None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -59,7 +59,7 @@ class CollisionFree(Constraint):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given: Any = self.obstacles
+        given: object = self.obstacles
         obstacles = tuple(given) if isinstance(given, Iterable) else (given,)
         for obstacle in obstacles:
             if not isinstance(obstacle, Obstacle):
@@ -72,10 +72,10 @@ class CollisionFree(Constraint):
             from robotraj.robot.collision.link_pairs import read_srdf
 
             object.__setattr__(self, "srdf", read_srdf(self.srdf))
-        named: Any = () if self.srdf is None else self.srdf
-        listed = isinstance(named, Iterable) and all(isinstance(pair, Sequence) for pair in named)
-        pairs = tuple(tuple(pair) for pair in named) if listed else ()
-        if not listed or not all(len(pair) == 2 and all(isinstance(name, str) for name in pair) for pair in pairs):
+        named: object = () if self.srdf is None else self.srdf
+        listed = tuple(named) if isinstance(named, Iterable) else (None,)
+        pairs = tuple(tuple(pair) if isinstance(pair, Sequence) else () for pair in listed)
+        if not all(len(pair) == 2 and all(isinstance(name, str) for name in pair) for pair in pairs):
             raise InputError("CollisionFree: srdf= is the path of an SRDF, or pairs of names of links.")
         object.__setattr__(self, "srdf", pairs)
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own_fields
+from robotraj.dynamics.point import AnyPoint
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
@@ -99,7 +100,7 @@ class Integral(Term):
         return ((1.0, self),)
 
     @abstractmethod
-    def rate(self, point: Any) -> Scalar:
+    def rate(self, point: AnyPoint) -> Scalar:
         """Integrand at a point, a scalar."""
 
 
@@ -112,5 +113,5 @@ class EndCost(Term):
         return ((1.0, self),)
 
     @abstractmethod
-    def value(self, start: Any, end: Any) -> Scalar:
+    def value(self, start: AnyPoint, end: AnyPoint) -> Scalar:
         """Cost of the two end points, a scalar."""

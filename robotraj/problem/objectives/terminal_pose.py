@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -50,7 +50,7 @@ class TerminalPose(EndCost):
         """Weighted squared distance."""
         view = end.frame(self.frame)
         position, rotation = target_of(self.pose, self._what)
-        gap: Any = sum((view.position[i] - float(position[i])) ** 2 for i in range(3))
+        gap: Scalar = sum((view.position[i] - float(position[i])) ** 2 for i in range(3))
         if rotation is None:
             return self.position_weight * gap
         trace = sum(float(rotation[i, j]) * view.rotation[i, j] for i in range(3) for j in range(3))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -14,6 +14,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.variable import Column, Scalar
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.reference_motion import ReferenceSolution, symbolic_states
@@ -86,7 +87,7 @@ class Tracking(Integral):
         if rate.is_zero():
             raise InputError("Tracking weighs nothing; give a weight above 0.")
 
-    def _robot_entries(self, point: RobotPoint) -> list[tuple[str, Any, list[float]]]:
+    def _robot_entries(self, point: RobotPoint) -> list[tuple[str, Column | Sequence[Scalar], list[float]]]:
         robot = point.robot
         q = (0.0 if self.frames or np.any(self._array(self.v)) else 1.0) if self.q is None else self.q
         entries = [
@@ -101,12 +102,12 @@ class Tracking(Integral):
     def _array(weights: WeightsLike) -> ArrayLike:
         return list(weights.values()) if isinstance(weights, Mapping) else np.ravel(0.0 if weights is None else weights)
 
-    def _system_entries(self, point: Point) -> list[tuple[str, Any, list[float]]]:
+    def _system_entries(self, point: Point) -> list[tuple[str, Column | Sequence[Scalar], list[float]]]:
         names = list(point.x)
         weights = weights_of(self.states, names, "Tracking(states)")
         return [(name, [point.x[name]], [w]) for name, w in zip(names, weights, strict=True) if w]
 
-    def _at(self, t: ca.SX, names: Sequence[str], robot: Robot | None) -> Mapping[str, Any]:
+    def _at(self, t: ca.SX, names: Sequence[str], robot: Robot | None) -> Mapping[str, object]:
         if callable(self.reference):
             given = called("reference of Tracking", self.reference, t)
             if not isinstance(given, Mapping):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import trimesh
@@ -34,7 +33,7 @@ def read_mesh(path: str) -> tuple[Part, ...]:
         ``color`` is None where the file carries no material. Empty if nothing in the file is a triangle.
     """
     scene = trimesh.load_scene(Path(path))
-    pieces: list[tuple[NDArray[Any], NDArray[Any], Color | None]] = []
+    pieces: list[tuple[NDArray[np.float64], NDArray[np.integer], Color | None]] = []
     for node in scene.graph.nodes_geometry:
         transform, name = scene.graph[node]
         mesh = scene.geometry[name]
@@ -49,7 +48,7 @@ def read_mesh(path: str) -> tuple[Part, ...]:
     return merge_by_color(pieces)
 
 
-def _colors(mesh: trimesh.Trimesh) -> list[tuple[Color | None, Any]]:
+def _colors(mesh: trimesh.Trimesh) -> list[tuple[Color | None, NDArray[np.bool_] | slice]]:
     """Return the colours of a mesh, each with its faces (a mask or slice)."""
     visual, everything = mesh.visual, slice(None)
     if not visual.defined:
@@ -63,7 +62,7 @@ def _colors(mesh: trimesh.Trimesh) -> list[tuple[Color | None, Any]]:
     return [(_color(c), index.ravel() == i) for i, c in enumerate(distinct)]
 
 
-def _material_color(material: Any) -> Color | None:
+def _material_color(material: trimesh.visual.material.Material) -> Color | None:
     """Read the base colour of a material, times the mean of its texture; None if the file gave none."""
     image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
     if image is None and isinstance(material, trimesh.visual.material.SimpleMaterial) and not material.kwargs:
@@ -74,7 +73,7 @@ def _material_color(material: Any) -> Color | None:
     return _color(rgba)
 
 
-def _color(rgba: NDArray[Any]) -> Color:
+def _color(rgba: NDArray[np.generic]) -> Color:
     """Round a colour of 0 to 255 to 8 bits and scale it to [0, 1]; none left is an error in the file."""
     red, green, blue, opacity = (float(np.rint(c)) / 255.0 for c in rgba)
     return (red, green, blue, opacity if opacity > 0.0 else 1.0)

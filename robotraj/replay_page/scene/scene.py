@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Any
 
 import meshcat
 import numpy as np
@@ -124,7 +123,7 @@ def tip_frame(model: pin.Model) -> str:
 
 
 def _description(
-    model: pin.Model, motion: SceneMotion, paths: list[str], hull: Array, ground: GroundView, traces: list[Any]
+    model: pin.Model, motion: SceneMotion, paths: list[str], hull: Array, ground: GroundView, traces: Sequence[object]
 ) -> dict[str, object]:
     return {
         "joints": {model.names[j]: f"meshcat/{paths[j]}".split("/") for j in range(1, model.njoints)},

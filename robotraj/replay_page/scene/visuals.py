@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -65,7 +64,7 @@ def visuals_of(model: pin.Model, geometry: pin.GeometryModel | None) -> tuple[Vi
     return tuple(found) or skeleton(model)
 
 
-def _visual(thing: Any) -> Visual | None:
+def _visual(thing: pin.GeometryObject) -> Visual | None:
     placement = np.array(thing.placement.homogeneous)
     parts = _file_parts(thing.meshPath)
     if parts:

@@ -13,6 +13,7 @@ import numpy as np
 import umsgpack
 from meshcat.animation import AnimationTrack
 from meshcat.geometry import Geometry, Mesh, MeshPhongMaterial
+from numpy.typing import NDArray
 
 from robotraj.replay_page.scene.part import Color, Part
 
@@ -30,8 +31,8 @@ class RecordingWindow:
     """
 
     def __init__(self) -> None:
-        self.commands: list[dict[str, Any]] = []
-        self._seen: set[str] = set()
+        self.commands: list[dict[str, object]] = []
+        self._seen: set[object] = set()
 
     def send(self, command: Any) -> None:
         """Record one meshcat command."""
@@ -40,7 +41,7 @@ class RecordingWindow:
             data["object"]["geometries"] = [self._once(g) for g in data["object"].get("geometries", [])]
         self.commands.append(data)
 
-    def _once(self, geometry: dict[str, Any]) -> dict[str, Any]:
+    def _once(self, geometry: dict[str, object]) -> dict[str, object]:
         if geometry["uuid"] in self._seen:
             return {"uuid": geometry["uuid"], "type": "shared"}
         self._seen.add(geometry["uuid"])
@@ -64,7 +65,7 @@ class Surface(Geometry):
         content = hashlib.sha1(part.vertices.tobytes() + part.faces.tobytes(), usedforsecurity=False)
         self.uuid = str(uuid.UUID(bytes=content.digest()[:16]))
 
-    def lower(self, object_data: dict[str, Any]) -> dict[str, Any]:
+    def lower(self, object_data: dict[str, object]) -> dict[str, object]:
         """Describe the geometry in three.js's JSON, with binary arrays."""
         return {
             "uuid": self.uuid,
@@ -88,7 +89,7 @@ class PackedTrack(AnimationTrack):
     values : (k, 3) or (k, 4)
     """
 
-    def lower(self) -> dict[str, Any]:
+    def lower(self) -> dict[str, object]:
         """Describe the track in three.js's JSON, with binary arrays."""
         return {"name": f".{self.name}", "type": self.jstype} | {
             key: umsgpack.Ext(0x17, np.asarray(values, dtype=np.float32).tobytes("C"))
@@ -96,7 +97,7 @@ class PackedTrack(AnimationTrack):
         }
 
 
-def _array(values: Any, size: int) -> dict[str, Any]:
+def _array(values: NDArray[np.generic], size: int) -> dict[str, object]:
     kind, code = _EXTENSIONS[values.dtype.name]
     return {
         "itemSize": size,

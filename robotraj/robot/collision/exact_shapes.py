@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import coal
 import numpy as np
@@ -31,7 +31,7 @@ class ExactShape(NamedTuple):
     """
 
     label: str
-    geometry: Any
+    geometry: coal.CollisionGeometry
     joint: int
     placement: pin.SE3
 
@@ -71,13 +71,13 @@ def touching_links(robot: Robot, q: Array) -> list[str]:
     return list(dict.fromkeys(f"{own[i].label} and {own[j].label}" for i, j in kept))
 
 
-def _places(robot: Robot, data: pin.Data, shapes: Sequence[ExactShape], q: Array) -> list[Any]:
+def _places(robot: Robot, data: pin.Data, shapes: Sequence[ExactShape], q: Array) -> list[coal.Transform3s]:
     pin.forwardKinematics(robot.model, data, q)
     placed = (data.oMi[shape.joint] * shape.placement for shape in shapes)
     return [coal.Transform3s(place.rotation, place.translation) for place in placed]
 
 
-def _touch(shapes: Sequence[ExactShape], places: Sequence[Any], i: int, j: int) -> bool:
+def _touch(shapes: Sequence[ExactShape], places: Sequence[coal.Transform3s], i: int, j: int) -> bool:
     found = coal.CollisionResult()
     request = coal.CollisionRequest()
     return bool(coal.collide(shapes[i].geometry, places[i], shapes[j].geometry, places[j], request, found))

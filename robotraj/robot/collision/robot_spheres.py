@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
+import pinocchio as pin
 
 from robotraj._util.late import cached_property
 from robotraj._util.printing import OneLine
@@ -161,7 +162,7 @@ def _made(robot: Robot, disabled: Collection[tuple[str, str]]) -> RobotSpheres:
     return replace(every, link_pairs=numbers[kept])
 
 
-def spheres_of(shape: Any) -> tuple[Array, Array, float, float]:
+def spheres_of(shape: pin.GeometryObject) -> tuple[Array, Array, float, float]:
     """Return centres and radii in the shape's axes, the protrusion [m] and the excess volume of one shape."""
     geometry, name = shape.geometry, shape.name
     kind = type(geometry).__name__

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from robotraj._util.errors import InputError
+
+if TYPE_CHECKING:
+    import coal
 
 Array = npt.NDArray[np.float64]
 
@@ -15,7 +18,7 @@ SIDES = 24
 """Sides of the prism around a cylinder."""
 
 
-def triangles_of(shape: Any, name: str) -> Array:
+def triangles_of(shape: coal.CollisionGeometry, name: str) -> Array:
     """Return triangles (f, 3, 3) [m] in the axes of a coal shape, a box, cylinder, cone, ellipsoid or mesh.
 
     Raises

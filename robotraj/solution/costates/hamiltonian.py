@@ -9,8 +9,6 @@ a row is active, it is measured from its bound and vanishes.
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
@@ -100,7 +98,7 @@ class Hamiltonian(OneLine):
         values = [ca.densify(value) for value in outputs.values()]
         return ca.Function("hamiltonian", list(self.symbols.values()), values, list(ARGUMENTS), list(outputs))
 
-    def __call__(self, **columns: Any) -> dict[str, Array]:
+    def __call__(self, **columns: Array) -> dict[str, Array]:
         """Evaluate at m times, arguments (m, n): H (m,) without eta' h of path rows, gradients ``by_x`` ... (m, n).
 
         ``size`` and ``size_by_u`` are the magnitudes of the terms of H and of ``by_u``, added up.

@@ -6,16 +6,19 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
+from robotraj.robot.robot import Robot
 from robotraj.solution.feedback.linearisation import Linearisation
 from robotraj.solution.feedback.riccati import backwards, transition
+from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.sample import Times
 
-Array = np.ndarray[Any, np.dtype[np.float64]]
+Array = NDArray[np.float64]
 
 BANDWIDTH = 20.0
 """Rate [1/s] at which the feedback brings a deviation back: above the fall of a small robot, below a drive's."""
@@ -31,7 +34,7 @@ class PlanLike(Protocol):
     """What the gains read of a solution."""
 
     @property
-    def phases(self) -> Sequence[Any]:
+    def phases(self) -> Sequence[PhaseSolution]:
         """Phases in the order they are moved through."""
 
 
@@ -141,12 +144,14 @@ def gains_of(solution: PlanLike) -> Gains:
         A phase moves a System, its robot has no motors or other joints than the phase before, or its linearisation is
         not finite: phase and time are named.
     """
-    robots = [planned.phase.robot for planned in solution.phases]
-    for planned, robot in zip(solution.phases, robots, strict=True):
+    robots: list[Robot] = []
+    for planned in solution.phases:
+        robot = planned.phase.robot
         if robot is None:
             raise InputError(f"Phase {planned.phase.name!r} moves an rt.System; gains are found for robots.")
         if not robot.actuated:
             raise InputError(f"The robot of phase {planned.phase.name!r} has no motors; there is nothing to feed back.")
+        robots.append(robot)
         if tuple(robot.velocity_names) != tuple(robots[0].velocity_names):
             raise InputError(f"Phase {planned.phase.name!r} has other joints than the first; gains need the same ones.")
     parts = [_pieces(planned) for planned in solution.phases]
@@ -170,7 +175,7 @@ def gains_of(solution: PlanLike) -> Gains:
     )
 
 
-def _pieces(planned: Any) -> _Pieces:
+def _pieces(planned: PhaseSolution) -> _Pieces:
     """Cut the intervals of a phase into short pieces and linearise each in its middle."""
     robot = realised(planned)
     linearisation = Linearisation(robot, planned.phase.bound_contacts)
@@ -183,6 +188,7 @@ def _pieces(planned: Any) -> _Pieces:
     places = [a + (b - a) * (np.arange(n) + 0.5) / n for (_, a, b), n in zip(spans, counts, strict=True)]
     middles = np.concatenate(places)
     sample = planned.at(middles, interval=np.repeat([k for k, _, _ in spans], counts))
+    assert sample.q is not None and sample.v is not None and sample.tau is not None
     for t, length, q, v, tau in zip(middles, lengths, sample.q, sample.v, sample.tau, strict=True):
         rate, push, consistent = _linear(linearisation, q, v, tau, planned.phase.name, float(t))
         step, inputs = transition(rate, push, length)

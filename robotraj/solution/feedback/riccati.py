@@ -10,11 +10,11 @@ Differential Equations II (1996), section IV.3.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-Array = np.ndarray[Any, np.dtype[np.float64]]
+Array = NDArray[np.float64]
 
 
 def transition(rate: Array, push: Array, duration: float) -> tuple[Array, Array]:

@@ -14,7 +14,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +27,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.settings import Settings
 from robotraj.solution.storage.classes import complaint
-from robotraj.solution.storage.codec import REFUSALS, Damaged, NotPlainData, Packer, Unpacker
+from robotraj.solution.storage.codec import REFUSALS, Damaged, Json, NotPlainData, Packer, Unpacker
 from robotraj.solution.storage.entries import read_entries
 from robotraj.solution.storage.problems import OtherProblem, check_fit, pack_problem, unpack_problem
 
@@ -58,7 +57,7 @@ class Contents(OneLine):
 
     problem: Problem
     phases: Sequence[PhaseSolution]
-    facts: Mapping[str, Any]
+    facts: Mapping[str, Json]
     settings: Settings | None
 
 
@@ -172,7 +171,7 @@ def _plain(part: PhaseSolution) -> dict[str, object]:
     return {entry.name: getattr(part, entry.name) for entry in fields(part) if entry.name != "phase"}
 
 
-def _packed_settings(settings: Settings | None, packer: Packer) -> Any:
+def _packed_settings(settings: Settings | None, packer: Packer) -> Json:
     """Write settings; None where a solver or another of them, defined elsewhere, is not plain data."""
     try:
         return packer.pack(settings, "settings")
@@ -197,7 +196,7 @@ def _existing(source: Path) -> Path:
     raise InputError(f"There is no file {str(source)!r}; {ADVICE}")
 
 
-def _arrays(source: Path) -> dict[str, NDArray[Any]]:
+def _arrays(source: Path) -> dict[str, NDArray[np.generic]]:
     """Read all entries of the file, and check that it is one of ours."""
     try:
         arrays = read_entries(source)
@@ -216,7 +215,7 @@ def _arrays(source: Path) -> dict[str, NDArray[Any]]:
     return arrays
 
 
-def _json(arrays: Mapping[str, NDArray[Any]], name: str) -> Any:
+def _json(arrays: Mapping[str, NDArray[np.generic]], name: str) -> Json:
     """Read an entry of JSON; numbers that are not finite are no JSON."""
     if name not in arrays or arrays[name].dtype.kind != "U" or arrays[name].shape != ():
         raise Damaged(f"there is no text {name!r}")
@@ -230,7 +229,7 @@ def _json(arrays: Mapping[str, NDArray[Any]], name: str) -> Any:
     return data
 
 
-def _text(data: Any) -> NDArray[Any]:
+def _text(data: Json) -> NDArray[np.generic]:
     return np.array(json.dumps(data, allow_nan=False))
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeAlias, TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -26,7 +26,13 @@ MARK = "$"
 DEPTH = 60
 """Largest number of values inside each other."""
 
-Arrays = Mapping[str, NDArray[Any]]
+T = TypeVar("T")
+
+Arrays = Mapping[str, NDArray[np.generic]]
+
+
+Json: TypeAlias = Any
+"""JSON as ``json.loads`` returns it; who reads it checks it entry by entry."""
 
 
 class NotPlainData(InputError):
@@ -41,9 +47,9 @@ class Packer:
     """Turns values into JSON; arrays are collected in ``arrays``, named by their places."""
 
     def __init__(self) -> None:
-        self.arrays: dict[str, NDArray[Any]] = {}
+        self.arrays: dict[str, NDArray[np.generic]] = {}
 
-    def pack(self, value: object, path: str) -> Any:
+    def pack(self, value: object, path: str) -> Json:
         """Return a value as JSON.
 
         Parameters
@@ -65,7 +71,7 @@ class Packer:
                 del self.arrays[name]
             raise
 
-    def _pack(self, value: object, path: str) -> Any:
+    def _pack(self, value: object, path: str) -> Json:
         if value is None or isinstance(value, str):
             return value
         if isinstance(value, bool | np.bool_):
@@ -86,27 +92,28 @@ class Packer:
             return self._dataclass(value, path)
         return self._foreign(value, path)
 
-    def _store(self, path: str, array: NDArray[Any]) -> str:
+    def _store(self, path: str, array: NDArray[np.generic]) -> str:
         if array.dtype.kind not in "biufU":
             raise NotPlainData(f"{path} is an array of {array.dtype}, which files do not hold.")
         self.arrays[path] = array
         return path
 
-    def _mapping(self, value: Mapping[Any, object], path: str) -> dict[str, Any]:
+    def _mapping(self, value: Mapping[str, object], path: str) -> dict[str, Json]:
         for key in value:
             if not isinstance(key, str) or key.startswith(MARK):
                 raise NotPlainData(f"{path} has the key {key!r}; keys in files are names that do not start with $.")
         return {key: self._pack(entry, f"{path}.{key}") for key, entry in value.items()}
 
-    def _sequence(self, value: Sequence[Any], path: str) -> Any:
+    def _sequence(self, value: Sequence[object], path: str) -> Json:
         mark = "$list" if isinstance(value, list) else "$tuple"
-        if _alike(value):
+        arrays = _alike(value)
+        if arrays:
             # Hundreds of small arrays, one for each interval, are stored as one.
-            joined = self._store(path, np.concatenate(value))
-            return {"$arrays": joined, "lengths": [len(part) for part in value], "as": mark}
+            joined = self._store(path, np.concatenate(arrays))
+            return {"$arrays": joined, "lengths": [len(part) for part in arrays], "as": mark}
         return {mark: [self._pack(entry, f"{path}.{i}") for i, entry in enumerate(value)]}
 
-    def _dataclass(self, value: Any, path: str) -> dict[str, Any]:
+    def _dataclass(self, value: Any, path: str) -> dict[str, Json]:
         name = self._listed(type(value), CLASSES, path)
         kept = [field.name for field in fields(value) if field.init and field.name not in NOT_KEPT.get(name, ())]
         return {"$class": name, "fields": {key: self._pack(getattr(value, key), f"{path}.{key}") for key in kept}}
@@ -116,7 +123,7 @@ class Packer:
             raise NotPlainData(f"{path} is a {kind.__name__}, a class that files do not hold.")
         return kind.__name__
 
-    def _foreign(self, value: object, path: str) -> Any:
+    def _foreign(self, value: object, path: str) -> Json:
         if isinstance(value, Path):
             return {"$path": str(value.absolute())}
         if isinstance(value, pin.Model):
@@ -177,13 +184,13 @@ class Unpacker:
             _damaged(place, f"the mark {mark!r}")
         return read(self, data[mark], data, place, depth + 1)
 
-    def _entries(self, content: object, data: Mapping[str, object], place: str, depth: int) -> Any:
+    def _entries(self, content: object, data: Mapping[str, object], place: str, depth: int) -> object:
         if not isinstance(content, list):
             _damaged(place, "a list that is none")
         entries = [self.unpack(entry, f"{place}.{i}", depth) for i, entry in enumerate(content)]
         return entries if "$list" in data else tuple(entries)
 
-    def _arrays(self, content: object, data: Mapping[str, object], place: str, depth: int) -> Any:
+    def _arrays(self, content: object, data: Mapping[str, object], place: str, depth: int) -> object:
         joined, lengths = self._array(content, data, place, depth), data.get("lengths")
         if not isinstance(lengths, list) or not all(type(n) is int and n >= 0 for n in lengths):
             _damaged(place, "lengths that are no whole numbers")
@@ -192,13 +199,13 @@ class Unpacker:
         parts = np.split(joined, np.cumsum(lengths)[:-1])
         return parts if data.get("as") == "$list" else tuple(parts)
 
-    def _array(self, content: object, data: Mapping[str, object], place: str, depth: int) -> NDArray[Any]:
+    def _array(self, content: object, data: Mapping[str, object], place: str, depth: int) -> NDArray[np.generic]:
         found = self._stored.get(content) if isinstance(content, str) else None
         if found is None:
             _damaged(place, f"the missing entry {content!r}")
         return found
 
-    def _class(self, content: object, data: Mapping[str, object], place: str, depth: int) -> Any:
+    def _class(self, content: object, data: Mapping[str, object], place: str, depth: int) -> object:
         kind = CLASSES.get(content) if isinstance(content, str) else None
         if kind is None:
             raise NotPlainData(f"{place} is a {str(content)[:80]}, a class that is not made from files")
@@ -242,13 +249,15 @@ class Unpacker:
         coefficients = self._shaped(content, data, place, (4,))
         return _made(lambda: pin.Quaternion(coefficients), place)
 
-    def _shaped(self, content: object, data: Mapping[str, object], place: str, shape: tuple[int, ...]) -> NDArray[Any]:
+    def _shaped(
+        self, content: object, data: Mapping[str, object], place: str, shape: tuple[int, ...]
+    ) -> NDArray[np.generic]:
         array = self._array(content, data, place, 0)
         if array.shape != shape or array.dtype != np.float64 or not np.isfinite(array).all():
             _damaged(place, f"an array of the shape {array.shape} where finite numbers of the shape {shape} belong")
         return array
 
-    _READERS: Mapping[str, Callable[..., Any]] = {
+    _READERS: Mapping[str, Callable[..., object]] = {
         "$list": _entries,
         "$tuple": _entries,
         "$arrays": _arrays,
@@ -278,7 +287,7 @@ REFUSALS = (
 """What classes raise that are made from wrong values."""
 
 
-def _made(make: Callable[[], Any], place: str) -> Any:
+def _made(make: Callable[[], T], place: str) -> T:
     """Make a value; whatever refuses becomes one error that names the place."""
     try:
         return make()
@@ -292,8 +301,8 @@ def _damaged(place: str, found: str) -> NoReturn:
     raise Damaged(f"{place} holds {found}")
 
 
-def _alike(values: Sequence[Any]) -> bool:
-    """Whether these are arrays that can be joined along their first axis."""
-    if not values or not all(isinstance(value, np.ndarray) and value.ndim > 0 for value in values):
-        return False
-    return len({(value.shape[1:], value.dtype) for value in values}) == 1
+def _alike(values: Sequence[object]) -> list[NDArray[np.generic]]:
+    """Return the values where all are arrays that can be joined along their first axis, else an empty list."""
+    arrays = [value for value in values if isinstance(value, np.ndarray) and value.ndim > 0]
+    joinable = len(arrays) == len(values) and len({(array.shape[1:], array.dtype) for array in arrays}) == 1
+    return arrays if joinable else []

@@ -8,7 +8,6 @@ from io import BytesIO
 from math import prod
 from pathlib import Path
 from tokenize import TokenError
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +28,7 @@ class Unreadable(InputError):
     """An entry that is damaged or too large; the message names it."""
 
 
-def read_entries(source: Path) -> dict[str, NDArray[Any]]:
+def read_entries(source: Path) -> dict[str, NDArray[np.generic]]:
     """Read all arrays of an ``.npz`` file.
 
     Raises
@@ -55,7 +54,7 @@ def read_entries(source: Path) -> dict[str, NDArray[Any]]:
         raise Unreadable(f"it is no whole archive: {error}") from error
 
 
-def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[Any]:
+def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[np.generic]:
     try:
         # No more is unpacked than the entry claims.
         with archive.open(info) as file:
@@ -77,7 +76,7 @@ def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[Any]:
         raise Unreadable(f"its entry {info.filename[:80]!r} is damaged: {error}") from error
 
 
-def _array(data: bytes) -> NDArray[Any]:
+def _array(data: bytes) -> NDArray[np.generic]:
     """Read an ``.npy`` file whose header claims exactly the numbers that follow it."""
     file = BytesIO(data)
     version = np.lib.format.read_magic(file)

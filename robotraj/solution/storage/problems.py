@@ -20,7 +20,7 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.loading.geometry import unread_shapes
 from robotraj.robot.robot import Robot
 from robotraj.solution.storage.classes import complaint
-from robotraj.solution.storage.codec import Damaged, NotPlainData, Packer, Unpacker
+from robotraj.solution.storage.codec import Damaged, Json, NotPlainData, Packer, Unpacker
 from robotraj.solution.storage.shapes import pack_robot, with_shapes
 
 T = TypeVar("T")
@@ -36,7 +36,7 @@ NAME = 200
 GROUPS = ("states", "algebraic", "controls")
 
 
-def pack_problem(problem: Problem, packer: Packer) -> dict[str, Any]:
+def pack_problem(problem: Problem, packer: Packer) -> dict[str, Json]:
     """Write a problem; ``"left_out"`` lists what could not be written."""
     left_out: list[str] = list(problem.missing)
     robots: list[Robot] = []
@@ -56,7 +56,7 @@ def pack_problem(problem: Problem, packer: Packer) -> dict[str, Any]:
     }
 
 
-def unpack_problem(data: Mapping[str, Any], unpacker: Unpacker) -> tuple[Problem, list[str]]:
+def unpack_problem(data: Mapping[str, Json], unpacker: Unpacker) -> tuple[Problem, list[str]]:
     """Make the problem again, as far as it was written; also return the names of its missing parts."""
     left_out = [str(name)[:NAME] for name in _part(data, "left_out", list, "problem")]
     robots = [_robot(robot, i, unpacker) for i, robot in enumerate(_part(data, "robots", list, "problem"))]
@@ -87,7 +87,7 @@ def _robot(data: object, number: int, unpacker: Unpacker) -> Robot:
     return with_shapes(robot)
 
 
-def check_fit(problem: Problem, data: Mapping[str, Any], name: str) -> None:
+def check_fit(problem: Problem, data: Mapping[str, Json], name: str) -> None:
     """Raise OtherProblem unless the file's trajectories belong to a problem of these phases and variables."""
     phases = _part(data, "phases", list, "problem")
     if len(problem.phases) != len(phases):
@@ -105,7 +105,7 @@ def check_fit(problem: Problem, data: Mapping[str, Any], name: str) -> None:
                 )
 
 
-def _pack_field(phase: Phase, name: str, packer: Packer, path: str) -> Any:
+def _pack_field(phase: Phase, name: str, packer: Packer, path: str) -> Json:
     """Write a field without which a phase is another; a contact's ground may be a Python function, which cannot be."""
     try:
         return packer.pack(getattr(phase, name), path)
@@ -120,7 +120,7 @@ def _pack_field(phase: Phase, name: str, packer: Packer, path: str) -> Any:
         ) from error
 
 
-def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left_out: list[str]) -> dict[str, Any]:
+def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left_out: list[str]) -> dict[str, Json]:
     whose = f"of phase {phase.name!r}"
     system = phase.system
     if system is not None:
@@ -149,7 +149,7 @@ def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left
 
 
 def _unpack_phase(
-    data: Mapping[str, Any], number: int, robots: Sequence[Robot], unpacker: Unpacker, left_out: list[str]
+    data: Mapping[str, Json], number: int, robots: Sequence[Robot], unpacker: Unpacker, left_out: list[str]
 ) -> Phase:
     place = f"problem.phases.{number}"
     stored = _part(data, "fields", dict, place)
@@ -176,7 +176,7 @@ def _unpack_phase(
         return Phase(**given)
 
 
-def _system(name: str, variables: Mapping[str, Any], place: str) -> System:
+def _system(name: str, variables: Mapping[str, Json], place: str) -> System:
     """Make a System of the right variables, whose equations raise an error that names them as missing."""
     groups = {}
     for group in GROUPS:
@@ -196,8 +196,8 @@ def _system(name: str, variables: Mapping[str, Any], place: str) -> System:
 
 
 def _pack_each(
-    values: Sequence[Any], packer: Packer, path: str, described: str, left_out: list[str]
-) -> list[dict[str, Any]]:
+    values: Sequence[object], packer: Packer, path: str, described: str, left_out: list[str]
+) -> list[dict[str, Json]]:
     """Write what can be written, each with its name for people; name the others in ``left_out``."""
     written = []
     for i, value in enumerate(values):
@@ -209,7 +209,7 @@ def _pack_each(
     return written
 
 
-def _unpack_each(data: Sequence[Mapping[str, Any]], unpacker: Unpacker, left_out: list[str], place: str) -> list[Any]:
+def _unpack_each(data: Sequence[Mapping[str, Json]], unpacker: Unpacker, left_out: list[str], place: str) -> list[Any]:
     values = []
     for i, entry in enumerate(data):
         name = _part(entry, "name", str, f"{place}.{i}")[:NAME]

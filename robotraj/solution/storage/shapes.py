@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
-from typing import Any
 
 from robotraj._util.errors import UnknownName
 from robotraj.robot.known_robots.catalogue import catalogue, find
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.robot import Robot
-from robotraj.solution.storage.codec import NotPlainData, Packer
+from robotraj.solution.storage.codec import Json, NotPlainData, Packer
 
 
-def pack_robot(robot: Robot, packer: Packer, path: str) -> tuple[Any, list[str]]:
+def pack_robot(robot: Robot, packer: Packer, path: str) -> tuple[Json, list[str]]:
     """Write a robot; shapes that are not plain data are not written, but named."""
     try:
         return packer.pack(robot, path), []

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import product
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple, cast
 
 import coal
 import numpy as np
@@ -59,7 +59,7 @@ class _Shape(NamedTuple):
     """A shape that a joint carries, or an obstacle in the world."""
 
     label: str
-    geometry: Any
+    geometry: coal.CollisionGeometry
     joint: int
     placement: pin.SE3
     obstacle: Obstacle | None = None
@@ -150,7 +150,7 @@ def _pairs(robot: Robot, free: CollisionFree) -> tuple[list[_Shape], list[tuple[
     return shapes, pairs
 
 
-def _places(robot: Robot, data: pin.Data, shapes: Sequence[_Shape], q: Array, t: float) -> list[Any]:
+def _places(robot: Robot, data: pin.Data, shapes: Sequence[_Shape], q: Array, t: float) -> list[coal.Transform3s]:
     pin.forwardKinematics(robot.model, data, q)
     places = []
     for shape in shapes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import fields
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -59,7 +60,7 @@ class Disturbances:
         """Return disturbances of ``factor`` times the size, the delay included."""
         return Disturbances(**{entry.name: factor * getattr(self, entry.name) for entry in fields(self)})
 
-    def of_model(self, mujoco: Any, model: Any, rng: np.random.Generator) -> Any:
+    def of_model(self, mujoco: ModuleType, model: Any, rng: np.random.Generator) -> Any:
         """Return a copy of a MuJoCo model with other masses, inertias and friction."""
         other = copy.copy(model)
         factors = np.exp(self.mass * rng.standard_normal(model.nbody))

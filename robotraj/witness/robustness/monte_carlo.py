@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -205,7 +206,7 @@ class _Loop:
         self.effort = np.array(efforts)[owner]
 
     def run(
-        self, mujoco: Any, plant: MujocoRobot, drawn: Disturbances, rng: np.random.Generator
+        self, mujoco: ModuleType, plant: MujocoRobot, drawn: Disturbances, rng: np.random.Generator
     ) -> tuple[Array, float]:
         """Return the largest deviation at every time, (m,), and the largest share of a reserve that was asked for."""
         model = drawn.of_model(mujoco, plant.model, rng)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row
+from robotraj.dynamics.variable import Column
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 
 if TYPE_CHECKING:
@@ -97,11 +98,11 @@ def perpendicular(direction: Array) -> Array:
     return np.array([first, np.cross(direction, first)])
 
 
-def dot(numbers: Array, values: Any) -> Any:
+def dot(numbers: Array, values: Column | Sequence[Scalar]) -> Scalar:
     """Return the sum of the products of three numbers and three values, symbolic or numeric."""
     return sum(float(n) * values[i] for i, n in enumerate(numbers) if n != 0.0)
 
 
-def turned(rotation: Any, axis: Array) -> list[Any]:
+def turned(rotation: Column, axis: Array) -> list[Scalar]:
     """Return R e (3,) for a rotation matrix (3, 3), symbolic or numeric."""
     return [sum(rotation[i, j] * float(e) for j, e in enumerate(axis) if e != 0.0) for i in range(3)]
