@@ -33,8 +33,11 @@ SAFETY = 0.25
 """Share of the tolerance that the next mesh should reach."""
 LEAST_GROWTH = 1.1
 """Growth of every mesh: on almost as many intervals no change of the objective could be judged."""
-HALVED = 2.0
-"""Parts of an interval on which a path row is violated between the collocation points."""
+HALVED, NEARLY = 2.0, 0.3
+"""Parts of an interval on which a path row is violated between the collocation points, and of those beside it.
+
+Knots move with the number of intervals: what is violated near one end may come to lie in the next interval.
+"""
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,10 @@ class Equidistribute(Refinement):
         orders = np.array([error_order(scheme) for scheme in mesh.schemes], dtype=float)
         parts = (assessment.errors / (SAFETY * tolerance)) ** (1.0 / orders)
         parts = np.where(assessment.errors > tolerance, np.maximum(parts, 1.0), 1.0)
-        parts = np.maximum(parts, np.where(assessment.broken > self.path, HALVED, 1.0))
+        broken = np.append(0.0, np.append(assessment.broken, 0.0))
+        beside = np.maximum(broken[1:-1], np.maximum(broken[:-2], broken[2:]))
+        violated = NEARLY * self.path if broken.max() > self.path else np.inf
+        parts = np.maximum(parts, np.where(beside > violated, HALVED, 1.0))
         parts = np.clip(parts, assessment.growth, self.most)
         if parts.max() <= 1.0:
             return mesh
