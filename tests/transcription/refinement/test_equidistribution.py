@@ -66,3 +66,11 @@ def test_intervals_keep_the_scheme_of_their_place() -> None:
 def test_what_refines_nothing_is_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(rt.InputError, match=next(iter(wrong))):
         rt.refinement.Equidistribute(**wrong)
+
+
+def test_intervals_beside_a_violated_one_are_halved_with_it() -> None:
+    """Where knots move, the place of the violation may come to lie in the next interval."""
+    assessment = seen([0.0] * 8)
+    assessment.broken[3] = 1.0
+    refined = rt.refinement.Equidistribute().refine(rt.Mesh(8), assessment, TOLERANCE)
+    assert refined.knots == pytest.approx([0, 1 / 8, *np.arange(4, 11) / 16, 6 / 8, 7 / 8, 1], abs=1e-9)
