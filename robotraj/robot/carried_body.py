@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass, own_fields
 from robotraj.robot.robot import Robot
@@ -35,12 +36,19 @@ class CarriedBody:
 
     def __post_init__(self) -> None:
         own_fields(self)
-        if not 0.0 < self.mass < np.inf:
-            raise InputError(f"The body at {self.frame!r} has the mass {self.mass} kg; it must be above 0.")
-        if np.shape(self.center_of_mass) != (3,) or not np.isfinite(self.center_of_mass).all():
-            raise InputError(f"The body at {self.frame!r} needs a centre of mass (3,); got {self.center_of_mass!r}.")
-        if self.inertia is not None and np.shape(self.inertia) not in ((3,), (3, 3)):
-            raise InputError(f"The inertia of the body at {self.frame!r} has shape (3,) or (3, 3).")
+        if not (is_number(self.mass) and 0.0 < self.mass < np.inf):
+            raise InputError(
+                f"The body at {self.frame!r} has the mass {self.mass!r} kg; it must be finite and above 0."
+            )
+        if not _is_finite(self.center_of_mass, (3,)):
+            raise InputError(
+                f"The body at {self.frame!r} needs a centre of mass of 3 numbers; got {self.center_of_mass!r}."
+            )
+        if self.inertia is not None and not _is_finite(self.inertia, (3,), (3, 3)):
+            raise InputError(
+                f"The inertia of the body at {self.frame!r} has finite numbers of shape (3,) or (3, 3); "
+                f"got {self.inertia!r}."
+            )
 
     @property
     def spatial_inertia(self) -> pin.Inertia:
@@ -61,6 +69,15 @@ class CarriedBody:
                 "none exceeds the sum of the others."
             )
         return pin.Inertia(float(self.mass), np.array(self.center_of_mass, dtype=float), matrix)
+
+
+def _is_finite(given: object, *shapes: tuple[int, ...]) -> bool:
+    """Whether a value holds finite numbers in one of some shapes."""
+    try:
+        array = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        return False
+    return array.shape in shapes and bool(np.isfinite(array).all())
 
 
 def carrying(robot: Robot, *bodies: CarriedBody) -> Robot:

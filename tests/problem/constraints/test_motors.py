@@ -95,6 +95,13 @@ def test_one_motion_serves_every_payload(arm, tmp_path):
     ("make", "words"),
     [
         (lambda: rt.robot.CarriedBody("tool0", -1.0), "above 0"),
+        (lambda: rt.robot.CarriedBody("tool0", "4 kg"), "mass '4 kg'"),
+        (lambda: rt.robot.CarriedBody("tool0", 1.0, (0.0, 0.1)), "3 numbers; got"),
+        (lambda: rt.robot.CarriedBody("tool0", 1.0, ("x", "y", "z")), "3 numbers; got"),
+        (lambda: rt.robot.CarriedBody("tool0", 1.0, inertia=(0.1, 0.1)), "shape"),
+        (lambda: rt.robot.CarriedBody("tool0", 1.0, inertia=(np.inf, 0.1, 0.1)), "finite"),
+        (lambda: rt.robot.CarriedBody("tool0", 1.0, inertia=np.full((3, 3), np.inf)), "finite"),
+        (lambda: rt.robot.CarriedBody("tool0", 1.0, inertia=("a", 0.1, 0.1)), "finite"),
         (lambda: rt.robot.CarriedBody("tool0", 1.0, inertia=(1.0, 0.1, 0.1)).spatial_inertia, "No rigid body"),
         (lambda: rt.robot.carrying(rt.load("ur5"), rt.robot.CarriedBody("universe", 1.0)), "does not move"),
     ],
